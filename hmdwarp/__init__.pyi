@@ -9,7 +9,7 @@ from .geometry import WarpMap as WarpMap
 from .geometry import inverse_depth_from_clip as inverse_depth_from_clip
 from .image.warper import WarpedImage as WarpedImage
 from .image.warper import Warper as Warper
-from .image.warping import warp_image as warp_image
+from .image.warper import warp_image as warp_image
 from .poses import PoseTrack as PoseTrack
 from .poses import load_trace as load_trace
 from .resources import __version__ as __version__

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hmdwarp.pipeline.client_scene
+import hmdwarp.client
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
 
-class ClientScene(hmdwarp.pipeline.client_scene.ClientScene):
+class ClientScene(hmdwarp.client.ClientScene):
     """What a replay hands to fills that draw for themselves."""
 
     def __init__(self, gpu, scene: str = "planes", cache=None) -> None:

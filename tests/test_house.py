@@ -56,18 +56,18 @@ APART = {
     "sources": {"headsets", "link"},
     "frames": {"gpu", "poses"},
     "link": {"gpu", "headsets", "scenes", "poses", "frames"},
-    "client": {"link", "poses", "sources"},
+    "client": {"link", "poses"},
     "metrics": {"client", "sources", "link"},
     "report": {"client", "link", "gpu"},
 }
 CLOCK_READERS = {
+    "client/arriving_scene.py",
     "gpu/timers.py",
-    "pipeline/arriving_scene.py",
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
     "pipeline/remote.py",
     "cli/machine/checks.py",
-    "study/store/clock.py",
+    "study/store/store_connection.py",
 }
 # Display: its clock is the one all live times are on.
 CLOCK_FOLDERS = ("cli/", "sources/feed/", "run/", "experiments/", "display/")
@@ -182,14 +182,12 @@ COMMANDS = "cli"  # a command's file carries the name of the command
 SAME_NAME = {
     "bench": "the package, and its pages in the report",
     "charts": "of each kind of page",
-    "formats": "of traces; of an export",
     "library": "the entries of a registry: metrics, scenes",
     "link": "the package and its class",
     "options": "those of each package; the package that declares them",
     "page": "each kind of page",
-    "parts": "of a server; of a page",
-    "power": "of a study, and its page in the report",
-    "prediction": "of a head; of ratings, and its page in the report",
+    "parts": "of a server; of a message of the feed",
+    "prediction": "of a head; of ratings",
     "rows": "of a trace file; of an export",
     "sources": "of frames; of a study's analysis",
     "store": "the package and its class",
@@ -240,14 +238,16 @@ def test_no_two_modules_differ_by_an_s():
     assert APART_BY_S.keys() <= apart, f"take out of APART_BY_S: {APART_BY_S.keys() - apart}"
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_imports_point_one_way(path):
-    unit = unit_of(path)
-    if unit == "":
-        assert "cli" not in imports_of(path)  # the public names come from below the command line
-    else:
-        wrong = forbidden(unit, imports_of(path))
-        assert not wrong, f"{name_of(path)} imports {sorted(wrong)}, which its part of the house may not know"
+def test_imports_point_one_way():
+    assert "cli" not in imports_of(PACKAGE / "__init__.py")  # the public names come from below the command line
+    wrong = {name_of(path): forbidden(unit, imports_of(path)) for path in modules() if (unit := unit_of(path))}
+    found = {name: sorted(units) for name, units in wrong.items() if units}
+    assert not found, f"these import what their part of the house may not know: {found}"
+
+
+def test_the_client_draws_by_passes_of_the_server_and_knows_no_other_source():
+    found = {other for path in modules() if unit_of(path) == "client" for other in files_imported(path)}
+    assert {name_of(path) for path in found if unit_of(path) == "sources"} == {"sources/server/__init__.py"}
 
 
 def test_import_rules_notice_what_they_forbid():
@@ -272,17 +272,20 @@ def strings_of(path: Path) -> list[tuple[int, str]]:
     ]
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_no_shader_text_in_python(path):
+def test_no_shader_text_in_python():
     """Shaders lie in shaders/, where tools find them and compiler messages point.
 
     Only the loader writes a version line.
     """
-    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(") + (
-        () if name_of(path) == "gpu/shaders.py" else ("#version ",)
-    )
-    found = [(line, mark) for line, text in strings_of(path) for mark in marks if mark in text]
-    assert not found, f"shader text in {name_of(path)}: {found}"
+    marks = ("void main", "gl_Position", "layout(local_size", "imageStore(", "#version ")
+    found = [
+        f"{name_of(path)}:{line}: {mark}"
+        for path in modules()
+        for line, text in strings_of(path)
+        for mark in marks
+        if mark in text and (name_of(path), mark) != ("gpu/shaders.py", "#version ")
+    ]
+    assert not found, f"shader text: {found}"
 
 
 PICTURES = re.compile(
@@ -309,9 +312,10 @@ def row_flips(tree: ast.AST) -> list[int]:
     return lines
 
 
-@pytest.mark.parametrize("path", [p for p in modules() if name_of(p) != "gpu/textures.py"], ids=name_of)
-def test_rows_flip_in_one_module_only(path):
-    assert not row_flips(tree_of(path)), f"{name_of(path)}: use gpu.textures (upload, download, flip_rows)"
+def test_rows_flip_in_one_module_only():
+    others = [path for path in modules() if name_of(path) != "gpu/textures.py"]
+    found = [f"{name_of(path)}:{line}" for path in others for line in row_flips(tree_of(path))]
+    assert not found, f"use gpu.textures (upload, download, flip_rows) in place of {found}"
 
 
 def test_row_flips_are_noticed():
@@ -343,14 +347,12 @@ def clock_reads(tree: ast.AST) -> list[int]:
     return lines
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_no_pass_reads_a_clock(path):
+def test_no_pass_reads_a_clock():
     """Time comes in as an argument, so that a replay is the same twice."""
-    name = name_of(path)
-    if name not in CLOCK_READERS and not name.startswith(CLOCK_FOLDERS):
-        assert not clock_reads(tree_of(path)), (
-            f"{name} reads a clock; only the drivers, the displays, the timers and the command line may"
-        )
+    others = [path for path in modules() if name_of(path) not in CLOCK_READERS]
+    others = [path for path in others if not name_of(path).startswith(CLOCK_FOLDERS)]
+    found = [f"{name_of(path)}:{line}" for path in others for line in clock_reads(tree_of(path))]
+    assert not found, f"only the drivers, the displays, the timers and the command line may read a clock: {found}"
 
 
 def test_clock_reads_are_noticed():
@@ -398,6 +400,47 @@ def exported_by(package: Path) -> dict[str, str]:
     return {alias.name: node.module for node in imports for alias in node.names}
 
 
+def private_names(source: str, package: tuple[str, ...], part: str) -> set[str]:
+    """What `source`, lying in `package`, takes from outside of `part` that no face exports.
+
+    A file beside the packages, such as errors.py, is its own face.
+    """
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        parts = (*package[: len(package) - node.level + 1], *(node.module or "").split("."))
+        if parts[1:2] == (part,) or len(parts) < 2:
+            continue
+        place = PACKAGE.parent.joinpath(*parts)
+        if place.is_dir():
+            known = exported_by(place)
+            found |= {".".join((*parts[1:], alias.name)) for alias in node.names if alias.name not in known}
+        elif len(parts) > 2:
+            found.add(".".join(parts[1:]))
+    return found
+
+
+@pytest.mark.parametrize("path", [p for p in modules() if unit_of(p) == "study"], ids=name_of)
+def test_study_takes_public_names_alone(path):
+    package = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)
+    wrong = private_names(path.read_text(encoding="utf-8"), package, "study")
+    assert not wrong, f"{name_of(path)}: take these from a package's face: {sorted(wrong)}"
+
+
+def test_private_names_are_noticed():
+    taken = "from ...run.options import LiveOptions\nfrom ...run import fit\nfrom ...errors import InputError\n"
+    own = "from ..store.records import Session\nfrom ...run import LiveOptions\n"
+    package = ("hmdwarp", "study", "session")
+    assert private_names(taken + own, package, "study") == {"run.options", "run.fit"}
+
+
+def test_study_stands_apart():
+    """Only the command line knows of studies."""
+    users = {unit_of(path) for path in modules() if "study" in imports_of(path)}
+    assert users == {"cli"}
+
+
 def test_tests_take_names_from_the_packages_that_export_them():
     """What a package exports is what its users import; a test of it imports it in the same way."""
     wrong = set()
@@ -415,9 +458,11 @@ def test_tests_take_names_from_the_packages_that_export_them():
 
 
 def test_no_files_import_each_other_in_a_circle():
-    """Two files that need each other are one idea; a package's face is no part of it."""
-    graph = {path: {other for other in files_imported(path) if other.name != "__init__.py"} for path in modules()}
-    order = graphlib.TopologicalSorter({path: others for path, others in graph.items() if path.name != "__init__.py"})
+    """Two files that need each other are one idea.
+
+    A package's face counts as any other file where it imports plainly; a lazy one imports nothing.
+    """
+    order = graphlib.TopologicalSorter({path: files_imported(path) for path in modules()})
     try:
         order.prepare()
     except graphlib.CycleError as error:
@@ -456,26 +501,28 @@ def test_every_public_name_has_a_docstring():
         )
 
 
-@pytest.mark.parametrize("path", modules(), ids=name_of)
-def test_every_module_says_what_it_is_for(path):
-    if path.read_text(encoding="utf-8").strip():
-        assert ast.get_docstring(tree_of(path)), f"{name_of(path)} has no docstring"
+def test_every_module_says_what_it_is_for():
+    written = [path for path in modules() if path.read_text(encoding="utf-8").strip()]
+    silent = [name_of(path) for path in written if not ast.get_docstring(tree_of(path))]
+    assert not silent, f"these have no docstring: {silent}"
 
 
 SHADERS = sorted(p for p in (ROOT / "shaders").rglob("*") if p.suffix in (".comp", ".vert", ".frag", ".glsl"))
 
 
-@pytest.mark.parametrize("path", SHADERS, ids=lambda p: p.relative_to(ROOT / "shaders").as_posix())
-def test_every_shader_says_what_it_computes(path):
+def header_of(path: Path) -> str:
+    lines = path.read_text(encoding="utf-8").split("\n\n")[0].splitlines()
+    return "\n".join(line for line in lines if line.startswith("//"))
+
+
+def test_every_shader_says_what_it_computes():
     """At the top a comment of two lines or more, and for a whole stage what goes in and what comes
     out.
     """
-    header = "\n".join(
-        line for line in path.read_text(encoding="utf-8").split("\n\n")[0].splitlines() if line.startswith("//")
-    )
-    assert header.count("\n") >= 1
-    if path.suffix != ".glsl":
-        assert "In:" in header and "Out:" in header
+    short = [path.name for path in SHADERS if header_of(path).count("\n") < 1]
+    whole = [path for path in SHADERS if path.suffix != ".glsl"]
+    silent = [path.name for path in whole if not {"In:", "Out:"} <= set(re.findall(r"\w+:", header_of(path)))]
+    assert SHADERS and not short and not silent
 
 
 # --- what must not be in any file ---------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Which conventions make the frames of somebody else agree with each other.
+"""Find the conventions under which recorded frames agree with each other.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

@@ -1,12 +1,12 @@
-from .conventions import Answer as Answer
-from .conventions import Finding as Finding
-from .conventions import check as check
-from .decide import differences as differences
+from .check_answer import Answer as Answer
+from .check_answer import Finding as Finding
+from .check_answer import check as check
+from .conventions import differences as differences
 from .frame_reading import Reading as Reading
-from .given import read_stated as read_stated
 from .mismatch_strip import mismatch as mismatch
 from .options import CheckOptions as CheckOptions
 from .stated_frames import LEFT as LEFT
 from .stated_frames import RIGHT as RIGHT
 from .stated_frames import Stated as Stated
 from .stated_frames import StatedFrame as StatedFrame
+from .stated_frames import read_stated as read_stated

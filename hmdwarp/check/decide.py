@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 
 import attrs
 import numpy as np
 
-from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
-from .frame_reading import BUFFER, METRES, Reading
+from .conventions import ENCODING, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences
+from .frame_reading import Reading
+from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree
@@ -24,31 +26,7 @@ _NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted 
 # Below these a number is as stated.
 _SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
 _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
-ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
-RAY, ENCODING, PLANES, SCALE, PIXEL, TIME = "ray", "encoding", "planes", "scale", "pixel", "time"
-
-
 _OF_NUMBER = {FACTOR: SCALE, OFFSET: PLANES, ALONG: RAY, PIXEL_X: PIXEL, PIXEL_Y: PIXEL, LATE: TIME}
-
-
-def differences(reading: Reading) -> tuple[str, ...]:
-    """Return the names of the conventions in which a reading differs from what is stated."""
-    plain = Reading()
-    offset = reading.offset != 0
-    found = {
-        ORDER: reading.order != plain.order,
-        DIRECTION: reading.inverse,
-        AXES: reading.axes != plain.axes,
-        ROWS: reading.colour_rows_up or reading.depth_rows_up,
-        EYES: reading.eyes_swapped,
-        RAY: reading.along != 0,
-        ENCODING: reading.kind == BUFFER or reading.factor < 0,
-        PLANES: reading.kind == METRES and reading.factor > 0 and offset,
-        SCALE: reading.kind == METRES and reading.factor > 0 and not offset and reading.factor != 1,
-        PIXEL: (reading.pixel_x, reading.pixel_y) != (0, 0),
-        TIME: reading.late_s != 0,
-    }
-    return tuple(name for name, differs in found.items() if differs)
 
 
 @attrs.frozen(eq=False)
@@ -214,4 +192,4 @@ def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
         return abs(found.late_s) > _LATE * search.stated.interval_s
     if name == PLANES:
         return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
-    return abs(np.log(found.factor / start.factor)) > _SCALE
+    return abs(math.log(found.factor / start.factor)) > _SCALE

@@ -6,11 +6,10 @@ import functools
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
-from .stated_frames import Stated
+from ..poses.reading.axes import parse_axes
+from .stated_frames import Array, Stated
 
-Array = NDArray[np.float64]
 METRES, BUFFER = "metres", "buffer"
 AS_STATED = "openxr"  # axes of what hmdwarp reads
 # Of the presets of --axes, one of each that has other axes of the camera.
@@ -21,8 +20,6 @@ _MIRROR = np.diag([1.0, 1.0, -1.0])
 @functools.cache
 def eye_axes(name: str) -> Array:
     """Return (3, 3): OpenXR's axes of the eye in those of the file, one a row."""
-    from ..poses.reading.axes import parse_axes
-
     return parse_axes(name).head
 
 

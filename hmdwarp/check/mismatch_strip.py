@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..gpu.textures import flip_rows
 from ..report import labelled_strip, magma
-from .conventions import Answer
+from .check_answer import Answer
 from .frame_reading import Reading
 from .overlap import Overlap
 from .search import Search

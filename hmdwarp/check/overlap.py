@@ -1,6 +1,10 @@
-"""How well frames agree under a reading: points of one frame, looked up in another."""
+"""How well frames agree under a reading, and the numbers with which they agree best."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,6 +15,11 @@ from .stated_frames import Array, Sheet, Stated
 
 Indices = NDArray[np.int64]
 TILES = 3  # a side: parts of a picture that err together
+FACTOR, OFFSET, ALONG, PIXEL_X, PIXEL_Y, LATE = "factor", "offset", "along", "pixel_x", "pixel_y", "late_s"
+_ROUNDS = 5
+_CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
+_CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
+_SMALL = 1e-9
 _DEPTH, _COLOUR = 0.04, 0.7  # differences that count half: of the depth; of the brightness, in its deviation
 
 
@@ -25,9 +34,9 @@ class Residuals:
     pixel: Array  # (pairs, points, 2) where, in pixels
 
 
-def _median(values: Array) -> float:
+def _median(values: Array, default: float) -> float:
     known = values[~np.isnan(values)]
-    return float(np.median(known)) if len(known) else 1.0
+    return float(np.median(known)) if len(known) else default
 
 
 class Overlap:
@@ -88,9 +97,9 @@ class Overlap:
         size = np.abs(sampled - reading.end)
         # In its own size and, so that what is far counts less, that of the median.
         with np.errstate(invalid="ignore", divide="ignore"):
-            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size)))
-        source = self._height - 1 - row if reading.colour_rows_up else row
-        there = self._picture_at(column, self._height - 1 - line if reading.colour_rows_up else line)
+            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size, 1.0)))
+        source, target = (self._height - 1 - one for one in (row, line)) if reading.colour_rows_up else (row, line)
+        there = self._picture_at(self.sheet.picture, column, target)
         here = self.sheet.picture[self._from, source, self.column]
         colour = there - here
         return Residuals(
@@ -117,27 +126,113 @@ class Overlap:
         return column, line
 
     def _depth_at(self, base: Array, column: Array, line: Array) -> Array:
+        found = self._picture_at(base, column, line)
         if not self._between:
-            return base[self._to, np.rint(line).astype(int), np.rint(column).astype(int)]
-        smooth = self.sheet.smooth[self._to, line.astype(int), column.astype(int)]
-        return np.where(smooth, self._bilinear(base, column, line), np.nan)
+            return found
+        return np.where(self.sheet.smooth[self._to, line.astype(int), column.astype(int)], found, np.nan)
 
-    def _picture_at(self, column: Array, line: Array) -> Array:
+    def _picture_at(self, pictures: Array, column: Array, line: Array) -> Array:
+        """Return the values at those places: of the nearest pixel, or between pixels."""
+        frame: Indices = self._to
+        found: Array
         if not self._between:
-            return self.sheet.picture[self._to, np.rint(line).astype(int), np.rint(column).astype(int)]
-        return self._bilinear(self.sheet.picture, column, line)
-
-    def _bilinear(self, pictures: Array, column: Array, line: Array) -> Array:
-        frame = self._to
+            found = pictures[frame, np.rint(line).astype(int), np.rint(column).astype(int)]
+            return found
         left = np.clip(column.astype(int), 0, self._width - 2)
         top = np.clip(line.astype(int), 0, self._height - 2)
         x, y = column - left, line - top
         upper = pictures[frame, top, left] * (1 - x) + pictures[frame, top, left + 1] * x
         lower = pictures[frame, top + 1, left] * (1 - x) + pictures[frame, top + 1, left + 1] * x
-        return upper * (1 - y) + lower * y
+        found = upper * (1 - y) + lower * y
+        return found
 
     def by_block(self, values: Array) -> tuple[Array, Array]:
         """Return the sum of values in each block, and how many there are; NaN does not count."""
         known = ~np.isnan(values)
         sums = np.bincount(self.block[known], values[known], self.blocks).astype(np.float64)
         return sums, np.bincount(self.block[known], minlength=self.blocks).astype(np.float64)
+
+
+@attrs.frozen(eq=False)
+class Fitted:
+    """A reading, and how well each fitted number is known."""
+
+    reading: Reading
+    names: tuple[str, ...]
+    change: Array  # of each number against the reading at the start; of FACTOR its logarithm
+    error: Array  # standard error of each, inf where the frames say nothing
+
+
+@attrs.frozen
+class Noise:
+    """Deviations of what agrees."""
+
+    depth: float
+    colour: float
+
+    @classmethod
+    def of(cls, found: Residuals) -> Noise:
+        """Return those of residuals: from their medians, which outliers do not move."""
+        return cls(*(max(1.48 * _median(np.abs(one), math.inf), 1e-4) for one in (found.depth, found.colour)))
+
+
+def cost(found: Residuals, noise: Noise) -> Array:
+    """Return the disagreement of each point, NaN where nothing can be said."""
+    with np.errstate(invalid="ignore"):
+        each = [
+            np.log1p(np.minimum(one / deviation, _CUT) ** 2)
+            for one, deviation in ((np.abs(found.depth), noise.depth), (np.abs(found.colour), noise.colour))
+        ]
+    worst = math.log1p(_CUT**2)
+    return np.where(found.seen, np.where(np.isnan(each[0]), worst, each[0]) + each[1], 2 * _CHANCE * worst)
+
+
+def changed(reading: Reading, names: Sequence[str], change: Sequence[float]) -> Reading:
+    """Return the reading with other numbers."""
+    values: dict[str, Any] = {
+        name: reading.factor * math.exp(one) if name == FACTOR else getattr(reading, name) + one
+        for name, one in zip(names, change, strict=True)
+    }
+    return attrs.evolve(reading, **values)
+
+
+def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
+    """Return the reading for which points agree best.
+
+    steps: of each number that is fitted, a small difference, by which slopes are taken.
+    Source: iteratively reweighted least squares; its error by the sandwich formula over blocks,
+    whose points err together (White 1980; Liang and Zeger 1986).
+    """
+    names, change = tuple(steps), np.zeros(len(steps))
+    small = np.array(list(steps.values()))
+    limit = 60 * small
+    hessian, spread = np.eye(len(names)), np.eye(len(names))
+    for _ in range(_ROUNDS):
+        reading = changed(start, names, change.tolist())
+        found = overlap.residuals(reading)
+        noise = Noise.of(found)
+        hessian, spread = np.zeros((len(names),) * 2), np.zeros((overlap.blocks, len(names)))
+        down = np.zeros(len(names))
+        slopes = [overlap.residuals(changed(reading, [name], [steps[name]])) for name in names]
+        for kind in ("depth", "colour"):
+            deviation = getattr(noise, kind)
+            values = getattr(found, kind) / deviation
+            slope = np.stack([(getattr(one, kind) / deviation - values) for one in slopes], -1) / small
+            with np.errstate(invalid="ignore"):
+                usable = np.isfinite(values) & np.isfinite(slope).all(axis=-1) & (np.abs(values) < _CUT)
+            value, slope, block = values[usable], slope[usable], overlap.block[usable]
+            weighted = slope / (1 + value**2)[:, None]
+            hessian += weighted.T @ slope
+            pull = weighted * value[:, None]
+            down += pull.sum(axis=0)
+            for column in range(len(names)):
+                spread[:, column] += np.bincount(block, pull[:, column], overlap.blocks)
+        scale = np.sqrt(np.diag(hessian)) + _SMALL
+        step = -np.linalg.solve(hessian / np.outer(scale, scale) + 1e-6 * np.eye(len(names)), down / scale) / scale
+        change += np.clip(step, -limit, limit)
+        if (np.abs(step) < 0.05 * small).all():
+            break
+    inverse = np.linalg.pinv(hessian)
+    error = np.sqrt(np.diag(inverse @ (spread.T @ spread) @ inverse))
+    error = np.where(np.diag(hessian) * small**2 > _SMALL, error, math.inf)
+    return Fitted(changed(start, names, change.tolist()), names, change, error)

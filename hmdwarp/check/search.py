@@ -9,9 +9,8 @@ from collections.abc import Iterator, Sequence
 import attrs
 import numpy as np
 
-from .fit import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise, cost, fit
 from .frame_reading import AXES, BUFFER, METRES, Reading
-from .overlap import Overlap
+from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Indices, Noise, Overlap, cost, fit
 from .stated_frames import Array, Stated
 
 PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
@@ -130,7 +129,7 @@ class Search:
         left, right = self.stated.tangents[0, :2]
         per_tangent = self.stated.coarse.numbers.shape[2] / (right - left)
         low, high = (pixels / (per_tangent * moved * middle) for pixels in _PARALLAX_PX)
-        return np.geomspace(low, high, math.ceil(math.log(high / low) / math.log(_STEP))).tolist()
+        return list(map(float, np.geomspace(low, high, math.ceil(math.log(high / low) / math.log(_STEP)))))
 
     def sharpened(self, reading: Reading) -> Reading:
         """Return the reading with the factor, and offset, for which coarse pictures agree best."""
@@ -199,7 +198,7 @@ def _inner(stated: Stated) -> list[int]:
     return [k for k in range(len(stated.frames)) if k not in ends]
 
 
-def _pairs(frames: Sequence[int]) -> np.ndarray:
+def _pairs(frames: Sequence[int]) -> Indices:
     """Return (p, 2) pairs of frames near and far from each other, each way round in turn."""
     count = len(frames)
     every = sorted(itertools.combinations(range(count), 2), key=lambda pair: (pair[1] - pair[0], pair[0]))
@@ -207,4 +206,4 @@ def _pairs(frames: Sequence[int]) -> np.ndarray:
     chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
     if len(chosen) == 1:
         chosen *= 2
-    return np.array(frames)[np.array([pair[:: 1 if k % 2 else -1] for k, pair in enumerate(chosen)])]
+    return np.array([[frames[one] for one in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])

@@ -1,22 +1,77 @@
-"""The commands, put together."""
+"""The commands by name, each loaded when it is used."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated
+from importlib import import_module
+from typing import Annotated, Any, ClassVar
 
 import typer
 
 from ..options import Option
 from ..resources import __version__
-from . import bench, check, compare, doctor, listing, live, plan, record, replay, serve, study, thesis, trace, warp
-from ._help import Group
-from ._options import commands
+from ._help import Command, Group
+
+HELP = "Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose."
+# Command or group -> module in this package, and function or typer application there.
+COMMANDS = {
+    "replay": ("replay", "replay"),
+    "live": ("live", "live"),
+    "record": ("record", "record"),
+    "serve": ("serve", "serve"),
+    "bench": ("bench", "bench"),
+    "bench merge": ("bench", "merge"),
+    "compare": ("compare", "compare"),
+    "warp": ("warp", "warp"),
+    "check": ("check", "check"),
+    "thesis": ("thesis", "thesis"),
+    "list": ("listing", "list_"),
+    "plan": ("plan", "plan"),
+    "doctor": ("doctor", "doctor"),
+    "study": ("study", "app"),
+    "trace": ("trace", "app"),
+}
+
+
+def _load(name: str) -> Any:
+    module, attribute = COMMANDS[name]
+    return getattr(import_module(f".{module}", __package__), attribute)
+
+
+class Root(Group):
+    """The group of all commands: one that runs loads no other."""
+
+    loaded: ClassVar[dict[str, Any]] = {}
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return all names, in the order of help."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command or group, loaded at its first use; None for an unknown name."""
+        if cmd_name in COMMANDS and cmd_name not in self.loaded:
+            self.loaded[cmd_name] = _command_of(cmd_name)
+        return self.loaded.get(cmd_name)
+
+
+def _command_of(name: str) -> Any:
+    loaded = _load(name)
+    if isinstance(loaded, typer.Typer):
+        loaded.rich_markup_mode = None
+        for one in loaded.registered_commands:
+            one.cls = Command
+        command = typer.main.get_group(loaded)
+        command.name = name
+        return command
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+    alone.command(name, cls=Command)(loaded)
+    return typer.main.get_command(alone)
+
 
 app = typer.Typer(
     name="hmdwarp",
-    cls=Group,
-    help="Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose.",
+    cls=Root,
+    help=HELP,
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -40,29 +95,17 @@ def _root(
     """Latency compensation for head-mounted displays."""
 
 
-app.command("replay")(replay.replay)
-app.command("live")(live.live)
-app.command("record")(record.record)
-app.command("serve")(serve.serve)
-app.command("bench")(bench.bench)
-app.command("bench merge")(bench.merge)
-app.command("compare")(compare.compare)
-app.command("warp")(warp.warp)
-app.command("check")(check.check)
-app.command("thesis")(thesis.thesis)
-app.command("list")(listing.list_)
-app.command("plan")(plan.plan)
-app.command("doctor")(doctor.doctor)
-app.add_typer(study.app, name="study")
-app.add_typer(trace.app, name="trace")
+def options_of_commands() -> dict[str, list[Option]]:
+    """Return the options of every command, by its whole name. Loads them all."""
+    found: dict[str, list[Option]] = {}
+    for name in COMMANDS:
+        loaded = _load(name)
+        found.update(
+            _options_of_group(loaded, f"{name} ") if isinstance(loaded, typer.Typer) else [(name, loaded.options)]
+        )
+    return found
 
 
-def _options_of_all(group: typer.Typer, prefix: str = "") -> Iterator[tuple[str, list[Option]]]:
-    for one in group.registered_commands:
-        yield f"{prefix}{one.name or one.callback.__name__}", one.callback.options  # type: ignore[union-attr]
-    for inner in group.registered_groups:
-        assert inner.typer_instance is not None
-        yield from _options_of_all(inner.typer_instance, f"{prefix}{inner.name} ")
-
-
-commands.update(_options_of_all(app))
+def _options_of_group(group: typer.Typer, prefix: str) -> Iterator[tuple[str, list[Option]]]:
+    for command in group.registered_commands:
+        yield f"{prefix}{command.name or command.callback.__name__}", command.callback.options  # type: ignore[union-attr]

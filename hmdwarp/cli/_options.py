@@ -18,8 +18,6 @@ from ..options import Declared, Option, options_of, path_of
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
 JSON = Option("Print one JSON object instead of text.", bool, False, name="json")
-# Options of each command as the command line has them, by its name; `_app` fills it.
-commands: dict[str, list[Option]] = {}
 
 
 def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
@@ -55,7 +53,7 @@ def _parameter(option: Option) -> inspect.Parameter:
     default = inspect.Parameter.empty if option.required else option.default
     default = str(default) if isinstance(default, Path) else default
     metavar = option.flag if option.positional else option.metavar or ("PATH" if option.kind is Path else None)
-    about: dict[str, Any] = {"help": option.help, "metavar": metavar}
+    about: dict[str, Any] = {"help": option.help, "metavar": metavar, "rich_help_panel": option.heading or None}
     if default in (None, ""):
         kind, about["show_default"] = (kind | None if default is None else kind), False
     info = (

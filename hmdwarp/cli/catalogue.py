@@ -312,10 +312,10 @@ def _layer_row(layer: type[Layer], sizes: EyeSizes, headset: str) -> dict[str, s
 
 
 def _options() -> list[dict[str, str]]:
-    from ._options import commands
+    from ._app import options_of_commands
 
     takers: dict[Option, list[str]] = {}
-    for command, options in commands.items():
+    for command, options in options_of_commands().items():
         for option in options:
             takers.setdefault(option, []).append(command)
     first = {option.name: option for option in reversed(takers)}

@@ -10,7 +10,6 @@ import typer
 
 from ..errors import InputError
 from ..options import FORCE, Declared, Option, force_field, option, out_field
-from ..poses.formats import formats
 from ..poses.options import MOTIONS, TraceOptions
 from ._help import Group
 from ._options import JSON, Said, as_json, takes
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ..poses.load import LoadedTrace
-    from ..poses.prediction_errors import PredictionErrors
+    from ..poses.prediction import PredictionErrors
     from ..poses.track_statistics import Analysis
 
 app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
@@ -78,6 +77,7 @@ def convert(said: Said) -> None:
     from rich.console import Console
 
     from ..errors import InputError
+    from ..poses.formats import formats
     from ..poses.load import load_trace
     from ..registry import unknown_name
     from ..report import counted, refuse_existing, write_stream

@@ -79,7 +79,7 @@ def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..client.plan import PICTURE
     from ..image.usable import plan_of
-    from ..image.warping import warp_image
+    from ..image.warper import warp_image
     from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
     from ..sources.repairs import parse_repairs
     from ..sources.sequences import read_frame, read_view
@@ -89,7 +89,7 @@ def warp(said: Said) -> None:
         refuse_source(options.out, source)
     refuse_existing(options.out, force=options.force)
     depth = has_depth(options.out)
-    plan_of(options.warp, options.fill, given=PICTURE, depth=depth)
+    plan_of(options.warp, options.fill, available=PICTURE, depth=depth)
     parse_repairs(options.repair)
     frame = read_frame(options.frame, options.depth, options.camera)
     shown = read_view(options.to, options.size or frame.size)

@@ -12,7 +12,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
-from .client_geometry import ClientGeometry
+from .client_scene import ClientScene
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs
 from .plan import SHOWN_DEPTH, Plan
@@ -94,7 +94,7 @@ class Compensator:
         headset: Headset | None,
         rendered_size: tuple[int, int],
         shown_size: tuple[int, int],
-        geometry: ClientGeometry | None = None,
+        geometry: ClientScene | None = None,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._geometry = geometry

@@ -14,7 +14,7 @@ import moderngl
 from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
-from ..poses.looped import LoopedSource
+from ..poses.pose_source import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
 from .desktop.window_views import SwitchableView
 from .present import Presenter

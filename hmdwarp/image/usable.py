@@ -1,4 +1,4 @@
-"""Which warps and fills somebody's own frames are enough for."""
+"""Warps, fills and effects for which a caller's own frames are enough."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ..client.warps import warps
 from ..errors import InputError, PlanError
 from ..frames.layers import readable
 
-# What a caller can give: pictures with depth, the depth of what is to be shown, and some layers.
+# What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
 LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent", "reflection")
-GIVEN = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, LAYERS))
+AVAILABLE = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, LAYERS))
 
 
 def usable_warps() -> list[str]:
@@ -30,12 +30,12 @@ def usable_effects() -> list[str]:
 
 
 def plan_of(
-    warp: str, fill: str, effects: str = "none", *, given: tuple[str, ...] = GIVEN, depth: bool = False
+    warp: str, fill: str, effects: str = "none", *, available: tuple[str, ...] = AVAILABLE, depth: bool = False
 ) -> Plan:
-    """Return the plan for somebody's own frames.
+    """Return the plan for a caller's own frames.
 
-    effects: names separated by commas, or "none". given: what the caller has. depth:
-    whether the depth of what is shown is asked for.
+    effects: names separated by commas, or "none". available: what the caller has. depth:
+    whether the depth of what is shown is wanted.
     Errors: InputError for what is no name, and for warp "auto"; PlanError for passes that read
     more; UnknownNameError.
     """
@@ -59,7 +59,7 @@ def plan_of(
             fill,
             "none",
             client_geometry=False,
-            brings=given,
+            brings=available,
             named=named,
             forced=named,
             takes_depth="the caller" if depth else "",

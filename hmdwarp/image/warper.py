@@ -1,11 +1,12 @@
-"""Warp many RGB-D frames of somebody's own: compiled and allocated once."""
+"""Warp RGB-D frames of a caller: one in one call, or many with what is compiled once."""
 
 from __future__ import annotations
 
+import atexit
 import math
 import threading
-from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from numbers import Real
 from types import MappingProxyType
 from typing import Any
@@ -17,21 +18,36 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..client.compensator import Compensator, EyeResult
 from ..client.inputs import PassInputs
-from ..client.plan import CLIENT_DEPTH
+from ..client.plan import CLIENT_DEPTH, OTHERS
 from ..colour import srgb8_from_linear, srgb_from_linear
 from ..errors import InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, check_size, download, upload
+from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
 from ..sources.repairs import parse_repairs
-from .given_arrays import LINEAR, SRGB, SRGB8, GivenPicture, checked, checked_size, checked_view, encoding_of
-from .given_layers import GivenLayers
-from .given_textures import INVERSE, GivenTextures
-from .shared_gpu import shared_gpu
-from .usable import OTHERS, plan_of
+from .layer_arrays import CallerLayers
+from .picture_arrays import LINEAR, SRGB, SRGB8, PictureArrays, checked_picture, checked_size, checked_view
+from .picture_textures import INVERSE, ForeignTextures, HeldPicture
+from .usable import plan_of
 
 Other = tuple[ArrayLike, ArrayLike, View]
+_shared: Gpu | None = None
+# A thread that holds it may take it again.
+_turn = threading.RLock()
+
+
+@contextmanager
+def _shared_gpu() -> Iterator[Gpu]:
+    """Lend the shared context to this thread for the duration of the block."""
+    global _shared  # noqa: PLW0603 (made late, because importing must not start a GL driver)
+    with _turn:
+        if _shared is None:
+            _shared = Gpu()
+            _shared.step_aside()
+            atexit.register(_shared.close)
+        with _shared.current():
+            yield _shared
 
 
 @attrs.frozen(eq=False)
@@ -104,8 +120,8 @@ class Warper:
             check_size(current.gl, self.size)
             self._compensator = Compensator(current, self.plan, None, self.rendered_size, self.size)
             stack.callback(self._compensator.close)
-            self._given = GivenTextures(current, self.rendered_size)
-            self._layers = GivenLayers(current, self.plan.needs, self.rendered_size, self.size)
+            self._foreign = ForeignTextures(current, self.rendered_size)
+            self._layers = CallerLayers(current, self.plan.needs, self.rendered_size, self.size)
             stack.callback(self._layers.close)
             self._client_depth = None
             if self.plan.reads(CLIENT_DEPTH):
@@ -114,7 +130,7 @@ class Warper:
             # The picture itself, and the others that the plan reads.
             count = 1 + self.plan.needs.others.count
             has_confidence = bool(self.repair.steps)
-            self._pictures = [_Textures(current, self.rendered_size, has_confidence) for _ in range(count)]
+            self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
             for one in self._pictures:
                 stack.callback(one.close)
             self._confidence = Canvas(current.gl, self.size) if has_confidence else None
@@ -143,12 +159,28 @@ class Warper:
         Arguments and errors: as warp_image. eye: 0 or 1; a fill that remembers keeps the two apart.
         """
         _check_eye(eye)
-        views = (checked_view("rendered", rendered), checked_view("shown", shown))
-        given = encoding_of(colour, encoding)
-        wanted = _checked_result(result, given)
-        picture = self._checked("", colour, depth_m, depth_scale, encoding)
-        beside = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
-        self._check_given(len(beside), client_depth_m is not None)
+        views = _checked_views(rendered, shown)
+        picture = checked_picture(colour, depth_m, depth_scale, encoding)
+        return self._warp(picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, eye)
+
+    def _warp(
+        self,
+        picture: PictureArrays,
+        views: tuple[View, View],
+        others: Sequence[Other],
+        client_depth_m: ArrayLike | None,
+        layers: Mapping[str, Any],
+        age_s: float,
+        depth_scale: float | None,
+        encoding: str | None,
+        result: str | None,
+        eye: int = 0,
+    ) -> WarpedImage:
+        """Return the view from a checked picture; the rest as warp."""
+        result = _checked_result(result, picture.encoding)
+        self._check_size("", picture)
+        further = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
+        self._check_needs(len(further), client_depth_m is not None)
         self._layers.check(layers, self._named)
         age_ns = _checked_age_ns(age_s)
         client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
@@ -156,8 +188,8 @@ class Warper:
             gpu.timer.collect()
             drawn_ns = self._next()
             images = [
-                self._taken_over(textures, one, gpu).as_image(view, drawn_ns)
-                for textures, (one, view) in zip(self._pictures, [(picture, views[0]), *beside], strict=False)
+                self._held(textures, one, gpu).as_image(view, drawn_ns)
+                for textures, (one, view) in zip(self._pictures, [(picture, views[0]), *further], strict=False)
             ]
             images[0] = images[0].having(**self._layers.hold(layers))
             if client is not None and self._client_depth is not None:
@@ -167,7 +199,7 @@ class Warper:
             if self._confidence is not None:
                 held = {one.pair[0]: one.sure for one in self._pictures}
                 self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
-            warped = self._read(made, wanted, gpu)
+            warped = self._read(made, result, gpu)
             gpu.check_not_lost()
             return warped
 
@@ -193,15 +225,15 @@ class Warper:
         with depth, and for a Warper with a repair, which runs on arrays.
         """
         _check_eye(eye)
-        views = (checked_view("rendered", rendered), checked_view("shown", shown))
-        self._check_given(0, client_depth=False)
+        views = _checked_views(rendered, shown)
+        self._check_needs(0, client_depth=False)
         self._layers.check({}, f"{self._named} runs on arrays where it")
         if self.repair.steps:
             raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
         if self._own_gpu is None:
             raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
         with self._gpu() as gpu:
-            pair = self._given.taken_over(colour, depth, depth_as, encoding, self._pictures[0].pair)
+            pair = self._foreign.converted(colour, depth, depth_as, encoding, self._pictures[0].pair)
             image = EyeImage(views[0], *pair, drawn_ns=self._next())
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
@@ -227,7 +259,7 @@ class Warper:
 
     def _gpu(self) -> AbstractContextManager[Gpu]:
         if self._own_gpu is None:
-            return shared_gpu()
+            return _shared_gpu()
         if threading.get_ident() != self._thread:
             raise InputError("this Warper was made in another thread, with a context of that thread: call it there")
         return self._own_gpu.current()
@@ -236,29 +268,27 @@ class Warper:
         self._count += 1
         return self._count
 
-    def _checked(
-        self, name: str, colour: ArrayLike, depth_m: ArrayLike, scale: float | None, encoding: str | None
-    ) -> GivenPicture:
-        given = checked(colour, depth_m, scale, encoding)
-        found = given.hidden.shape[1::-1]
-        if found != self.rendered_size:
-            wide, high = self.rendered_size
-            raise InputError(f"{name}colour is {found[0]}x{found[1]} pixels: this Warper is for {wide}x{high}")
-        return given
+    def _check_size(self, name: str, picture: PictureArrays) -> None:
+        if picture.size != self.rendered_size:
+            (found_wide, found_high), (wide, high) = picture.size, self.rendered_size
+            raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
 
-    def _other(self, number: int, other: Other, scale: float | None, encoding: str | None) -> tuple[GivenPicture, View]:
+    def _other(
+        self, number: int, other: Other, scale: float | None, encoding: str | None
+    ) -> tuple[PictureArrays, View]:
         try:
             colour, depth_m, view = other
         except (TypeError, ValueError) as error:
             raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
-        name = f"others[{number}]: "
-        return self._checked(name, colour, depth_m, scale, encoding), checked_view(f"others[{number}]", view)
+        picture = checked_picture(colour, depth_m, scale, encoding)
+        self._check_size(f"others[{number}]: ", picture)
+        return picture, checked_view(f"others[{number}]", view)
 
     @property
     def _named(self) -> str:
         return f"warp '{self.plan.choice}'" + "".join(f" with effect '{name}'" for name in self.plan.effects)
 
-    def _check_given(self, others: int, client_depth: bool) -> None:
+    def _check_needs(self, others: int, client_depth: bool) -> None:
         """Check that the plan gets what it reads, and nothing that it does not."""
         named, most = self._named, self.plan.needs.others.count
         if most and not others and self.plan.reads(OTHERS):
@@ -277,15 +307,15 @@ class Warper:
         blank = np.zeros((high, wide, 3), np.uint8)
         if np.shape(depth_m) != (high, wide):
             raise InputError(f"client_depth_m has shape {np.shape(depth_m)}: expected {(high, wide)}, as the result")
-        return checked(blank, depth_m, scale).arrays()[1]
+        return checked_picture(blank, depth_m, scale).arrays()[1]
 
-    def _taken_over(self, textures: _Textures, given: GivenPicture, gpu: Gpu) -> _Textures:
-        """Repair the depth of a picture where asked for, and return `textures` with it in them."""
+    def _held(self, textures: HeldPicture, picture: PictureArrays, gpu: Gpu) -> HeldPicture:
+        """Return `textures` with a picture in them, its depth repaired."""
         if self.repair.steps:
             with gpu.timer.cpu_stage("repair"):
-                given, confidence = given.repaired(self.repair)
+                picture, confidence = picture.repaired(self.repair)
             textures.hold_confidence(confidence)
-        textures.hold(given)
+        textures.hold(picture)
         return textures
 
     def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
@@ -298,7 +328,7 @@ class Warper:
             shown_ns=self._count + age_ns,
         )
 
-    def _read(self, made: EyeResult, wanted: str, gpu: Gpu) -> WarpedImage:
+    def _read(self, made: EyeResult, encoding: str, gpu: Gpu) -> WarpedImage:
         assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
         picture = download(made.shown.texture)
         holes = float((download(made.warped.texture)[..., 3] == 0).mean())
@@ -306,57 +336,26 @@ class Warper:
         if made.inverse_depth is not None:
             inverse = download(made.inverse_depth).astype(np.float64)
             depth = metres_from_inverse_depth(np.where(inverse < 0, np.nan, inverse))
-        colour = _encoded(picture[..., :3], wanted)
+        colour = _encoded(picture[..., :3], encoding)
         coverage = picture[..., 3].astype(np.float32)
         if self._confidence is not None:
             sure = np.clip(download(self._confidence.texture)[..., 0], 0, 1).astype(np.float32)
             coverage = np.where(download(made.warped.texture)[..., 3] > 0, sure, coverage)
-        return WarpedImage(colour, coverage, dict(gpu.timer.collect()), holes, wanted, depth)
+        return WarpedImage(colour, coverage, dict(gpu.timer.collect()), holes, encoding, depth)
 
 
-class _Textures:
-    """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
-
-    def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
-        self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
-        # rgba16f: confidence in red, coverage in alpha.
-        self._confidence = allocate(gpu.gl, size, COLOUR) if has_confidence else None
-
-    @property
-    def sure(self) -> moderngl.Texture:
-        """The confidence, for a Warper with a repair."""
-        assert self._confidence is not None
-        return self._confidence
-
-    def hold(self, given: GivenPicture) -> None:
-        for texture, array in zip(self.pair, given.arrays(), strict=True):
-            upload(texture, array)
-
-    def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
-        nothing = np.zeros_like(confidence)
-        upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
-
-    def as_image(self, view: View, drawn_ns: int) -> EyeImage:
-        return EyeImage(view, *self.pair, drawn_ns=drawn_ns)
-
-    def close(self) -> None:
-        for texture in (*self.pair, self._confidence):
-            if texture is not None:
-                texture.release()
-
-
-def _encoded(linear: NDArray[np.float16], wanted: str) -> NDArray[Any]:
-    if wanted == SRGB8:
+def _encoded(linear: NDArray[np.float16], encoding: str) -> NDArray[Any]:
+    if encoding == SRGB8:
         return srgb8_from_linear(linear)
-    return srgb_from_linear(linear.astype(np.float32)) if wanted == SRGB else linear.astype(np.float32)
+    return srgb_from_linear(linear.astype(np.float32)) if encoding == SRGB else linear.astype(np.float32)
 
 
-def _checked_result(result: str | None, given: str) -> str:
-    """Return the encoding of the result: that of the picture unless something else is asked for."""
+def _checked_result(result: str | None, own: str) -> str:
+    """Return the encoding of the result: by default that of the picture."""
     known = (SRGB8, SRGB, LINEAR)
     if result is not None and result not in known:
         raise InputError(f"result is {result!r}: expected {', '.join(known)}, or None for that of the picture")
-    return given if result is None else result
+    return own if result is None else result
 
 
 def _checked_age_ns(age_s: float) -> int:
@@ -368,3 +367,60 @@ def _checked_age_ns(age_s: float) -> int:
 def _check_eye(eye: int) -> None:
     if eye not in (0, 1):
         raise InputError(f"eye is {eye!r}: expected 0 (left) or 1 (right)")
+
+
+def _checked_views(rendered: object, shown: object) -> tuple[View, View]:
+    return checked_view("rendered", rendered), checked_view("shown", shown)
+
+
+def warp_image(
+    colour: ArrayLike,
+    depth_m: ArrayLike,
+    rendered: View,
+    shown: View,
+    warp: str = "iterative",
+    fill: str = "pyramid",
+    size: tuple[int, int] | None = None,
+    gpu: Gpu | None = None,
+    *,
+    effects: str = "none",
+    repair: str = "none",
+    others: Sequence[Other] = (),
+    client_depth_m: ArrayLike | None = None,
+    layers: Mapping[str, Any] = MappingProxyType({}),
+    age_s: float = 0.0,
+    depth_scale: float | None = None,
+    encoding: str | None = None,
+    result: str | None = None,
+    depth: bool = False,
+) -> WarpedImage:
+    """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
+
+    colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top; see `encoding`. A fourth
+    channel is coverage: 0 is a hole, all else is seen. depth_m: (h, w) metres along -z; inf is
+    infinitely far; 0, negative or NaN marks a hole, which is counted and never spread. A pixel that
+    a numpy.ma mask hides, in colour or depth, is a hole too. size: (w, h) of the result, by default
+    the size of `colour`. gpu: a context made in the calling thread; by default one is made at the
+    first call and shared by all threads, one at a time.
+    effects: names of effects that pictures are enough for, such as "reflections_from_pictures".
+    repair: what mends the depth first, such as "edges+complete"; then a pixel shown by guessed
+    depth has the confidence of the guess as its coverage.
+    others: further pictures of the scene as (colour, depth_m, view), for warps and effects that
+    read them: the other eye's, then older ones, newest first. client_depth_m: (h, w)
+    metres in the shown view, for warps that read it. layers: further layers by name, for effects
+    and warps that read them: velocity, ids, overlay, peeled, transparent; docs/rgbd.md says what
+    each holds. age_s: seconds from drawing the picture to showing it, for what moves.
+    depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres.
+    encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
+    look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
+    by default as `colour` is. depth: whether the result has the depth of what is shown.
+    For many pictures of one size take a Warper, which compiles and allocates once.
+    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than such
+    pictures; UnknownNameError; MachineError without OpenGL 4.3.
+    """
+    picture = checked_picture(colour, depth_m, depth_scale, encoding)
+    views = _checked_views(rendered, shown)
+    shown_size = picture.size if size is None else checked_size(size)
+    options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
+    with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper:
+        return warper._warp(picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result)

@@ -83,6 +83,7 @@ class LinkOptions(Declared):
     By default the latency alone, and a frame for each refresh.
     """
 
+    heading = "Link"
     # Of each frame.
     delay: DelayModel = option(
         ConstantDelay(),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from ..errors import InputError
 from .picture_pairs import check_pair
 
 
-def sharpness(shown: NDArray, truth: NDArray, where: NDArray | None = None) -> float | None:
+def sharpness(shown: NDArray[Any], truth: NDArray[Any], where: NDArray[Any] | None = None) -> float | None:
     """Return 1 for a picture as sharp as the truth, less where it is blurred, more where sharpened.
 
     It is the slope of the regression of the picture's fine detail on the truth's, over all pixels
@@ -32,7 +34,7 @@ def sharpness(shown: NDArray, truth: NDArray, where: NDArray | None = None) -> f
     return float((detail * true_detail).sum()) / energy if energy else None
 
 
-def _detail(picture: NDArray) -> NDArray[np.float64]:
+def _detail(picture: NDArray[Any]) -> NDArray[np.float64]:
     from scipy.ndimage import correlate1d
 
     values = picture.astype(np.float64)

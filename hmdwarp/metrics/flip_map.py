@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from ..errors import InputError
 from .picture_pairs import check_pair
 
 
-def flip(shown: NDArray, truth: NDArray, pixels_per_degree: float) -> tuple[float, NDArray[np.float32]]:
+def flip(shown: NDArray[Any], truth: NDArray[Any], pixels_per_degree: float) -> tuple[float, NDArray[np.float32]]:
     """Return the mean LDR-FLIP error, 0..1, and its (h, w) map.
 
     shown, truth: (h, w, 3), as metrics.picture_pairs. pixels_per_degree: of the display that shows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -36,7 +36,7 @@ class Compared:
         return error_image(self.shown, self.truth)
 
 
-def _covered(coverage: NDArray | None) -> NDArray[np.bool_] | None:
+def _covered(coverage: NDArray[Any] | None) -> NDArray[np.bool_] | None:
     return None if coverage is None else np.asarray(coverage) != 0
 
 
@@ -54,12 +54,12 @@ class QualityJob:
     # (h, w), coverage after the warp and before the fill; anything but 0 is covered.
     covered: NDArray[np.bool_] | None = attrs.field(default=None, converter=_covered)
     # (h, w), 1/m in the shown view, top row first.
-    truth_inverse_depth: NDArray | None = None
+    truth_inverse_depth: NDArray[Any] | None = None
     # View and (w, h) of the late frame.
     rendered: View | None = None
     rendered_size: tuple[int, int] | None = None
     # The late frame's picture, for reports only.
-    rendered_picture: NDArray | None = None
+    rendered_picture: NDArray[Any] | None = None
     # Whether the result has the FLIP map.
     error_map: bool = False
     # Whether the result says where the error is; this needs coverage and depth.
@@ -126,7 +126,7 @@ class Measurement:
         return _declared(self._job.covered, Input.COVERAGE)
 
     @property
-    def truth_inverse_depth(self) -> NDArray:
+    def truth_inverse_depth(self) -> NDArray[Any]:
         """(h, w), 1/m."""
         return _declared(self._job.truth_inverse_depth, Input.DEPTH)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +50,9 @@ class SharedSurface:
     Errors: InputError unless the two have one size.
     """
 
-    def __init__(self, left: View, right: View, left_inverse_depth: NDArray, right_inverse_depth: NDArray) -> None:
+    def __init__(
+        self, left: View, right: View, left_inverse_depth: NDArray[Any], right_inverse_depth: NDArray[Any]
+    ) -> None:
         shape = left_inverse_depth.shape
         if shape != right_inverse_depth.shape or len(shape) != 2:
             shapes = f"{shape} and {right_inverse_depth.shape}"
@@ -71,7 +75,7 @@ class SharedSurface:
             theirs.append(index[same])
         self._left, self._right = np.concatenate(mine), np.concatenate(theirs)
 
-    def compare(self, left_coverage: NDArray, right_coverage: NDArray) -> Mismatch:
+    def compare(self, left_coverage: NDArray[Any], right_coverage: NDArray[Any]) -> Mismatch:
         """Compare the holes of one warp's two pictures.
 
         Coverages: (h, w), after the warp and before the fill, top row first; 0 is a hole.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from ..errors import InputError
 PSNR_CAP_DB = 100.0  # JSON has no infinity; one grey level in one byte of a 640x400 picture would be 107 dB
 
 
-def check_pair(shown: NDArray, truth: NDArray) -> None:
+def check_pair(shown: NDArray[Any], truth: NDArray[Any]) -> None:
     """Raise InputError unless both are (h, w, 3), of one type, uint8 or finite floats in 0..1."""
     if shown.shape != truth.shape or shown.ndim != 3 or shown.shape[2] != 3 or shown.size == 0:
         raise InputError(
@@ -29,7 +30,7 @@ def check_pair(shown: NDArray, truth: NDArray) -> None:
         )
 
 
-def error_image(shown: NDArray, truth: NDArray) -> NDArray[np.float32]:
+def error_image(shown: NDArray[Any], truth: NDArray[Any]) -> NDArray[np.float32]:
     """Return the signed error shown - truth, (h, w, 3) in -1..1; bytes count as 0..255 over 255."""
     scale = np.float32(255 if shown.dtype == np.uint8 else 1)
     return (shown.astype(np.float32) - truth.astype(np.float32)) / scale

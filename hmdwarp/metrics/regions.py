@@ -6,6 +6,7 @@ Errors are summed over pictures; dB are never averaged.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ LEAST_STEP = 0.002
 EDGE_WIDTH_PX = 2
 
 
-def region_of(coverage: NDArray, truth_inverse_depth: NDArray) -> NDArray[np.uint8]:
+def region_of(coverage: NDArray[Any], truth_inverse_depth: NDArray[Any]) -> NDArray[np.uint8]:
     """Return the region of each pixel, (h, w), as an index into REGIONS.
 
     coverage: (h, w), after the warp and before the fill; 0 is a hole. truth_inverse_depth: (h, w)
@@ -43,7 +44,7 @@ def region_of(coverage: NDArray, truth_inverse_depth: NDArray) -> NDArray[np.uin
     return region
 
 
-def near_discontinuity(inverse_depth: NDArray) -> NDArray[np.bool_]:
+def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
     """Return the pixels, (h, w), within 2 pixels of a jump in depth, along a row, a column or both.
 
     A jump lies between two neighbours whose step continues neither the step before it nor the one
@@ -85,7 +86,11 @@ def _grown(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
 
 
 def region_sums(
-    shown: NDArray, truth: NDArray, coverage: NDArray, truth_inverse_depth: NDArray, flip_map: NDArray
+    shown: NDArray[Any],
+    truth: NDArray[Any],
+    coverage: NDArray[Any],
+    truth_inverse_depth: NDArray[Any],
+    flip_map: NDArray,
 ) -> dict[str, dict[str, float]]:
     """Return the SUMS of one picture by region.
 

@@ -34,8 +34,14 @@ from .guard_options import (
 from .limits import Number, names_in, one_of
 from .paths import FORCE, force_field, out_field, path_of
 from .several import several, split_names
+from .tables import KeyFault, Table, parsed, quoted, text_of
 
 __all__ = [
+    "KeyFault",
+    "Table",
+    "parsed",
+    "quoted",
+    "text_of",
     "AUTO",
     "CONDITION",
     "DISPLAY",

@@ -42,6 +42,8 @@ class Option:
     study: str = CONDITION
     # Converts the written text to the field's value.
     parse: Callable[[Any], Any] | None = None
+    # Heading under which a command's help lists it; "" for the first, of what matters most.
+    heading: str = attrs.field(default="", eq=False)
 
     @property
     def flag(self) -> str:
@@ -121,7 +123,8 @@ def options_of(kind: type[Declared]) -> tuple[Option, ...]:
 def _all_of(kind: type) -> Iterator[Option]:
     for field in attrs.fields(kind):
         if _GROUP in field.metadata:
-            yield from _all_of(field.metadata[_GROUP])
+            inner = field.metadata[_GROUP]
+            yield from (attrs.evolve(one, heading=one.heading or inner.heading) for one in _all_of(inner))
         yield from (one.named(field.name) for one in field.metadata.get(_KEY, ()))
 
 
@@ -130,6 +133,8 @@ class Declared:
 
     # Options of a base class that do not apply to this one.
     not_offered: ClassVar[tuple[str, ...]] = ()
+    # Heading of its options in help, where the class is a group of another's options.
+    heading: ClassVar[str] = ""
 
     @classmethod
     def of(cls, said: Mapping[str, Any], **fields: Any) -> Self:

@@ -86,13 +86,14 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)
 
 
-def rendered_size_field() -> Any:
-    """Return the field of `--rendered-size`."""
+def rendered_size_field(heading: str = "") -> Any:
+    """Return the field of `--rendered-size`. heading: as of Option."""
     return option(
         None,
         "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
         "1.25x1.125, and 1.41 times the pixels.",
         metavar="WxH",
+        heading=heading,
         parse=partial(parse_size, flag="--rendered-size"),
         valid=_check_rendered,
     )

@@ -1,8 +1,8 @@
+from .auto.levels import QualityLevel as QualityLevel
 from .build import Target as Target
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
 from .channel import Channel as Channel
-from .client_scene import ClientScene as ClientScene
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames
@@ -10,8 +10,14 @@ from .layers_read import Reads as Reads
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh
 from .options import PipelineOptions as PipelineOptions
+from .options import SceneKey as SceneKey
 from .planning import build_plan_for as build_plan_for
 from .planning import plans_for as plans_for
+from .recorded_scene import RecordedScene as RecordedScene
+from .recorded_scene import fitted as fitted
+from .recorded_scene import headset_of as headset_of
+from .recorded_scene import scene_of as scene_of
 from .requested import PoseRequest as PoseRequest
 from .sizes import eye_sizes as eye_sizes
+from .sizes import guarded_size as guarded_size
 from .sizes import memory_bytes as memory_bytes

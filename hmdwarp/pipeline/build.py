@@ -9,6 +9,7 @@ from contextlib import ExitStack
 
 import attrs
 
+from ..client import ClientScene
 from ..client.classes import load_client
 from ..client.compensator import Compensator
 from ..client.history import History
@@ -20,7 +21,7 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION, LinkOptions
 from ..link.codec import Coding, codecs
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..scenes import Scene
 from ..sources.server import Server
 from .auto.adaptive import AdaptiveCompensator
@@ -28,7 +29,6 @@ from .auto.governor import Governor
 from .auto.levels import QualityLevel
 from .changes import Changes
 from .channel import Channel
-from .client_scene import ClientScene
 from .frame_coder import Coder
 from .frame_source import FrameSource, ServerFrames
 from .layers_read import Reads

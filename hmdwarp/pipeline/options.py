@@ -61,8 +61,15 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     return "wide" if chosen == "none" else f"wide+{chosen}"
 
 
+# Headings of options in help.
+AUTOMATIC, RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
+RECORDED = SequenceOptions.heading
 _WIDE = Option(
-    "A second, wide and coarse view with every frame: fill wide before the others.", bool, False, name="wide"
+    "A second, wide and coarse view with every frame: fill wide before the others.",
+    bool,
+    False,
+    name="wide",
+    heading=RENDERING,
 )
 
 
@@ -83,7 +90,7 @@ class PipelineOptions(Declared):
     scene_options: SceneOptions = group(SceneOptions)
     frames: Path | None = option(
         None,
-        "Folder of recorded frames with depth, in place of a scene: hmdwarp list layouts; the display is the camera.",
+        "Recorded RGB-D folder used instead of a scene, shown as its camera saw it; see hmdwarp list layouts.",
         kind=Path,
         convert=attrs.converters.optional(Path),
         study=DISPLAY,
@@ -101,6 +108,7 @@ class PipelineOptions(Declared):
         unit="mm",
         valid=Number(most=500.0),
         study=DISPLAY,
+        heading=RECORDED,
     )
     # From drawing a frame to showing it.
     latency_ms: float = option(
@@ -114,6 +122,7 @@ class PipelineOptions(Declared):
         "",
         f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file; what it lacks is refused, "
         "and never chosen. By default all, and picture where --warp auto chooses.",
+        heading=AUTOMATIC,
     )
     # With settings after a colon; "" for none by name. It sets other options, see values_of.
     strategy: str = option(
@@ -129,7 +138,12 @@ class PipelineOptions(Declared):
     )
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
-        None, "Milliseconds for one eye that --warp auto keeps to.", kind=float, unit="ms", valid=Number(above=True)
+        None,
+        "Milliseconds for one eye that --warp auto keeps to.",
+        kind=float,
+        unit="ms",
+        valid=Number(above=True),
+        heading=AUTOMATIC,
     )
     # The bench.json that warp "auto" chooses from; None measures all warps on the run's own frames
     # first.
@@ -138,6 +152,7 @@ class PipelineOptions(Declared):
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
         kind=Path,
         convert=attrs.converters.optional(Path),
+        heading=AUTOMATIC,
     )
     # Ignored by warp "auto", which chooses its own.
     fill: str = option(
@@ -152,16 +167,21 @@ class PipelineOptions(Declared):
         "auto",
         f"auto (what the scene calls for), none, or of {names_in('client/effects')}: NAME forces, no-NAME forbids.",
         study=PICTURE,
+        heading=RENDERING,
     )
     # How the server draws plane mirrors, see server.Server.
     mirrors: str = option(
-        "geometry", "Draw plane mirrors by geometry, or from what is on the screen (misses stay empty).", study=PICTURE
+        "geometry",
+        "Draw plane mirrors by geometry, or from what is on the screen (misses stay empty).",
+        study=PICTURE,
+        heading=RENDERING,
     )
     # In the syntax of client.parse_indirect; only where the scene's lamps move.
     indirect: str = option(
         "converged",
         "Light between surfaces under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10], "
         "a grid that all views share.",
+        heading=RENDERING,
     )
     lens: str = option(
         "radial",
@@ -186,24 +206,33 @@ class PipelineOptions(Declared):
         unit="Hz",
         valid=Number(above=True, most=1000),
         study=DISPLAY,
+        heading=DISPLAYED,
     )
     # "auto" is replaced by a number before a run is built, see run.guard.
     guard: Guard | str = guard_field(
         attrs.Factory(lambda self: default_guard(self.warp), takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
         beside=(_WIDE,),  # the other way to fill beyond the border
+        heading=RENDERING,
     )
-    rendered_size: tuple[int, int] | None = rendered_size_field()
-    fused: bool = option(False, "Warp and apply the lens in one resample; for gather warps, without fill.")
+    rendered_size: tuple[int, int] | None = rendered_size_field(RENDERING)
+    fused: bool = option(
+        False, "Warp and apply the lens in one resample; for gather warps, without fill.", heading=DISPLAYED
+    )
     # From the display's first row to its last; 0 for a global display.
     scanout_ms: float = option(
-        0.0, "Milliseconds that the display takes from its first row to its last.", unit="ms", valid=Number(most=100)
+        0.0,
+        "Milliseconds that the display takes from its first row to its last.",
+        unit="ms",
+        valid=Number(most=100),
+        heading=DISPLAYED,
     )
     # Warps that cannot follow show all rows as in the middle of the scan-out.
     follow_scanout: bool = option(
         True,
         "Warp each row for its own instant, where the warp can, or all for the middle one.",
         off="--no-follow-scanout",
+        heading=DISPLAYED,
     )
     # Delay variation, loss and queueing, on top of the latency.
     network: LinkOptions = group(LinkOptions)
@@ -217,6 +246,7 @@ class PipelineOptions(Declared):
         f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
         kind=str,
         default=None,
+        heading=RENDERING,
     )
     horizon_ms: float | None = option(
         None,
@@ -224,6 +254,7 @@ class PipelineOptions(Declared):
         kind=float,
         unit="ms",
         valid=Number(),
+        heading=RENDERING,
     )
 
     def __attrs_post_init__(self) -> None:

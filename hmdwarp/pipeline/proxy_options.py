@@ -24,6 +24,7 @@ class ProxyOptions(Declared):
     Errors: InputError for a value out of range.
     """
 
+    heading = "Proxy"
     on: bool = option(
         False,
         "A proxy warps: it gets frames from the server, and sends the client the finished picture for the newest pose "

@@ -17,7 +17,7 @@ from ..geometry import Fov, Guard, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
-from ..poses.looped import Moment
+from ..poses.pose_source import Moment
 from ..sources.repairs import RepairChain
 from ..sources.sequences import RecordedFrame
 from ..sources.server import Server, Target

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from ..client.compensator import Compensator, EyeResult
 
 if TYPE_CHECKING:
+    from ..client import ClientScene
     from ..client.inputs import PassInputs
     from ..client.plan import Plan
     from ..gpu.context import Gpu
     from ..headsets import Headset
-    from .client_scene import ClientScene
 
 Size = tuple[int, int]
 

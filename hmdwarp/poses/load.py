@@ -6,12 +6,17 @@ from pathlib import Path
 
 import attrs
 
-from ..errors import TraceError
+from ..errors import InputError, TraceError
 from ..registry import unknown_name
-from .defects import Defect
+from ..resources import folder, recording_names
+from .formats import TraceFormat, column_of, column_of_devices, formats, ordered
 from .options import TraceOptions
 from .reading.cleaning import Segment
+from .reading.file_head import Head, read_head
+from .stated import Defect, Layout
 from .track import PoseTrack
+
+_SYNTAX = "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8"
 
 
 @attrs.frozen(eq=False)
@@ -51,9 +56,6 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
     format.
     """
-    from .finding import find_format
-    from .reading.file_head import read_head
-
     options = options or TraceOptions()
     path = trace_path(name_or_path)
     if not path.exists() and path.stem in _recordings():
@@ -86,8 +88,6 @@ def trace_path(name_or_path: str | Path) -> Path:
     path = Path(text)
     if isinstance(name_or_path, Path) or path.name != text or path.suffix:
         return path
-    from ..resources import folder
-
     names = _recordings()
     if text in names:
         return folder("recordings") / f"{text}.csv"
@@ -97,9 +97,51 @@ def trace_path(name_or_path: str | Path) -> Path:
 
 
 def _recordings() -> list[str]:
-    from ..resources import recording_names
-
     try:
         return recording_names()
     except FileNotFoundError:
         return []
+
+
+def find_format(head: Head, options: TraceOptions) -> TraceFormat:
+    """Return the named format, or the most likely one. Errors: UnknownNameError, TraceError."""
+    if options.columns is not None:
+        return StatedColumns()
+    if options.format is not None:
+        return formats.get(options.format)
+    scores = {f.name: f.sniff(head, options) for f in formats}
+    best = max(scores, key=scores.__getitem__)
+    if scores[best] > 0:
+        return formats.get(best)
+    if head.names is None and head.width >= 5:
+        raise TraceError(
+            f"{head.path}: nothing in the file says what its columns are ({head.describe()}): "
+            "say --columns t=1,p=2+3+4,q=5+6+7+8 with their numbers (q: x y z w)"
+        )
+    known = ", ".join(formats.names())
+    raise TraceError(
+        f"{head.path} is in no known trace format ({head.describe()}): "
+        f"name the columns in a header line, or say --format ({known})"
+    )
+
+
+class StatedColumns(TraceFormat):
+    """Columns by the user's word; quaternions are x y z w unless --quat-order says otherwise."""
+
+    name = "columns"
+    summary = "columns as --columns names them"
+
+    def layout(self, head: Head, options: TraceOptions) -> Layout:
+        text = options.columns or ""
+        parts = [part.partition("=") for part in text.split(",")]
+        stated = {key.strip(): [column_of(head, word) for word in value.split("+")] for key, _, value in parts if value}
+        counts = {"t": 1, "p": 3, "q": 4}
+        if len(stated) != len(parts) or "q" not in stated or any(len(v) != counts.get(k) for k, v in stated.items()):
+            raise InputError(f"--columns '{text}': expected {_SYNTAX}")
+        (time,), position = stated.get("t", [None]), stated.get("p")
+        return Layout(
+            time=time,
+            orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
+            device=column_of_devices(head),
+            position=None if position is None else (position[0], position[1], position[2]),
+        )

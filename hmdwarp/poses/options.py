@@ -6,6 +6,7 @@ from typing import Any
 
 import attrs
 
+from ..errors import InputError
 from ..options import Declared, Number, names_in, one_of, option
 
 # Kinds of `poses.synth`, in words.
@@ -14,10 +15,27 @@ TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 QUAT_ORDERS = ("xyzw", "wxyz")
 
 
+@attrs.frozen
+class Euler:
+    """How three angles make an orientation."""
+
+    order: str  # turns about the fixed axes in the order they are applied, such as "zxy"
+    degrees: bool
+
+
+def parse_euler(text: str) -> Euler:
+    """Parse `--euler`: the order of turns about the fixed axes, and deg or rad: "ZXY,deg".
+
+    Unity's Euler angles are ZXY,deg. Errors: InputError.
+    """
+    order, _, unit = text.strip().lower().partition(",")
+    if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
+        raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
+    return Euler(order, unit.strip() == "deg")
+
+
 def _check_euler(_: object, __: attrs.Attribute[Any], value: str | None) -> None:
     if value is not None:
-        from .formats import parse_euler
-
         parse_euler(value)
 
 
@@ -28,6 +46,7 @@ class TraceOptions(Declared):
     Errors: InputError for values that no file can have.
     """
 
+    heading = "Reading the head trace"
     # Name of a trace format.
     format: str | None = option(
         None, f"Read the trace as this format: {names_in('poses/formats')}; by default it is detected."
@@ -67,7 +86,7 @@ class TraceOptions(Declared):
         "Unit of the file's clock: s, ms, us, ns or 100ns; by default as the file says, or guessed.",
         valid=one_of(*TIME_UNITS),
     )
-    # See `stated.StatedColumns`.
+    # See `load.StatedColumns`.
     columns: str | None = option(
         None, "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w)."
     )
@@ -75,7 +94,7 @@ class TraceOptions(Declared):
     time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
     # Of the rows of several devices.
     device: str | None = option(None, "Whose rows to read where a file holds those of several devices.")
-    # See `formats._base.parse_euler`.
+    # See `parse_euler`.
     euler: str | None = option(
         None,
         "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg).",

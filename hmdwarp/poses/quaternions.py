@@ -63,6 +63,11 @@ def to_rotation_vector(q: Array) -> Array:
     return q[..., :3] * factor
 
 
+def vector_between(first: Array, then: Array) -> Array:
+    """Return the rotation vectors (..., 3) from the first quaternions to the others."""
+    return to_rotation_vector(multiply(then, conjugate(first)))
+
+
 def rotate(q: Array, v: Array) -> Array:
     """Return vectors (..., 3) rotated by q."""
     u, w = q[..., :3], q[..., 3:]

@@ -1,39 +1,51 @@
-"""A trace whose columns the user names: --columns t=..,p=..,q=..."""
+"""What a trace file holds, what is assumed of it and who says so, and what was wrong with it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import attrs
 
-from ..errors import InputError
-from .formats import TraceFormat, column_of, column_of_devices, ordered
+from .options import Euler
 
-if TYPE_CHECKING:
-    from .options import TraceOptions
-    from .reading.file_head import Head
-    from .reading.rows import Layout
+# Who says what axes a file has.
+ASSUMED = "assumed"
+BY_FORMAT = "by the format"
+BY_FILE = "stated by the file"
+BY_USER = "as --axes or --up says"
+BY_MOTION = "by --axes auto, from the motion"
 
-_SYNTAX = "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8"
+
+@attrs.frozen
+class Defect:
+    """One kind of defect in a file and its repair: nothing is dropped or changed silently."""
+
+    kind: str  # a stable identifier for programs
+    what: str  # a description for people
+    done: str  # the repair
+    count: int = 1
+    line: int | None = None  # the first line concerned, from 1
+
+    def __str__(self) -> str:
+        place = "" if self.line is None else f" (line {self.line}{' first' if self.count > 1 else ''})"
+        return f"{self.what}{place}: {self.done}"
 
 
-class StatedColumns(TraceFormat):
-    """Columns by the user's word; quaternions are x y z w unless --quat-order says otherwise."""
+@attrs.frozen
+class Layout:
+    """Which columns to read, their meaning, and what of it is only assumed."""
 
-    name = "columns"
-    summary = "columns as --columns names them"
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        from .reading.rows import Layout
-
-        text = options.columns or ""
-        parts = [part.partition("=") for part in text.split(",")]
-        stated = {key.strip(): [column_of(head, word) for word in value.split("+")] for key, _, value in parts if value}
-        counts = {"t": 1, "p": 3, "q": 4}
-        if len(stated) != len(parts) or "q" not in stated or any(len(v) != counts.get(k) for k, v in stated.items()):
-            raise InputError(f"--columns '{text}': expected {_SYNTAX}")
-        position = stated.get("p")
-        return Layout(
-            time=stated["t"][0] if "t" in stated else None,
-            orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
-            device=column_of_devices(head),
-            position=None if position is None else (position[0], position[1], position[2]),
-        )
+    time: int | None  # column index
+    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle a letter
+    orientation: tuple[int, ...]
+    matrix: bool = False
+    euler: Euler | None = None
+    nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
+    position: tuple[int, int, int] | None = None  # columns of x y z
+    unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
+    device: int | None = None  # column that identifies the device of each row
+    axes: str = "openxr"  # what `parse_axes` takes
+    axes_by: str = ASSUMED  # who says so
+    gravity_down: tuple[float, ...] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
+    scale: float = 1.0  # metres per unit
+    order_assumed: bool = False  # of the quaternions: w last, though nothing says so
+    clock_ignored: bool = False  # --trace-rate replaces the time column
+    caveats: tuple[Defect, ...] = ()  # defects of every file of the format

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import operator
 from collections.abc import Iterable
 from typing import Any
@@ -13,12 +14,31 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import TraceError
 from ..geometry import Pose
 from . import quaternions
-from .sample import Origin, PoseSample
 
 _MS = 1_000_000
 SHORTEST_GAP_NS = 100 * _MS
 UNIT_WITHIN = 1e-2  # a file's quaternion whose length is off by more is no rotation
 _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
+
+
+class Origin(enum.IntEnum):
+    """How a pose was obtained; vectorised sampling stores the integers."""
+
+    MEASURED = 0
+    INTERPOLATED = 1
+    PREDICTED = 2
+    HELD = 3
+
+
+@attrs.frozen(eq=False)
+class PoseSample:
+    """`pose` is world_from_head at `time_ns`, the requested instant."""
+
+    time_ns: int
+    pose: Pose
+    origin: Origin
+    # when a live source read it from its device, on the same clock; None for recordings
+    read_ns: int | None = None
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
@@ -37,6 +57,10 @@ def _times(value: ArrayLike) -> NDArray[np.int64]:
     if array.ndim != 1 or array.dtype.kind not in "iu":
         raise TraceError(f"time_ns: expected a row of integers, found {array.dtype} of shape {array.shape}")
     return array.astype(np.int64, copy=False)
+
+
+def _jumps(value: Iterable[int]) -> tuple[int, ...]:
+    return tuple(int(i) for i in value)
 
 
 def _texts(value: Iterable[str]) -> tuple[str, ...]:
@@ -78,7 +102,7 @@ class PoseTrack:
     # longer steps are gaps
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
-    jumps: tuple[int, ...] = attrs.field(default=(), converter=lambda given: tuple(int(i) for i in given))
+    jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
     # (n - 1,) whether a gap or jump follows each sample
     broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)
 
@@ -173,21 +197,21 @@ class PoseTrack:
 
     def sample_many(self, time_ns: ArrayLike, across_gaps: bool = False) -> Samples:
         """Return `at` for many instants (n,) at once, by the same rules."""
-        asked = _times(time_ns)
-        i = np.clip(np.searchsorted(self.time_ns, asked, side="right") - 1, 0, len(self) - 1)
+        instants = _times(time_ns)
+        i = np.clip(np.searchsorted(self.time_ns, instants, side="right") - 1, 0, len(self) - 1)
         j = np.minimum(i + 1, len(self) - 1)
-        inside = (asked >= self.start_ns) & (j > i)
+        inside = (instants >= self.start_ns) & (j > i)
         if not across_gaps and len(self) > 1:
             inside &= ~self.broken[np.minimum(i, len(self) - 2)]
         step = np.where(j > i, self.time_ns[j] - self.time_ns[i], 1)
-        share = np.where(inside, (asked - self.time_ns[i]) / step, 0.0)
-        exact = asked == self.time_ns[i]
+        share = np.where(inside, (instants - self.time_ns[i]) / step, 0.0)
+        exact = instants == self.time_ns[i]
         origin = np.where(exact, Origin.MEASURED, np.where(inside, Origin.INTERPOLATED, Origin.HELD)).astype(np.int8)
         p = self.position_m[i]
         position = p + share[:, None] * (self.position_m[j] - p)
         q = quaternions.slerp_many(self.orientation_xyzw[i], self.orientation_xyzw[j], share)
         q[share == 0] = self.orientation_xyzw[i[share == 0]]
-        return Samples(asked, position, q / np.linalg.norm(q, axis=1, keepdims=True), origin)
+        return Samples(instants, position, q / np.linalg.norm(q, axis=1, keepdims=True), origin)
 
     def run_of(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return how many gaps and jumps lie before the last sample at each instant, (n,).

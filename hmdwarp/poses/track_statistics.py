@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from . import quaternions
-from .prediction_errors import PredictionErrors, turn_errors
+from .load import LoadedTrace
+from .prediction import ERROR_PERCENTILES, PredictionErrors, turn_errors
 from .predictors import Predictor, predictors
-from .sample import Origin
-from .track import PoseTrack
+from .track import Origin, PoseTrack
 
 _MS = 1_000_000
 GRID_NS = 5 * _MS  # 200 Hz
@@ -134,3 +136,50 @@ def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tupl
     if not len(values):
         return tuple(float("nan") for _ in wanted)
     return tuple(float(v) for v in np.percentile(values, wanted))
+
+
+def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
+    """Return what `hmdwarp trace info --json` prints.
+
+    Percentiles are keys such as p95. What the track is too short for is NaN.
+    """
+    return {
+        "trace": str(loaded.path),
+        "format": loaded.format,
+        "origin": loaded.track.origin,
+        "axes": loaded.axes,
+        "columns": loaded.columns,
+        "samples": figures.samples,
+        "repeated_share": figures.repeated_share,
+        "duration_s": figures.duration_s,
+        "rate_hz": figures.rate_hz,
+        "mean_rate_hz": figures.mean_rate_hz,
+        "clock": loaded.time_unit,
+        "clock_starts_s": loaded.track.epoch_ns / 1e9,
+        "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
+        "jumps": figures.jumps,
+        "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
+        "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
+        "errors_deg": [
+            {
+                "latency_ms": row.latency_ms,
+                **{
+                    name: {
+                        "mean": errors.mean,
+                        **_by_name(errors.percentiles, ERROR_PERCENTILES),
+                        "lead_share": errors.lead_share,
+                        "lead_p95": errors.lead,
+                        "lag_p95": errors.lag,
+                    }
+                    for name, errors in row.errors.items()
+                },
+            }
+            for row in figures.errors
+        ],
+        "segments": [attrs.asdict(segment) for segment in loaded.segments],
+        "defects": [attrs.asdict(defect) for defect in loaded.defects],
+    }
+
+
+def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:
+    return {f"p{percent:g}": value for percent, value in zip(which, values, strict=True)}

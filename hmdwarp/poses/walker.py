@@ -12,7 +12,7 @@ from collections import deque
 import attrs
 
 from ..geometry import Pose
-from .sample import Origin, PoseSample
+from .track import Origin, PoseSample
 
 EYE_HEIGHT_M = 1.6
 WALK_M_S, FASTER = 1.4, 3.0  # a pedestrian's pace (Browning et al. 2006 measured 1.4 m/s); with shift, a run

@@ -1,18 +1,142 @@
-"""Charts over time as SVG."""
+"""Charts as SVG: what all of them share, lines over time, named points, and frames in transit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+import hashlib
+import io
+import re
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import PAGE, SERIES, Style, drawing, dress, not_measured, svg_text
+from .label_places import leaders, place_labels
+from .style import CSS_VARIABLES, GRID, INK, PAGE, SERIES, Palette
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
+
+
+@contextmanager
+def drawing(content: object, font_size: float = 9) -> Iterator[None]:
+    """Set Matplotlib up for a chart of `content`.
+
+    The same content gives the same text, and two charts of one page share no ids.
+    """
+    from matplotlib import rc_context
+
+    salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
+    settings: Any = {
+        "svg.fonttype": "none", "svg.hashsalt": salt, "font.size": font_size, "font.sans-serif": ["DejaVu Sans"],
+        "hatch.linewidth": 0.7, "text.parse_math": False, "axes.unicode_minus": True,
+    }  # fmt: skip
+    with rc_context(settings), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a file name may hold any letter
+        yield
+
+
+def dress(axes: Axes, palette: Palette = PAGE, *, grid: Literal["both", "x", "y"] = "both") -> None:
+    """Draw no box, a pale grid, everything else in ink; grid: the axis whose lines are drawn."""
+    axes.patch.set_visible(False)
+    axes.grid(True, axis=grid, color=palette.grid, linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side, spine in axes.spines.items():
+        spine.set_visible(side == "bottom")
+        spine.set_color(palette.ink)
+    axes.tick_params(colors=palette.ink, which="both", length=0)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.label.set_color(palette.ink)
+
+
+def not_measured(axes: Axes, palette: Palette = PAGE) -> None:
+    """Say in the middle of empty axes that there is nothing to draw."""
+    axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
+
+
+def svg_text(figure: Any) -> str:
+    """Return a figure drawn in PAGE's colours as an <svg> element to stand in the page.
+
+    It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
+    """
+    figure.patch.set_visible(False)
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = buffer.getvalue()
+    text = text[text.index("<svg") :]
+    for stand_in, variable in CSS_VARIABLES.items():
+        text = text.replace(stand_in, f"var({variable})")
+    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every
+    # chart.
+    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
+    text = re.sub(r'<g id="[^"]*"', "<g", text)
+    head, rest = text.split(">", 1)
+    parts = [part for part in head.split('" ') if not part.startswith(("width=", "height="))]
+    return '" '.join(parts) + ">" + rest
+
+
+@contextmanager
+def canvas(
+    content: object,
+    size_in: tuple[float, float],
+    *,
+    x: str = "",
+    y: str = "",
+    grid: Literal["both", "x", "y"] = "both",
+    box: tuple[float, float, float, float] | None = None,
+) -> Iterator[Axes]:
+    """Yield the axes of a chart of `content` in PAGE's colours, to be returned by svg_text.
+
+    x, y: labels of the axes. box: their fixed place, as axes_in takes it, else as much as there is.
+    """
+    with drawing(content):
+        figure = empty_figure(*size_in, layout=None if box else "constrained")
+        axes = axes_in(figure, box) if box else figure.add_subplot()
+        dress(axes, grid=grid)
+        axes.set(xlabel=x, ylabel=y)
+        yield axes
+
+
+def empty_figure(width_in: float, height_in: float, layout: Literal["constrained"] | None = None) -> Figure:
+    """Return an empty figure of that size."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width_in, height_in), layout=layout)
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
+    """Add axes at a fixed place (left, bottom, right, top in inches): placing labels needs it."""
+    width, height = figure.get_size_inches()
+    left, bottom, right, top = box
+    return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
+
+
+def legend(where: Axes | Figure, handles: Sequence[Any], palette: Palette = PAGE, **style: Any) -> None:
+    """Draw a legend without a frame. handles: as mark makes them."""
+    where.legend(handles=handles, frameon=False, labelcolor=palette.ink, **style)
+
+
+def mark(label: str = "", **style: Any) -> Any:
+    """Return a line or marker for a legend, in ink unless the style has a colour."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **{"color": PAGE.ink, **style})
+
+
+def name_rows(axes: Axes, names: Sequence[str], above: float = 0.6) -> None:
+    """Name the rows of a chart, the first on top."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.4, -above)
+
 
 _DASHES = ("solid", (0, (4, 2)), (0, (1, 1.5)))  # lines differ in more than colour
 _MOST_POINTS = 400  # about one per device pixel; a run of hours makes a page no larger than one of minutes
@@ -80,15 +204,9 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) 
     out, ticks included; a chart of nothing says so. The same data give the same text.
     unit: of the vertical axis, "" for a plain number.
     """
-    with drawing([(line.label, line.value.tobytes(), line.ticks_s.tobytes()) for line in series]):
-        from matplotlib.figure import Figure
-
-        figure = Figure(figsize=(5.0, 2.2), layout="constrained")
-        axes = figure.add_subplot()
+    content = [(line.label, line.value.tobytes(), line.ticks_s.tobytes()) for line in series]
+    with canvas(content, (5.0, 2.2), x="time in s", y=unit) as axes:
         drawn = [_draw(axes, number, line) for number, line in enumerate(series)]
-        dress(axes)
-        axes.set_xlabel("time in s")
-        axes.set_ylabel(unit)
         axes.margins(x=0.01)
         if from_zero:
             axes.set_ylim(bottom=0)
@@ -96,11 +214,10 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) 
         if not any(drawn):
             not_measured(axes)
         elif len(drawn) > 1:
-            axes.legend(
-                loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, labelcolor=PAGE.ink, borderaxespad=0,
-                handlelength=2.5,
-            )  # fmt: skip
-        return svg_text(figure)
+            handles, _ = axes.get_legend_handles_labels()
+            above: Style = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 2}
+            legend(axes, handles, **above, borderaxespad=0, handlelength=2.5)
+        return svg_text(axes.get_figure())
 
 
 def _draw(axes: Axes, number: int, series: Series) -> bool:
@@ -118,3 +235,163 @@ def _draw(axes: Axes, number: int, series: Series) -> bool:
         style = {"linestyle": "", "marker": "|", "markersize": 5, "transform": axes.get_xaxis_transform()}
         axes.plot(ticks, np.full(len(ticks), 0.03 + 0.06 * number), color=colour, **style)
     return True
+
+
+MARKER_PT = 6.5
+_CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
+_LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
+_NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
+
+
+def plain_log_ticks(axis: Any, subs: Sequence[float]) -> None:
+    """Put plain numbers at these multiples of powers of ten."""
+    from matplotlib.ticker import LogLocator, NullLocator
+
+    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(lambda value, _: f"{value:g}")
+
+
+def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarray:
+    """Set limits with a margin around the values, and plain numbers at the ticks.
+
+    Returns where the values are drawn. A logarithmic axis has no zero: what is below _NOTHING is
+    drawn a step before the least of the others, at a tick that says 0.
+    """
+    from matplotlib.ticker import FixedLocator, MaxNLocator
+
+    limits = axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim
+    if not logarithmic:
+        low, high = values.min(), values.max()
+        margin = max(0.08 * (high - low), 0.5)
+        limits(low - margin, high + margin)
+        axis.set_major_locator(MaxNLocator(6))
+        return values
+    some = values[values >= _NOTHING]
+    least, most = (some.min(), some.max()) if len(some) else (_NOTHING, _NOTHING)
+    zero = least / 2
+    drawn = np.where(values < _NOTHING, zero, values)
+    low, high = np.log10([drawn.min(), most])
+    # At least a factor of four, so that two ticks are in it.
+    margin = max(0.06 * (high - low), (np.log10(4) - (high - low)) / 2)
+    scale = axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale
+    scale("log")
+    limits(10 ** (low - margin), 10 ** (high + margin))
+    plain_log_ticks(axis, (1, 2, 5) if high - low > 1 else (1, 1.5, 2, 3, 5, 7))
+    has_zero = len(some) < len(values)
+    if has_zero:
+        axis.set_major_locator(FixedLocator([zero, *(tick for tick in axis.get_majorticklocs() if tick >= least)]))
+    axis.set_major_formatter(lambda value, _: "0" if has_zero and value < least else f"{value:g}")
+    return drawn
+
+
+def draw_names(
+    axes: Axes, names: Mapping[str, list[int]], points: np.ndarray, is_best: np.ndarray, line: np.ndarray,
+    palette: Palette,
+) -> None:  # fmt: skip
+    """Write each name beside one of its points."""
+    to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
+    area = (box.width * to_points, box.height * to_points)
+    at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points
+    bends = (axes.transData.transform(line) - (box.x0, box.y0)) * to_points
+    groups = list(names.values())
+    weights = ["bold" if is_best[group].any() else "normal" for group in groups]
+    sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(names, weights, strict=True)])
+    corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends, others=at)
+    for text, group, weight, corner, size in zip(names, groups, weights, corners, sizes, strict=True):
+        style: Style = {
+            "weight": weight,
+            "ha": "center",
+            "va": "center",
+            "color": palette.ink,
+            "linespacing": 1.0,
+            "zorder": 6,
+        }
+        x, y = (corner + size / 2) / area
+        axes.text(x, y, text, transform=axes.transAxes, **style)
+        (start,), (tip,) = leaders(at[group], np.array([[*corner, *(corner + size)]]))
+        length = np.linalg.norm(tip - start)
+        if length > _CLEAR_PT + _LEADER_PT:
+            ends = np.stack([start + (tip - start) * (MARKER_PT / 2 / length), tip]) / area
+            axes.plot(*ends.T, transform=axes.transAxes, color=palette.ink, linewidth=0.7, zorder=2)
+
+
+def _size_pt(figure: Any, text: str, weight: str) -> tuple[float, float]:
+    from matplotlib.text import Text
+
+    extent = Text(0, 0, text, weight=weight, linespacing=1.0, figure=figure).get_window_extent(
+        figure.canvas.get_renderer()
+    )
+    return extent.width * 72 / figure.dpi, extent.height * 72 / figure.dpi
+
+
+def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, palette: Palette, *, higher: bool) -> np.ndarray:
+    """Draw the staircase that bounds these points; return it as (m, 2) in data coordinates.
+
+    Without points there is none.
+    higher: whether a higher error measure is better.
+    """
+    if not len(cost):
+        return np.zeros((0, 2))
+    order = np.argsort(cost, kind="stable")
+    cost, error = cost[order], error[order]
+    worst = axes.get_ylim()[0 if higher else 1]
+    x = np.concatenate([[cost[0]], cost, [axes.get_xlim()[1]]])
+    y = np.concatenate([[worst], error, error[-1:]])
+    axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)
+    return np.stack([np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]], axis=1)
+
+
+# (label, colour, opacity, hatch): the server's work, the network and the client's have a colour
+# each.
+_PARTS = {
+    "render": ("render", SERIES[0], 1.0, ""),
+    "encode": ("encode", SERIES[0], 0.5, ""),
+    "queue": ("queue", GRID, 1.0, "...."),
+    "transfer": ("size / bandwidth", GRID, 1.0, "////"),
+    "network": ("round trip", GRID, 1.0, ""),
+    "hold": ("wait for the decoder", SERIES[1], 0.5, ""),
+    "decode": ("decode", SERIES[1], 1.0, ""),
+}
+_WAITS, _SEEN = "wait for the refresh", "on the screen"
+_HIGH = 0.6  # of a bar, in rows
+
+
+def timeline_svg(timeline: Sequence[Mapping[str, Any]]) -> str:
+    """Draw one line for each frame, the oldest on top; "" without frames.
+
+    timeline: as in summary.json. A thin line is the wait for the display's refresh, a thick one the
+    time on the screen. Parts that no frame has are left out.
+    """
+    if not timeline:
+        return ""
+    named = [name for name in _PARTS if any(frame["parts"].get(name) for frame in timeline)]
+    size_in = (10.0, 1.3 + 0.2 * len(timeline))
+    labels: Style = {"x": "ms since the first of them was drawn", "y": "frame"}
+    with canvas([dict(frame) for frame in timeline], size_in, **labels, grid="x") as axes:
+        for row, frame in enumerate(timeline):
+            _draw_frame(axes, row, frame, named)
+        name_rows(axes, [str(frame["frame"]) for frame in timeline])
+        axes.margins(x=0.01)
+        handle_of = {handle.get_label(): handle for handle in axes.get_legend_handles_labels()[0]}
+        handles = [handle_of[label] for label in (*(_PARTS[name][0] for name in named), _WAITS, _SEEN)]
+        above: Style = {"loc": "lower left", "bbox_to_anchor": (0, 1), "ncols": 9}
+        legend(axes, handles, **above, borderaxespad=0, handlelength=1.8, columnspacing=1.2)
+        return svg_text(axes.get_figure())
+
+
+def _draw_frame(axes: Axes, row: int, frame: Mapping[str, Any], named: Sequence[str]) -> None:
+    at = frame["drawn"]
+    for name in named:
+        label, colour, opacity, hatch = _PARTS[name]
+        length = frame["parts"][name]
+        axes.barh(
+            row, length, _HIGH, left=at, label=label, color=colour, alpha=opacity, hatch=hatch, edgecolor=INK,
+            linewidth=0,
+        )  # fmt: skip
+        at += length
+    axes.plot((at, frame["shown"]), (row, row), color=INK, linewidth=0.8, label=_WAITS)
+    axes.plot(
+        (frame["shown"], frame["until"]), (row, row), color=INK, linewidth=3, label=_SEEN, marker="|",
+        markersize=7,
+    )  # fmt: skip

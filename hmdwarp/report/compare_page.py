@@ -1,8 +1,7 @@
-"""compare.html: strategies beside each other, on a page that loads nothing from the network."""
+"""compare.html: strategies side by side; the same as Markdown and for the terminal."""
 
 from __future__ import annotations
 
-import base64
 import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -12,19 +11,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
-from .named_points import MARKER_PT, axes_in, draw_front, draw_names, scale_axis, scatter_figure
-from .parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, environment
-from .pictures import jpeg_bytes
-from .source_texts import source_facts
-from .style import PAGE, css_variables, drawing, dress, not_measured, svg_text
-from .tables import axes_of_traces
+from .charts import MARKER_PT, canvas, draw_front, draw_names, not_measured, scale_axis, svg_text
+from .page import (
+    Article,
+    Chart,
+    Fold,
+    Group,
+    Heading,
+    Page,
+    Picture,
+    Section,
+    Terms,
+    Text,
+    data_uri,
+    fact,
+    machine_pairs,
+    minutes,
+    notes_section,
+    reading_section,
+    texts,
+)
+from .run_texts import axes_of_traces, source_facts
+from .style import PAGE
+from .tables import Table, markdown, terminal_table
+from .words import counted
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.table import Table as TerminalTable
 
 Row = Mapping[str, Any]
 # Loads what was shown, and the truth.
-Pictures = Callable[[], tuple[NDArray, NDArray]]
+Pictures = Callable[[], tuple[NDArray[Any], NDArray[Any]]]
 
 _PICTURE_WIDTH = 420
 _WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
@@ -80,42 +97,52 @@ def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -
     """Return the text of the page from the content of compare.json.
 
     data: also `cases`, how many there are where `rows` are the first of more. pictures: of each
-    row. All text from the data is escaped.
+    row.
     """
     rows: list[Row] = list(data["rows"])
-    return environment().get_template("compare.html").render(
-        count=len(data["strategies"]),
+    count, cases = len(data["strategies"]), _cases(rows, pictures)
+    folds = [
+        Fold(label, [_table(label, group), Group("panels", _strip(group, shown))], is_open=number == 0)
+        for number, (label, group, shown) in enumerate(cases)
+    ]
+    clients = [_client(client, rows) for client in data["clients"]]
+    strategies = [(one["name"], _strategy_text(one)) for one in data["strategies"]]
+    return Page(
+        kind="compare",
+        title=f"hmdwarp compare: {count} strategies",
+        heading=("Strategies of remote rendering", f"{count} of them, {counted(len(cases), 'case')}"),
         facts=_facts(rows),
         command=data.get("command") or "",
-        strategies=data["strategies"],
-        notes=_notes(data),
-        cases=[(label, _table(label, group), _strip(group, shown)) for label, group, shown in _cases(rows, pictures)],
-        clients=[_client(client, rows) for client in data["clients"]],
-        assigned=_assigned(data),
-        clock=CLOCK_NAMES.get(data["clock"], data["clock"]),
-        seconds=data["seconds"],
-        machine=data["machine"],
-        version=data["hmdwarp"],
-        light=css_variables(dark=False),
-        dark=css_variables(dark=True),
-    )  # fmt: skip
+        sections=(
+            notes_section(_notes(data)),
+            Section("Tables and pictures", folds, id="table", link="Tables and pictures"),
+            Section("By class of client", clients, id="clients", link="By class of client"),
+            Section(
+                "Who can run what", [Text(texts("compare")["notes"]["assigned"]), _assigned(data)], id="assigned",
+                link="Who can run what",
+            ),
+            Section("The strategies", [Terms(strategies)], id="strategies", link="The strategies", style="reading"),
+            reading_section("compare"),
+        ),
+        made_with=[
+            *machine_pairs(data["hmdwarp"], data["machine"], data["clock"]), ("Run in", minutes(data["seconds"])),
+        ],
+    ).html()  # fmt: skip
 
 
-def compare_table(rows: Iterable[Row]) -> Table:
+def compare_table(rows: Iterable[Row]) -> TerminalTable:
     """Return the rows for the terminal, case by case, the least error first."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
+    from rich.text import Text as Words
 
     shown = [COLUMNS[name] for name in ("flip", "psnr_db", "client_ms", "mbit_s", "start_bytes")]
     heads = {"start_bytes": "MB first", "mbit_s": "Mbit/s", "client_ms": "ms"}
-    table = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0))
+    table = terminal_table(padding=(0, 1, 0, 0))
     table.add_column("strategy")
     for column in shown:
         table.add_column(heads.get(column.figure.name, column.figure.label), justify="right", no_wrap=True)
     for label, group, _ in _cases(list(rows), []):
         table.add_section()
-        table.add_row(Text(label, style="bold"))
+        table.add_row(Words(label, style="bold"))
         for row in _ordered(group):
             table.add_row(row["strategy"], *(column.text(row) for column in shown))
     return table
@@ -130,22 +157,18 @@ def compare_markdown(rows: Iterable[Row]) -> str:
     """Return the rows as a Markdown table, case by case, the least error first."""
     rows = list(rows)
     columns = _columns(rows)
-    heads = ["case", "strategy", *(" ".join(filter(None, column.head)) for column in columns)]
-    lines = ["| " + " | ".join(heads) + " |", "| --- | --- |" + " ---: |" * len(columns)]
-    for label, group, _ in _cases(rows, []):
-        for row in _ordered(group):
-            cells = [label, f"`{row['strategy']}`", *(column.text(row) for column in columns)]
-            lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+    heads = [("case", ""), ("strategy", ""), *(column.head for column in columns)]
+    lines = [
+        [label, f"`{row['strategy']}`", *(column.text(row) for column in columns)]
+        for label, group, _ in _cases(rows, [])
+        for row in _ordered(group)
+    ]
+    return Table.of("", heads, lines, words=2).markdown()
 
 
 def assigned_markdown(data: Mapping[str, Any]) -> str:
     """Return which classes can run what, as a Markdown table. data: as compare.json."""
-    table = _assigned(data)
-    lines = ["| " + " | ".join(label for label, _ in table.heads) + " |", "|" + " --- |" * len(table.heads)]
-    for line in table.lines:
-        lines.append("| " + " | ".join(cell.text for cell in line.cells) + " |")
-    return "\n".join(lines) + "\n"
+    return _assigned(data).markdown()
 
 
 def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> str:
@@ -157,14 +180,13 @@ def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> s
     """
     latencies = list(dict.fromkeys(row["latency_ms"] for row in data["rows"]))
     recordings = len({row["trace"] for row in data["rows"]})
-    lines = ["| for whom | " + " | ".join(f"{latency:g} ms" for latency in latencies) + " |"]
-    lines.append("| --- |" + " --- |" * len(latencies))
+    lines = [["for whom", *(f"{latency:g} ms" for latency in latencies)], ["---"] * (1 + len(latencies))]
     for rate, client in itertools.product((None, *links_mbit_s), data["clients"]):
         who = client["summary"] if rate is None else f"over a link of {rate:g} Mbit/s"
         rows = [row for row in data["rows"] if not row["unfit"][client["name"]]]
         cells = [_best_of([row for row in rows if row["latency_ms"] == one], rate, recordings) for one in latencies]
-        lines.append(f"| `{client['name']}`: {who} | " + " | ".join(cells) + " |")
-    return "\n".join(lines) + "\n"
+        lines.append([f"`{client['name']}`: {who}", *cells])
+    return markdown(lines)
 
 
 def _best_of(rows: Sequence[Row], link_mbit_s: float | None, recordings: int) -> str:
@@ -227,18 +249,18 @@ def _ordered(rows: Iterable[Row]) -> list[Row]:
     return sorted(rows, key=_error)
 
 
-def _facts(rows: Sequence[Row]) -> list[tuple[str, str]]:
+def _facts(rows: Sequence[Row]) -> list[str]:
     first = rows[0]
-    link = first["link"]
-    return [
+    facts = [
         ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
         *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
         *source_facts(first),
         ("an eye", "x".join(map(str, first["size"]))),
-        ("codec", link["codec"]),
-        ("refreshes a run", str(first["frames"])),
+        ("codec", first["link"]["codec"]),
+        ("refreshes a run", first["frames"]),
     ]
+    return [fact(label, text) for label, text in facts]
 
 
 def _notes(data: Mapping[str, Any]) -> list[str]:
@@ -253,35 +275,41 @@ def _notes(data: Mapping[str, Any]) -> list[str]:
     return [*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]
 
 
-def _table(label: str, group: Sequence[Row]) -> PageTable:
+def _table(label: str, group: Sequence[Row]) -> Table:
     columns = _columns(group)
-    lines = [Line((Cell(row["strategy"], False), *(Cell(one.text(row)) for one in columns))) for row in _ordered(group)]
-    heads = (("strategy", ""), *(column.head for column in columns))
-    return PageTable(f"{label}, least FLIP first", heads, tuple(lines))
+    lines = [[row["strategy"], *(column.text(row) for column in columns)] for row in _ordered(group)]
+    return Table.of(f"{label}, least FLIP first", [("strategy", ""), *(column.head for column in columns)], lines)
 
 
-def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[tuple[str, str]]:
-    """Return (caption, data URI) of the truth and of what each strategy shows."""
+def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[Picture]:
+    """Return the truth and what each strategy shows."""
     by_row = sorted(zip(group, pictures, strict=True), key=lambda pair: _error(pair[0]))
-    truth = [("what should be seen", _uri(by_row[0][1]()[1]))]
-    return truth + [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", _uri(load()[0])) for row, load in by_row]
+    shown = [("what should be seen", by_row[0][1]()[1])]
+    shown += [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", load()[0]) for row, load in by_row]
+    return [Picture(caption, data_uri(_small(picture)), caption) for caption, picture in shown]
 
 
-def _uri(picture: NDArray) -> str:
+def _small(picture: NDArray[Any]) -> NDArray[Any]:
     from PIL import Image
 
     small = Image.fromarray(picture)
     small.thumbnail((_PICTURE_WIDTH, _PICTURE_WIDTH), Image.Resampling.LANCZOS)
-    return f"data:image/jpeg;base64,{base64.b64encode(jpeg_bytes(np.asarray(small))).decode()}"
+    return np.asarray(small)
 
 
-def _client(client: Mapping[str, str], rows: Sequence[Row]) -> dict[str, Any]:
+def _strategy_text(one: Mapping[str, Any]) -> str:
+    summary = one["summary"][0].upper() + one["summary"][1:]
+    return f"{summary}. Crosses the link: {one['crosses']}. Late: {one['late']}. ({one['source']})"
+
+
+def _client(client: Mapping[str, str], rows: Sequence[Row]) -> Article:
     """Return the fronts of one client: what it can run, case by case."""
-    cases = []
+    folds: list[Fold] = []
     for label, group, _ in _cases(rows, []):
         can = [row for row in group if not row["unfit"][client["name"]]]
-        cases.append((label, [_front(label, client["name"], can, cost) for cost in COSTS], _best(can)))
-    return {**client, "cases": cases}
+        charts = Group("charts", [_front(label, client["name"], can, cost) for cost in COSTS])
+        folds.append(Fold(label, [charts], _best(can), is_open=not folds))
+    return Article([Heading(client["name"]), Text(client["summary"], ""), *folds], id=client["name"])
 
 
 def _best(can: Sequence[Row]) -> str:
@@ -292,25 +320,24 @@ def _best(can: Sequence[Row]) -> str:
     return f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[4:7])})."
 
 
-def _front(label: str, client: str, rows: Sequence[Row], cost: str) -> PageChart:
+def _front(label: str, client: str, rows: Sequence[Row], cost: str) -> Chart:
     column = COLUMNS[cost]
     rows = [row for row in rows if row["quality"][PRIMARY]["mean"] is not None]
     best = pareto(rows, lambda row: (row["quality"][PRIMARY]["mean"], row[cost]))
     heading = f"error against {' '.join(column.head)}"
     names = ", ".join(row["strategy"] for row in sorted(best, key=lambda row: row[cost])) or "nothing it can run"
     words = f"{heading}, {client}, {label}. Front, from cheap to dear: {names}."
-    content = [(row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows]
-    with drawing((label, client, cost, content)):
-        figure = scatter_figure(_WIDTH_IN, _HEIGHT_IN)
-        axes = axes_in(figure, (0.62, 0.5, _WIDTH_IN - 0.1, _HEIGHT_IN - 0.15))
-        dress(axes, PAGE)
-        axes.set_xlabel(" in ".join(filter(None, column.head)))
-        axes.set_ylabel("FLIP, lower is better")
+    points = [(row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows]
+    box = (0.62, 0.5, _WIDTH_IN - 0.1, _HEIGHT_IN - 0.15)
+    across = " in ".join(filter(None, column.head))
+    with canvas(
+        (label, client, cost, points), (_WIDTH_IN, _HEIGHT_IN), x=across, y="FLIP, lower is better", box=box
+    ) as axes:
         if rows:
             _draw(axes, rows, best, cost)
         else:
-            not_measured(axes, PAGE)
-        return PageChart.of(heading, svg_text(figure), words)
+            not_measured(axes)
+        return Chart.of(heading, svg_text(axes.get_figure()), words, "")
 
 
 def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str) -> None:
@@ -327,16 +354,16 @@ def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str) -> Non
     draw_names(axes, names, np.stack([spent, error], axis=1), is_best, line, PAGE)
 
 
-def _assigned(data: Mapping[str, Any]) -> PageTable:
+def _assigned(data: Mapping[str, Any]) -> Table:
     """Return which classes the thesis gives each strategy, which can run it here, and why not."""
     lines = []
+    names = [client["name"] for client in data["clients"]]
     for strategy in data["strategies"]:
         rows = [row for row in data["rows"] if row["strategy"] == strategy["name"]]
-        names = [client["name"] for client in data["clients"]]
-        can = [name for name in names if not any(row["unfit"][name] for row in rows)]
-        why = [f"{name}: {next(row['unfit'][name] for row in rows if row['unfit'][name])}" for name in names
-               if name not in can]  # fmt: skip
-        texts = (strategy["name"], ", ".join(strategy["classes"]), ", ".join(can) or "none", "; ".join(why) or "–")
-        lines.append(Line(tuple(Cell(text, False) for text in texts)))
-    heads = (("strategy", ""), ("meant for", ""), ("can run it here", ""), ("what the others lack", ""))
-    return PageTable("Strategies and classes of clients", heads, tuple(lines))
+        unfit = {name: next((row["unfit"][name] for row in rows if row["unfit"][name]), "") for name in names}
+        can = [name for name, why in unfit.items() if not why]
+        lacking = [f"{name}: {why}" for name, why in unfit.items() if why]
+        meant = ", ".join(strategy["classes"])
+        lines.append((strategy["name"], meant, ", ".join(can) or "none", "; ".join(lacking) or "–"))
+    heads = [(head, "") for head in ("strategy", "meant for", "can run it here", "what the others lack")]
+    return Table.of("Strategies and classes of clients", heads, lines, words=4)

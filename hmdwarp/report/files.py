@@ -106,7 +106,7 @@ def lock(handle: int, *, wait: bool = False) -> bool:
 
 
 @contextmanager
-def atomic(path: str | os.PathLike) -> Iterator[Path]:
+def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Yield a temporary path beside `path`; it takes the final name when the block ends.
 
     If the block fails, it is deleted; if the process is killed, by the next that writes `path`.
@@ -138,18 +138,18 @@ def sync(path: Path) -> None:
 
 
 @contextmanager
-def _opened(path: str | os.PathLike) -> Iterator[BinaryIO]:
+def _opened(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     with atomic(path) as temporary, temporary.open("wb") as file:
         yield file
 
 
-def write_bytes(path: str | os.PathLike, content: bytes) -> None:
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a whole file. Errors: InputError or MachineError naming the path."""
     with _opened(path) as file:
         file.write(content)
 
 
-def write_text(path: str | os.PathLike, content: str) -> None:
+def write_text(path: str | os.PathLike[str], content: str) -> None:
     """Write a text file in UTF-8, lines ending in LF. Errors: as write_bytes."""
     write_bytes(
         path, content.encode(errors="replace")
@@ -180,7 +180,7 @@ def refuse_source(path: Path, source: Path) -> None:
         raise InputError(f"{path} is the input itself: write to another file")
 
 
-def write_json(path: str | os.PathLike, value: Any) -> None:
+def write_json(path: str | os.PathLike[str], value: Any) -> None:
     """Write indented JSON, keys in their order.
 
     A sequence in a mapping that is no list, such as rows on the disk, is written piece by piece.
@@ -222,7 +222,7 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"{type(value).__name__} has no form in JSON")
 
 
-def write_csv(path: str | os.PathLike, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
+def write_csv(path: str | os.PathLike[str], rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
     """Write rows under `columns`; None and missing values are empty, floats keep all their digits.
 
     Errors: HmdwarpError for a row with a key that is no column; else as write_bytes.
@@ -244,7 +244,7 @@ def _field(value: Any) -> Any:
     return repr(float(value)) if isinstance(value, float | np.floating) else value
 
 
-def write_png(path: str | os.PathLike, picture: NDArray) -> None:
+def write_png(path: str | os.PathLike[str], picture: NDArray[Any]) -> None:
     """Write an (h, w, 3) or (h, w) uint8 picture, top row first, as PNG. Errors: as write_bytes."""
     from .pictures import png_bytes
 

@@ -9,6 +9,7 @@ markers and other names, and takes five times as long; the second draws its lead
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -61,7 +62,7 @@ def place_labels(
     return np.concatenate([choice.boxes for choice in near])[_Costs.of(near).exchanged(), :2]
 
 
-def _settled(choices: list[_Places], order: NDArray) -> tuple[NDArray, float]:
+def _settled(choices: list[_Places], order: NDArray[Any]) -> tuple[NDArray[Any], float]:
     """Place one label after the other, then each anew until none moves; return places and cost."""
     chosen, costs = np.full(len(choices), -1), np.zeros(len(choices))
     for _ in range(_SWEEPS):
@@ -82,7 +83,7 @@ def _settled(choices: list[_Places], order: NDArray) -> tuple[NDArray, float]:
 class _Costs:
     """What the places of all labels cost, p of them, by themselves and beside each other."""
 
-    ranges: list[NDArray]  # the places of each label, the one it has first
+    ranges: list[NDArray[Any]]  # the places of each label, the one it has first
     own: Array  # (p)
     beside: Array  # (p, p), 0 between places of one label
 
@@ -96,7 +97,7 @@ class _Costs:
             beside[np.ix_(own, own)] = 0
         return cls(ranges, np.concatenate([choice.cost for choice in choices]), beside)
 
-    def exchanged(self) -> NDArray:
+    def exchanged(self) -> NDArray[Any]:
         """Give labels with bad places better ones where those in the way find others."""
         chosen = np.array([own[0] for own in self.ranges])
         for _ in range(_SWEEPS):
@@ -112,11 +113,11 @@ class _Costs:
                 break
         return chosen
 
-    def _of(self, chosen: NDArray) -> Array:
+    def _of(self, chosen: NDArray[Any]) -> Array:
         """Return what each label's place costs beside the others'."""
         return self.own[chosen] + self.beside[np.ix_(chosen, chosen)].sum(axis=1)
 
-    def _with_room(self, chosen: NDArray, label: int, place: int) -> NDArray:
+    def _with_room(self, chosen: NDArray[Any], label: int, place: int) -> NDArray[Any]:
         """Return the places after a label has moved to one, and those in its way have moved on."""
         trial = chosen.copy()
         trial[label] = place

@@ -6,17 +6,15 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from markupsafe import Markup
 from numpy.typing import NDArray
 
 from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
-from .frame_ways import timeline_svg
-from .live_lines import budget_rows
-from .miss_parts import miss_tile
-from .parts import CLOCK_NAMES, Chart, Tile, environment
-from .source_texts import drawing_text, eyes_text, source_facts
-from .tables import TIME_FIGURES, Summary
-from .transit import coding_rows, frame_rows, response_rows
+from .page import Chart, Group, Page, Section, Terms, Text, Tile, fact, notes_section, reading_section, texts
+from .replay_page import made_with, miss_tile, size_fact, transit_section
+from .run_texts import TIME_FIGURES, Summary, budget_rows, drawing_text, eyes_text, source_facts
+from .tables import Cell, Line, Table
 from .words import listed
 
 Column = Callable[[str], NDArray[np.float64]]
@@ -33,84 +31,109 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     linear_speed_m_s, hole_share/0, hole_share/1. command: as the user typed it.
     """
     live = summary["live"]
-    template = environment().get_template("live.html")
-    return template.render(
-        summary=summary,
-        live=live,
-        sources=source_facts(summary),
+    changes = [(f"{one['time_s']:.2f} s", f"{_changed(one['what'])} ({one['reason']})") for one in live["changes"]]
+    charts = [Group("charts", _charts(summary, column)), Text(texts("live")["notes"]["charts"])]
+    return Page(
+        kind="live",
+        title=f"hmdwarp live: {summary['warp']} at {summary['latency_ms']:g} ms, {live['source']}",
+        heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
+        facts=_facts(summary),
         command=command,
-        about=[(name, text) for name, text in live["about"].items() if text],
-        notes=summary["notes"],
-        tiles=_tiles(summary),
-        budget=[
-            (what, median, tail, f"{share:.0%}", min(100.0, 100 * share))
-            for what, median, tail, share in budget_rows(summary)
-        ],
-        over=f"{live['over'] / max(1, live['timed']):.1%}",
-        changes=[_change(one) for one in live["changes"]],
-        notices=list(live["notices"].items()),
-        collector=live["garbage_collector"],
-        charts=_charts(summary, column),
-        filled=[],
-        models=[],
-        response=response_rows(summary),
-        frames=frame_rows(summary),
-        coding=coding_rows(summary),
-        timeline=timeline_svg((summary.get("link") or {}).get("timeline") or ()),
-        clock=CLOCK_NAMES[summary["clock"]],
-        errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
-    )
+        sections=(
+            Section("", _tiles(summary), style="tiles", label="Main figures"),
+            notes_section(summary["notes"]),
+            _refresh(summary),
+            transit_section(summary),
+            Section("Changes", [Terms(changes, "changes")] if changes else []),
+            Section("Over time", charts),
+            _reading(live),
+        ),
+        made_with=made_with(summary),
+    ).html()
+
+
+def _facts(summary: Summary) -> list[str]:
+    live = summary["live"]
+    recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
+    pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
+    about = [(name, text) for name, text in live["about"].items() if text]
+    pairs = [("source", live["source"]), *about, *source_facts(summary)]
+    pairs += [(name, summary[name]) for name in ("fill", "lens")]
+    return [*(fact(*pair) for pair in pairs), size_fact(summary), pictures]
 
 
 def _tiles(summary: Summary) -> list[Tile]:
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
-    age, pose_age, time = live["age_ms"], live["pose_age_ms"], TIME_FIGURES[-1]
+    share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), TIME_FIGURES[-1]
+    handed = "from reading the head to submitting the picture"
     return [
-        Tile("Frame age at display", "ms", _MS.text(age["median"]), _tail(_MS, age, "from drawing to showing")),
-        Tile(
-            "Pose age at hand-over",
-            "ms",
-            _SHORT_MS.text(pose_age["median"]),
-            _tail(_SHORT_MS, pose_age, "from reading the head to submitting the picture"),
-        ),
+        _tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
+        _tile("Pose age at hand-over", _SHORT_MS, live["pose_age_ms"], handed),
         miss_tile(summary["miss"]),
-        Tile("Time per eye", "ms", time.text(total["median"]), _tail(time, total, "all stages")),
-        Tile(
-            holes.label,
-            holes.figure.unit,
-            holes.figure.text(summary["quality"][holes.name]["mean"]),
-            holes.tile_note,
-        ),
+        _tile("Time per eye", time, total, "all stages"),
+        Tile(holes.label, holes.figure.unit, share, holes.tile_note),
     ]
 
 
-def _tail(figure: Figure, entry: Mapping[str, float | None], what: str) -> str:
-    return what if entry["p95"] is None else f"{what}; p95 {figure.text(entry['p95'])} ms"
+def _tile(label: str, figure: Figure, entry: Mapping[str, float | None], note: str) -> Tile:
+    tail = "" if entry["p95"] is None else f"; p95 {figure.text(entry['p95'])} ms"
+    return Tile(label, "ms", figure.text(entry["median"]), note + tail)
 
 
-def _change(one: Mapping[str, Any]) -> tuple[str, str, str]:
-    what = ", ".join(f"{name} {_value(before)} → {_value(after)}" for name, (before, after) in one["what"].items())
-    return f"{one['time_s']:.2f} s", what, one["reason"]
+def _refresh(summary: Summary) -> Section:
+    """Return the parts of a refresh against its budget, with a bar for each."""
+    live = summary["live"]
+    lines = []
+    for part, median, tail, share in budget_rows(summary):
+        bar = Markup('<i style="width: {:.1f}%"></i>').format(min(100.0, 100 * share))
+        cells = (Cell(part), Cell(median), Cell(tail, "tail"), Cell(f"{share:.0%}"), Cell(bar, "meter"))
+        lines.append(Line(cells))
+    budget = f"{live['budget_ms']:.2f}"
+    heads = [(head, "") for head in ("all eyes together", "median, ms", "p95", f"of {budget} ms", "")]
+    note = texts("live")["notes"]["budget"].format(
+        rate=f"{round(summary['rate_hz'], 2):g}", budget=budget, over=f"{live['over'] / max(1, live['timed']):.1%}"
+    )
+    return Section("Time per refresh", [Table("", heads, lines, label="Time per refresh"), Text(note)])
+
+
+def _changed(what: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name} {_value(before)} → {_value(after)}" for name, (before, after) in what.items())
 
 
 def _value(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
+def _reading(live: Mapping[str, Any]) -> Section:
+    collector = live["garbage_collector"]
+    when = "between the pictures" if collector["between"] else "at any time"
+    collected = f"{sum(collector['collections'])} collections, {collector['total_ms']:.1f} ms in all"
+    notices = "; ".join(f"{text} ({count}×)" for text, count in live["notices"].items())
+    return reading_section(
+        "live",
+        *([("Shown over the picture", notices)] if notices else []),
+        ("Garbage collector", f"{when}: {collected}, the longest {collector['longest_ms']:.2f} ms."),
+        errors=listed([metric.short_label for metric in metrics_in_order() if Input.TRUTH in metric.needs]),
+        waiting=str(live["waiting"]),
+        unseen=str(live["unseen"]),
+    )
+
+
 def _charts(summary: Summary, column: Column) -> list[Chart]:
     time_s, budget_ms, holes = column("time_s"), summary["live"]["budget_ms"], metrics.get("hole_share")
     limit = Series("a refresh of the display", time_s, np.full(len(time_s), budget_ms))
     both_eyes = holes.scale * np.concatenate([column("hole_share/0"), column("hole_share/1")])
-    lines = (
-        ("Frame age at display", [Series("", time_s, column("age_ms"))], "ms"),
-        ("Pose age at hand-over", [Series("", time_s, column("pose_age_ms"))], "ms"),
-        ("From picture to picture", [Series("from picture to picture", time_s, column("period_ms")), limit], "ms"),
-        (
-            f"{drawing_text(summary).capitalize()} and all passes of {eyes_text(summary)}",
-            [Series("drawing and passes", time_s, column("busy_ms")), limit],
-            "ms",
-        ),
+    busy = f"{drawing_text(summary).capitalize()} and all passes of {eyes_text(summary)}"
+
+    def line(name: str, label: str = "") -> Series:
+        return Series(label, time_s, column(name))
+
+    charts = (
+        ("Frame age at display", [line("age_ms")], "ms"),
+        ("Pose age at hand-over", [line("pose_age_ms")], "ms"),
+        ("From picture to picture", [line("period_ms", "from picture to picture"), limit], "ms"),
+        (busy, [line("busy_ms", "drawing and passes"), limit], "ms"),
         (holes.chart, [Series("", np.concatenate([time_s, time_s]), both_eyes)], holes.chart_unit),
-        ("Angular speed of the head", [Series("", time_s, column("angular_speed_deg_s"))], "deg/s"),
+        ("Angular speed of the head", [line("angular_speed_deg_s")], "deg/s"),
     )
-    return [Chart(heading, time_series(series, unit)) for heading, series, unit in lines]
+    return [Chart.over_time(heading, time_series(series, unit)) for heading, series, unit in charts]

@@ -52,7 +52,12 @@ class OutputFolder:
     """
 
     def __init__(
-        self, path: str | os.PathLike, *, owned: Sequence[str] = (), last: str = "summary.json", force: bool = False
+        self,
+        path: str | os.PathLike[str],
+        *,
+        owned: Sequence[str] = (),
+        last: str = "summary.json",
+        force: bool = False,
     ) -> None:
         self.folder = Path(path)
         self._owned, self._last = tuple(owned), last
@@ -109,7 +114,7 @@ class OutputFolder:
     def write_csv(self, name: str, rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
         self._write(name, write_csv, rows, columns)
 
-    def write_png(self, name: str, picture: NDArray) -> None:
+    def write_png(self, name: str, picture: NDArray[Any]) -> None:
         self._write(name, write_png, picture)
 
     def _write(self, name: str, writer: Any, *content: Any) -> None:

@@ -1,173 +1,228 @@
-"""report.html of a replay: one page with its pictures and charts, without network access."""
+"""The builder of all pages: a title, facts, and sections of blocks, declared as data.
+
+A page holds its styles, charts and pictures and loads nothing from the network. Texts are escaped,
+but for those made as Markup. The same content gives the same page.
+"""
 
 from __future__ import annotations
 
 import base64
+import functools
+import tomllib
 from collections.abc import Mapping, Sequence
+from importlib import resources
 from typing import Any
 
 import attrs
+from markupsafe import Markup
 
-from ..metrics import PRIMARY, Kept, metrics_in_order
-from .charts import Series, time_series
-from .frame_ways import timeline_svg
-from .miss_parts import miss_chart, miss_tile
-from .parts import CLOCK_NAMES, Chart, Tile, environment
-from .pictures import Panel, comparison_panels, jpeg_bytes
-from .source_texts import eyes_text, source_facts
-from .tables import QUALITY_FIGURES, TIME_FIGURES, Summary, column_names, comparison_rows, how_sure
-from .transit import coding_rows, filled_rows, frame_rows, model_rows, response_rows
-from .words import listed
+from .pictures import jpeg_bytes
+from .style import css_variables
+from .words import name_pieces
 
-Rows = Sequence[Mapping[str, Any]]
-
-EYES = ("left eye", "right eye")
-# (heading, column, unit)
-_MOTION_CHARTS = (
-    ("Age of the shown frame", "age_ms", "ms"),
-    ("Angular speed of the head", "angular_speed_deg_s", "deg/s"),
-    ("Linear speed of the head", "linear_speed_m_s", "m/s"),
-)
+CLOCK_NAMES = {"gpu": "GPU timer queries", "wall": "wall clock around finished GPU work"}
+Pairs = list[tuple[str, str]]
 
 
-@attrs.frozen(eq=False)
-class WorstFrame:
-    """One picture of the strip of worst frames."""
+@attrs.frozen
+class Tile:
+    """A figure in large type."""
 
-    time_s: float
-    eye: int  # 0 left, 1 right
-    panels: tuple[Panel, ...]  # labelled, as comparison_panels makes them
-    values: Mapping[str, float | None]  # by metric
+    label: str
+    unit: str
+    text: str
+    note: str
+    # The compared run's figure.
+    baseline: str | None = None
+
+
+@attrs.frozen
+class Text:
+    """A paragraph."""
+
+    text: str
+    style: str = "small"
+
+
+@attrs.frozen
+class Heading:
+    """A heading inside a section."""
+
+    text: str
+    note: str = ""
+
+
+@attrs.frozen
+class Sentences:
+    """A list of sentences."""
+
+    sentences: Sequence[str]
+    # Classes of the lines, if they have any.
+    styles: Sequence[str] = ()
+    style: str = ""
+
+
+@attrs.frozen
+class Terms:
+    """Terms, each with its text."""
+
+    pairs: Sequence[tuple[str, str]]
+    style: str = ""
+
+
+@attrs.frozen
+class Chart:
+    """A chart in one or more versions."""
+
+    heading: str
+    # (measure, svg, what it says in words)
+    versions: tuple[tuple[str, str, str], ...]
+    style: str = "big"
 
     @classmethod
-    def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
-        """Make one of a picture that QualityPool kept."""
-        assert kept.result.error_map is not None
-        pictures = kept.job.now
-        panels = comparison_panels(kept.job.rendered_picture, pictures.shown, pictures.truth, kept.result.error_map)
-        return cls(time_s, eye, tuple(panels), kept.result.values)
+    def of(cls, heading: str, svg: str, words: str, style: str = "big") -> Chart:
+        """Make a chart of one version; words: the chart for readers who cannot see it."""
+        return cls(heading, (("", svg, words),), style)
+
+    @classmethod
+    def over_time(cls, heading: str, svg: str) -> Chart:
+        """Make a chart over time."""
+        return cls.of(heading, svg, f"{heading} over time", "")
 
 
-def render_report(
-    summary: Summary,
-    baselines: Sequence[Summary] = (),
-    *,
-    rows: Rows,
-    baselines_rows: Sequence[Rows] = (),
-    misses: Sequence[Rows] = (),
-    worst: Sequence[WorstFrame] = (),
-    command: str,
-    notes: Sequence[str] = (),
-) -> str:
-    """Return the text of report.html; the same arguments give the same text.
+@attrs.frozen
+class Picture:
+    """A picture with its caption."""
 
-    summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
-    values. misses: as misses.csv's, of the run and each baseline, empty without `miss` in the
-    summary; none if no one misses any. command: as the user typed it. notes: the run's, one
-    sentence each.
-    """
-    names = column_names(summary, *baselines)
-    comparison = comparison_rows(summary, *baselines)
-    template = environment().get_template("report.html")
-    return template.render(
-        summary=summary,
-        source=source_facts(summary),
-        eyes=eyes_text(summary),
-        command=command,
-        notes=list(notes),
-        columns=names,
-        baselines=baselines,
-        sure=how_sure(summary, mark="★" if baselines else None),
-        quality_rows=comparison[: len(QUALITY_FIGURES)],
-        time_rows=comparison[len(QUALITY_FIGURES) :][: len(TIME_FIGURES)],
-        miss_rows=comparison[len(QUALITY_FIGURES + TIME_FIGURES) :],
-        tiles=_tiles(summary, baselines, names),
-        charts=_charts(summary, names, rows, baselines_rows) + _of_misses(summary, names, misses),
-        worst=[_worst(frame, _eye_names(summary)) for frame in worst],
-        measured=_measured(summary),
-        auto=_auto(summary),
-        filled=filled_rows(summary),
-        models=model_rows(summary),
-        response=response_rows(summary),
-        frames=frame_rows(summary),
-        coding=coding_rows(summary),
-        timeline=timeline_svg((summary.get("link") or {}).get("timeline") or ()),
-        clock=CLOCK_NAMES[summary["clock"]],
-        metrics=metrics_in_order(),
-        rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
-    )
+    caption: str
+    source: str  # data URI
+    alt: str
+    size: tuple[int, int] | None = None
+
+    @classmethod
+    def of(cls, caption: str, picture: Any, alt: str) -> Picture:
+        """Make one of an (h, w, 3) uint8 sRGB picture, shown in its size."""
+        return cls(caption, data_uri(picture), alt, (picture.shape[1], picture.shape[0]))
 
 
-def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> list[Tile]:
-    figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
-    figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
-    tiles = []
-    for label, figure, table, main, note in figures:
-        other = "; ".join(
-            f"{name}: {figure.text(one[table][figure.name][main])}"
-            for name, one in zip(names[1:], baselines, strict=True)
+@attrs.frozen
+class Choice:
+    """Radio buttons that choose the version of the section's charts."""
+
+    name: str
+    # (measure, label)
+    measures: Sequence[tuple[str, str]]
+
+
+@attrs.frozen
+class Group:
+    """Blocks side by side: `charts`, `panels` or `pairs`."""
+
+    style: str
+    blocks: Sequence[Any]
+
+
+@attrs.frozen
+class Fold:
+    """Blocks under a line that opens and closes them."""
+
+    label: str
+    blocks: Sequence[Any]
+    note: str = ""
+    is_open: bool = False
+
+
+@attrs.frozen
+class Article:
+    """Blocks on a card."""
+
+    blocks: Sequence[Any]
+    id: str = ""
+    style: str = ""
+
+
+@attrs.frozen
+class Section:
+    """A part of the page; those with a link stand in the list under the title."""
+
+    heading: str
+    # Those that are None or empty are left out.
+    blocks: Sequence[Any]
+    id: str = ""
+    link: str = ""
+    style: str = ""
+    # For readers who cannot see it, where there is no heading.
+    label: str = ""
+
+
+@attrs.frozen
+class Page:
+    """A page as data."""
+
+    kind: str  # of hmdwarp's commands: "bench"
+    title: str  # of the window
+    heading: tuple[str, str | None]
+    facts: Sequence[str]
+    command: str
+    # None and sections without blocks are left out.
+    sections: Sequence[Section | None]
+    made_with: Sequence[tuple[str, str]]
+    # Lines under the command.
+    remarks: Sequence[str] = ()
+
+    def html(self) -> str:
+        """Return the text of the page."""
+        from jinja2 import Environment, PackageLoader, StrictUndefined
+
+        environment = Environment(
+            loader=PackageLoader("hmdwarp.report"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+            lstrip_blocks=True,
+        )  # fmt: skip
+        environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else name_pieces(text)
+        return environment.get_template("page.html").render(
+            page=self,
+            sections=[one for one in self.sections if one is not None and any(one.blocks)],
+            light=css_variables(dark=False),
+            dark=css_variables(dark=True),
         )
-        tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
-    if "miss" in summary:
-        missing = [(name, one["miss"]) for name, one in zip(names[1:], baselines, strict=True) if "miss" in one]
-        tiles.append(miss_tile(summary["miss"], missing))
-    return tiles
 
 
-def _of_misses(summary: Summary, names: list[str], misses: Sequence[Rows]) -> list[Chart]:
-    return [miss_chart(summary["miss"]["budget_ms"], list(zip(names, misses, strict=True)))] if misses else []
+def fact(label: str, text: object, after: str = "") -> str:
+    """Return a fact under the title, its text in bold."""
+    return Markup("{}<b>{}</b>{}").format(f"{label} " if label else "", text, after)
 
 
-def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
-    """Return the charts over time: the primary metric, the others, then the head's motion."""
-    charts = []
-    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
-        if not metric.chart:
-            continue
-        drawn = zip(names, (rows, *baselines_rows), strict=True)
-        series = [Series.of(name, its_rows, metric.name, metric.scale) for name, its_rows in drawn]
-        charts.append(Chart(metric.chart, time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)))
-    others = [*_MOTION_CHARTS, *([("Time per eye", "total_ms", "ms")] if "auto" in summary else [])]
-    return charts + [Chart(heading, time_series([Series.of("", rows, name)], unit)) for heading, name, unit in others]
+def notes_section(notes: Sequence[str]) -> Section:
+    """Return the box of notes."""
+    return Section("Notes", [Sentences(notes)] if notes else [], style="notes")
 
 
-def _auto(summary: Summary) -> dict[str, Any] | None:
-    """Return the levels and changes of warp "auto" as text; None for a run of one warp."""
-    if "auto" not in summary:
-        return None
-    auto = summary["auto"]
-    ladder = [
-        (
-            level["name"],
-            f"{level['total_ms']:.2f}",
-            f"{level['flip']:.4f}",
-            f"{level['refreshes'] / summary['frames']:.1%}",
-        )
-        for level in auto["ladder"]
-    ]
-    changes = [(f"{c['time_s']:.2f} s", c["from"], c["to"], c["reason"]) for c in auto["changes"]]
-    return {"budget": f"{auto['budget_ms']:g}", "ladder": ladder, "changes": changes}
+def machine_pairs(version: str, machine: Mapping[str, Any], clock: str | None) -> Pairs:
+    """Return what a run was made with. clock: its name in summary.json."""
+    labels = {"gl_renderer": "GL renderer", "gl_version": "GL version", "cpu_count": "CPU cores"}
+    pairs = [("hmdwarp", version), *((labels[key], str(machine[key])) for key in labels if key in machine)]
+    return [*pairs, ("Clock", CLOCK_NAMES.get(clock or "", str(clock)))]
 
 
-def _eye_names(summary: Summary) -> tuple[str, ...]:
-    return EYES if summary.get("eyes", 2) == 2 else ("camera",)
+def minutes(seconds: float) -> str:
+    """Return "7.2 min"."""
+    return f"{seconds / 60:.1f} min"
 
 
-def _worst(frame: WorstFrame, names: tuple[str, ...]) -> dict[str, Any]:
-    figures = [(f.label, f.text(frame.values.get(f.name)), f.unit) for f in QUALITY_FIGURES]
-    panels = [
-        {
-            "label": label,
-            "source": "data:image/jpeg;base64," + base64.b64encode(jpeg_bytes(picture)).decode("ascii"),
-            "width": picture.shape[1],
-            "height": picture.shape[0],
-        }
-        for label, picture in frame.panels
-    ]
-    return {"time": f"{frame.time_s:.2f} s", "eye": names[frame.eye], "figures": figures, "panels": panels}
+def data_uri(picture: Any) -> str:
+    """Return a picture as a data URI."""
+    return "data:image/jpeg;base64," + base64.b64encode(jpeg_bytes(picture)).decode("ascii")
 
 
-def _measured(summary: Summary) -> str | None:
-    """Return how many pictures were measured, if the summary says so."""
-    count = summary.get("measured", {}).get(PRIMARY)
-    return None if count is None else f"{count} of {summary.get('eyes', 2) * summary['frames']}"
+@functools.cache
+def texts(page: str) -> Mapping[str, Any]:
+    """Return the longer texts of a page: `notes` of its sections, and terms `to_read` it."""
+    content = resources.files(__package__).joinpath("templates/texts.toml").read_text(encoding="utf-8")
+    found: Mapping[str, Any] = tomllib.loads(content)[page]
+    return found
+
+
+def reading_section(page: str, *more: tuple[str, str], **values: str) -> Section:
+    """Return the section that explains a page: its texts, with values in their places, and more."""
+    pairs = [(term, text.format(**values)) for term, text in texts(page)["to_read"].items()]
+    return Section("How to read this", [Terms([*pairs, *more])], id="reading", link="How to read this", style="reading")

@@ -6,25 +6,17 @@ and lines carry their names, lines of one hue differ in their dashes, fills in t
 in the hatching.
 
 Charts of a page take their colours and font from the page around them, so that one chart serves
-light and dark: Matplotlib writes stand-in colours, and svg_text() replaces them by the page's CSS
-variables.
+light and dark: Matplotlib writes stand-in colours, and charts.svg_text() replaces them by the
+page's CSS variables.
 """
 
 from __future__ import annotations
 
-import hashlib
-import io
-import re
 import zlib
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Iterable
+from typing import Any
 
 import attrs
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 # name: (on light paper, on dark paper, dash). Each has a contrast of 3 or more to its paper: a test
 # computes it.
@@ -72,10 +64,10 @@ INK, GRID = "#010101", "#020202"
 SERIES = ("#030303", "#040404", "#070707")
 _STAND_INS = {key: f"#0500{number:02x}" for number, key in enumerate(_TONES)}
 _REGION_STAND_INS = tuple(f"#0600{number:02x}" for number in range(len(_REGIONS)))
-_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
-_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
-_VARIABLES |= {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
-_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(_REGION_STAND_INS)}
+CSS_VARIABLES = {INK: "--chart-ink", GRID: "--chart-grid"}
+CSS_VARIABLES |= {stand_in: f"--series-{number}" for number, stand_in in enumerate(SERIES, 1)}
+CSS_VARIABLES |= {stand_in: f"--warp-{key.replace('_', '-')}" for key, stand_in in _STAND_INS.items()}
+CSS_VARIABLES |= {stand_in: f"--region-{number}" for number, stand_in in enumerate(_REGION_STAND_INS)}
 
 
 @attrs.frozen
@@ -121,65 +113,3 @@ def markers_of(fills: Iterable[str]) -> dict[str, str]:
     unknown = sorted(fills - set(_MARKERS))
     chosen = {fill: marker for fill, marker in _MARKERS.items() if fill in fills}
     return chosen | {fill: _MORE_MARKERS[number % len(_MORE_MARKERS)] for number, fill in enumerate(unknown)}
-
-
-Style = dict[str, Any]  # keyword arguments of Matplotlib's functions
-
-
-@contextmanager
-def drawing(content: object, font_size: float = 9) -> Iterator[None]:
-    """Set Matplotlib up for a chart of `content`.
-
-    The same content gives the same text, and two charts of one page share no ids.
-    """
-    import warnings
-
-    from matplotlib import rc_context
-
-    salt = hashlib.sha256(repr(content).encode(errors="replace")).hexdigest()
-    settings: Any = {
-        "svg.fonttype": "none", "svg.hashsalt": salt, "font.size": font_size, "font.sans-serif": ["DejaVu Sans"],
-        "hatch.linewidth": 0.7, "text.parse_math": False, "axes.unicode_minus": True,
-    }  # fmt: skip
-    with rc_context(settings), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a file name may hold any letter
-        yield
-
-
-def dress(axes: Axes, palette: Palette = PAGE, *, grid: Literal["both", "x", "y"] = "both") -> None:
-    """Draw no box, a pale grid, everything else in ink; grid: the axis whose lines are drawn."""
-    axes.patch.set_visible(False)
-    axes.grid(True, axis=grid, color=palette.grid, linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side, spine in axes.spines.items():
-        spine.set_visible(side == "bottom")
-        spine.set_color(palette.ink)
-    axes.tick_params(colors=palette.ink, which="both", length=0)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.label.set_color(palette.ink)
-
-
-def not_measured(axes: Axes, palette: Palette = PAGE) -> None:
-    """Say in the middle of empty axes that there is nothing to draw."""
-    axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
-
-
-def svg_text(figure: Figure) -> str:
-    """Return a figure drawn in PAGE's colours as an <svg> element to stand in the page.
-
-    It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
-    """
-    figure.patch.set_visible(False)
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
-    text = buffer.getvalue()
-    text = text[text.index("<svg") :]
-    for stand_in, variable in _VARIABLES.items():
-        text = text.replace(stand_in, f"var({variable})")
-    # Matplotlib's <style> would reach the whole page, and its group ids are the same in every
-    # chart.
-    text = re.sub(r"<style.*?</style>", "", text, flags=re.DOTALL)
-    text = re.sub(r'<g id="[^"]*"', "<g", text)
-    head, rest = text.split(">", 1)
-    parts = [part for part in head.split('" ') if not part.startswith(("width=", "height="))]
-    return '" '.join(parts) + ">" + rest

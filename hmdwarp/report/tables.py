@@ -1,156 +1,108 @@
-"""The figures of a run in the order, units and rounding in which people read them."""
+"""Tables of texts: for a page, as Markdown, and for the terminal."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ..metrics import LEAST_INSTANTS, STAGES, Figure, excludes_zero, metrics, metrics_in_order
-from .source_texts import source_text
-
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.table import Table as TerminalTable
 
-
-Summary = Mapping[str, Any]
-
-
-QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
-TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
-# Of the `miss` of a summary.
-MISS_FIGURES = (
-    Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
-    Figure("longest_stale", "Most missed in a row", "", 0),
-    Figure("judder_deg", "Judder, RMS", "deg", 3),
-)
-_CONTESTS = frozenset(metric.name for metric in metrics_in_order() if metric.is_contest)
+Heads = Sequence[tuple[str, str]]
 
 
 @attrs.frozen
-class Row:
-    """One line of the comparison."""
+class Cell:
+    """One cell of a table."""
 
-    figure: Figure
-    # (main figure with its interval, tail) of each run, as text.
-    cells: tuple[tuple[str, str], ...]
-    # Index of the better run, if any.
-    best: int | None
+    text: str
+    # Numbers stand at the right; `word`, `tail`, `best`, `meter` are other styles.
+    style: str = ""
 
 
-def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
-    """Return the rows of quality, then of time per eye, then of a client that misses refreshes.
+@attrs.frozen
+class Line:
+    """One line of a table; the first cell is its heading."""
 
-    Each has a cell for the run and each baseline.
-
-    The run is marked if it is better than each baseline, a baseline if it is better than the run
-    and no other has a better mean: if the difference over the instants holds. Time and holes are no
-    contest: a warp that does nothing is quick and leaves nothing empty.
-    """
-    summaries = [summary, *baselines]
-    rows = [
-        Row(figure, tuple(_mean_cells(figure, s["quality"][figure.name]) for s in summaries), _best(figure, baselines))
-        for figure in QUALITY_FIGURES
-    ]
-    for figure in TIME_FIGURES:
-        times = [s["time_ms"][figure.name] for s in summaries]
-        rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
-    if "miss" in summary:
-        entries = [one.get("miss", {}) for one in summaries]
-        rows += [Row(each, tuple((each.text(e.get(each.name)), "") for e in entries), None) for each in MISS_FIGURES]
-    return rows
+    cells: tuple[Cell, ...]
+    # Starred and bold.
+    is_marked: bool = False
+    # A heading above the line, where a group of lines begins.
+    group: str = ""
 
 
-def _mean_cells(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
-    mean, interval = figure.text(entry["mean"]), entry.get("interval")
-    if interval is not None:
-        mean += f" ±{figure.text((interval[1] - interval[0]) / 2)}"
-    return mean, figure.text(entry["p95"])
+@attrs.frozen
+class Table:
+    """A table of texts."""
+
+    caption: str
+    # (label, unit) of each column.
+    heads: Heads
+    lines: Sequence[Line]
+    has_marks: bool = False
+    # Two columns without heads, as narrow as they can be.
+    is_pairs: bool = False
+    style: str = ""
+    # What a table without a caption is called.
+    label: str = ""
+
+    @classmethod
+    def of(
+        cls, caption: str, heads: Heads, lines: Iterable[Sequence[str]], words: int | Sequence[int] = 1, **more: Any
+    ) -> Table:
+        """Make a table of texts. words: the columns of words, or how many of the first are."""
+        worded = range(words) if isinstance(words, int) else words
+        made = [
+            Line(tuple(Cell(text, "word" if number in worded else "") for number, text in enumerate(texts)))
+            for texts in lines
+        ]
+        return cls(caption, tuple(heads), made, **more)
+
+    def style_of(self, column: int) -> str:
+        """Return the style of a column's head: as its cells, if they are words or tails."""
+        style = self.lines[0].cells[column].style if self.lines else ""
+        return style if style in ("word", "tail") else ""
+
+    def markdown(self) -> str:
+        """Return the table as Markdown, without its caption; it ends with a line feed."""
+        heads = [" ".join(filter(None, head)) for head in self.heads]
+        rule = ["---" if not self.lines or self.style_of(n) == "word" else "---:" for n in range(len(heads))]
+        return markdown([heads, rule, *([cell.text for cell in line.cells] for line in self.lines)])
 
 
-def _best(figure: Figure, baselines: Sequence[Summary]) -> int | None:
-    if figure.name not in _CONTESTS or not baselines:
-        return None
-    sign = 1 if metrics.get(figure.name).higher_is_better else -1
-    found = [one.get("difference", {}).get(figure.name) for one in baselines]
-    # How much better the run is than each, 0 where that is not sure.
-    gains = [sign * one["mean"] if one and excludes_zero(one["interval"]) else 0.0 for one in found]
-    if min(gains) > 0:
-        return 0
-    return 1 + gains.index(min(gains)) if min(gains) < 0 else None
+def markdown(lines: Iterable[Sequence[str]]) -> str:
+    """Return lines of cells as a Markdown table; each ends with a line feed."""
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def how_sure(summary: Summary, *, mark: str | None) -> str:
-    """Return what the intervals are and what a mark says, or why there are none.
-
-    mark: None where nothing is compared.
-    """
-    if all(entry.get("interval") is None for entry in summary["quality"].values()):
-        return f"No intervals{f' and no {mark}' if mark else ''}: they take {LEAST_INSTANTS} measured refreshes"
-    return "±: 95 % interval of the mean" + (f"; {mark}: the best of the line, for sure (95 %)" if mark else "")
-
-
-def column_names(summary: Summary, *baselines: Summary) -> list[str]:
-    """Return the heads of the comparison's columns: the options that differ, at least the warp."""
-    for keys in (("warp",), ("warp", "fill"), ("warp", "fill", "lens")):
-        names = [", ".join(s[key] for key in keys) for s in (summary, *baselines)]
-        if len(set(names)) == len(names):
-            return names
-    return ["this run", *(f"baseline {number}" for number in range(1, len(names)))]
-
-
-def summary_table(summary: Summary, *baselines: Summary) -> Table:
-    """Return the table that ends a run: means (medians for times) with the bad tail beside them.
-
-    The best column of each quality line is bold and starred, so that it reads without colour too.
-    Only the first baseline has its tail beside it, where a terminal has room for no more.
-    """
+def terminal_table(**options: Any) -> TerminalTable:
+    """Return an empty table for the terminal in the look of all of them."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
-    from rich.text import Text
 
-    title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {source_text(summary)}, {summary['frames']} frames"
-    table = Table(
-        title=title, title_justify="left", caption=_caption(summary, baselines), caption_justify="left",
-        box=SIMPLE_HEAD, show_edge=False, pad_edge=False,
-    )  # fmt: skip
-    table.add_column("")
-    tails = 2 if len(baselines) < 2 else 1
-    for number, name in enumerate(column_names(summary, *baselines)):
-        table.add_column(name, justify="right")
-        if number < tails:
-            table.add_column("p95", justify="right", style="dim")
-    for number, row in enumerate(comparison_rows(summary, *baselines)):
-        if number in (len(QUALITY_FIGURES), len(QUALITY_FIGURES + TIME_FIGURES)):
-            table.add_section()
-        cells: list[Text] = [Text(_head(row.figure))]
-        for column, (main, tail) in enumerate(row.cells):
-            best = row.best == column
-            cells.append(Text(f"{main} *" if best else main, style="bold green" if best else ""))
-            if column < tails:
-                cells.append(Text(tail))
-        table.add_row(*cells)
-    return table
+    return Table(
+        **options, title_justify="left", caption_justify="left", box=SIMPLE_HEAD, show_edge=False, pad_edge=False
+    )
 
 
-def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the texts of MISS_FIGURES. entry: `miss` of a summary."""
-    return tuple(figure.text(entry[figure.name]) for figure in MISS_FIGURES)
+@attrs.frozen
+class Column:
+    """One column of a table of rows: its head, and what takes the text out of a row."""
+
+    label: str
+    text: Callable[[Mapping[str, Any]], str]
+    unit: str = ""
 
 
-def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
-    """Return the axes in which each recorded trace was read, by its name."""
-    return {str(one["trace"]): str(one["trace_axes"]) for one in summaries if one.get("trace_axes")}
-
-
-def _head(figure: Figure) -> str:
-    label = f"Time, {figure.label.lower()}" if figure in TIME_FIGURES else figure.label
-    return f"{label} [{figure.unit}]" if figure.unit else label
-
-
-def _caption(summary: Summary, baselines: Sequence[Summary]) -> str:
-    clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
-    lines = ["mean over measured pictures; p95: the worst 5 % begin there", f"times: median per eye, {clock}"]
-    lines[1] += "".join(f"; {one['warp']}: fill {one['fill']}, lens {one['lens']}" for one in baselines)
-    return "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])
+def columns_table(
+    caption: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]], words: int | Sequence[int] = 1
+) -> Table:
+    """Return a table of rows by columns."""
+    return Table.of(
+        caption,
+        [(column.label, column.unit) for column in columns],
+        [[column.text(row) for column in columns] for row in rows],
+        words,
+    )

@@ -1,11 +1,30 @@
-"""thesis.html: the thesis's experiments beside their numbers, on a page that needs no network."""
+"""thesis.html: the thesis's experiments with their numbers and verdicts."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .parts import CLOCK_NAMES, Cell, Line, PageTable, Tile, environment
+from markupsafe import Markup
+
+from .page import (
+    Article,
+    Chart,
+    Fold,
+    Group,
+    Heading,
+    Page,
+    Picture,
+    Section,
+    Terms,
+    Text,
+    Tile,
+    fact,
+    machine_pairs,
+    minutes,
+    reading_section,
+)
+from .tables import Table, markdown
 from .words import plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
@@ -18,41 +37,85 @@ _CLASSES = {
 def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[tuple[str, str]]]) -> str:
     """Return the text of the page from the content of results.json.
 
-    pictures: (caption, data URI or <svg> element) of each experiment's pictures, by its name. All
-    text from the data is escaped.
+    pictures: (caption, data URI or <svg> element) of each experiment's pictures, by its name.
     """
-    experiments = [
-        {
-            **one,
-            "kind": _CLASSES[one["verdict"]],
-            "table": cells_table(one),
-            "pictures": [pair for pair in pictures.get(one["name"], ()) if pair[1].startswith("data:")],
-            "charts": [pair for pair in pictures.get(one["name"], ()) if pair[1].startswith("<svg")],
-        }
-        for one in data["experiments"]
-    ]
-    return environment().get_template("thesis.html").render(
-        experiments=experiments,
+    experiments = data["experiments"]
+    facts = [fact("pictures", "x".join(map(str, data["size"]))), data["machine"]["gl_renderer"]]
+    facts.append(fact("run in", minutes(data["seconds"])))
+    quick = [fact("", "quick", ": small pictures, middle speeds only")] if data["quick"] else []
+    articles = [_article(one, pictures.get(one["name"], ())) for one in experiments]
+    return Page(
+        kind="thesis",
+        title="hmdwarp: the thesis again",
+        heading=("The thesis again", f"{len(experiments)} figures, times and claims"),
+        facts=[*facts, *quick],
         command=data.get("command") or "",
-        tiles=[Tile(name, "", str(count), "of the experiments below") for name, count in data["verdicts"].items()],
-        size="x".join(map(str, data["size"])),
-        quick=data["quick"],
-        seconds=data["seconds"],
-        clock=CLOCK_NAMES.get(data["clock"], data["clock"]),
-        machine=data["machine"],
-        failed=data["failed"],
-        version=data["hmdwarp"],
-    )  # fmt: skip
+        remarks=[f"failed: {one}" for one in data["failed"]],
+        sections=(
+            Section(
+                "",
+                [Tile(name, "", str(count), "of the experiments below") for name, count in data["verdicts"].items()],
+                style="tiles",
+                label="Verdicts",
+            ),
+            Section("Verdicts", [_verdicts(experiments)], id="verdicts", link="Verdicts"),
+            Section("Experiments", articles, id="experiments", link="Experiments"),
+            reading_section("thesis"),
+        ),
+        made_with=machine_pairs(data["hmdwarp"], data["machine"], data["clock"]),
+    ).html()
 
 
-def cells_table(one: Mapping[str, Any]) -> PageTable:
+def _verdict(one: Mapping[str, Any]) -> Markup:
+    return Markup('<b class="verdict {}">{}</b>').format(_CLASSES[one["verdict"]], one["verdict"])
+
+
+def _is_conditional(one: Mapping[str, Any]) -> bool:
+    return _CLASSES[one["verdict"]] == "conditions"
+
+
+def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
+    claim = Markup('<a href="#{}">{}</a> <span class="unit">{}</span>')
+    where = Markup('{}<br><span class="unit">{}</span>')
+    lines = [
+        (
+            claim.format(one["name"], one["claim"], one["source"]),
+            one["thesis"],
+            one["ours"] or "–",
+            where.format(_verdict(one), one["holds_at"]) if _is_conditional(one) else _verdict(one),
+        )
+        for one in experiments
+    ]
+    heads = [(head, "") for head in ("claim", "the thesis", "ours", "verdict")]
+    return Table.of("", heads, lines, words=4, style="verdicts", label="Verdicts")
+
+
+def _article(one: Mapping[str, Any], pictures: Sequence[tuple[str, str]]) -> Article:
+    """Return the card of an experiment."""
+    pairs = [("The thesis", one["thesis"]), ("Ours", one["ours"] or "not measured"), ("Rule", one["rule"])]
+    if _is_conditional(one):
+        pairs += [("Holds at", one["holds_at"]), ("Does not at", one["fails_at"])]
+    pairs += [(term, one[key]) for term, key in (("Cannot be told at", "unknown_at"), ("Note", "note")) if one[key]]
+    panels = [Picture(caption, uri, caption) for caption, uri in pictures if uri.startswith("data:")]
+    blocks = [
+        Heading(one["claim"]),
+        Text(f"{one['name']} · {one['source']}"),
+        Text(_verdict(one), ""),
+        Terms(pairs),
+        panels and Group("panels", panels),
+        *(Chart.of(caption, svg, caption) for caption, svg in pictures if svg.startswith("<svg")),
+        Fold("Numbers", [cells_table(one)], str(len(one["cells"]))),
+    ]
+    return Article(blocks, id=one["name"])
+
+
+def cells_table(one: Mapping[str, Any]) -> Table:
     """Return an experiment's numbers by setting, each marked by whether the claim holds there."""
     columns = list(dict.fromkeys(cell["column"] for cell in one["cells"]))
     rows = list(dict.fromkeys(cell["row"] for cell in one["cells"]))
-    texts = {(cell["row"], cell["column"]): _cell_text(one, cell) for cell in one["cells"]}
-    lines = [Line((Cell(row, False), *(Cell(texts.get((row, column), "")) for column in columns))) for row in rows]
-    heads = (("setting", ""), *((column, one["unit"]) for column in columns))
-    return PageTable(one["measured"], heads, tuple(lines))
+    found = {(cell["row"], cell["column"]): _cell_text(one, cell) for cell in one["cells"]}
+    lines = [[row, *(found.get((row, column), "") for column in columns)] for row in rows]
+    return Table.of(one["measured"], [("setting", ""), *((column, one["unit"]) for column in columns)], lines)
 
 
 def _cell_text(one: Mapping[str, Any], cell: Mapping[str, Any]) -> str:
@@ -71,11 +134,11 @@ def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
     used = {id(data): data for _, data in experiments.values()}.values()
     runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
     heads = ("claim", "the thesis", "ours", "rule", "verdict", "holds at")
-    lines = [f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}.", ""]
-    lines += ["| " + " | ".join(heads) + " |", "|" + " --- |" * len(heads)]
+    lines = [list(heads), ["---"] * len(heads)]
     for one, _ in experiments.values():
         where = one["holds_at"] if one["verdict"] == "holds under conditions" else ""
         claim = f"{one['claim']} ({one['source']})"
-        texts = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"], where)
-        lines.append("| " + " | ".join(text.replace("|", "/") for text in texts) + " |")
-    return "\n".join(lines)
+        line = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"], where)
+        lines.append([text.replace("|", "/") for text in line])
+    made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
+    return f"{made}\n\n{markdown(lines)}".rstrip("\n")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..poses import PoseTrack, quaternions
-from .style import drawing
+from .charts import drawing, empty_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,16 +49,12 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
 
 
 def _figure(title: str) -> Any:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=_SIZE_IN, layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title, fontsize=10, x=0.01, ha="left", parse_math=False)
+    figure = empty_figure(*_SIZE_IN, layout="constrained")
+    figure.suptitle(title, fontsize=10, x=0.01, ha="left")
     return figure
 
 
-def _draw_path(axes: Axes, place: NDArray, gaze: NDArray) -> None:
+def _draw_path(axes: Axes, place: NDArray[Any], gaze: NDArray[Any]) -> None:
     """Draw the way from above, -z up on the page, with arrows where the head looks."""
     axes.plot(place[:, 0], -place[:, 2], color=_LINE, lw=1)
     some = np.unique(np.linspace(0, len(place) - 1, _ARROWS).astype(int))
@@ -70,7 +66,7 @@ def _draw_path(axes: Axes, place: NDArray, gaze: NDArray) -> None:
     axes.set(title="from above: way, and where the head looks (dot: start)", xlabel="x [m]", ylabel="-z [m]")
 
 
-def _draw_sphere(axes: Axes, gaze: NDArray, crown: NDArray) -> None:
+def _draw_sphere(axes: Axes, gaze: NDArray[Any], crown: NDArray[Any]) -> None:
     """Draw where gaze and crown point: the crown of an upright head stays at the top."""
     for vectors, colour, label in ((gaze, _GAZE, "gaze"), (crown, _CROWN, "crown")):
         azimuth, elevation = np.arctan2(vectors[:, 0], -vectors[:, 2]), np.arcsin(np.clip(vectors[:, 1], -1, 1))
@@ -81,7 +77,9 @@ def _draw_sphere(axes: Axes, gaze: NDArray, crown: NDArray) -> None:
     axes.legend(loc="lower right", markerscale=4, fontsize=7)
 
 
-def _draw_angles(axes: Axes, seconds: NDArray, gaze: NDArray, crown: NDArray, right: NDArray) -> None:
+def _draw_angles(
+    axes: Axes, seconds: NDArray[Any], gaze: NDArray[Any], crown: NDArray[Any], right: NDArray[Any]
+) -> None:
     yaw = np.degrees(np.unwrap(np.arctan2(-gaze[:, 0], -gaze[:, 2])))
     pitch = np.degrees(np.arcsin(np.clip(gaze[:, 1], -1, 1)))
     roll = np.degrees(np.arctan2(-right[:, 1], crown[:, 1]))

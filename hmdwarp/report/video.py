@@ -75,7 +75,7 @@ class VideoWriter:
     picture of another size.
     """
 
-    def __init__(self, path: str | os.PathLike, size: tuple[int, int], rate: float) -> None:
+    def __init__(self, path: str | os.PathLike[str], size: tuple[int, int], rate: float) -> None:
         import av
 
         self.path, self.size = Path(path), size

@@ -25,7 +25,12 @@ from .markers import load_lsl as load_lsl
 from .markers import marker_stream as marker_stream
 from .misses import Misses as Misses
 from .misses import miss_figures as miss_figures
-from .misses import parse_misses as parse_misses
+from .options import AUTO_SOURCE as AUTO_SOURCE
+from .options import DESKTOP as DESKTOP
+from .options import FLAT as FLAT
+from .options import OFFSCREEN as OFFSCREEN
+from .options import OPENXR as OPENXR
+from .options import SOURCES as SOURCES
 from .options import LiveOptions as LiveOptions
 from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions

@@ -24,7 +24,7 @@ from ..pipeline.remote import Remote, check_remote, check_shown_elsewhere
 from ..pipeline.remote_server import scene_elsewhere
 from ..pipeline.sizes import guarded_size
 from ..poses import Origin, PoseSample
-from ..poses.looped import LoopedSource, Moment
+from ..poses.pose_source import LoopedSource, Moment
 from ..scenes import Scene
 from .bench_levels import LevelSet, levels_from_file
 from .options import OFFSCREEN, LiveOptions

@@ -10,14 +10,11 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
+from ..options import Declared, Number, one_of, option
 
 MEASURED = "measured"
-SHOWS = (TURNED, STANDS) = ("turned", "stands")
-GOVERNED = (ON, BOTH) = ("on", "both")
-_WANTED = (
-    "expected warp=MS, warp=FILE or warp=measured, and where they matter ,budget=MS and ,show=turned or stands and "
-    ",governor=on or both"
-)
+SHOWS = (TURNED, STANDS) = ("turned", "stands")  # in summary.json
+ON_MISS = (TURN, HOLD) = ("turn", "hold")
 _MOST_MS = 60_000.0
 # The share of stale refreshes among the measured ones may differ by so much without a word.
 _ALIKE = 0.05
@@ -25,18 +22,84 @@ _ALIKE = 0.05
 _ROUNDING = 1e-6
 
 
+def parse_client_time(text: str) -> tuple[float, ...] | None:
+    """Parse '20', 'times.csv' or 'measured'; '' is None, measured is ().
+
+    A file has one number of milliseconds a line. Errors: InputError.
+    """
+    text = text.strip()
+    if not text:
+        return None
+    if text == MEASURED:
+        return ()
+    try:
+        number = float(text)
+    except ValueError:
+        if not Path(text).suffix and not Path(text).exists():
+            raise InputError(
+                f"--client-time '{text}': expected milliseconds, a CSV file of them, or {MEASURED}"
+            ) from None
+        from ..link.delays.trace import read_delays  # an entry of a registry, which brings NumPy
+
+        return tuple(read_delays(Path(text), "time"))
+    if not 0 <= number <= _MOST_MS:
+        raise InputError(f"--client-time {text}: expected 0 to {_MOST_MS:g} ms")
+    return (number,)
+
+
 @attrs.frozen
-class Misses:
+class Misses(Declared):
     """How long the client works on a picture, and what is seen when it is late."""
 
-    # Of both eyes, one for each refresh, repeated when they end; () for as long as it took here.
-    times_ms: tuple[float, ...]
+    heading = "A client that is late"
+    # Of both eyes, one for each refresh, repeated when they end; () for as long as it takes here,
+    # None for a client that is always in time.
+    times_ms: tuple[float, ...] | None = option(
+        None,
+        "Milliseconds that the client takes for a picture: a number, a CSV file with one for each refresh, or "
+        "measured. By default it is never late.",
+        kind=str,
+        name="client_time",
+        default="",
+        parse=parse_client_time,
+    )
     # None for the display's period.
-    budget_ms: float | None = None
-    # Whether a picture is turned to the newest head at each refresh.
-    turns: bool = True
-    # Whether the run is beside one that keeps the warp that it began with.
-    beside: bool = False
+    budget_ms: float | None = option(
+        None,
+        "Milliseconds that the client has for a picture; by default a refresh.",
+        kind=float,
+        name="client_budget",
+        unit="ms",
+        valid=Number(above=True, most=_MOST_MS),
+    )
+    on_miss: str = option(
+        TURN,
+        "What a late client shows: turn its last picture to the newest head, or hold it as it was.",
+        valid=one_of(*ON_MISS),
+    )
+    compare_governor: bool = option(
+        False, "With --client-time and --warp auto: also run without the governor, and compare the two."
+    )
+
+    def __attrs_post_init__(self) -> None:
+        set_without = {
+            "--client-budget": self.budget_ms is not None,
+            "--on-miss": self.on_miss != TURN,
+            "--compare-governor": self.compare_governor,
+        }
+        for name, is_set in set_without.items():
+            if is_set and not self.on:
+                raise InputError(f"{name} without --client-time: the client is always in time then")
+
+    @property
+    def on(self) -> bool:
+        """Whether the client takes time at all."""
+        return self.times_ms is not None
+
+    @property
+    def turns(self) -> bool:
+        """Whether a late picture is turned to the newest head at each refresh."""
+        return self.on_miss == TURN
 
     def refreshes(self, took_ms: float, period_ms: float) -> int:
         """Return at which refresh a picture is first seen; 1 for the one it was to be made for.
@@ -45,49 +108,6 @@ class Misses:
         """
         budget_ms = self.budget_ms or period_ms
         return 1 + max(0, math.ceil((took_ms - budget_ms) / period_ms - _ROUNDING))
-
-
-def parse_misses(text: str) -> Misses | None:
-    """Parse 'warp=20', 'warp=times.csv,budget=8,show=stands' or 'warp=measured'; '' is None.
-
-    A file has one number of milliseconds a line. Errors: InputError.
-    """
-    if not text.strip():
-        return None
-    said: dict[str, str] = {}
-    for part in text.split(","):
-        name, _, value = (bit.strip() for bit in part.partition("="))
-        if name not in ("warp", "budget", "show", "governor") or name in said or not value:
-            raise InputError(f"--miss '{text}': {_WANTED}")
-        said[name] = value
-    show, governor = said.get("show", TURNED), said.get("governor", ON)
-    if "warp" not in said or show not in SHOWS or governor not in GOVERNED:
-        raise InputError(f"--miss '{text}': {_WANTED}")
-    budget_ms = _milliseconds(said["budget"], text) if "budget" in said else None
-    if budget_ms is not None and not 0 < budget_ms <= _MOST_MS:
-        raise InputError(f"--miss '{text}': budget {said['budget']}: expected a number above 0, at most {_MOST_MS:g}")
-    return Misses(_times(said["warp"], text), budget_ms, show == TURNED, governor == BOTH)
-
-
-def _times(value: str, text: str) -> tuple[float, ...]:
-    if value == MEASURED:
-        return ()
-    try:
-        number = float(value)
-    except ValueError:
-        from ..link.delays.trace import read_delays
-
-        return tuple(read_delays(Path(value), "time"))
-    if not 0 <= number <= _MOST_MS:
-        raise InputError(f"--miss '{text}': warp {value}: expected 0 to {_MOST_MS:g} ms")
-    return (number,)
-
-
-def _milliseconds(value: str, text: str) -> float:
-    try:
-        return float(value)
-    except ValueError:
-        raise InputError(f"--miss '{text}': {_WANTED}") from None
 
 
 class MissTally:

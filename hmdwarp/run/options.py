@@ -23,11 +23,11 @@ from ..options import (
     out_field,
     same_as,
 )
-from ..pipeline.options import AUTO, PipelineOptions
+from ..pipeline.options import AUTO, DISPLAYED, PipelineOptions
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions
-from .misses import Misses, parse_misses
+from .misses import Misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -38,6 +38,8 @@ _SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
+
+MEASURING = "Measuring"  # heading of options in help
 
 
 @attrs.frozen(kw_only=True)
@@ -67,31 +69,26 @@ class RunOptions(PipelineOptions):
         "Warps to compare with, each alone or with its fills: none,forward+interpolate. none: the late picture as it "
         "is; '' for no comparison.",
     )
-    metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1))
+    metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1), heading=MEASURING)
     # 0 for not at all.
     jod_s: float = option(
         0.0,
         "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install 'hmdwarp[jod]'); slow.",
         unit="s",
         valid=Number(most=60),
+        heading=MEASURING,
     )
     workers: int | None = option(
         None,
         "Measuring processes; 0 measures in the loop; by default one per core, at most 8.",
         kind=int,
         valid=Number(most=256),
+        heading=MEASURING,
     )
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
-    # A client that takes time; None for one that is always ready.
-    miss: Misses | None = option(
-        None,
-        "A client that misses refreshes: its time for a picture, warp=MS, FILE or measured; ,budget=MS (default: a "
-        "refresh), ,show=turned or stands and ,governor=both (with warp auto: also run without it).",
-        kind=str,
-        default="",
-        parse=parse_misses,
-    )
+    # A client that takes time.
+    miss: Misses = group(Misses)
     trace_options: TraceOptions = group(TraceOptions)
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
@@ -106,7 +103,7 @@ class RunOptions(PipelineOptions):
         super().__attrs_post_init__()
         if not self.trace and not self.is_recorded:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
-        if self.miss is not None:
+        if self.miss.on:
             self._check_miss()
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
@@ -122,7 +119,9 @@ class RunOptions(PipelineOptions):
         }
         for name, said in excluded.items():
             if said:
-                raise InputError(f"--miss with {name}: a picture that stands is not shown there; leave one of them out")
+                raise InputError(
+                    f"--client-time with {name}: a late picture is not shown again there; leave one of them out"
+                )
 
     @property
     def compared(self) -> tuple[tuple[str, str], ...]:
@@ -163,8 +162,8 @@ class LiveOptions(PipelineOptions):
     view: str = option(
         BOTH, "In the window: both eyes as the panel gets them, or one flat view.", valid=one_of(*VIEWS), study=DISPLAY
     )
-    full_screen: bool = option(False, "Open the window over the full screen.", study=DISPLAY)
-    vsync: bool = option(True, "Wait for the screen's refresh.", off="--no-vsync", study=DISPLAY)
+    full_screen: bool = option(False, "Open the window over the full screen.", study=DISPLAY, heading=DISPLAYED)
+    vsync: bool = option(True, "Wait for the screen's refresh.", off="--no-vsync", study=DISPLAY, heading=DISPLAYED)
     # Needs its optional package.
     panel: bool = option(
         True,
@@ -173,7 +172,11 @@ class LiveOptions(PipelineOptions):
         study="a study shows no controls",
     )
     depth_layer: bool = option(
-        True, "Hand the warped depth to a runtime that takes it.", off="--no-depth-layer", study=DISPLAY
+        True,
+        "Hand the warped depth to a runtime that takes it.",
+        off="--no-depth-layer",
+        study=DISPLAY,
+        heading=DISPLAYED,
     )
     seconds: float | None = option(
         None, "Stop after this long; by default never.", kind=float, unit="s", valid=Number(above=True), study=_SECONDS
@@ -209,14 +212,29 @@ class LiveOptions(PipelineOptions):
         study="'hmdwarp study measure' makes the pictures afterwards, from the traces",
     )
     reconnect_s: float = option(
-        60.0, "Seconds to wait for a runtime that went away.", unit="s", valid=Number(), study=DISPLAY
+        60.0,
+        "Seconds to wait for a runtime that went away.",
+        unit="s",
+        valid=Number(),
+        study=DISPLAY,
+        heading=DISPLAYED,
     )
     hang_s: float = option(
-        5.0, "Seconds of silence after which a runtime is given up.", unit="s", valid=Number(least=0.1), study=DISPLAY
+        5.0,
+        "Seconds of silence after which a runtime is given up.",
+        unit="s",
+        valid=Number(least=0.1),
+        study=DISPLAY,
+        heading=DISPLAYED,
     )
     # Whether to collect garbage between pictures instead of whenever Python decides.
     collect: bool = option(
-        True, "Collect garbage only between frames.", name="gc_between", off="--gc-anywhere", study=DISPLAY
+        True,
+        "Collect garbage only between frames.",
+        name="gc_between",
+        off="--gc-anywhere",
+        study=DISPLAY,
+        heading=DISPLAYED,
     )
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)

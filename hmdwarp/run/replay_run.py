@@ -28,7 +28,7 @@ from .guard import settled
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
-from .misses import Misses, about_misses, about_without
+from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions
 from .recorded_frames import about_second_eye, second_eye
 from .replay_results import ReplayResult, compare, result_of, write_results
@@ -59,8 +59,8 @@ def replay(
 
 
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
-    misses_beside = options.miss if options.miss is not None and options.miss.beside else None
-    if misses_beside is not None:
+    compares_governor = options.miss.compare_governor
+    if compares_governor:
         _check_governed(options)
     options, guard_notes = settled(options)
     choice = levels_for(options, say)
@@ -93,8 +93,8 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more)
-    if misses_beside is not None:
-        ungoverned = _without_governor(options, misses_beside, result, say, progress)
+    if compares_governor:
+        ungoverned = _without_governor(options, result, say, progress)
         compared.append(ungoverned.rows)
         misses.append(ungoverned.misses)
     write_results(out, log, result, compared, pool, misses, options.command)
@@ -103,16 +103,16 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
 
 def _check_governed(options: RunOptions) -> None:
     if not options.chooses_warp:
-        raise InputError(f"--miss with governor=both: expected --warp auto, found --warp {options.warp}")
+        raise InputError(f"--compare-governor: expected --warp auto, found --warp {options.warp}")
     if len(options.compared) == MOST_COMPARED:
         raise InputError(
-            f"--against {options.against}: expected at most {MOST_COMPARED - 1} warp beside --miss with governor=both, "
-            "which compares with one more"
+            f"--against {options.against}: expected at most {MOST_COMPARED - 1} warp with --compare-governor, "
+            "which adds one"
         )
 
 
 def _without_governor(
-    options: RunOptions, misses: Misses, result: ReplayResult, say: Callable[[str], None], progress: Progress
+    options: RunOptions, result: ReplayResult, say: Callable[[str], None], progress: Progress
 ) -> Measured:
     """Run again with the warp and fill of the first picture throughout, and add the comparison."""
     warp, fill = result.rows[0]["warp"], result.rows[0]["fill"]
@@ -120,7 +120,7 @@ def _without_governor(
     say(f"the same without the governor: {name} throughout")
     alone = attrs.evolve(
         options.with_pair(warp, fill),
-        miss=attrs.evolve(misses, beside=False), against="", jod_s=0.0, images=0, video=False,
+        miss=attrs.evolve(options.miss, compare_governor=False), against="", jod_s=0.0, images=0, video=False,
     )  # fmt: skip
     other = measured(alone, progress)
     compare(result, other.summary, other.rows)
@@ -206,7 +206,7 @@ def _run(
 ) -> tuple[ReplayLog, LateClient | None]:
     log, count = ReplayLog(setup.track), 0
     misses = setup.options.miss
-    late = LateClient(setup, misses) if misses is not None else None
+    late = LateClient(setup, misses) if misses.on else None
     with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)

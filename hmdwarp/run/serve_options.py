@@ -22,15 +22,14 @@ class ServeOptions(Declared):
     mirrors: str = same_as(_PIPELINE.mirrors)
     listen: str = option(
         "127.0.0.1:5570",
-        "HOST:PORT to listen at, * for a free port, or ipc://PATH for clients on this machine, which get frames by "
-        "shared memory; beyond this machine it wants a key pair or a token.",
+        "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "
+        "frames through shared memory. Other machines need a key pair or a token.",
     )
     key_pair: Path | None = option(
         None,
-        "Encrypt, with the keys in NAME.key_secret and NAME.key, which are made where they are not there; clients "
-        "need NAME.key.",
+        "Encrypt with the keys in NAME.key_secret and NAME.key, created if missing; clients need NAME.key.",
         kind=Path,
         metavar="NAME",
     )
     token_file: Path | None = option(None, "File with the secret that clients must share.", kind=Path)
-    open: bool = option(False, "Let anybody in from beyond this machine, without a key or a token.")
+    open: bool = option(False, "Accept clients on other machines without authentication.")

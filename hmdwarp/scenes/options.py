@@ -20,6 +20,7 @@ class SceneOptions(Declared):
     Errors: InputError for values that are wrong whatever the file holds.
     """
 
+    heading = "Scene files"
     # Metres per unit.
     scale: float = option(
         1.0,

@@ -70,7 +70,7 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
 
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
     session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
-    from where it was first; head_still: session/head_range.py; ended_by: "time", or who
+    from where it was first; head_still: session/task_score.py; ended_by: "time", or who
     ended a trial that is shown until somebody is done, "" for one that was not seen to its end;
     task_..: session/task_score.py, of trials with a task.
 

@@ -20,7 +20,7 @@ from ..experiments.sweep import Failure, Result, Separate, SweepCase, outcomes
 from ..headsets import load_headset
 from ..metrics import QUALITY
 from ..options import parse_size
-from ..pipeline.options import PipelineOptions
+from ..pipeline import PipelineOptions
 from ..report import counted
 from ..resources import __version__
 from ..run import RunOptions, figures

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import attrs
 
-from ..experiments.sweep.options import ClusterOptions
+from ..experiments.sweep import ClusterOptions
 from ..options import Declared, group, option, same_as
-from ..run.options import RunOptions
+from ..run import RunOptions
 
 _RUN = attrs.fields(RunOptions)
 

@@ -15,8 +15,7 @@ import pytest
 import trimesh
 import typer
 
-from hmdwarp.cli._app import app
-from hmdwarp.cli._options import commands
+from hmdwarp.cli._app import app, options_of_commands
 from hmdwarp.cli.catalogue import entries
 from hmdwarp.cli.listing import KINDS
 from hmdwarp.client.effects import effects
@@ -55,6 +54,8 @@ HEAVY = {
     "numpy",
     "rich",
 }
+
+commands = options_of_commands()
 
 
 @pytest.fixture(autouse=True)
@@ -124,8 +125,9 @@ def test_layers_are_told_with_format_size_bytes_and_who_draws_and_codes_them(com
 
 def flags_of(one, name: str = "") -> dict[str, set[str]]:
     """Flags of each command and its groups' commands, as its parser has them."""
-    if hasattr(one, "commands"):
-        return {k: v for each, sub in one.commands.items() for k, v in flags_of(sub, f"{name} {each}".strip()).items()}
+    if hasattr(one, "list_commands"):
+        inner = {each: one.get_command(None, each) for each in one.list_commands(None)}
+        return {k: v for each, sub in inner.items() for k, v in flags_of(sub, f"{name} {each}".strip()).items()}
     flags = {option.opts[0] for option in one.params if option.opts[0].startswith("-")}
     return {name: flags}
 

@@ -7,7 +7,7 @@ import numpy as np
 from client_scene import ClientScene
 from worlds import read
 
-from hmdwarp.client import PassInputs, ShownPicture, parse_fills
+from hmdwarp.client import PassInputs, ReducedModel, ShownPicture, parse_fills
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate
@@ -31,7 +31,7 @@ class Shown:
     ) -> None:
         self.gpu, self.size, self.share, self.rendered = gpu, size, share, rendered
         self.geometry = ClientScene(gpu, scene)
-        drawn = self.geometry._server.draw(VIEW, size)
+        drawn = self.geometry.server.draw(VIEW, size)
         self.truth = read(drawn.colour) * (*tint, 1)
         self.depth = read(drawn.inverse_depth)[..., 0]
         y, x = np.mgrid[: size[1], : size[0]]
@@ -59,7 +59,7 @@ class Shown:
     def of_model(self, *, lit: bool) -> tuple[np.ndarray, np.ndarray]:
         """What the client's model looks like."""
         into = picture_of(self.gpu, self.size)
-        self.geometry.model(self.share, lit=lit).draw(VIEW, into, 0)
+        self.geometry.store(ReducedModel, (self.share, 1.0)).drawn(lit=lit).draw(VIEW, into, 0)
         return read(into.colour.texture), read(into.inverse_depth)[..., 0]
 
     def error(self, found: np.ndarray) -> float:

@@ -10,7 +10,7 @@ from reference import difference as reference
 from replays import run
 
 from hmdwarp import warp_image
-from hmdwarp.client import PassInputs, ShownPicture, build_plan, parse_warp
+from hmdwarp.client import PassInputs, ShownPicture, WholeScene, build_plan, parse_warp
 from hmdwarp.client.capability import lacking
 from hmdwarp.client.classes import load_client
 from hmdwarp.client.warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
@@ -54,7 +54,7 @@ def shown_of(gpu, geometry: ClientScene, spec: str, late: EyeImage, shown: View)
 def test_a_still_head_sees_the_servers_picture_byte_for_byte(gpu, scene, spec):
     """With mirrors, glass and overlays: the difference has what the simplified scene lacks."""
     geometry = ClientScene(gpu, scene)
-    late = frame(gpu, geometry._server, spec)
+    late = frame(gpu, geometry.server, spec)
     colour, _ = shown_of(gpu, geometry, spec, late, HERE)
     assert np.array_equal(picture_from_linear(colour), picture_from_linear(download(late.colour)))
     assert (colour[..., 3] == 1).all()
@@ -75,9 +75,9 @@ def test_the_servers_pass_is_its_twin(gpu, lit):
     """A store cuts a half's light off after 11 bits; one byte of difference is 0.9 % of it."""
     scene, each = load_scene("gallery"), Simplified(0.05, lit=lit)
     geometry = ClientScene(gpu, "gallery")
-    image = geometry._server.draw_frame([HERE], 0, SIZE, 1.0, Needs(difference=frozenset({each}))).eyes[0]
+    image = geometry.server.draw_frame([HERE], 0, SIZE, 1.0, Needs(difference=frozenset({each}))).eyes[0]
     model = ShownPicture(Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR))
-    geometry.scene(0.05, lit=lit).draw(HERE, model, 0)
+    geometry.store(WholeScene, each).draw(HERE, model, 0)
     wanted = reference.encoded(download(image.colour), download(model.colour.texture))
     found = download(image["difference"][each])
     assert found[..., :3].astype(np.float64) == pytest.approx(wanted, rel=2**-10 + 1e-5)
@@ -93,13 +93,13 @@ def test_the_warp_is_its_twin(gpu, shown, guard):
     own light, at most 0.11; and the place is right to 1e-4 of a pixel, between bytes of 255.
     """
     geometry = ClientScene(gpu, "room")
-    late = frame(gpu, geometry._server, "difference:share=0.1", guard=guard)
+    late = frame(gpu, geometry.server, "difference:share=0.1", guard=guard)
     each = Simplified(0.1)
     found, depth = shown_of(gpu, geometry, "difference:share=0.1", late, shown)
     pictures = []
     for view, size in ((shown, SIZE), (late.view, late.size)):
         made = ShownPicture(Canvas(gpu.gl, size), allocate(gpu.gl, size, SCALAR))
-        geometry.scene(0.1, lit=True).draw(view, made, 0)
+        geometry.store(WholeScene, each).draw(view, made, 0)
         pictures.append((download(made.colour.texture)[::-1], download(made.depth)[::-1]))
     sent = srgb_from_linear(download(late["difference"][each])[::-1, :, :3].astype(np.float64)) * 510 - 255
     wanted, doubtful = reference.warped(
@@ -133,7 +133,7 @@ def test_a_codec_costs_the_last_of_nine_bits_and_its_own_error(tmp_path, spec):
 def test_hard_views_give_no_nan_and_no_hole(gpu, spec):
     """From behind, from within a wall, from far away: the simplified scene is shown."""
     geometry = ClientScene(gpu, "room")
-    late = frame(gpu, geometry._server, spec)
+    late = frame(gpu, geometry.server, spec)
     if "warped=off" in spec:
         return
     for shown in (

@@ -37,7 +37,7 @@ def shown(gpu, geometry, frame, view, time_ns):
 
 
 def frame_of(geometry, time_ns, updates=10.0):
-    return geometry._server.draw_frame([HERE, HERE], time_ns, SIZE, needs=Needs(irradiance=updates))
+    return geometry.server.draw_frame([HERE, HERE], time_ns, SIZE, needs=Needs(irradiance=updates))
 
 
 @pytest.mark.parametrize("scene", LIT)
@@ -46,7 +46,7 @@ def test_with_the_light_of_now_it_is_the_truth_bit_for_bit(gpu, scene):
     geometry = ClientScene(gpu, scene)
     time_ns = 700_000_000
     got = shown(gpu, geometry, frame_of(geometry, time_ns), THERE, time_ns)
-    truth = geometry._server.draw(THERE, SIZE, time_ns=time_ns)
+    truth = geometry.server.draw(THERE, SIZE, time_ns=time_ns)
     assert np.array_equal(got[0], read(truth.colour))
     assert np.array_equal(got[1], read(truth.inverse_depth)[..., 0])
 
@@ -55,9 +55,9 @@ def test_only_indirect_light_is_late(gpu):
     """The error is what the bounces changed, far below that of light that stands still."""
     geometry = ClientScene(gpu, "lantern")
     then, now = 100_000_000, 600_000_000
-    truth = read(geometry._server.draw(THERE, SIZE, time_ns=now).colour)
+    truth = read(geometry.server.draw(THERE, SIZE, time_ns=now).colour)
     late = shown(gpu, geometry, frame_of(geometry, then), THERE, now)[0]
-    stopped = Server(gpu, with_lamps_stopped(geometry._server.scene, then))
+    stopped = Server(gpu, with_lamps_stopped(geometry.server.scene, then))
     baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
     stopped.close()
     late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))

@@ -10,10 +10,11 @@ from replays import run, small
 from worlds import read
 
 from hmdwarp import warp_image
-from hmdwarp.client import PassInputs, ShownPicture, parse_warp
+from hmdwarp.client import ArrivingScene, PassInputs, ShownPicture, WholeScene, parse_warp
 from hmdwarp.client.warps import Output
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
+from hmdwarp.frames.layers.difference import Simplified
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
@@ -44,7 +45,7 @@ def drawn(gpu, geometry: ClientScene, spec: str, shown: View, time_ns: int = 0) 
 
 
 def truth(geometry: ClientScene, shown: View, time_ns: int = 0) -> tuple[np.ndarray, np.ndarray]:
-    image = geometry._server.draw(shown, SIZE, time_ns=time_ns)
+    image = geometry.server.draw(shown, SIZE, time_ns=time_ns)
     return read(image.colour), read(image.inverse_depth)[..., 0]
 
 
@@ -54,7 +55,7 @@ def test_the_whole_model_is_the_truth_bit_for_bit(gpu, scene, shown):
     """With mirrors, glass, overlays and all that moves, whatever the frame shows."""
     geometry = ClientScene(gpu, scene)
     # Lamps that move are baked where they are at the start.
-    for time_ns in (0,) if geometry._server.scene.lamps else (0, 1_700_000_000):
+    for time_ns in (0,) if geometry.server.scene.lamps else (0, 1_700_000_000):
         for got, wanted in zip(
             drawn(gpu, geometry, "model", shown, time_ns), truth(geometry, shown, time_ns), strict=True
         ):
@@ -79,13 +80,13 @@ def test_a_reduced_model_keeps_mirrors_glass_and_overlays(gpu, scene):
     wanted = truth(geometry, HERE)[0][..., :3]
     got, depth = drawn(gpu, geometry, "model:share=0.3", HERE)
     assert (got[..., 3] == 1).all() and np.isfinite(depth).all()
-    kept = geometry.scene(0.3, lit=True).scene
-    assert kept.triangle_count < 0.6 * geometry._server.scene.triangle_count
-    assert len(kept.mirrors) == len(geometry._server.scene.mirrors)
+    kept = geometry.store(WholeScene, Simplified(0.3)).scene
+    assert kept.triangle_count < 0.6 * geometry.server.scene.triangle_count
+    assert len(kept.mirrors) == len(geometry.server.scene.mirrors)
     matt = attrs.evolve(
         kept, meshes=[mesh for mesh in kept.meshes if mesh.is_surface and not mesh.material.reflectivity]
     )
-    without = geometry._server.__class__(gpu, matt)
+    without = geometry.server.__class__(gpu, matt)
     plain = read(without.draw(HERE, SIZE).colour)[..., :3]
     without.close()
     assert np.abs(got[..., :3] - wanted).mean() < np.abs(plain - wanted).mean()
@@ -98,7 +99,7 @@ def test_smaller_textures_and_no_light(gpu):
         colour, depth = drawn(gpu, geometry, spec, HERE)
         assert np.array_equal(depth, wanted[1]), "the same triangles"
         assert not np.array_equal(colour, wanted[0])
-    full, smaller = (geometry.scene(1.0, lit=True, texture=scale).scene for scale in (1.0, 0.25))
+    full, smaller = (geometry.store(WholeScene, Simplified(1.0, scale)).scene for scale in (1.0, 0.25))
     assert smaller.textures[0].image.size * 15 < full.textures[0].image.size
 
 
@@ -155,7 +156,7 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
     warp = "model:arrives=progressive,budget=25000"
     choice = parse_warp(warp)
     needs = choice.entry.needs(choice.settings)
-    arriving = geometry.arriving(next(iter(needs["scene_update"])))
+    arriving = geometry.store(ArrivingScene, next(iter(needs["scene_update"])))
     view = View(server.scene.viewpoint, HERE.fov)
     whole, bare = (drawn(gpu, geometry, text, view)[0][..., :3] for text in ("model", "model:light=off"))
     far = np.abs(bare - whole).mean()
@@ -168,7 +169,7 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
         server.recycle(frame)
         if arriving.first_picture_bytes is not None:
             shown.append(drawn(gpu, geometry, warp, view)[0][..., :3])
-        weight = arriving.weight()
+        (weight,) = arriving.weights()
         if weight["arrived"] == weight["things"]:
             break
     errors = [np.abs(one - whole).mean() for one in shown]
@@ -226,7 +227,7 @@ def test_what_is_seen_comes_first(gpu):
     """When all triangles in front of the head have come, what is behind it is still coarse."""
     server, choice = Server(gpu, load_scene("workshop")), parse_warp("model:arrives=progressive,budget=60000")
     needs = choice.entry.needs(choice.settings)
-    arriving = ClientScene(gpu, "workshop").arriving(next(iter(needs["scene_update"])))
+    arriving = ClientScene(gpu, "workshop").store(ArrivingScene, next(iter(needs["scene_update"])))
     for step in range(9):
         frame = server.draw_frame([HERE, HERE], 10_000_000 * step, SIZE, needs=needs)
         arriving.receive(next(iter(frame.eyes[0]["scene_update"].values())).content)
@@ -244,7 +245,7 @@ def test_what_is_seen_comes_first(gpu):
         )
 
     assert wrong(HERE)[1] == 0 and wrong(HERE)[0] < wrong(behind)[0] / 2
-    weight = arriving.weight()
+    (weight,) = arriving.weights()
     assert weight["arrived"] < weight["things"]
     server.close()
     arriving.close()

@@ -15,9 +15,10 @@ from replays import run, small
 from worlds import read
 
 from hmdwarp import warp_image
+from hmdwarp.client import ClientScene as PlainClientScene
 from hmdwarp.client import PassInputs, parse_warp
-from hmdwarp.client.warp_kinds import Splats
 from hmdwarp.client.warps import Output
+from hmdwarp.client.warps.photons import KeptPhotons, Splats
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers.photons import PhotonMap
@@ -25,7 +26,6 @@ from hmdwarp.frames.photon_bundles import CUBE_BYTES
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
-from hmdwarp.pipeline import ClientScene as PlainClientScene
 from hmdwarp.run import set_up_replay
 from hmdwarp.scenes import ATLAS, Lamp, kernel_factors, lamps_at, load_scene, scenes, transport_of, with_lamps_stopped
 from hmdwarp.scenes.radiosity import direct_light
@@ -51,7 +51,7 @@ def client_of(gpu, scene) -> PlainClientScene:
 
 def frames_of(geometry, time_ns: int, wanted=FEW, arrive=lambda number: True) -> list[np.ndarray]:
     """Send until nothing is left; return what came, and let the server hear of each at once."""
-    server, contents = geometry._server, []
+    server, contents = geometry.server, []
     for number in range(400):
         frame = server.draw_frame([HERE], time_ns, (8, 8), needs=Needs(photons=frozenset({wanted})))
         arrived = arrive(number)
@@ -69,7 +69,7 @@ def shown(gpu, geometry, time_ns: int, spec: str = SPEC, view: View = THERE):
     choice = parse_warp(spec)
     warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
     canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    frame = geometry._server.draw_frame([HERE], time_ns, (8, 8))
+    frame = geometry.server.draw_frame([HERE], time_ns, (8, 8))
     for _ in range(2):
         warp.run_with_depth(PassInputs(frame.eyes[0], view, shown_ns=time_ns), canvas, depth)
     gpu.gl.memory_barrier()
@@ -80,7 +80,7 @@ def shown(gpu, geometry, time_ns: int, spec: str = SPEC, view: View = THERE):
 
 def receive(geometry, contents, wanted=FEW) -> None:
     for content in contents:
-        geometry.photons(wanted).receive(content)
+        geometry.store(KeptPhotons, wanted).receive(content)
 
 
 @pytest.mark.parametrize(("name", "time_ms"), [("lantern", 700), ("sunroom", 1000), ("doorway", 1300)])
@@ -90,14 +90,14 @@ def test_splatted_light_is_that_of_the_twin(gpu, name, time_ms):
     geometry, time_ns = client_of(gpu, white(name)), time_ms * 1_000_000
     contents = frames_of(geometry, time_ns)
     receive(geometry, contents)
-    splats = Splats(gpu, geometry.photons(FEW), SIZE, 4, FEW.radius)
+    splats = Splats(gpu, geometry.store(KeptPhotons, FEW), SIZE, 4, FEW.radius)
     splats.draw(THERE, time_ns)
     got = read(splats.light)[..., :3]
     splats.close()
-    scene = placed(geometry._server.scene, time_ns)
+    scene = placed(geometry.server.scene, time_ns)
     there = seen(scene, THERE, (24, 20))
     wanted = photons(
-        there, received(contents), kernel_factors(transport_of(geometry._server.scene), FEW.radius), FEW.radius
+        there, received(contents), kernel_factors(transport_of(geometry.server.scene), FEW.radius), FEW.radius
     )
     lit = np.isfinite(wanted[..., 0])
     assert lit.mean() > 0.9
@@ -115,11 +115,11 @@ def test_the_picture_is_albedo_times_direct_light_and_the_twins_light_between_lo
     contents = frames_of(geometry, time_ns)
     receive(geometry, contents)
     got = shown(gpu, geometry, time_ns, f"{SPEC},scale=1")[0][::4, ::4, :3]
-    scene = placed(geometry._server.scene, time_ns)
+    scene = placed(geometry.server.scene, time_ns)
     there = seen(scene, THERE, SIZE)
     there = type(there)(*(kind[::4, ::4] for kind in (there.places, there.normals, there.texels, there.albedo)))
     late = photons(
-        there, received(contents), kernel_factors(transport_of(geometry._server.scene), FEW.radius), FEW.radius
+        there, received(contents), kernel_factors(transport_of(geometry.server.scene), FEW.radius), FEW.radius
     )
     lit = np.isfinite(late[..., 0])
     places, normals = there.places[lit], there.normals[lit]
@@ -140,7 +140,7 @@ def test_before_any_photon_there_is_direct_light_alone(gpu):
     choice = parse_warp("irradiance")
     warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
     canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
-    frame = geometry._server.draw_frame([HERE], time_ns, (8, 8))
+    frame = geometry.server.draw_frame([HERE], time_ns, (8, 8))
     warp.run_with_depth(PassInputs(frame.eyes[0].having(irradiance=black), THERE, shown_ns=time_ns), canvas, depth)
     assert np.allclose(got[0], read(canvas.texture), rtol=1e-3, atol=1e-4)
     assert np.array_equal(got[1], read(depth)[..., 0])
@@ -164,9 +164,9 @@ def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu
     then, now, least = 100_000_000, *MOVED[name]
     wanted = PhotonMap()
     receive(geometry, frames_of(geometry, then, wanted), wanted)
-    truth = read(geometry._server.draw(THERE, SIZE, time_ns=now).colour)
+    truth = read(geometry.server.draw(THERE, SIZE, time_ns=now).colour)
     late = shown(gpu, geometry, now, "photons")[0]
-    stopped = Server(gpu, with_lamps_stopped(geometry._server.scene, then))
+    stopped = Server(gpu, with_lamps_stopped(geometry.server.scene, then))
     baked = read(stopped.draw(THERE, SIZE, time_ns=now).colour)
     stopped.close()
     late_error, baked_error = (np.abs(each - truth).mean() for each in (late, baked))
@@ -181,7 +181,7 @@ def test_a_door_that_moves_makes_all_photons_stale(gpu):
     assert [len(one) for one in frames_of(moved, 400_000_000, wanted)] == [CUBE_BYTES], "it is still shut"
     receive(moved, frames_of(moved, 2_500_000_000, wanted), wanted)
     receive(fresh, frames_of(fresh, 2_500_000_000, wanted), wanted)
-    one, other = (each.photons(wanted).photons.read() for each in (moved, fresh))
+    one, other = (each.store(KeptPhotons, wanted).photons.read() for each in (moved, fresh))
     assert one == other
 
 
@@ -222,7 +222,7 @@ def test_no_frame_brings_more_than_its_budget(gpu, budget):
     geometry, wanted = ClientScene(gpu, "lantern"), PhotonMap(budget, paths=512)
     sizes = [len(one) for one in frames_of(geometry, 0, wanted)]
     assert max(sizes) <= budget
-    assert geometry.photons(wanted).photons.size == 12 * 2 * 512
+    assert geometry.store(KeptPhotons, wanted).photons.size == 12 * 2 * 512
 
 
 def test_a_million_metres_from_the_origin_it_is_the_same_picture(gpu):
@@ -262,9 +262,9 @@ def test_showing_and_receiving_make_nothing_on_the_gpu(gpu):
         counts = []
         for time_ms in (0, 300, 600):
             receive(geometry, frames_of(geometry, time_ms * 1_000_000))
-            frame = geometry._server.draw_frame([HERE], 0, (8, 8))
+            frame = geometry.server.draw_frame([HERE], 0, (8, 8))
             warp.run(PassInputs(frame.eyes[0], THERE, shown_ns=time_ms * 1_000_000), canvas)
-            geometry._server.recycle(frame)
+            geometry.server.recycle(frame)
             counts.append(made.copy())
         warp.close()
     assert counts[0]["texture"] and counts[1] == counts[2]

@@ -11,6 +11,7 @@ from worlds import read
 from hmdwarp import warp_image
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warps import Output
+from hmdwarp.client.warps.points import KeptPoints
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
 from hmdwarp.frames.layers.points import Cloud
@@ -55,7 +56,7 @@ def shown(gpu, updates: list[np.ndarray], spec: str = "points", view: View = EYE
     geometry, choice = ClientScene(gpu), parse_warp(spec)
     warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
     for one in updates:
-        geometry.points(Cloud()).receive(one)
+        geometry.store(KeptPoints, Cloud()).receive(one)
     frame = EyeImage(view, allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
     canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
     pictures = []

@@ -11,8 +11,8 @@ import pytest
 from reference.relight import Relit, relight
 from worlds import read
 
+from hmdwarp.client import ClientScene, ReducedModel, parse_fills
 from hmdwarp.client import fill_parts as settings
-from hmdwarp.client import parse_fills
 from hmdwarp.client.fill_parts import sample_offsets
 from hmdwarp.client.fills.relight import MODEL_WEIGHT
 from hmdwarp.colour import linear_from_srgb, srgb_from_linear
@@ -129,9 +129,7 @@ def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
         double_sided=True,
     )
     shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
-    from hmdwarp.pipeline import ClientScene as OfServer
-
-    shown.geometry = OfServer(Server(gpu, Scene("wall", "", [wall])))
+    shown.geometry = ClientScene(Server(gpu, Scene("wall", "", [wall])))
     assert np.array_equal(shown.fill("model:share=1")[0], shown.colour)
 
 
@@ -144,14 +142,12 @@ class Sliding:
 
 
 def test_bodies_are_drawn_where_they_are_when_shown(gpu):
-    from hmdwarp.pipeline import ClientScene as OfServer
-
     scene = load_scene("planes")
     moving = attrs.evolve(
         scene, meshes=[attrs.evolve(mesh, body=1) for mesh in scene.meshes], bodies=(Body("all", Sliding()),)
     )
-    geometry, into = OfServer(Server(gpu, moving)), picture_of(gpu, SIZE)
-    geometry.model(1.0, lit=True).draw(VIEW, into, 250_000_000)
+    geometry, into = ClientScene(Server(gpu, moving)), picture_of(gpu, SIZE)
+    geometry.store(ReducedModel, (1.0, 1.0)).drawn(lit=True).draw(VIEW, into, 250_000_000)
     still = Server(gpu, scene)
     seen = still.draw(View(Pose(VIEW.pose.position_m - (0.25, 0, 0)), VIEW.fov), SIZE)
     # The same triangles by another product of matrices: a few pixels on edges may differ.
@@ -242,7 +238,7 @@ def test_settings_that_are_none_are_refused(text):
 def test_nothing_is_made_once_it_runs(gpu, name):
     shown = Shown(gpu, "spheres")
     shown.fill(name)
-    compiled, models = gpu.shaders.compiled, dict(shown.geometry._models)
+    compiled, models = gpu.shaders.compiled, shown.geometry.weights()
     shown.fill(name)
     assert gpu.shaders.compiled == compiled
-    assert shown.geometry._models == models
+    assert shown.geometry.weights() == models

@@ -11,7 +11,7 @@ import pytest
 from reference.soft_bodies import SoftAsked, soft_bodies
 from worlds import read
 
-from hmdwarp.client import PassInputs, build_plan
+from hmdwarp.client import ClientScene, PassInputs, build_plan
 from hmdwarp.client.capability import lacking
 from hmdwarp.client.classes import load_client
 from hmdwarp.client.effects import Tools, effects
@@ -22,7 +22,7 @@ from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas
-from hmdwarp.pipeline import ClientScene, PipelineOptions, build_plan_for
+from hmdwarp.pipeline import PipelineOptions, build_plan_for
 from hmdwarp.scenes import Mesh, Scene, Waving, load_scene
 from hmdwarp.sources.server import Server
 

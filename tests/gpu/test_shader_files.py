@@ -24,8 +24,8 @@ from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
-from hmdwarp.image.given_arrays import ENCODINGS
-from hmdwarp.image.given_textures import INVERSE, METRES, GivenTextures
+from hmdwarp.image.picture_arrays import ENCODINGS
+from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.scenes import load_scene, scenes
@@ -101,7 +101,7 @@ def _take_textures_over(gpu: Gpu) -> None:
     into = allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)
     colour = gpu.gl.texture((9, 7), 4)
     for depth_as, encoding in product((INVERSE, METRES, DepthLayer()), ENCODINGS):
-        GivenTextures(gpu, (9, 7)).taken_over(colour, into[1], depth_as, encoding, into)
+        ForeignTextures(gpu, (9, 7)).converted(colour, into[1], depth_as, encoding, into)
 
 
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:

@@ -17,7 +17,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
 from hmdwarp.image import usable_warps
-from hmdwarp.image.usable import GIVEN
+from hmdwarp.image.usable import AVAILABLE
 
 SIZE = (40, 30)
 
@@ -238,7 +238,7 @@ def test_everything_is_freed(gpu):
 
 def test_warps_that_read_more_are_refused_by_name(gpu):
     for name in warps.names():
-        if set(warps.get(name).reads_for(warps.get(name).Settings())) <= set(GIVEN):
+        if set(warps.get(name).reads_for(warps.get(name).Settings())) <= set(AVAILABLE):
             continue
         with pytest.raises(PlanError, match="Usable are warps"):
             Warper(SIZE, warp=name, fill="none", gpu=gpu)

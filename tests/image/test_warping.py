@@ -21,7 +21,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
 from hmdwarp.errors import PlanError, UnknownNameError
 from hmdwarp.gpu import Gpu
-from hmdwarp.image.given_arrays import checked
+from hmdwarp.image.picture_arrays import checked_picture
 
 
 def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **more) -> hmdwarp.WarpedImage:
@@ -555,8 +555,8 @@ def test_threads_take_turns():
     assert wrong == []
 
 
-def test_checked_gives_linear_colour_with_coverage():
-    rgba, inverse = checked(np.full((1, 3, 3), 128, np.uint8), np.array([[2.0, np.inf, 0.0]])).arrays()
+def test_checked_picture_gives_linear_colour_with_coverage():
+    rgba, inverse = checked_picture(np.full((1, 3, 3), 128, np.uint8), np.array([[2.0, np.inf, 0.0]])).arrays()
     assert rgba[0, 0, 0] == pytest.approx(math.pow((128 / 255 + 0.055) / 1.055, 2.4), rel=1e-6)
     assert rgba[..., 3].tolist() == [[1, 1, 0]] and inverse.tolist() == [[0.5, 0, -1]]
     assert (rgba[0, 2] == 0).all()

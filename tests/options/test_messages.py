@@ -9,12 +9,13 @@ from typing import Any
 import attrs
 import pytest
 
-from hmdwarp.cli import _app  # noqa: F401 (imports every declaration)
-from hmdwarp.cli._options import commands
+from hmdwarp.cli._app import options_of_commands
 from hmdwarp.errors import InputError
 from hmdwarp.options import Declared, as_keys, option_of
 
 WRONG = (math.nan, math.inf, -math.inf, "?", "?=?", "x:?", "", (), (math.nan,))
+
+commands = options_of_commands()
 
 
 def declarations(kind: type = Declared) -> Iterator[type]:

@@ -16,17 +16,10 @@ from hmdwarp.metrics import aggregate
 from hmdwarp.report.bench import COLUMNS, cases, render_bench_page
 
 from .bench_samples import a_bench, a_grid, a_row, some_rows
-from .test_page import CHROMIUM, FLAGS, PAGE_MESSAGE
-from .test_page import Page as ReportPage
+from .test_page import CHROMIUM, FLAGS, PAGE_MESSAGE, Page
 
 WARPS = ("none", "rotation", "forward", "backward", "mesh_adaptive", "iterative:seed=forward,steps=3")
 COMMAND = 'hmdwarp bench --out "<folder>" & more'
-
-
-class Page(ReportPage):
-    """With radio buttons and places to break a name, which do not close either."""
-
-    VOID = ReportPage.VOID | {"input", "wbr"}
 
 
 def a_small_bench(**changes) -> dict:

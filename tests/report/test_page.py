@@ -41,7 +41,7 @@ def render(**changes) -> str:
 class Page(HTMLParser):
     """Text, tags and attributes; fails on tags that do not close in order."""
 
-    VOID = frozenset({"meta", "img", "br", "path", "use", "rect"})
+    VOID = frozenset({"meta", "img", "br", "wbr", "input", "path", "use", "rect"})
 
     def __init__(self, text: str) -> None:
         super().__init__()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...gpu.textures import Canvas
     from ...scenes import Mesh, Scene
     from ..carry import Carry
-    from ..client_geometry import ClientGeometry
+    from ..client_scene import ClientScene
     from ..inputs import PassInputs
     from ..shown_picture import ShownPicture
 
@@ -57,7 +57,7 @@ class Tools:
     # Most rendered images of one eye that a pass receives: the newest and `others`.
     images: int = 1
     # What the client draws by itself; None for plans that read none of it.
-    geometry: ClientGeometry | None = None
+    geometry: ClientScene | None = None
 
 
 class EffectPass(ABC):

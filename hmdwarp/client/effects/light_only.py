@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...frames import Needs
 from ...gpu.textures import Canvas
+from ..drawn_scenes import ReducedModel
 from ..shown_picture import ShownPicture
 from . import effects
 from ._base import Effect, ShownPass
@@ -24,7 +25,7 @@ class LightPass(ShownPass):
     def prepare(self) -> None:
         geometry = self.tools.geometry
         self._program = self.gpu.shaders.compute("effects/light.comp")
-        self._model = None if geometry is None else geometry.model(1.0, lit=False)
+        self._model = None if geometry is None else geometry.store(ReducedModel, (1.0, 1.0)).drawn(lit=False)
         self._albedo = ShownPicture(Canvas(self.gpu.gl, self.shown_size), None)
         if self._model is not None:
             self._model.reserve(self.shown_size)

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Any
 
 import attrs
+import moderngl
+import numpy as np
 
-from ...frames import Needs
+from ...frames import EyeImage, Needs
+from ...geometry import View
 from ...geometry.mirror import tangents_of_pixels
+from ...gpu.scopes import drawing_into
+from ...gpu.shaders import Draw
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
+from ...scenes import Scene, unlit
+from ...sources.server import DeformingMesh, Framebuffers, SceneTextures, draw_moving
+from ..client_scene import ClientScene, Store
+from ..drawn_scenes import whole_weight
 from ..fill_parts import NEAR, OFF_PLANE, BlockLights
 from ..fills.relight import MODEL_WEIGHT, RelightSettings
+from ..inputs import PassInputs
+from ..shown_picture import ShownPicture
 from . import effects
 from ._base import Effect, ShownPass
-
-if TYPE_CHECKING:
-    from ...frames import EyeImage
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 PLACE = (4, "f4")
 # Relative difference of inverse depth: coded depth is off by less, and a foot is within it of the
@@ -26,6 +33,98 @@ SAME = 0.01
 # Tangent of the angle from facing up to which neighbouring pixels are one surface: 80 degrees.
 STEEPEST = 5.7
 _RELIGHT = RelightSettings()
+
+
+class DeformingBodies(Store):
+    """What deforms in the scene, drawn without light into textures; -1 in all of them elsewhere."""
+
+    def __init__(self, client: ClientScene, wanted: None) -> None:
+        super().__init__(client, wanted)
+        self._scene = scene = _what_deforms(client.scene)  # with its baked light
+        gpu = self._gpu = client.gpu
+        bare = unlit(scene)
+        self._textures = SceneTextures(gpu, bare)
+        # Two of each, so that both eyes find what they draw as it was and as it is.
+        self._then, self._now = (
+            [DeformingMesh(gpu, bare, mesh, self._textures) for mesh in bare.meshes] for _ in range(2)
+        )
+        gl = gpu.gl
+        self._baked = [gl.buffer(np.float32(mesh.light).tobytes()) for mesh in scene.meshes]
+        self._past = [gl.buffer(reserve=12 * len(mesh.positions), dynamic=True) for mesh in scene.meshes]
+        self._past_ns: int | None = None
+        plain, late = (gpu.shaders.draw("effects/soft_body.vert", "effects/soft_body.frag", LATE=k) for k in (0, 1))
+        self._plain, self._late = plain, late
+        self._vertices = [one.buffers.vertex_array(gl, plain.program, colour=True) for one in self._then]
+        self._vertices_late = [
+            one.buffers.vertex_array(
+                gl, late.program, (baked, "3f4", "in_baked"), (past, "3f4", "in_late"), colour=True
+            )
+            for one, baked, past in zip(self._now, self._baked, self._past, strict=True)
+        ]
+        self._framebuffers = Framebuffers(gl)
+
+    def reserve(self, size: tuple[int, int]) -> None:
+        """Allocate what pictures of that size need."""
+        self._framebuffers.reserve(size)
+
+    def draw(self, view: View, time_ns: int, into: Sequence[moderngl.Texture]) -> None:
+        """Draw albedo (rgba16f) and inverse depth (r32f) at that instant."""
+        self._draw(self._plain, self._then, self._vertices, view, time_ns, into)
+
+    def draw_with_past(
+        self, view: View, time_ns: int, into: Sequence[moderngl.Texture], past: View, past_ns: int
+    ) -> None:
+        """Draw the same, and what shows where each place was for `past` at an earlier instant.
+
+        into: albedo, inverse depth; colour in its baked light (rgba16f); the place then, in metres
+        along the axes of the eye of `past` (rgba32f); the surface's normal there, away from the
+        side that is seen now (rgba16f).
+        """
+        if past_ns != self._past_ns:
+            for one, buffer in zip(self._now, self._past, strict=True):
+                buffer.write(one.positions(past_ns).tobytes())
+            self._past_ns = past_ns
+        if self._now:
+            self._late.uniforms.set(late_from_scene=self._now[0].place(past).eye_from_here)
+        self._draw(self._late, self._now, self._vertices_late, view, time_ns, into)
+
+    def _draw(
+        self,
+        program: Draw,
+        bodies: Sequence[DeformingMesh],
+        arrays: Sequence[moderngl.VertexArray],
+        view: View,
+        time_ns: int,
+        into: Sequence[moderngl.Texture],
+    ) -> None:
+        framebuffer = self._framebuffers.over(*into)
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+            framebuffer.clear(-1.0, -1.0, -1.0, -1.0, depth=1.0)
+            for one, vertices in zip(bodies, arrays, strict=True):
+                draw_moving(self._gpu.gl, program, one, vertices, view, time_ns)
+
+    def weights(self) -> list[dict[str, Any]]:
+        return [whole_weight(self._scene)]
+
+    def close(self) -> None:
+        release_all(*self._vertices, *self._vertices_late, *self._baked, *self._past)
+        for one in (*self._then, *self._now):
+            one.close()
+        self._framebuffers.close()
+        self._textures.close()
+
+
+def _what_deforms(scene: Scene) -> Scene:
+    """Return the scene with its deforming surfaces alone, and the textures that they have."""
+    meshes = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.deformation is not None]
+    used = sorted({mesh.texture for mesh in meshes} - {-1})
+    number = {-1: -1} | {texture: k for k, texture in enumerate(used)}
+    textures = [scene.textures[texture] for texture in used]
+    plain = [
+        attrs.evolve(mesh, texture=number[mesh.texture], material=attrs.evolve(mesh.material, normal_map=-1))
+        for mesh in meshes
+    ]
+    return attrs.evolve(scene, meshes=plain, textures=textures, lamps=())
 
 
 class SoftBodiesPass(ShownPass):
@@ -45,7 +144,7 @@ class SoftBodiesPass(ShownPass):
 
     def prepare(self) -> None:
         geometry, gl, rendered = self.tools.geometry, self.gpu.gl, self.rendered_size
-        self._bodies = None if geometry is None else geometry.soft_bodies()
+        self._bodies = None if geometry is None else geometry.store(DeformingBodies)
         self._take, self._light = (self.gpu.shaders.compute(f"effects/soft_{name}.comp") for name in ("take", "light"))
         self._then = [allocate(gl, rendered, kind) for kind in (COLOUR, SCALAR)]
         self._now = [allocate(gl, self.shown_size, kind) for kind in (COLOUR, SCALAR, COLOUR, PLACE, COLOUR)]

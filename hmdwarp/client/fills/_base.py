@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from ...frames import Needs
+from ...gpu.context import Gpu
 from ...options import NoSettings
-
-if TYPE_CHECKING:
-    from ...gpu.context import Gpu
-    from ..client_geometry import ClientGeometry, ClientModel
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
+from ..client_scene import ClientScene
+from ..drawn_scenes import DrawnModel, ReducedModel
+from ..inputs import PassInputs
+from ..shown_picture import ShownPicture
 
 
 class Fill(ABC):
@@ -43,7 +42,7 @@ class Fill(ABC):
         rendered_size: tuple[int, int],
         shown_size: tuple[int, int],
         settings: Any = None,
-        geometry: ClientGeometry | None = None,
+        geometry: ClientScene | None = None,
         *,
         depth_read: bool = True,
     ) -> None:
@@ -69,10 +68,10 @@ class Fill(ABC):
         of `picture`.
         """
 
-    def model(self, share: float, *, lit: bool, texture: float = 1.0) -> ClientModel:
+    def model(self, share: float, *, lit: bool, texture: float = 1.0) -> DrawnModel:
         """Return the client's model of the scene, for fills that read client.model."""
         assert self.geometry is not None
-        return self.geometry.model(share, lit=lit, texture=texture)
+        return self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
 
     def renew(self) -> None:  # noqa: B027 (most remember nothing)
         """Take the next frame for a new one, even if it is the last one again: for timing."""

@@ -10,7 +10,6 @@ from .mesh import MeshWarp, steepest
 from .plane import PlaneWarp
 from .scatter import OrderedScatter, ScatterWarp, check_room
 from .seeds import Seeds
-from .splats import Splats
 from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE, depth_limits
 
 __all__ = [
@@ -30,7 +29,6 @@ __all__ = [
     "PlaneWarp",
     "ScatterWarp",
     "Seeds",
-    "Splats",
     "bind_rendered_colour",
     "check_room",
     "no_pieces",

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from ...errors import PlanError
-from ...gpu.textures import SCALAR, allocate
+from ...gpu.textures import SCALAR, Canvas, allocate
+from ...scenes import Scene
+from ..client_scene import ClientScene
+from ..inputs import PassInputs
 from ..warps import Warp
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ...scenes import Scene
-    from ..client_geometry import ClientGeometry
-    from ..inputs import PassInputs
 
 
 class ClientDrawing(Warp):
@@ -42,7 +39,7 @@ class ClientDrawing(Warp):
         self.prepare_scene(self.geometry)
 
     @abstractmethod
-    def prepare_scene(self, geometry: ClientGeometry) -> None:
+    def prepare_scene(self, geometry: ClientScene) -> None:
         """Take what is drawn from the client."""
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:

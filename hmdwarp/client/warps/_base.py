@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...gpu.shaders import Compute
     from ...gpu.textures import Canvas
     from ...scenes import Scene
-    from ..client_geometry import ClientGeometry
+    from ..client_scene import ClientScene
     from ..inputs import PassInputs
     from ..lens import LensPass
 
@@ -86,7 +86,7 @@ class Warp(ABC):
         shown_size: tuple[int, int],
         settings: Any = None,
         output: Output | None = None,
-        geometry: ClientGeometry | None = None,
+        geometry: ClientScene | None = None,
     ) -> None:
         """Make the warp for one pair of sizes. geometry: for warps that read client.model."""
         self.gpu, self.rendered_size, self.shown_size = gpu, rendered_size, shown_size

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import attrs
+import moderngl
 
 from ...errors import PlanError
 from ...frames import Needs
 from ...frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
 from ...geometry import View, WarpMap
 from ...gpu.textures import SCALAR, Canvas, allocate
+from ..drawn_scenes import WholeScene
+from ..inputs import PassInputs
 from ..settings import share_of
 from ..shown_picture import ShownPicture
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from . import warps
 from ._base import Warp
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ..inputs import PassInputs
 
 _DIFFERENCE, _MODEL, _MODEL_DEPTH, _RENDERED_DEPTH, _WRITTEN, _DEPTH = range(6)  # image units
 
@@ -69,7 +67,7 @@ class Difference(Warp):
             raise PlanError("warp 'difference' needs a scene on the client; for frames without one use 'iterative'")
         gl, chosen = self.gpu.gl, self.settings
         self._warped = chosen.warped == "on"
-        self._scene = self.geometry.scene(chosen.share, lit=chosen.light == "baked", texture=chosen.texture)
+        self._scene = self.geometry.store(WholeScene, _simplified(chosen))
         defines = {"WARPED": int(self._warped), **({"WRITES_DEPTH": 1} if self.output.depth else {})}
         self._program = self.gpu.shaders.compute("warps/difference.comp", **defines)
         self._bytes = display_bytes(gl)

@@ -2,27 +2,50 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import attrs
+import moderngl
 
 from ...frames import Needs
+from ...geometry import View
+from ...gpu.textures import Canvas
+from ...sources.server import Indirect
+from ..client_scene import ClientScene, Store
+from ..drawn_scenes import Surfaces, whole_weight
+from ..inputs import PassInputs
 from ..shown_picture import ShownPicture
 from ..warp_kinds import ClientDrawing
 from . import warps
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ...gpu.textures import Canvas
-    from ..client_geometry import ClientGeometry
-    from ..inputs import PassInputs
 
 
 @attrs.frozen
 class IrradianceSettings:
     # Times a second that the server solves indirect light anew, at most.
     updates: float = attrs.field(default=10.0, validator=attrs.validators.gt(0))
+
+
+class SceneUnderLight(Store):
+    """The whole scene under its own lamps; its indirect light comes with each picture.
+
+    Without lamps it is drawn by its baked light.
+    """
+
+    def __init__(self, client: ClientScene, wanted: None) -> None:
+        super().__init__(client, wanted)
+        self._surfaces = Surfaces(client.gpu, client.scene, Indirect.ATLAS)
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int, indirect: moderngl.Texture) -> None:
+        """Draw the whole picture. indirect: the light atlas, rgba16f."""
+        if lighting := self._surfaces.lighting(Indirect.ATLAS):
+            lighting.indirect = indirect
+        self._surfaces.draw(view, into, time_ns, Indirect.ATLAS)
+
+    def weights(self) -> list[dict[str, Any]]:
+        return [whole_weight(self.client.scene)]
+
+    def close(self) -> None:
+        self._surfaces.close()
 
 
 @warps.register
@@ -46,8 +69,8 @@ class Irradiance(ClientDrawing):
     def needs(cls, settings: IrradianceSettings) -> Needs:
         return Needs(irradiance=settings.updates)
 
-    def prepare_scene(self, geometry: ClientGeometry) -> None:
-        self._scene = geometry.under_light()
+    def prepare_scene(self, geometry: ClientScene) -> None:
+        self._scene = geometry.store(SceneUnderLight)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         picture = ShownPicture(into, depth)

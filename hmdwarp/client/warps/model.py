@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import attrs
+import moderngl
 
 from ...frames import Needs
+from ...frames.layers.difference import Simplified
 from ...frames.layers.scene_update import Delivery
+from ...gpu.textures import Canvas
+from ..arriving_scene import ArrivingScene
+from ..client_scene import ClientScene
+from ..drawn_scenes import WholeScene
+from ..inputs import PassInputs
 from ..settings import share_of
 from ..shown_picture import ShownPicture
 from ..warp_kinds import ClientDrawing
 from . import warps
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ...gpu.textures import Canvas
-    from ..client_geometry import ClientGeometry
-    from ..inputs import PassInputs
 
 
 @attrs.frozen
@@ -67,12 +67,14 @@ class Model(ClientDrawing):
     def reads_for(cls, settings: ModelSettings) -> tuple[str, ...]:
         return cls.reads if settings.arrives == "whole" else (*cls.reads, "rendered.scene_update")
 
-    def prepare_scene(self, geometry: ClientGeometry) -> None:
+    def prepare_scene(self, geometry: ClientScene) -> None:
         chosen = self.settings
+        self._scene: ArrivingScene | WholeScene
         if chosen.arrives == "progressive":
-            self._scene = geometry.arriving(_delivery(chosen))
+            self._scene = geometry.store(ArrivingScene, _delivery(chosen))
         else:
-            self._scene = geometry.scene(chosen.share, lit=chosen.light == "baked", texture=chosen.texture)
+            wanted = Simplified(chosen.share, chosen.texture, chosen.light == "baked")
+            self._scene = geometry.store(WholeScene, wanted)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         self._scene.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns)

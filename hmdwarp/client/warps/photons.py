@@ -2,26 +2,33 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from ...frames import Needs
 from ...frames.layers.photons import PhotonMap
-from ...frames.photon_bundles import LEAST_BUDGET
+from ...frames.photon_bundles import LEAST_BUDGET, PHOTON_BYTES, BundleRoom, Cube, unpacked
+from ...geometry import View
+from ...gpu.context import Gpu
+from ...gpu.scopes import drawing_into
+from ...gpu.shaders import Inputs, Uniforms
+from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
+from ...scenes import Scene, kernel_factors, lamps_at, light_keys, transport_of
+from ...sources.server import Indirect
+from ..client_scene import ClientScene, Store, receiver_of
+from ..drawn_scenes import Surfaces, whole_weight
+from ..inputs import PassInputs
 from ..shown_picture import ShownPicture
-from ..warp_kinds import ClientDrawing, Splats
+from ..warp_kinds import ClientDrawing
 from . import warps
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ...gpu.textures import Canvas
-    from ..client_geometry import ClientGeometry
-    from ..inputs import PassInputs
 
 _DEFAULT = PhotonMap()
 MOST_PATHS = 1 << 16
+_LIGHT = (4, "f4")  # rgba32f: sums of thousands of photons
 
 
 @attrs.frozen
@@ -38,6 +45,134 @@ class PhotonsSettings:
     radius: float = attrs.field(default=_DEFAULT.radius, validator=attrs.validators.gt(0))
     # Shown pixels of one pixel of the splatted light, on each axis.
     scale: int = attrs.field(default=4, validator=attrs.validators.ge(1))
+
+
+@receiver_of("photons")
+class KeptPhotons(Store):
+    """The newest photons of each bundle of one PhotonMap, and the whole scene, that they light.
+
+    The buffer for all, see warps/photons.vert, is allocated at once.
+    """
+
+    def __init__(self, client: ClientScene, wanted: PhotonMap) -> None:
+        super().__init__(client, wanted)
+        gpu, scene = client.gpu, client.scene
+        self._surfaces = Surfaces(gpu, scene, Indirect.SPLATS, Indirect.RECEIVERS)
+        self._factors: moderngl.Texture | None = None
+        if lighting := self._surfaces.lighting(Indirect.RECEIVERS):
+            factors = kernel_factors(transport_of(scene), wanted.radius)
+            self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
+            self._factors.write(factors.tobytes())
+        self._room, self.cube, self.count = BundleRoom(), Cube(np.zeros(3), 1.0), 0
+        self.photons = gpu.gl.buffer(reserve=PHOTON_BYTES * max(1, most_photons(scene, wanted)))
+        self.bytes = 0
+        self.first_picture_bytes: int | None = None
+
+    def receive(self, content: NDArray[np.uint8]) -> None:
+        if not len(content):
+            return
+        whole, self.cube, bundles = unpacked(content)
+        self.bytes += len(content)
+        if whole and self.first_picture_bytes is None:
+            self.first_picture_bytes = self.bytes
+        if sum(self._room.take(sent, words) for sent, words in bundles):
+            words = self._room.words()
+            self.count = len(words)
+            self.photons.write(words.tobytes())
+
+    def draw_receivers(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw what lamps light: the normal, and the factor for photons; 0 for what they do not."""
+        self._surfaces.draw(view, into, time_ns, Indirect.RECEIVERS)
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Inputs) -> None:
+        """Draw the whole picture under the scene's own lamps and the splatted light."""
+        if lighting := self._surfaces.lighting(Indirect.SPLATS):
+            lighting.splats = splats
+        self._surfaces.draw(view, into, time_ns, Indirect.SPLATS)
+
+    def weights(self) -> list[dict[str, Any]]:
+        """Return that of the scene; and what has crossed before packing, and what is held."""
+        weight = {
+            "budget": self.wanted.budget,
+            "geometry_bytes": self.photons.size,
+            "texture_bytes": 0,
+            "start_up_bytes": 0,
+            "first_picture_bytes": self.first_picture_bytes,
+            "arrived_bytes": self.bytes,
+            "photons": self.count,
+        }
+        return [whole_weight(self.client.scene), weight]
+
+    def close(self) -> None:
+        self.photons.release()
+        self._surfaces.close()
+        if self._factors is not None:
+            self._factors.release()
+
+
+def most_photons(scene: Scene, wanted: PhotonMap) -> int:
+    """Return how many photons there can be at most."""
+    lights = [light for light, _ in light_keys(lamps_at(scene, 0), scene.background)]
+    bundles = sum(wanted.bundles(opened=light is None or not light[0][3]) for light in lights)
+    return bundles * wanted.most_photons
+
+
+class Splats:
+    """Photons splatted at a part of the shown resolution, by deferred shading.
+
+    Each pixel gets the light of all photons within `radius` metres of what it shows, on about the
+    same plane; see shaders/warps/photons.frag.
+    """
+
+    def __init__(self, gpu: Gpu, photons: KeptPhotons, size: tuple[int, int], scale: int, radius: float) -> None:
+        """Compile the programs and allocate the buffers. size: of the shown picture."""
+        gl = self._gl = gpu.gl
+        self._photons, self._radius, self._size = photons, radius, size
+        low = (-(-size[0] // scale), -(-size[1] // scale))
+        self._receivers = ShownPicture(Canvas(gl, low), allocate(gl, low, SCALAR))
+        self.light = allocate(gl, low, _LIGHT)
+        self._framebuffer = gl.framebuffer([self.light])
+        self._program = gpu.shaders.draw("warps/photons.vert", "warps/photons.frag")
+        self._vertices = gl.vertex_array(self._program.program, [(photons.photons, "3u4/i", "in_photon")])
+        self._view: dict[str, object] = {}
+
+    def draw(self, view: View, time_ns: int) -> None:
+        """Splat all photons for a view."""
+        photons = self._photons
+        left, right, down, up = view.fov.tangents
+        self._view = {
+            "eye": tuple((view.pose.position_m - photons.client.scene.origin_m).tolist()),
+            "scene_from_eye": view.pose.rotation_matrix,
+            "low_tangents": (left, down, right, up),
+            "radius": self._radius,
+        }
+        self._framebuffer.clear()
+        if not photons.count:
+            return
+        photons.draw_receivers(view, self._receivers, time_ns)
+        self._bind(self._program.uniforms, 0)
+        self._program.uniforms.set(low=tuple(photons.cube.low.tolist()), edge=photons.cube.edge)
+        with drawing_into(self._framebuffer, moderngl.BLEND):
+            self._gl.blend_func = (moderngl.ONE, moderngl.ONE)
+            self._vertices.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=photons.count)
+            self._gl.blend_func = (moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA)
+
+    def use(self, uniforms: Uniforms, unit: int) -> None:
+        """Bind what shaders/lib/splatted.glsl reads, from that texture unit on."""
+        self._bind(uniforms, unit)
+        self.light.use(unit + 2)
+        shares = tuple((np.array(self.light.size) / self._size).tolist())
+        uniforms.set(splatted=unit + 2, low_per_pixel=shares)
+
+    def _bind(self, uniforms: Uniforms, unit: int) -> None:
+        self._receivers.colour.texture.use(unit)
+        self._receivers.depth.use(unit + 1)
+        uniforms.set(receivers=unit, receiver_depth=unit + 1, **self._view)
+
+    def close(self) -> None:
+        """Free the buffers; the shader library owns the programs."""
+        self._receivers.colour.release()
+        release_all(self._receivers.depth, self._vertices, self._framebuffer, self.light)
 
 
 @warps.register
@@ -64,15 +199,14 @@ class Photons(ClientDrawing):
     def needs(cls, settings: PhotonsSettings) -> Needs:
         return Needs(photons=frozenset({_wanted(settings)}))
 
-    def prepare_scene(self, geometry: ClientGeometry) -> None:
+    def prepare_scene(self, geometry: ClientScene) -> None:
         chosen = self.settings
-        photons = geometry.photons(_wanted(chosen))
-        self._scene = photons.scene
-        self._splats = Splats(self.gpu, photons, self.shown_size, chosen.scale, chosen.radius)
+        self._photons = geometry.store(KeptPhotons, _wanted(chosen))
+        self._splats = Splats(self.gpu, self._photons, self.shown_size, chosen.scale, chosen.radius)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         self._splats.draw(inputs.middle, inputs.shown_ns)
-        self._scene.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns, self._splats)
+        self._photons.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns, self._splats)
 
     def close(self) -> None:
         super().close()

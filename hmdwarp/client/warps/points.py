@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,22 +11,29 @@ from numpy.typing import NDArray
 from ...errors import InputError, PlanError
 from ...frames import Needs
 from ...frames.layers.points import Cloud
-from ...frames.point_blocks import LEAST_BUDGET
+from ...frames.point_blocks import LEAST_BUDGET, PAGE, Block, PointRoom, unpacked
+from ...geometry import View
 from ...gpu.raw_gl import clear_buffer
+from ...gpu.textures import Canvas, release_all
+from ..client_scene import ClientScene, Store, receiver_of
+from ..inputs import PassInputs
 from ..warp_kinds import check_room
 from . import KEY_BYTES, warps
 from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
-
-if TYPE_CHECKING:
-    from ...geometry import View
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 _COLOUR, _DEPTH = 0, 1  # image units
 _DEFAULT = Cloud()
 _WINNER_BYTES, _NOBODY = 4, 0xFFFFFFFF
 # Of the index of a point in a key, see shaders/lib/scatter_depth.glsl.
 MOST_POINTS = 1 << 26
+
+# Words of a point: position; normal; colour.
+_WORDS = 3
+_CELL_BYTES = 32
+NO_CELL = 0xFFFFFFFF
+# Radius of a disc in square roots of the part of the surface that is its own: from the middle of a
+# triangle with two equal sides and a right angle to its farther corners it is 1.05.
+RADIUS = 1.1
 
 
 @attrs.frozen
@@ -45,6 +52,98 @@ class PointsSettings:
     size: float = attrs.field(default=1.0, validator=attrs.validators.ge(0))
     # The largest radius of a disc in pixels.
     largest: int = attrs.field(default=16, validator=attrs.validators.ge(1))
+
+
+@receiver_of("points")
+class KeptPoints(Store):
+    """The points of one Cloud that have arrived, in pages, and the cells that they belong to.
+
+    The buffers of warps/points.comp are allocated at once for all its room: 12 bytes a point, and
+    for each page of PAGE points 4 bytes and the 32 of a cell.
+    """
+
+    def __init__(self, client: ClientScene, wanted: Cloud) -> None:
+        super().__init__(client, wanted)
+        gpu, pages = client.gpu, wanted.room // PAGE
+        self.points, self.cells = (
+            gpu.gl.buffer(reserve=size) for size in (4 * _WORDS * PAGE * pages, _CELL_BYTES * pages)
+        )
+        # The slot of each page's cell, and the pages from the first to behind the last that the
+        # buffer does not hold yet. They are written at once: NVIDIA's driver (580.159) loses all
+        # but the first of many writes of 4 bytes before a shader reads them.
+        self._slots = np.full(pages, NO_CELL, np.uint32)
+        self._changed = (pages, 0)
+        self.pages = gpu.gl.buffer(self._slots)
+        self._room = PointRoom(wanted.room, self._write, self._clear)
+        self.bytes = 0
+        self.first_picture_bytes: int | None = None
+        # (3, 3) linear light of zenith, horizon and ground; None before the first whole picture, as
+        # what is empty may be missing.
+        self.sky: NDArray[np.float64] | None = None
+
+    @property
+    def count(self) -> int:
+        """How many places for points there are to look at."""
+        return self._room.high * PAGE
+
+    def receive(self, content: NDArray[np.uint8]) -> None:
+        if not len(content):
+            return
+        complete, sky, blocks = unpacked(content)
+        self.bytes += len(content)
+        for block in blocks:
+            self._room.take(block)
+        first, end = self._changed
+        if first < end:
+            self.pages.write(self._slots[first:end], offset=4 * first)
+            self._changed = (len(self._slots), 0)
+        if complete and self.first_picture_bytes is None:
+            self.first_picture_bytes = self.bytes
+        if self.first_picture_bytes is not None:
+            self.sky = sky
+
+    def _write(self, block: Block, slot: int, pages: list[int], points: int) -> None:
+        rows = np.empty((len(block.positions), _WORDS), np.uint32)
+        rows[:, 0] = block.positions
+        rows[:, 1] = block.normals.astype(np.uint32) @ np.array([1, 1 << 8], np.uint32)
+        rows[:, 2] = block.colours.astype(np.uint32) @ np.array([1, 1 << 8, 1 << 16], np.uint32)
+        for number, page in enumerate(pages):
+            self.points.write(rows[PAGE * number : PAGE * (number + 1)].tobytes(), offset=4 * _WORDS * PAGE * page)
+        self._put(pages, slot)
+        # Points between two powers of 2 are spread no better than those up to the lower.
+        radius = RADIUS * np.sqrt(block.area / (1 << (points.bit_length() - 1)))
+        cell = np.array([*block.low, block.edge, radius, block.body, block.double_sided, 0], np.float32)
+        self.cells.write(cell.tobytes(), offset=_CELL_BYTES * slot)
+
+    def _clear(self, pages: list[int]) -> None:
+        self._put(pages, NO_CELL)
+
+    def _put(self, pages: list[int], slot: int) -> None:
+        self._slots[pages] = slot
+        first, end = self._changed
+        self._changed = min([first, *pages]), max([end, *(page + 1 for page in pages)])
+
+    def bodies(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 4, 4) float64: world from what stands still, then from each body."""
+        still = np.eye(4)
+        still[:3, 3] = self.client.scene.origin_m
+        return np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in self.client.scene.bodies)])
+
+    def weights(self) -> list[dict[str, Any]]:
+        """Return what has crossed before packing, in bytes, and what the client holds."""
+        weight = {
+            "budget": self.wanted.budget,
+            "geometry_bytes": self.points.size + self.pages.size + self.cells.size,
+            "texture_bytes": 0,
+            "start_up_bytes": 0,
+            "first_picture_bytes": self.first_picture_bytes,
+            "arrived_bytes": self.bytes,
+            "points": self._room.points,
+        }
+        return [weight]
+
+    def close(self) -> None:
+        release_all(self.points, self.pages, self.cells)
 
 
 @warps.register
@@ -86,7 +185,7 @@ class Points(Warp):
     def prepare(self) -> None:
         if self.geometry is None:
             raise PlanError("warp 'points' needs points from a server; for single pictures use 'iterative'")
-        self._cloud = self.geometry.points(_cloud(self.settings))
+        self._cloud = self.geometry.store(KeptPoints, _cloud(self.settings))
         if self._cloud.points.size > self.gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]:
             raise InputError(
                 f"room for {self.settings.room} points: this GPU's buffers hold "

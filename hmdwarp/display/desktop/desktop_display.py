@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ...gpu.context import Gpu
 from ...headsets import load_headset
 from ...poses import PoseSource
-from ...poses.looped import LoopedSource
+from ...poses.pose_source import LoopedSource
 from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Tick
 from ..status import Status

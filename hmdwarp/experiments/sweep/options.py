@@ -40,6 +40,7 @@ class ClusterOptions(Declared):
 class KeptOptions(ClusterOptions):
     """How a set of cases is run and kept."""
 
+    heading = "Many cases"
     resume: bool = option(False, "Go on with the run in this folder: only cases that are missing or failed are run.")
 
     @property

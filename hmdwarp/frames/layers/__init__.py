@@ -3,9 +3,22 @@
 from __future__ import annotations
 
 from ...registry import Registry
-from ._base import BRIGHT_VIDEO, DEPTH, OWN, PACKED, PIXEL_BYTES, RENDERED, SHOWN, VECTORS, VIDEO, Layer, readable
-from ._sizes import EyeSizes
-from ._surface import Surface
+from ._base import (
+    BRIGHT_VIDEO,
+    DEPTH,
+    OWN,
+    PACKED,
+    PIXEL_BYTES,
+    RENDERED,
+    SHOWN,
+    VECTORS,
+    VIDEO,
+    Delivered,
+    EyeSizes,
+    Layer,
+    Surface,
+    readable,
+)
 
 layers: Registry[type[Layer]] = Registry("layer", __name__)
 
@@ -25,9 +38,11 @@ __all__ = [
     "SHOWN",
     "VECTORS",
     "VIDEO",
+    "Delivered",
     "EyeSizes",
     "Layer",
     "Surface",
     "layers",
+    "readable",
     "readable_names",
 ]

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import cycle
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+import attrs
+from numpy.typing import NDArray
+
+from ...geometry import Fov
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import moderngl  # heavy, and `hmdwarp list` needs the layers
 
-    import moderngl
-    from numpy.typing import NDArray
-
-    from ._sizes import EyeSizes, Size
+Size = tuple[int, int]
 
 # Bytes of a pixel, by OpenGL's name of the texture format.
 PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
@@ -26,6 +28,32 @@ USUAL_CODINGS = {"rgba16f": VIDEO, "r32f": DEPTH, "r16ui": PACKED}
 
 # Whose size a layer has: the rendered picture's, the shown one's, or its own.
 RENDERED, SHOWN, OWN = "rendered", "shown", "own"
+
+
+@attrs.frozen
+class EyeSizes:
+    """What the size of every layer follows from; all sizes are (w, h) in pixels of one eye."""
+
+    # The rendered picture, with its guard band.
+    rendered: Size
+    # The shown picture.
+    shown: Size
+    # The shown fields of view, one for each eye; the size of some layers follows from them.
+    fovs: tuple[Fov, ...] = ()
+
+
+@attrs.frozen(eq=False)
+class Surface:
+    """Another surface of the same view and size; holes as in EyeImage."""
+
+    # rgba16f, linear light with coverage in alpha.
+    colour: moderngl.Texture
+    # r32f in 1/m, -1 in holes.
+    inverse_depth: moderngl.Texture
+
+    def textures(self) -> tuple[moderngl.Texture, moderngl.Texture]:
+        """Return both textures."""
+        return self.colour, self.inverse_depth
 
 
 def readable(name: str) -> str:
@@ -165,3 +193,55 @@ def _bytes_of(content: Any) -> int:
     if hasattr(content, "nbytes"):
         return int(content.nbytes)
     return content.width * content.height * content.components * int(content.dtype[1:])
+
+
+class Wanted(Protocol):
+    """What is delivered little by little; hashable and ordered."""
+
+    @property
+    def budget(self) -> int:
+        """Bytes of each frame, at most."""
+
+
+class Content(Protocol):
+    """What one frame brings of it."""
+
+    @property
+    def content(self) -> NDArray[Any]:
+        """The bytes; the link writes what it has decoded over it."""
+
+
+class Delivered(Layer):
+    """No picture but updates of what the client keeps: a Content for each Wanted.
+
+    The amount is the frozenset of them. A client.Store with this layer's name receives the updates.
+    """
+
+    per_frame = True
+    builds_on_frames = True
+    nothing = frozenset()
+
+    @classmethod
+    def bytes(cls, amount: frozenset[Wanted], sizes: EyeSizes) -> int:
+        return sum(each.budget for each in amount)
+
+    @classmethod
+    def merged(cls, amount: frozenset[Wanted], other: frozenset[Wanted]) -> frozenset[Wanted]:
+        return amount | other
+
+    @classmethod
+    def serves(cls, carried: frozenset[Wanted], needed: frozenset[Wanted]) -> bool:
+        """Return whether all that is needed is delivered; more does not disturb."""
+        return needed <= carried
+
+    @classmethod
+    def only(cls, data: Mapping[Any, Content], amount: frozenset[Any]) -> Mapping[Any, Content]:
+        return data if data.keys() == amount else {each: data[each] for each in sorted(amount)}
+
+    @classmethod
+    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
+        return ()
+
+    @classmethod
+    def sent(cls, data: Mapping[Any, Content]) -> Iterable[NDArray[Any]]:
+        return [update.content for update in data.values()]

@@ -5,8 +5,7 @@ from __future__ import annotations
 import attrs
 
 from ..photon_bundles import OPEN, PHOTONS_A_PATH, paths_of_bundle
-from . import layers
-from ._delivered import Delivered
+from . import Delivered, layers
 
 
 @attrs.frozen(order=True)

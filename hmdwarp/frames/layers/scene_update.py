@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from . import layers
-from ._delivered import Delivered
+from . import Delivered, layers
 
 
 @attrs.frozen(order=True)

@@ -20,6 +20,7 @@ class Coding(Declared):
     rate together, or for one out of bounds.
     """
 
+    heading = "Coding"
     # A name of codecs.
     codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
     crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)

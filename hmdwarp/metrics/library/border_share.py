@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,8 +16,8 @@ from ..metric_inputs import Input
 
 
 def border_share(
-    coverage: NDArray,
-    truth_inverse_depth: NDArray,
+    coverage: NDArray[Any],
+    truth_inverse_depth: NDArray[Any],
     shown: View,
     rendered: View,
     rendered_size: tuple[int, int],

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,7 +15,7 @@ from ..metric import Metric, metrics
 from ..metric_inputs import Input
 
 
-def flicker(error: NDArray, view: View, previous_error: NDArray, previous_view: View) -> float | None:
+def flicker(error: NDArray[Any], view: View, previous_error: NDArray[Any], previous_view: View) -> float | None:
     """Return the mean absolute change, 0..1, of the signed error between neighbouring frames.
 
     The two are compared at the same shown view direction: the homography of the rotation alone maps
@@ -68,7 +70,7 @@ class _Bilinear:
         up = np.where(low < size[1] - 1, size[0], 0)
         self._corners = corner, right, corner + up, right + up
 
-    def __call__(self, picture: NDArray) -> NDArray[np.float64]:
+    def __call__(self, picture: NDArray[Any]) -> NDArray[np.float64]:
         """Sample one (h, w) picture."""
         a, b, c, d = (picture.take(corner).astype(np.float64) for corner in self._corners)
         lower, upper = a + self._x * (b - a), c + self._x * (d - c)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from ..metric import Metric, metrics
 from ..metric_inputs import Input
 
 
-def hole_share(coverage: NDArray) -> float:
+def hole_share(coverage: NDArray[Any]) -> float:
     """Return the share of pixels, 0..1, with coverage 0.
 
     coverage: (h, w), after the warp and before the fill.

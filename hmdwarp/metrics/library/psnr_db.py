@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from ..metric import Metric, metrics
 from ..picture_pairs import check_pair, db_of
 
 
-def psnr_db(shown: NDArray, truth: NDArray) -> float:
+def psnr_db(shown: NDArray[Any], truth: NDArray[Any]) -> float:
     """Return the ratio in dB over all pixels and channels, at most 100 dB (identical pictures too).
 
     shown, truth: (h, w, 3), as metrics.picture_pairs. For uint8 the squared error is summed in

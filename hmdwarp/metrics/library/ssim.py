@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,7 +14,7 @@ SSIM_SIGMA = 1.5
 SSIM_WINDOW = 11
 
 
-def ssim(shown: NDArray, truth: NDArray) -> float:
+def ssim(shown: NDArray[Any], truth: NDArray[Any]) -> float:
     """Return the mean structural similarity, at most 1, over all pixels and the three channels.
 
     shown, truth: (h, w, 3), as metrics.picture_pairs.

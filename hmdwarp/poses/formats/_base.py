@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import itertools
-from typing import IO, TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import IO, Any
 
 import attrs
+import numpy as np
 
 from ...errors import InputError, TraceError
-from ..defects import Defect
-from ..options import TraceOptions
+from ...registry import Registry
+from ..options import TraceOptions, parse_euler
+from ..reading.axes import OPENXR, parse_axes
+from ..reading.cleaning import Cleaned, Cleaner
 from ..reading.columns import UNRANKED, Columns, find_columns, head_rank
-from ..reading.file_head import is_number
-
-if TYPE_CHECKING:
-    from ..reading.cleaning import Cleaned
-    from ..reading.file_head import Head
-    from ..reading.rows import Euler, Layout
-    from ..track import PoseTrack
-
+from ..reading.file_head import Head, is_number
+from ..reading.rows import RowReader
+from ..stated import BY_FILE, Defect, Layout
+from ..track import PoseTrack
 
 _ORDER_ASSUMED = Defect(
     "order-assumed",
@@ -26,38 +26,47 @@ _ORDER_ASSUMED = Defect(
     "w last taken, as in TUM files; --quat-order wxyz says otherwise",
 )
 _MIXED = 4  # rows of several devices change from one to another at least every fourth time
+_BLOCK = 65536  # rows written at a time
+_LARGEST_NS = 2**62  # what the readers accept
 
 
 class TraceFormat:
-    """One layout of head-motion files. A new one is one file in this package."""
+    """One layout of head-motion files. A new one is one file in this package.
+
+    Most need nothing but `header` and `facts`.
+    """
 
     name = ""  # the name of the format
     summary = ""  # one line for people
+    header: tuple[str, ...] = ()  # names of columns that every such file has
+    likelihood = 90  # of a file with that header, see `sniff`
+    facts: Mapping[str, Any] = {}  # what the format states: fields of Layout
+    bare_order = ""  # of quaternions in files without a header: xyzw or wxyz; "" where there are none
     writes = False  # whether `write` works
     binary = False  # whether `write` takes a stream of bytes
-    axes_written = "openxr"  # of the files that `write` makes
+    axes_written = OPENXR  # of the files that `write` makes
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         """Return how likely the file is of this format: 0 not at all, 100 certainly.
 
         The highest wins.
         """
-        raise NotImplementedError
+        return self.likelihood if self.header and has(head, *self.header) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         """Return the meaning of the columns. Errors: TraceError when a required one is missing."""
-        raise NotImplementedError
+        if head.names is None and self.bare_order:
+            unit = self.facts.get("unit") if options.format else None
+            return unnamed_layout(head, options, self.name, self.bare_order, unit)
+        return named_layout(head, options, **self.facts)
 
     def read(self, head: Head, options: TraceOptions) -> Cleaned:
         """Return the clean track of a file. Errors: TraceError, InputError."""
-        from ..reading.cleaning import Cleaner
-        from ..reading.rows import BY_FILE, RowReader
-
         layout = self.layout(head, options)
-        layout = with_stated_columns(head, layout, options)
-        stated = axes_stated(head)
-        if stated is not None:
-            layout = attrs.evolve(layout, axes=stated, axes_by=BY_FILE)
+        if options.time_column is not None:
+            layout = attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, nanoseconds=None)
+        if (axes := axes_stated(head)) is not None:
+            layout = attrs.evolve(layout, axes=axes, axes_by=BY_FILE)
         if layout.time is None and options.rate is None:
             raise TraceError(
                 f"{head.path} has no time ({head.describe()}): give the samples per second with --trace-rate"
@@ -67,10 +76,9 @@ class TraceFormat:
         reader = RowReader(head, layout, options.lost_rows)
         rows = reader.read()
         layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
-        cleaner = Cleaner(str(head.path), rows, layout, options, reader.ends_with_newline)
-        cleaner.defects_of_devices = head.source.defects_of_devices
+        cleaner = Cleaner(head, rows, layout, options, reader.ends_with_newline)
         cleaned = cleaner.clean(head.path.stem, self.origin(head))
-        return attrs.evolve(cleaned, columns=_columns_taken(head, layout, cleaned.device))
+        return attrs.evolve(cleaned, columns=_columns_read(head, layout, cleaned.device))
 
     def origin(self, head: Head) -> str:
         """Return the origin of the motion, if the file states it."""
@@ -83,13 +91,14 @@ class TraceFormat:
         raise TraceError(f"format {self.name} is read, not written")
 
 
+formats: Registry[TraceFormat] = Registry("trace format", __package__)
+
+
 def axes_stated(head: Head) -> str | None:
     """Return the axes that a comment of the file states, as `parse_axes` takes them.
 
     For instance "# axes: tum-rgbd". Comments in words count where they name OpenXR.
     """
-    from ..reading.axes import OPENXR, parse_axes
-
     for _, text in head.comments:
         key, _, value = text.partition(":")
         if key.strip().lower() != "axes":
@@ -115,22 +124,13 @@ def column_of(head: Head, word: str) -> int:
     return index
 
 
-def with_stated_columns(head: Head, layout: Layout, options: TraceOptions) -> Layout:
-    """Return the layout with the clock of --time-column, if there is one."""
-    if options.time_column is None:
-        return layout
-    return attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, nanoseconds=None)
-
-
-def named_layout(head: Head, options: TraceOptions, **known) -> Layout:
+def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     """Return a layout from the header's names.
 
     known: facts of the format: unit, axes, device, scale, caveats.
     Errors: TraceError for Euler angles only, and for a quaternion that is missing or of unknown
     order.
     """
-    from ..reading.rows import Layout
-
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = find_columns(head.names)
@@ -170,8 +170,6 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
     others write and read it; otherwise the order must be stated.
     Errors: TraceError for fewer columns, or an unknown order.
     """
-    from ..reading.rows import Layout
-
     if head.width < 8:
         raise TraceError(
             f"{head.path}: line {head.first_line}: {head.width} columns, expected 8: time, position and quaternion"
@@ -199,11 +197,11 @@ def column_of_devices(head: Head) -> int | None:
 
 def _names_bodies(fields: list[str]) -> bool:
     changes = sum(a != b for a, b in itertools.pairwise(fields))
-    told = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
-    return told and _MIXED * changes > len(fields)
+    named = any(head_rank(name) != UNRANKED for name in set(fields) if not is_number(name))
+    return named and _MIXED * changes > len(fields)
 
 
-def _columns_taken(head: Head, layout: Layout, device: str) -> str:
+def _columns_read(head: Head, layout: Layout, device: str) -> str:
     """Return which columns were read as what, by name, or by number from 1.
 
     device: whose rows were taken; "" where the file does not say.
@@ -221,7 +219,7 @@ def _columns_taken(head: Head, layout: Layout, device: str) -> str:
     }
     if device:
         words["device"] += f" = {device}"
-    return "; ".join(f"{part}: {said}" for part, said in words.items() if said)
+    return "; ".join(f"{part}: {columns}" for part, columns in words.items() if columns)
 
 
 def _finest(head: Head, clocks: tuple[tuple[int, str | None], ...]) -> tuple[int | None, str | None]:
@@ -231,19 +229,6 @@ def _finest(head: Head, clocks: tuple[tuple[int, str | None], ...]) -> tuple[int
         return len({row[clock[0]] for row in head.rows if len(row) > clock[0] and row[clock[0]]})
 
     return max(clocks, key=values, default=(None, None))
-
-
-def parse_euler(text: str) -> Euler:
-    """Parse `--euler`: the order of turns about the fixed axes, and deg or rad: "ZXY,deg".
-
-    Unity's Euler angles are ZXY,deg. Errors: InputError.
-    """
-    from ..reading.rows import Euler
-
-    order, _, unit = text.strip().lower().partition(",")
-    if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
-        raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
-    return Euler(order, unit.strip() == "deg")
 
 
 def _mean_of(head: Head, columns: tuple[int, int, int] | None) -> tuple[float, ...]:
@@ -281,8 +266,7 @@ def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[in
     if order is None:
         raise TraceError(
             f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions "
-            f"({head.describe()}); "
-            "say --quat-order wxyz or --quat-order xyzw"
+            f"({head.describe()}); say --quat-order wxyz or --quat-order xyzw"
         )
     a, b, c, d = columns
     return (b, c, d, a) if order == "wxyz" else (a, b, c, d)
@@ -293,6 +277,51 @@ def has(head: Head, *names: str) -> bool:
     return head.names is not None and set(names) <= set(head.names)
 
 
-def whole_number(field: str, digits: int) -> bool:
-    """Return whether the field is an integer of exactly so many digits."""
-    return len(field) == digits and field.isdigit()
+def numbers_alone(head: Head, separator: str | None, *widths: int) -> bool:
+    """Return whether the file has no header, one of these widths, and numbers in its first row."""
+    same = head.names is None and head.separator == separator and head.width in widths
+    return same and all(is_number(f) for f in head.rows[0])
+
+
+def clock_offset_ns(track: PoseTrack) -> int:
+    """Return the offset to the track's time that restores the recording's own clock.
+
+    0 where that does not fit into 2^62 ns.
+    """
+    fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
+    return track.epoch_ns if fits else 0
+
+
+def write_rows(
+    track: PoseTrack,
+    stream: IO[str],
+    separator: str,
+    *,
+    stamp: Callable[[int], str],
+    order: str,
+    decimals: tuple[int, int] | None = None,
+) -> None:
+    """Write time, position and quaternion of every sample.
+
+    stamp: nanoseconds to text.
+    order: xyzw or wxyz.
+    decimals: of positions and quaternions; None writes the shortest text that reads back as the
+    same number.
+    """
+    offset = clock_offset_ns(track)
+    columns = ["xyzw".index(c) for c in order]
+
+    def form(numbers: list[float]) -> str:
+        if decimals is None:
+            return separator.join(map(repr, numbers))
+        return row % tuple(numbers)
+
+    row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * 4) if decimals is not None else ""
+    for a in range(0, len(track), _BLOCK):
+        part = slice(a, a + _BLOCK)
+        position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
+        if decimals is not None:  # + 0.0 turns a rounded -0.0 into 0.0
+            position, orientation = np.round(position, decimals[0]) + 0.0, np.round(orientation, decimals[1]) + 0.0
+        texts = [form(p + q) for p, q in zip(position.tolist(), orientation.tolist(), strict=True)]
+        times = track.time_ns[part].tolist()
+        stream.writelines(f"{stamp(t + offset)}{separator}{text}\n" for t, text in zip(times, texts, strict=True))

@@ -9,12 +9,9 @@ from typing import IO
 
 from ..options import TraceOptions
 from ..reading.axes import OPENXR
-from ..reading.file_head import Head, is_number
-from ..reading.rows import Layout
+from ..reading.file_head import Head
 from ..track import PoseTrack
-from . import formats
-from ._base import TraceFormat, named_layout, unnamed_layout
-from ._writing import write_rows
+from ._base import TraceFormat, formats, numbers_alone, write_rows
 
 HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 
@@ -28,22 +25,17 @@ class Euroc(TraceFormat):
 
     name = "euroc"
     summary = "#timestamp [ns], p_RS_R_x [m], .., q_RS_w [], ..; nanoseconds, w first"
+    facts = {"unit": "ns"}
+    bare_order = "wxyz"
     writes = True
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if head.names is not None:
             return 95 if {n.split(" ")[0] for n in head.names} >= {"p_RS_R_x", "q_RS_w"} else 0
-        bare = head.separator == "," and head.width in (8, 17) and all(is_number(f) for f in head.rows[0])
-        return 5 if bare else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        if head.names is not None:
-            return named_layout(head, options, unit="ns")
-        return unnamed_layout(head, options, self.name, "wxyz", "ns" if options.format else None)
+        return 5 if numbers_alone(head, ",", 8, 17) else 0
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
-        stream.write(f"# axes: {OPENXR}\n")
-        stream.write(HEADER + "\n")
+        stream.write(f"# axes: {OPENXR}\n{HEADER}\n")
         write_rows(track, stream, ",", stamp=str, order="wxyz")
 
 

@@ -3,14 +3,8 @@
 The two sites order and name their columns differently.
 """
 
-from __future__ import annotations
-
-from ..defects import Defect
-from ..options import TraceOptions
-from ..reading.file_head import Head
-from ..reading.rows import BY_FORMAT, Layout
-from . import formats
-from ._base import TraceFormat, has, named_layout
+from ..stated import BY_FORMAT, Defect
+from ._base import TraceFormat, formats
 
 _EYES = Defect(
     "eye-position",
@@ -27,12 +21,8 @@ class EyeNavGS(TraceFormat):
 
     name = "eyenavgs"
     summary = "ViewIndex,FOV1-4,Position..,Quaternion..,Gaze..,Timestamp or timestep; ms, a row per eye"
-
-    def sniff(self, head: Head, options: TraceOptions) -> int:
-        return 90 if has(head, "ViewIndex", "FOV1", "PositionX", "QuaternionX", "GazePosX") else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="ms", axes_by=BY_FORMAT, caveats=(_EYES,))
+    header = ("ViewIndex", "FOV1", "PositionX", "QuaternionX", "GazePosX")
+    facts = {"unit": "ms", "axes_by": BY_FORMAT, "caveats": (_EYES,)}
 
 
 formats.register(EyeNavGS())

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...errors import TraceError
 from ..options import TraceOptions
+from ..reading.cleaning import Cleaned
 from ..reading.file_head import Head, is_number
-from ..reading.rows import Layout
-from . import formats
-from ._base import TraceFormat, ordered
+from ..stated import Layout
+from ..track import PoseTrack
+from ._base import TraceFormat, formats, ordered
 from .multiviewpoint import AXES
-
-if TYPE_CHECKING:
-    from ..reading.cleaning import Cleaned
-    from ..track import PoseTrack
 
 
 class FrameWxyz(TraceFormat):

@@ -6,10 +6,9 @@ import numpy as np
 
 from ...errors import TraceError
 from ..options import TraceOptions
-from ..reading.file_head import Head, is_number
-from ..reading.rows import Layout
-from . import formats
-from ._base import TraceFormat
+from ..reading.file_head import Head
+from ..stated import Layout
+from ._base import TraceFormat, formats, numbers_alone
 
 _WIDTHS = (12, 13, 16, 17)
 _OFF = 0.01
@@ -25,8 +24,7 @@ class Matrices(TraceFormat):
     summary = "3x4 or 4x4 matrices, 12 or 16 numbers a row, perhaps after a time; world from head, metres"
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        numbers = head.names is None and head.width in _WIDTHS and all(is_number(f) for f in head.rows[0])
-        if not numbers:
+        if not numbers_alone(head, head.separator, *_WIDTHS):
             return 0
         first = np.array([float(f.replace(",", ".")) for f in head.rows[0]])[list(_columns(head.width)[0])]
         turn = first.reshape(3, 3)

@@ -7,16 +7,13 @@ from typing import IO, Any
 
 from ...errors import TraceError
 from ...resources import import_extra
-from ..defects import Defect
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
-from ..reading.mcap_rows import COLUMNS, EXTRA, METADATA
-from ..reading.rows import BY_FORMAT, Layout
+from ..reading.record_files import COLUMNS, EXTRA, METADATA
+from ..stated import BY_FORMAT, Defect, Layout
 from ..track import PoseTrack
-from . import formats
-from ._base import TraceFormat
-from ._writing import clock_offset_ns
+from ._base import TraceFormat, clock_offset_ns, formats
 
 AXES = "ros"
 _TOPIC, _FRAME = "/head", "world"

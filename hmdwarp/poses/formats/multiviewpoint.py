@@ -8,9 +8,8 @@ from __future__ import annotations
 from ...errors import TraceError
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..reading.rows import BY_FORMAT, Layout
-from . import formats
-from ._base import TraceFormat, has, named_layout
+from ..stated import BY_FORMAT, Layout
+from ._base import TraceFormat, formats, has
 
 # The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed
 # about x is half that about y in the head's own axes), so x is forward and y left, as in the viewer
@@ -27,9 +26,8 @@ class MultiViewpoint(TraceFormat):
 
     name = "multiviewpoint"
     summary = "timestamp viewpoint w x y z; seconds, rotation only, z up, x forward"
-
-    def sniff(self, head: Head, options: TraceOptions) -> int:
-        return 90 if has(head, "timestamp", "viewpoint") else 0
+    header = ("timestamp", "viewpoint")
+    facts = {"unit": "s", "axes": AXES, "axes_by": BY_FORMAT}
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if has(head, "yaw", "pitch", "roll") and not has(head, "w"):
@@ -37,7 +35,7 @@ class MultiViewpoint(TraceFormat):
                 f"{head.path} gives Euler angles only, under a header that is mislabelled (its 'yaw' is the pitch): "
                 "read the twin of this file that holds quaternions"
             )
-        return named_layout(head, options, unit="s", axes=AXES, axes_by=BY_FORMAT)
+        return super().layout(head, options)
 
 
 formats.register(MultiViewpoint())

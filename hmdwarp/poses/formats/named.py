@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..reading.rows import Layout
-from . import formats
-from ._base import TraceFormat, named_layout
+from ._base import TraceFormat, formats
 
 
 class Named(TraceFormat):
@@ -17,9 +15,6 @@ class Named(TraceFormat):
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         return 10 if head.names is not None else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options)
 
 
 formats.register(Named())

@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import IO, TYPE_CHECKING
+from typing import IO
 
-from ..options import TraceOptions
-from ..reading.file_head import Head
-from ..reading.rows import BY_FORMAT, Layout
+from ...geometry import Pose
+from ..stated import BY_FORMAT
 from ..track import PoseTrack
-from . import formats
-from ._base import TraceFormat, has, named_layout
-from ._writing import exact_text, write_rows
-
-if TYPE_CHECKING:
-    from ...geometry import Pose
+from ._base import TraceFormat, formats, write_rows
 
 COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 TITLE = "hmdwarp head trace"
@@ -24,13 +18,10 @@ AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forwar
 class Native(TraceFormat):
     name = "native"
     summary = "time_ns,x_m,y_m,z_m,qx,qy,qz,qw; comment header with origin; OpenXR axes"
+    header = COLUMNS
+    likelihood = 100
+    facts = {"unit": "ns", "axes_by": BY_FORMAT}
     writes = True
-
-    def sniff(self, head: Head, options: TraceOptions) -> int:
-        return 100 if has(head, *COLUMNS) else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="ns", axes_by=BY_FORMAT)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         write_native(track, stream)
@@ -60,4 +51,5 @@ def header_text(origin: str, rate_hz: float, notes: Iterable[str] = ()) -> str:
 
 def row_text(time_ns: int, pose: Pose) -> str:
     """Return one sample in full precision, for a trace that is written while it grows."""
-    return f"{time_ns},{exact_text((*pose.position_m.tolist(), *pose.orientation_xyzw.tolist()), ',')}\n"
+    numbers = (*pose.position_m.tolist(), *pose.orientation_xyzw.tolist())
+    return f"{time_ns},{','.join(map(repr, numbers))}\n"

@@ -1,12 +1,7 @@
 """QuestSet: Quest 2 games, head beside hands and buttons, w first, time in the last column."""
 
-from __future__ import annotations
-
-from ..options import TraceOptions
-from ..reading.file_head import Head
-from ..reading.rows import BY_FORMAT, Layout
-from . import formats
-from ._base import TraceFormat, has, named_layout
+from ..stated import BY_FORMAT
+from ._base import TraceFormat, formats
 
 
 class QuestSet(TraceFormat):
@@ -18,12 +13,8 @@ class QuestSet(TraceFormat):
 
     name = "questset"
     summary = "TouchButtons,..,HeadPosX,..,HeadOrientationW,..,time; seconds, w first, OpenXR axes"
-
-    def sniff(self, head: Head, options: TraceOptions) -> int:
-        return 90 if has(head, "HeadPosX", "HeadOrientationW", "LeftTouchPosX", "time") else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, unit="s", axes_by=BY_FORMAT)
+    header = ("HeadPosX", "HeadOrientationW", "LeftTouchPosX", "time")
+    facts = {"unit": "s", "axes_by": BY_FORMAT}
 
 
 formats.register(QuestSet())

@@ -5,11 +5,8 @@ from __future__ import annotations
 from ..options import TraceOptions
 from ..reading.columns import find_columns
 from ..reading.file_head import Head
-from ..reading.rows import BY_FORMAT, Layout
-from . import formats
-from ._base import TraceFormat, named_layout
-
-AXES = "ros"
+from ..stated import BY_FORMAT
+from ._base import TraceFormat, formats
 
 
 class Ros2Csv(TraceFormat):
@@ -20,14 +17,12 @@ class Ros2Csv(TraceFormat):
 
     name = "ros2_csv"
     summary = "header.stamp.sec, header.stamp.nanosec, .. position.x, .. orientation.w; ROS axes"
+    facts = {"axes": "ros", "axes_by": BY_FORMAT}
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if head.names is None or find_columns(head.names).nanoseconds is None:
             return 0
         return 50 if any("header" in name.lower() for name in head.names) else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        return named_layout(head, options, axes=AXES, axes_by=BY_FORMAT)
 
 
 formats.register(Ros2Csv())

@@ -7,11 +7,8 @@ from __future__ import annotations
 
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..reading.rows import Layout
-from . import formats
-from ._base import TraceFormat, has, named_layout, unnamed_layout, whole_number
-
-COLUMNS = ("timestamp", "x", "y", "z", "qx", "qy", "qz", "qw")
+from ..stated import Layout
+from ._base import TraceFormat, formats, unnamed_layout
 
 
 class Ticks(TraceFormat):
@@ -19,17 +16,20 @@ class Ticks(TraceFormat):
 
     name = "ticks"
     summary = "timestamp x y z qx qy qz qw; 18-digit ticks of 100 ns"
+    header = ("timestamp", "x", "y", "z", "qx", "qy", "qz", "qw")
+    likelihood = 85
+    facts = {"unit": "100ns"}
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         time = head.column("timestamp") if head.names else 0
-        stamped = time is not None and time < head.width and whole_number(head.rows[0][time], 18)
-        if has(head, *COLUMNS):
-            return 85 if stamped else 0
-        return 6 if head.names is None and head.width == 8 and stamped else 0
+        stamp = head.rows[0][time] if time is not None and time < head.width else ""
+        if not (len(stamp) == 18 and stamp.isdigit()):
+            return 0
+        return 6 if head.names is None and head.width == 8 else super().sniff(head, options)
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if head.names is not None:
-            return named_layout(head, options, unit="100ns")
+            return super().layout(head, options)
         return unnamed_layout(head, options, self.name, "xyzw", "100ns")
 
 

@@ -9,14 +9,9 @@ from typing import IO
 
 from ..options import TraceOptions
 from ..reading.axes import OPENXR
-from ..reading.file_head import Head, is_number
-from ..reading.rows import Layout
+from ..reading.file_head import Head
 from ..track import PoseTrack
-from . import formats
-from ._base import TraceFormat, has, named_layout, unnamed_layout
-from ._writing import write_rows
-
-COLUMNS = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
+from ._base import TraceFormat, formats, numbers_alone, write_rows
 
 
 class Tum(TraceFormat):
@@ -28,28 +23,17 @@ class Tum(TraceFormat):
 
     name = "tum"
     summary = "# timestamp tx ty tz qx qy qz qw; seconds, blank-separated"
+    header = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
+    facts = {"unit": "s"}
+    bare_order = "xyzw"
     writes = True
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        if has(head, *COLUMNS):
-            return 90
         # Eight bare numbers: the layout of a TUM file that has lost its comment.
-        bare = (
-            head.names is None
-            and head.separator is None
-            and head.width == 8
-            and all(is_number(f) for f in head.rows[0])
-        )
-        return 5 if bare else 0
-
-    def layout(self, head: Head, options: TraceOptions) -> Layout:
-        if head.names is not None:
-            return named_layout(head, options, unit="s")
-        return unnamed_layout(head, options, self.name, "xyzw", "s" if options.format else None)
+        return 5 if numbers_alone(head, None, 8) else super().sniff(head, options)
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
-        stream.write(f"# axes: {OPENXR}\n")
-        stream.write("# " + " ".join(COLUMNS) + "\n")
+        stream.write(f"# axes: {OPENXR}\n# {' '.join(self.header)}\n")
         write_rows(track, stream, " ", stamp=_seconds, order="xyzw")
 
 

@@ -1,4 +1,4 @@
-"""The declaration of a predictor, and the fallback that all share."""
+"""The declaration of a predictor, their registry, and the fallback that all share."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sample import Origin, PoseSample
-from ..track import PoseTrack, Samples
+from ...registry import Registry
+from ..track import Origin, PoseSample, PoseTrack, Samples
 
 
 @attrs.frozen
@@ -24,10 +24,11 @@ class Predictor:
     # (track, now_ns (n,), ahead_ns): the poses that much later, as if a sample lay at each now_ns
     # and nothing were known after it. For tracks without repeated poses.
     predict_many: Callable[[PoseTrack, NDArray[np.int64], int], Samples]
-    # How far ahead of the last sample at most, where nothing else is asked for.
-    horizon_ns: int = 0
-    # The predictor that this is another name of.
-    alias_of: str = ""
+    horizon_ns: int = 0  # how far ahead of the last sample at most, by default
+    alias_of: str = ""  # the predictor that this is another name of
+
+
+predictors: Registry[Predictor] = Registry("predictor", __package__)
 
 
 def hold(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:

@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 
 from ...geometry import Pose
 from .. import quaternions
-from ..sample import Origin, PoseSample
-from ..track import PoseTrack, Samples, gap_limit_ns
-from . import Predictor, hold, predictors
+from ..track import Origin, PoseSample, PoseTrack, Samples, gap_limit_ns
+from ._base import Predictor, hold, predictors
 
 Array = NDArray[np.float64]
 
@@ -190,7 +189,7 @@ def _extrapolated(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) ->
     known = (runs == runs[:, :1]) & (asked >= track.start_ns)
 
     def turn(first: slice, last: slice) -> Array:
-        return quaternions.to_rotation_vector(quaternions.multiply(q[:, last], quaternions.conjugate(q[:, first])))
+        return quaternions.vector_between(q[:, first], q[:, last])
 
     def move(first: slice, last: slice) -> Array:
         return p[:, last] - p[:, first]

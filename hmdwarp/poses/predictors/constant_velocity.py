@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from ...geometry import Pose
 from .. import quaternions
-from ..sample import Origin, PoseSample
-from ..track import PoseTrack, Samples
-from . import Predictor, hold, predictors
+from ..track import Origin, PoseSample, PoseTrack, Samples
+from ._base import Predictor, hold, predictors
 
 WINDOW_NS = 50_000_000
 HORIZON_NS = 100_000_000
@@ -30,7 +29,7 @@ def constant_velocity(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns:
     if first == last or ahead_ns <= 0:
         return hold(track, now_ns, target_ns, horizon_ns)
     q0, q1 = track.orientation_xyzw[first], track.orientation_xyzw[last]
-    turn = quaternions.to_rotation_vector(quaternions.multiply(q1, quaternions.conjugate(q0)))
+    turn = quaternions.vector_between(q0, q1)
     share = ahead_ns / (int(track.time_ns[last]) - int(track.time_ns[first]))
     moved = track.position_m[last] + share * (track.position_m[last] - track.position_m[first])
     turned = quaternions.multiply(quaternions.from_rotation_vector(share * turn), q1)
@@ -42,7 +41,7 @@ def _constant_velocity_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_n
     share = min(ahead_ns, HORIZON_NS) / WINDOW_NS
     then, now = track.sample_many(now_ns - WINDOW_NS), track.sample_many(now_ns)
     q0, q1 = then.orientation_xyzw, now.orientation_xyzw
-    turn = quaternions.to_rotation_vector(quaternions.multiply(q1, quaternions.conjugate(q0)))
+    turn = quaternions.vector_between(q0, q1)
     turned = quaternions.multiply(quaternions.from_rotation_vector(share * turn), q1)
     moved = now.position_m + share * (now.position_m - then.position_m)
     return Samples(now_ns + ahead_ns, moved, turned, np.full(len(now_ns), Origin.PREDICTED, np.int8))

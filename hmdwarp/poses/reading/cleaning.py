@@ -13,24 +13,26 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError, counted
 from .. import quaternions
-from ..defects import Defect
 from ..options import TraceOptions
+from ..stated import ASSUMED, BY_MOTION, BY_USER, Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
 from .columns import head_rank
-from .motion_faults import find_jumps, gravity_axis
+from .file_head import Head
 from .plausibility import (
     CLEAR,
     Evidence,
     Verdict,
     best_points,
     evidence_of,
+    find_jumps,
+    gravity_axis,
     height_fault,
     judge,
     place_fault,
     rate_fault,
 )
-from .rows import ASSUMED, BY_MOTION, BY_USER, Layout, Rows
+from .rows import Rows
 from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
 
 COARSE_NORM = 1e-2
@@ -76,13 +78,15 @@ class Cleaned:
 
 
 class Cleaner:
-    """Run the cleaning steps over the rows of one file; `where` names the file in messages."""
+    """Run the cleaning steps over the rows of one file."""
 
-    def __init__(self, where: str, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
-        self.where, self.rows, self.layout, self.options = where, rows, layout, options
-        self.cut_possible = not ends_with_newline
+    def __init__(self, head: Head, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
+        self.where, self.rows, self.layout, self.options = str(head.path), rows, layout, options
+        self._defects_of_devices = head.source.defects_of_devices
+        self._may_be_cut = not ends_with_newline
         self.defects: list[Defect] = list(layout.caveats)
         self.segments: list[Segment] = []
+        self.time_ns: NDArray[np.int64] = np.zeros(0, np.int64)  # of each row, once `read_times` has run
         self.time_unit = ""
         self.axes, self.axes_by = self._stated_axes()
         self._axes_wrong = False
@@ -90,7 +94,6 @@ class Cleaner:
         self.leaves_open = ""
         self.epoch_ns = 0
         self.device = ""
-        self.defects_of_devices: dict[str, Defect] = {}
 
     def clean(self, name: str, origin: str) -> Cleaned:
         """Run all steps, each after those that it relies on."""
@@ -100,59 +103,57 @@ class Cleaner:
         self.need_two_rows()
         self.count_by_rate()
         self.take_one_segment()
-        time_ns = self.times()
-        time_ns = self.trim_default_start(time_ns)
-        time_ns = self.drop_duplicate_stamps(time_ns)
-        time_ns = self.join_pairs(time_ns)
+        self.read_times()
+        self.trim_default_start()
+        self.drop_duplicate_stamps()
+        self.join_pairs()
         self.normalise()
-        self.turn_and_scale(time_ns)
+        self.turn_and_scale()
         self.join_hemispheres()
         self.report_repeats()
-        self.report_gaps(time_ns)
-        jumps = self.find_jumps(time_ns)
+        self.report_gaps()
+        jumps = self.find_jumps()
         self.report_tilt()
         self.need_two_rows()
-        time_ns = time_ns - time_ns[0]
-        position = self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3))
-        notes = tuple(str(d) for d in self.defects)
         track = PoseTrack(
-            time_ns,
-            position,
+            self.time_ns - self.time_ns[0],
+            self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3)),
             self.rows.orientation,
             name=name,
             origin=origin,
             axes=self._axes_in_words(),
-            notes=notes,
+            notes=[str(d) for d in self.defects],
             epoch_ns=self.epoch_ns,
-            jumps=tuple(jumps),
+            jumps=jumps,
         )
-        return Cleaned(
-            track,
-            self.defects,
-            self.segments,
-            self.time_unit,
-            self.axes_by == ASSUMED,
-            self.device,
-        )
+        return Cleaned(track, self.defects, self.segments, self.time_unit, self.axes_by == ASSUMED, self.device)
 
-    def note(self, kind: str, what: str, done: str, count: int = 1, line: int | None = None) -> None:
-        """Record a defect and its repair."""
-        self.defects.append(Defect(kind, what, done, count, line))
+    def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
+        """Record a defect and its repair. at: the rows concerned; count: of what else."""
+        count = count or (1 if at is None else len(at))
+        self.defects.append(Defect(kind, what, done, count, None if at is None else self._line(at[0])))
 
-    def _line(self, row: int) -> int:
+    def _line(self, row: int | np.integer) -> int:
         return int(self.rows.line[row])
 
-    def _at(self, row: int) -> str:
-        return f"{self.where}: line {self._line(row)}"
+    def _keep(self, which: NDArray[np.bool_] | slice) -> None:
+        self.rows.keep(which)
+        self.time_ns = self.time_ns[which]
 
-    def _so_far(self) -> str:
-        said = "; ".join(str(d) for d in self.defects[:3])
-        return f" ({said})" if said else ""
+    def _pose_repeats(self) -> NDArray[np.bool_]:
+        """Return of each row but the last whether the next has the same pose, (n - 1,)."""
+        q, p = self.rows.orientation, self.rows.position
+        same = (q[1:] == q[:-1]).all(axis=1)
+        if p is not None:
+            same &= (p[1:] == p[:-1]).all(axis=1)
+        return np.asarray(same)
 
     def need_two_rows(self) -> None:
         """Refuse a single row: one pose is no motion."""
         if len(self.rows) < 2:
-            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: expected two or more{self._so_far()}")
+            known = "; ".join(str(d) for d in self.defects[:3])
+            so_far = f" ({known})" if known else ""
+            raise TraceError(f"{self.where} holds {len(self.rows)} usable row: expected two or more{so_far}")
 
     def drop_cut_row(self) -> None:
         """Drop a last line that ends in the middle of a number.
@@ -160,7 +161,7 @@ class Cleaner:
         It lacks its newline, and its norm is off or its time decreases.
         """
         rows = self.rows
-        if not self.cut_possible or len(rows) < 2:
+        if not self._may_be_cut or len(rows) < 2:
             return
         off = np.abs(np.linalg.norm(rows.orientation[-2:], axis=1) - 1)
         reason = ""
@@ -169,25 +170,19 @@ class Cleaner:
         elif rows.stamps is not None and rows.stamps[-2:].steps()[0] <= 0:
             reason = "its time is not after the one before"
         if reason:
-            self.note(
-                "last-row-cut",
-                f"the last row is cut off ({reason}, no newline)",
-                "dropped",
-                1,
-                self._line(len(rows) - 1),
-            )
+            what = f"the last row is cut off ({reason}, no newline)"
+            self._note("last-row-cut", what, "dropped", np.array([-1]))
             rows.keep(slice(None, -1))
 
     def take_one_device(self) -> None:
         """Keep the head's rows, or the first eye's, where rows of several devices are mixed."""
-        device = self.rows.device
+        device, stated = self.rows.device, self.options.device
         if device is None:
-            if self.options.device is not None:
+            if stated is not None:
                 raise TraceError(f"{self.where} has no column that names devices: leave --device out")
             return
         names, first, counts = np.unique(device, return_index=True, return_counts=True)
         texts = [n.decode("latin-1") for n in names]
-        stated = self.options.device
         if stated is not None and stated not in texts:
             raise TraceError(f"{self.where}: no rows of device '{stated}': there are those of {', '.join(texts[:8])}")
         if stated is None:
@@ -198,17 +193,17 @@ class Cleaner:
         else:
             taken = texts.index(stated)
         self.device = texts[taken]
-        if self.device in self.defects_of_devices:
-            self.defects.append(self.defects_of_devices[self.device])
+        if self.device in self._defects_of_devices:
+            self.defects.append(self._defects_of_devices[self.device])
         if len(names) < 2:
             return
         others = len(device) - int(counts[taken])
-        self.note(
+        self._note(
             "devices-interleaved",
             f"rows of {len(names)} devices or eyes are interleaved ({', '.join(texts[:6])})",
             f"the {counts[taken]} rows of {texts[taken]} taken, {others} others left out; --device takes another",
+            np.sort(np.delete(first, taken)),
             others,
-            self._line(int(first[first != first[taken]].min())),
         )
         self.rows.keep(device == names[taken])
         self.rows.device = None
@@ -216,17 +211,15 @@ class Cleaner:
     def drop_zero_quaternions(self) -> None:
         """Drop rows with a zero quaternion, or a matrix without a turn: a mark of lost tracking."""
         zero = np.abs(self.rows.orientation).max(axis=1) < _ZERO_NORM
-        count = int(zero.sum())
-        if not count:
-            return
-        if count == len(zero):
+        if zero.all():
             raise TraceError(
                 f"{self.where}: every quaternion is zero: the tracker had nothing, or the wrong columns were read"
             )
-        found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
-        what = f"{counted(count, 'row')} with a {found}, a marker for no tracking"
-        self.note("zero-quaternion", what, "dropped", count, self._line(int(zero.argmax())))
-        self.rows.keep(~zero)
+        if zero.any():
+            found = "matrix that is no rotation" if self.layout.matrix else "zero quaternion"
+            what = f"{counted(int(zero.sum()), 'row')} with a {found}, a marker for no tracking"
+            self._note("zero-quaternion", what, "dropped", np.flatnonzero(zero))
+            self.rows.keep(~zero)
 
     @property
     def _stamps(self) -> Stamps:
@@ -236,19 +229,17 @@ class Cleaner:
 
     def count_by_rate(self) -> None:
         """Replace the file's clock by --trace-rate."""
-        if self.options.rate is None:
+        rate = self.options.rate
+        if rate is None:
             return
-        n = len(self.rows)
-        step_ns = BILLION / self.options.rate
+        n, step_ns = len(self.rows), BILLION / rate
         if (n - 1) * step_ns > 2**62:
             raise TraceError(
-                f"{self.where}: {n} rows at a rate of {self.options.rate:g} Hz last over 146 years; give a higher "
-                "--trace-rate"
+                f"{self.where}: {n} rows at a rate of {rate:g} Hz last over 146 years; give a higher --trace-rate"
             )
-        stamps_ns = np.rint(np.arange(n) * step_ns).astype(np.int64)
         what = "the file's own clock is put aside" if self.layout.clock_ignored else "the file has no time"
-        self.note("clock-by-rate", what, f"row numbers at {self.options.rate:g} Hz, as --trace-rate says")
-        self.rows.stamps = Stamps(stamps_ns, np.zeros(n, np.int64))
+        self._note("clock-by-rate", what, f"row numbers at {rate:g} Hz, as --trace-rate says")
+        self.rows.stamps = Stamps(np.rint(np.arange(n) * step_ns).astype(np.int64), np.zeros(n, np.int64))
         self.layout = attrs.evolve(self.layout, unit="ns")
 
     def take_one_segment(self) -> None:
@@ -270,26 +261,15 @@ class Cleaner:
         taken = int(np.argmax(span)) if wanted is None else wanted - 1
         listed = [*range(min(len(span), _SEGMENTS_LISTED)), *([taken] if taken >= _SEGMENTS_LISTED else [])]
         self.segments = [
-            Segment(
-                i + 1,
-                self._line(starts[i]),
-                self._line(ends[i] - 1),
-                int(ends[i] - starts[i]),
-                float(span[i]),
-                i == taken,
-            )
-            for i in listed
+            Segment(i + 1, self._line(a), self._line(b - 1), int(b - a), float(span[i]), i == taken)
+            for i, a, b in ((i, starts[i], ends[i]) for i in listed)
         ]
         if len(span) > 1:
             why = "the longest" if wanted is None else "as asked"
-            self.note(
-                "clock-restart",
-                f"time falls {counted(len(falls), 'time')}: the file holds {len(span)} recordings",
-                f"segment {taken + 1} taken, {why} ({span[taken]:.3f} s of {span.sum():.3f} s); --segment takes "
-                "another",
-                len(falls),
-                self._line(int(falls[0])),
-            )
+            what = f"time falls {counted(len(falls), 'time')}: the file holds {len(span)} recordings"
+            length = f"{span[taken]:.3f} s of {span.sum():.3f} s"
+            done = f"segment {taken + 1} taken, {why} ({length}); --segment takes another"
+            self._note("clock-restart", what, done, falls)
             self.rows.keep(slice(starts[taken], ends[taken]))
 
     def _judge_order(self) -> None:
@@ -298,7 +278,7 @@ class Cleaner:
         falls = float(np.mean(steps < 0)) if len(steps) > _LEAST_STEPS else 0.0
         if falls > _REVERSED and not (steps > 0).any():
             what = "time falls from row to row: the file is in reverse order"
-            self.note("rows-reversed", what, "read from its end", len(steps), self._line(0))
+            self._note("rows-reversed", what, "read from its end", np.arange(len(steps)))
             self.rows.keep(slice(None, None, -1))
         elif falls > _SHUFFLED:
             raise TraceError(
@@ -310,19 +290,12 @@ class Cleaner:
         """Unwrap a time-of-day clock at midnight, where it falls by a day in one recording."""
         if not stamps.clock:
             return stamps
-        steps = np.diff(stamps.whole)
-        over = steps < -_DAY_S // 2
+        over = np.diff(stamps.whole) < -_DAY_S // 2
         over &= (stamps.whole[1:] < _DAY_S) & (stamps.whole[:-1] < _DAY_S)
         if not over.any():
             return stamps
-        row = int(over.argmax()) + 1
-        self.note(
-            "midnight",
-            f"the clock passes midnight {counted(int(over.sum()), 'time')}",
-            "counted on",
-            int(over.sum()),
-            self._line(row),
-        )
+        what = f"the clock passes midnight {counted(int(over.sum()), 'time')}"
+        self._note("midnight", what, "counted on", np.flatnonzero(over) + 1)
         days = np.concatenate([[0], np.cumsum(over)])
         return Stamps(stamps.whole + days * _DAY_S, stamps.billionths, True)
 
@@ -343,110 +316,80 @@ class Cleaner:
             step = float(np.median(rising))
             unit = guess_unit(stamps, step)
             self.layout = attrs.evolve(self.layout, unit=unit)
-            rate = BILLION / (step * UNITS_NS[unit])
-            done = f"{UNIT_NAMES[unit]} taken, which makes {rate:.4g} Hz"
-            self.note("unit-guessed", "the file does not say in what unit its time is", done)
+            done = f"{UNIT_NAMES[unit]} taken, which makes {BILLION / (step * UNITS_NS[unit]):.4g} Hz"
+            self._note("unit-guessed", "the file does not say in what unit its time is", done)
         return unit
 
-    def times(self) -> NDArray[np.int64]:
-        """Return nanoseconds since the segment's first row.
+    def read_times(self) -> None:
+        """Convert stamps to nanoseconds since the segment's first row.
 
         That row's time is subtracted before anything is scaled.
         """
-        unit = self._unit(self._stamps)
+        unit, stamps = self._unit(self._stamps), self._stamps
         try:
-            time_ns, self.epoch_ns = to_ns(self._stamps, unit)
+            self.time_ns, self.epoch_ns = to_ns(stamps, unit)
         except OverflowError as error:
             raise TraceError(
                 f"{self.where}: the stamps, taken as {UNIT_NAMES[unit]}, make {error}: this is no head trace"
             ) from None
-        self.time_unit = UNIT_NAMES[unit] if not self._stamps.clock else "hours:minutes:seconds"
+        self.time_unit = "hours:minutes:seconds" if stamps.clock else UNIT_NAMES[unit]
         if self.options.rate is not None:
             self.time_unit = f"row numbers at {self.options.rate:g} Hz"
-        elif len(time_ns) > 2:
-            self._check_rate(time_ns, unit)
+        elif len(self.time_ns) > 2:
+            self._check_rate(unit)
         self.rows.stamps = None
-        return time_ns
 
-    def _check_rate(self, time_ns: NDArray[np.int64], unit: str) -> None:
+    def _check_rate(self, unit: str) -> None:
         """Warn of a rate that no tracker has, with the unit that would make it one."""
-        steps = np.diff(time_ns)
+        steps = np.diff(self.time_ns)
         step_ns = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
-        remedy = rate_fault(step_ns, unit) if step_ns else ""
-        if remedy:
+        if remedy := rate_fault(step_ns, unit) if step_ns else "":
             what = f"its clock, read as {UNIT_NAMES[unit]}, makes {BILLION / step_ns:.4g} Hz, which no tracker has"
-            self.note("rate-implausible", what, f"kept; {remedy}")
+            self._note("rate-implausible", what, f"kept; {remedy}")
 
-    def trim_default_start(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+    def trim_default_start(self) -> None:
         """Drop the default pose that some recorders write until tracking starts."""
         q, p = self.rows.orientation, self.rows.position
         differs = (q != q[0]).any(axis=1)
         if p is not None:
             differs |= (p != p[0]).any(axis=1)
         run = int(differs.argmax())
-        if not run:
-            return time_ns
         default = abs(abs(q[0, 3]) - 1) < 1e-6 or (p is not None and not p[0].any())
-        if not (default or run >= 3) or not len(
-            find_jumps(time_ns[run - 1 : run + 1], q[run - 1 : run + 1], self._metres(run))
-        ):
-            return time_ns
-        self.note(
-            "default-start",
-            f"the first {run} rows hold one default pose, then the head jumps",
-            "trimmed",
-            run,
-            self._line(0),
-        )
-        self.epoch_ns += int(time_ns[run] - time_ns[0])
-        self.rows.keep(slice(run, None))
-        return time_ns[run:]
-
-    def _metres(self, row: int) -> NDArray[np.float64] | None:
-        p = self.rows.position
-        return None if p is None else p[row - 1 : row + 1] * self._scale()
+        if not run or not (default or run >= 3):
+            return
+        change = slice(run - 1, run + 1)
+        if not len(find_jumps(self.time_ns[change], q[change], None if p is None else p[change] * self._scale())):
+            return
+        what = f"the first {run} rows hold one default pose, then the head jumps"
+        self._note("default-start", what, "trimmed", np.arange(run))
+        self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
+        self._keep(slice(run, None))
 
     def _scale(self) -> float:
         if self.options.scale is not None:
             return self.options.scale
         return self.layout.scale if self.axes.metres_per_unit is None else self.axes.metres_per_unit
 
-    def drop_duplicate_stamps(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+    def drop_duplicate_stamps(self) -> None:
         """Keep the last of several rows at one instant, which is the newest."""
-        same = np.diff(time_ns) == 0
-        count = int(same.sum())
-        if not count:
-            return time_ns
-        rows = self.rows
-        at = np.flatnonzero(same)
-        other = (rows.orientation[at] != rows.orientation[at + 1]).any(axis=1)
-        if rows.position is not None:
-            other |= (rows.position[at] != rows.position[at + 1]).any(axis=1)
-        self.note(
-            "duplicate-stamp",
-            f"{counted(count, 'row')} with the time stamp of the next, {int(other.sum())} of them with another pose",
-            "the last row of each instant kept",
-            count,
-            self._line(int(at[0])),
-        )
-        keep = np.append(~same, True)
-        rows.keep(keep)
-        return time_ns[keep]
+        at = np.flatnonzero(np.diff(self.time_ns) == 0)
+        if len(at):
+            others = int(np.count_nonzero(~self._pose_repeats()[at]))
+            what = f"{counted(len(at), 'row')} with the time stamp of the next, {others} of them with another pose"
+            self._note("duplicate-stamp", what, "the last row of each instant kept", at)
+            self._keep(_without(at, len(self.rows)))
 
-    def join_pairs(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
+    def join_pairs(self) -> None:
         """Keep the last of two rows at nearly one instant, where the file is made of such pairs."""
-        steps = np.diff(time_ns)
+        steps = np.diff(self.time_ns)
         if len(steps) < _LEAST_PAIRS:
-            return time_ns
-        near = steps * _NEARER < np.quantile(steps, 0.9)
-        count = int(near.sum())
-        if count < _PAIRED * len(steps):
-            return time_ns
-        what = f"{count} rows come {np.median(steps[near]) / 1e6:.3g} ms before the next, at nearly the same instant"
-        self.note("paired-rows", what, "the last of each pair kept", count, self._line(int(near.argmax())))
-        keep = np.append(~near, True)
-        self.rows.keep(keep)
-        return time_ns[keep]
+            return
+        near = np.flatnonzero(steps * _NEARER < np.quantile(steps, 0.9))
+        if len(near) >= _PAIRED * len(steps):
+            apart_ms = np.median(steps[near]) / 1e6
+            what = f"{len(near)} rows come {apart_ms:.3g} ms before the next, at nearly the same instant"
+            self._note("paired-rows", what, "the last of each pair kept", near)
+            self._keep(_without(near, len(self.rows)))
 
     def normalise(self) -> None:
         """Normalise quaternions: slightly off ones silently, bad ones with a warning.
@@ -459,8 +402,8 @@ class Cleaner:
         if hopeless.any():
             row = int(hopeless.argmax())
             raise TraceError(
-                f"{self._at(row)}: a quaternion of length {norm[row]:.3g}, expected 1: {q[row].tolist()}; "
-                "were the wrong columns read, or is the row damaged?"
+                f"{self.where}: line {self._line(row)}: a quaternion of length {norm[row]:.3g}, expected 1: "
+                f"{q[row].tolist()}; were the wrong columns read, or is the row damaged?"
             )
         median = float(np.median(norm))
         if abs(median - 1) > _MEDIAN_NORM:
@@ -469,26 +412,25 @@ class Cleaner:
                 "were the wrong columns read? --columns names the right ones"
             )
         off = np.abs(norm - 1)
-        bad = off > COARSE_NORM
-        if bad.any():
+        bad = np.flatnonzero(off > COARSE_NORM)
+        if len(bad):
             worst = int(off.argmax())
-            self.note(
+            self._note(
                 "norm-off",
-                f"{counted(int(bad.sum()), 'quaternion')} off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in "
+                f"{counted(len(bad), 'quaternion')} off length 1 by over {COARSE_NORM:g}, by {off[worst]:.3f} in "
                 f"line {self._line(worst)}",
                 "normalised; do not trust them",
-                int(bad.sum()),
-                self._line(int(bad.argmax())),
+                bad,
             )
         q /= np.where(off > 4e-16, norm, 1.0)[:, None]
 
-    def turn_and_scale(self, time_ns: NDArray[np.int64]) -> None:
+    def turn_and_scale(self) -> None:
         """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
-        self._weigh_axes(time_ns)
+        self._weigh_axes()
         self.axes.apply(self.rows.position, self.rows.orientation)
         scale = self._scale()
         if self.rows.position is None:
-            self.note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
+            self._note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
         elif scale != 1:
             self.rows.position *= scale
 
@@ -512,34 +454,35 @@ class Cleaner:
             return own, self.layout.axes_by
         return parse_up(up), BY_USER
 
-    def _weigh_axes(self, time_ns: NDArray[np.int64]) -> None:
+    def _weigh_axes(self) -> None:
         """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
         p = self.rows.position
         metres = None if p is None else p * self._scale()
-        evidence = evidence_of(time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
-        what, remedy = place_fault(time_ns, metres) if metres is not None else ("", "")
+        evidence = evidence_of(self.time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
+        what, remedy = place_fault(self.time_ns, metres) if metres is not None else ("", "")
         if self.layout.order_assumed:
-            self._check_order(time_ns, evidence)
+            self._check_order(evidence)
         verdict = judge(evidence, self.axes)
         if not what and not verdict.faults:
             what, remedy = height_fault(float(self.axes.world[1] @ evidence.height_m))
         if what:
-            self.note("place-implausible", what, f"kept; {remedy}")
+            self._note("place-implausible", what, f"kept; {remedy}")
         self.leaves_open = verdict.leaves_open
         auto = self.options.axes == AUTO
         if verdict.world_alone and self._is_tilted():
             return
         if auto and verdict.better is not None and verdict.clear:
-            self.note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict), 1)
+            self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict))
             self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), BY_MOTION
         elif verdict.faults:
             what = f"read as {self.axes.label()}, {self.axes_by}: {', '.join(verdict.faults)}"
-            self.note("axes-contradicted", what, _advice(verdict, auto))
+            self._note("axes-contradicted", what, _advice(verdict, auto))
             self._axes_wrong = True
 
-    def _check_order(self, time_ns: NDArray[np.int64], evidence: Evidence) -> None:
+    def _check_order(self, evidence: Evidence) -> None:
         """Refuse an assumed order of quaternions if only the other one shows a person."""
-        other = evidence_of(time_ns, np.roll(self.rows.orientation, -1, axis=1), self.rows.position, evidence.gravity)
+        turned = np.roll(self.rows.orientation, -1, axis=1)
+        other = evidence_of(self.time_ns, turned, self.rows.position, evidence.gravity)
         if best_points(other) > best_points(evidence) + CLEAR:
             raise TraceError(
                 f"{self.where}: read with w last, as in TUM files, its quaternions make no person's motion; "
@@ -564,82 +507,48 @@ class Cleaner:
     def join_hemispheres(self) -> None:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
         before = self.rows.orientation[:, 3].copy()
-        count = quaternions.make_continuous(self.rows.orientation)
-        if count:
-            row = int((before != self.rows.orientation[:, 3]).argmax())
-            self.note(
-                "sign-flip",
-                f"the quaternion changes its sign {counted(count, 'time')}",
-                "signs made continuous",
-                count,
-                self._line(row),
-            )
+        if count := quaternions.make_continuous(self.rows.orientation):
+            what = f"the quaternion changes its sign {counted(count, 'time')}"
+            changed = np.atleast_1d((before != self.rows.orientation[:, 3]).argmax())
+            self._note("sign-flip", what, "signs made continuous", changed, count)
 
     def report_repeats(self) -> None:
         """Report repeated poses (a tracker slower than the recorder); replay needs their timing."""
-        q, p = self.rows.orientation, self.rows.position
-        same = (q[1:] == q[:-1]).all(axis=1)
-        if p is not None:
-            same &= (p[1:] == p[:-1]).all(axis=1)
-        count = int(same.sum())
-        if count:
-            share = 100 * count / len(q)
-            self.note(
-                "repeated-pose",
-                f"{counted(count, 'row')} ({share:.3g} %) with the pose of the row before",
-                "kept for replay, left out of speeds and prediction",
-                count,
-                self._line(int(same.argmax()) + 1),
-            )
+        at = np.flatnonzero(self._pose_repeats()) + 1
+        if len(at):
+            share = 100 * len(at) / len(self.rows)
+            what = f"{counted(len(at), 'row')} ({share:.3g} %) with the pose of the row before"
+            self._note("repeated-pose", what, "kept for replay, left out of speeds and prediction", at)
 
-    def report_gaps(self, time_ns: NDArray[np.int64]) -> None:
+    def report_gaps(self) -> None:
         """Report gaps in time, and steps too short to divide by."""
-        if len(time_ns) < 2:
+        if len(self.time_ns) < 2:
             return
-        steps = np.diff(time_ns)
-        limit = gap_limit_ns(time_ns)
-        gaps = steps > limit
-        if gaps.any():
-            self.note(
-                "gap",
-                f"{counted(int(gaps.sum()), 'gap')} longer than {limit / 1e6:g} ms, up to {steps.max() / 1e9:.3f} s",
-                "the pose before is held within them, never interpolated",
-                int(gaps.sum()),
-                self._line(int(gaps.argmax()) + 1),
-            )
-        median = int(np.median(steps))
-        short = steps * 10 < median
-        if short.any():
-            self.note(
-                "short-step",
-                f"{counted(int(short.sum()), 'step')} shorter than a tenth of the median, down to "
-                f"{steps.min() / 1e6:.3g} ms",
-                "kept; speeds are taken over a fixed span, never over one step",
-                int(short.sum()),
-                self._line(int(short.argmax()) + 1),
-            )
+        steps, limit = np.diff(self.time_ns), gap_limit_ns(self.time_ns)
+        gaps = np.flatnonzero(steps > limit) + 1
+        if len(gaps):
+            what = f"{counted(len(gaps), 'gap')} longer than {limit / 1e6:g} ms, up to {steps.max() / 1e9:.3f} s"
+            self._note("gap", what, "the pose before is held within them, never interpolated", gaps)
+        short = np.flatnonzero(steps * 10 < int(np.median(steps))) + 1
+        if len(short):
+            least = f"{steps.min() / 1e6:.3g} ms"
+            what = f"{counted(len(short), 'step')} shorter than a tenth of the median, down to {least}"
+            self._note("short-step", what, "kept; speeds are taken over a fixed span, never over one step", short)
 
-    def find_jumps(self, time_ns: NDArray[np.int64]) -> list[int]:
+    def find_jumps(self) -> list[int]:
         """Find teleports: steps that no head can make."""
-        jumps = find_jumps(time_ns, self.rows.orientation, self.rows.position)
+        jumps = find_jumps(self.time_ns, self.rows.orientation, self.rows.position)
         if len(jumps):
-            self.note(
-                "jump",
-                f"{counted(len(jumps), 'jump')} of position or orientation faster than a head can move",
-                "kept; nothing is interpolated or predicted across them",
-                len(jumps),
-                self._line(int(jumps[0]) + 1),
-            )
-        return [int(i) for i in jumps]
+            what = f"{counted(len(jumps), 'jump')} of position or orientation faster than a head can move"
+            self._note("jump", what, "kept; nothing is interpolated or predicted across them", jumps + 1)
+        return jumps.tolist()
 
     def report_tilt(self) -> None:
         """Report gravity that is not along +y, judged by how the head is held.
 
         Wrong axes are another matter: turning the world alone would leave the head on its side.
         """
-        if self._axes_wrong:
-            return
-        axis = gravity_axis(self.rows.orientation)
+        axis = None if self._axes_wrong else gravity_axis(self.rows.orientation)
         if axis is None:
             return
         tilt = float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
@@ -647,7 +556,14 @@ class Cleaner:
             shown = ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
             self._tilt_deg = tilt
-            self.note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
+            self._note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
+
+
+def _without(rows: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
+    """Return which of `count` rows stay without these."""
+    keep = np.ones(count, bool)
+    keep[rows] = False
+    return keep
 
 
 def _advice(verdict: Verdict, auto: bool) -> str:
@@ -657,7 +573,8 @@ def _advice(verdict: Verdict, auto: bool) -> str:
     also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
     kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
     own, better = verdict.points
-    return f"{kept}; --axes '{_stated(verdict.better)}' {sure}{also}: {better:.1f} points against {own:.1f}"
+    named = verdict.better.name or verdict.better.words()
+    return f"{kept}; --axes '{named}' {sure}{also}: {better:.1f} points against {own:.1f}"
 
 
 def _chosen(verdict: Verdict) -> str:
@@ -665,10 +582,6 @@ def _chosen(verdict: Verdict) -> str:
     also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
     own, better = verdict.points
     return f"--axes auto takes {verdict.better.label()}: {better:.1f} points against {own:.1f}{also}"
-
-
-def _stated(axes: Axes) -> str:
-    return axes.name or axes.words()
 
 
 def _is_index(text: str) -> bool:

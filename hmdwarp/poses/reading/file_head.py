@@ -15,9 +15,8 @@ from typing import BinaryIO, cast
 import attrs
 
 from ...errors import TraceError
-from ..defects import Defect
-from .json_rows import table_of_json
-from .mcap_rows import MAGIC, table_of_mcap
+from ..stated import Defect
+from .record_files import MAGIC, table_of_json, table_of_mcap
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
-from ..defects import Defect
+from ..options import Euler
+from ..stated import Defect, Layout
 from .file_head import COMMENT_SIGNS, Head, is_number, split
-from .times import WIDTH, BadStamp, Stamps, parse_fields, parse_one
+from .times import WIDTH, Stamps, parse_fields, parse_one
 
 CHUNK_BYTES = 4 * 1024 * 1024
 _REPAIR = "; repair or remove that line"
@@ -30,43 +31,6 @@ _TURN_RAD = 2 * math.pi
 _TURNED_RAD = 0.5
 _LONGEST_LINE = 1024 * 1024
 _FARTHEST = 1e9  # in the file's units: a position or component beyond this is no head's
-
-
-ASSUMED = "assumed"
-BY_FORMAT = "by the format"
-BY_FILE = "stated by the file"
-BY_USER = "as --axes or --up says"
-BY_MOTION = "by --axes auto, from the motion"
-
-
-@attrs.frozen
-class Euler:
-    """How three angles make an orientation."""
-
-    order: str  # turns about the fixed axes in the order they are applied, such as "zxy"
-    degrees: bool
-
-
-@attrs.frozen
-class Layout:
-    """Which columns to read, and their meaning."""
-
-    time: int | None  # column index
-    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle a letter
-    orientation: tuple[int, ...]
-    matrix: bool = False
-    euler: Euler | None = None
-    nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
-    position: tuple[int, int, int] | None = None  # columns of x y z
-    unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
-    device: int | None = None  # column that identifies the device of each row
-    axes: str = "openxr"  # what `parse_axes` takes
-    axes_by: str = ASSUMED  # who says so
-    gravity_down: tuple[float, float, float] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
-    scale: float = 1.0  # metres per unit
-    order_assumed: bool = False  # of the quaternions: w last, though nothing says so
-    clock_ignored: bool = False  # --trace-rate replaces the time column
-    caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 
 
 @attrs.define
@@ -431,6 +395,3 @@ def _looks_cut(text: str) -> bool:
         for f in split(text, None)
         for f in f.split(",")
     )
-
-
-__all__ = ["BadStamp", "Layout", "RowReader", "Rows"]

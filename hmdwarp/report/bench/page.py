@@ -1,69 +1,96 @@
-"""bench.html: one page that holds its tables and charts and loads nothing from the network."""
+"""bench.html: tables, charts and a choice of method, as data for the page builder."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from markupsafe import Markup
+
 from ...metrics import REGIONS, Figure, metrics, metrics_in_order
-from ..parts import CLOCK_NAMES, Cell, Line, PageChart, PageTable, Tile, environment
-from ..style import css_variables, markers_of
-from ..tables import axes_of_traces
+from ..page import (
+    CLOCK_NAMES,
+    Chart,
+    Choice,
+    Fold,
+    Group,
+    Page,
+    Section,
+    Text,
+    Tile,
+    fact,
+    machine_pairs,
+    minutes,
+    notes_section,
+    reading_section,
+    texts,
+)
+from ..run_texts import axes_of_traces
+from ..style import markers_of
+from ..tables import Cell, Line, Table
 from ..words import counted, listed, plain
-from .bars import region_parts, regions_chart, row_name, traffic, traffic_chart
-from .charts import pareto_chart, pareto_text
-from .displacement import axes_of, axis_heading, curves, displacement_chart, displacement_text, is_turn
+from .bench_table import choice_terms, decision, marked_how
+from .charts import (
+    axes_of,
+    axis_heading,
+    curves,
+    displacement_chart,
+    displacement_text,
+    is_turn,
+    pareto_chart,
+    pareto_text,
+    region_parts,
+    regions_chart,
+    row_name,
+    traffic,
+    traffic_chart,
+)
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
-from .tables import choice_terms, decision, marked_how
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
 _KEYS_OF_A_CHOICE = {"budget_ms", "warp", "fill", "settings", "total_ms", "flip", "psnr_db", "sizes", "cases", "next"}
+_REFERENCE_HEADS = (
+    ("best no slower than forward + interpolate", ""),
+    ("time", "ms"),
+    ("FLIP", ""),
+    ("that takes", "ms"),
+)
 
 
 def render_bench_page(data: Mapping[str, Any]) -> str:
     """Return the text of the page from the content of bench.json.
 
-    The same content gives the same text.
-
-    Sections without data (no grid, no fused rows, no budget) are left out. All text from the data
-    is escaped.
+    The same content gives the same text. Sections without data (no grid, no fused rows, no budget)
+    are left out.
     """
     rows: list[Row] = list(data["rows"])
     groups = cases(rows)
-    grid = list(data.get("grid") or ())
-    return environment().get_template("bench.html").render(
-        title=_title(rows, groups),
+    title = _title(rows, groups)
+    clock_note = (data.get("clocks") or {}).get("note")
+    rated = [("JOD", texts("bench")["notes"]["jod"])] if any("jod" in row for row in rows) else []
+    explained = [(m.label, m.explanation) for m in metrics_in_order() if m.explanation and m.bench_rank is not None]
+    return Page(
+        kind="bench",
+        title=f"hmdwarp bench: {' '.join(title)}",
+        heading=title,
         facts=_facts(rows, groups),
         command=data.get("command") or "",
-        tiles=_tiles(data, rows),
-        notes=_notes(data, rows),
-        choice=_choice(data.get("choice")),
-        winners=_winners(groups),
-        decisions=[(group.label, _decision(group)) for group in groups],
-        sure=marked_how(rows, mark="★ and bold"),
-        fronts=_fronts(groups, rows),
-        displacement=[_displacement(grid, axis) for axis in axes_of(grid)],
-        displacement_table=_displacement_table(grid),
-        displacement_at=_taken_at(data.get("grid_at")),
-        regions=_regions(groups),
-        fused=_fused(data.get("fused") or ()),
-        fused_at=_taken_at(data.get("fused_at")),
-        traffic=_traffic(rows),
-        measures=[(name, measure_label(name).partition(",")[0]) for name in MEASURES],
-        metrics=metrics_in_order(),
-        rated=any("jod" in row for row in rows),
-        clock=_clock(data),
-        clock_note=(data.get("clocks") or {}).get("note") or "",
-        machine=data.get("machine") or {},
-        version=data.get("hmdwarp") or "–",
-        light=css_variables(dark=False),
-        dark=css_variables(dark=True),
-    )  # fmt: skip
-
-
-def _clock(data: Mapping[str, Any]) -> str:
-    return CLOCK_NAMES.get(data.get("clock", ""), str(data.get("clock")))
+        sections=(
+            _choice(data.get("choice")),
+            Section("", _tiles(data, rows), style="tiles", label="What was run"),
+            Section("", [clock_note and Text(clock_note)], style="after"),
+            notes_section(_notes(data, rows)),
+            _tables(rows, groups),
+            _fronts(groups, rows),
+            _displacement(list(data.get("grid") or ()), data.get("grid_at")),
+            _regions(groups),
+            _fused(list(data.get("fused") or ()), data.get("fused_at")),
+            _traffic(rows),
+            reading_section("bench", *explained, *rated),
+        ),
+        made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
+    ).html()
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
@@ -76,14 +103,14 @@ def _title(rows: Sequence[Row], groups: Sequence[Case]) -> tuple[str, str]:
     return methods, f"in {counted(len(groups), 'case')}"
 
 
-def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[tuple[str, str]]:
+def _facts(rows: Sequence[Row], groups: Sequence[Case]) -> list[str]:
     facts = [
         ("recordings", listed([str(trace) for trace in _unique(rows, "trace")])),
         *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", listed([f"{latency:g} ms" for latency in _unique(rows, "latency_ms")])),
         ("fills", listed(_unique(rows, "fill"))),
     ]
-    return [(label, text) for label, text in facts if text] + [("", text) for text in common(rows)]
+    return [fact(label, text) for label, text in facts if text] + [fact("", text) for text in common(rows)]
 
 
 def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
@@ -91,7 +118,7 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
     gpu, wall = clocks.get("gpu_ms"), clocks.get("wall_ms")
     both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
     seconds, clock = data.get("seconds"), data.get("clock", "")
-    ran = f"run in {seconds / 60:.1f} min" if seconds else "warp, fill, recording, latency"
+    ran = f"run in {minutes(seconds)}" if seconds else "warp, fill, recording, latency"
     tiles = [
         Tile("Combinations", "", str(len(rows)), ran),
         Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), CLOCK_NAMES.get(clock, "")),
@@ -115,27 +142,26 @@ def _notes(data: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
     return [f"{note} ({names})" if names else note for note, names in where.items()]
 
 
-def _choice(choice: Mapping[str, Any] | None) -> dict[str, Any] | None:
+def _choice(choice: Mapping[str, Any] | None) -> Section | None:
+    """Return the box with the method that was chosen within the budget, and the next step up."""
     if not choice:
         return None
     settings = choice.get("settings")
     settings = dict(settings) if isinstance(settings, Mapping) else {"settings": settings} if settings else {}
     settings |= {key: value for key, value in choice.items() if key not in _KEYS_OF_A_CHOICE and value is not None}
-    step = choice.get("next")
-    return {
-        "budget": f"{choice['budget_ms']:g}",
-        "name": f"{choice['warp']} + {choice['fill']}",
-        "settings": [f"{name} {value}" for name, value in settings.items()],
-        "time": f"{choice['total_ms']:.2f}",
-        "figures": _figures(choice),
-        "terms": choice_terms(choice),
-        "next": step and {
-            "name": f"{step['warp']} + {step['fill']}",
-            "time": f"{step['total_ms']:.2f}",
-            "figures": _figures(step),
-            "gain": _gain(choice, step),
-        },
-    }  # fmt: skip
+    figures = Markup("<b>{:.2f} ms</b>, {} ({})").format(choice["total_ms"], _figures(choice), choice_terms(choice))
+    step, more = choice.get("next"), "Nothing measured is more accurate at any time."
+    if step:
+        named = Markup("The next step up: <b>{} + {}</b>, {:.2f} ms, {} ({}).")
+        more = named.format(step["warp"], step["fill"], step["total_ms"], _figures(step), _gain(choice, step))
+    blocks = [
+        Text(f"{choice['warp']} + {choice['fill']}", "name"),
+        settings and Text(", ".join(f"{name} {value}" for name, value in settings.items()), ""),
+        Text(figures, ""),
+        Text(more, ""),
+    ]
+    heading = f"The most accurate within {choice['budget_ms']:g} ms per eye on this machine"
+    return Section(heading, blocks, style="answer")
 
 
 def _figures(entry: Mapping[str, Any]) -> str:
@@ -153,15 +179,27 @@ def _gain(choice: Mapping[str, Any], step: Mapping[str, Any]) -> str:
     return ", ".join(parts)
 
 
-def _decision(case: Case) -> PageTable:
+def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
+    note = texts("bench")["notes"]["table"].format(sure=marked_how(rows, mark="★ and bold"))
+    folds = [
+        Fold(group.label, [_decision(group)], f"{len(group.rows)} methods", is_open=number == 0)
+        for number, group in enumerate(groups)
+    ]
+    return Section("The table to decide from", [_winners(groups), Text(note), *folds], id="table", link="Table")
+
+
+def _decision(case: Case) -> Table:
     columns = [column(name) for name in decision(case.rows)]
     best = {id(row) for row in case.held()}
-    lines = [Line(tuple(Cell(c.text(row), c.is_number) for c in columns), id(row) in best) for row in case.ordered()]
-    heads = tuple((c.figure.label, c.figure.unit) for c in columns)
-    return PageTable(f"{case.label}, least FLIP first", heads, tuple(lines), has_marks=True)
+    lines = [
+        Line(tuple(Cell(c.text(row), "" if c.is_number else "word") for c in columns), id(row) in best)
+        for row in case.ordered()
+    ]
+    heads = [(c.figure.label, c.figure.unit) for c in columns]
+    return Table(f"{case.label}, least FLIP first", heads, lines, has_marks=True)
 
 
-def _winners(groups: Sequence[Case]) -> PageTable:
+def _winners(groups: Sequence[Case]) -> Table:
     """Return each case's most accurate row and its most accurate within the thesis's time."""
     lines: list[list[str]] = []
     has_limit = False
@@ -175,15 +213,19 @@ def _winners(groups: Sequence[Case]) -> PageTable:
         ]
         has_limit |= limit is not None
         lines.append([group.label, *_first(measured), *_first(within), plain(limit)])
-    heads = [("case", ""), ("most accurate", ""), ("time", "ms"), ("FLIP", "")]
-    heads += [("best no slower than forward + interpolate", ""), ("time", "ms"), ("FLIP", ""), ("that takes", "ms")]
-    shown = len(heads) if has_limit else 4
-    cells = [tuple(Cell(text, n not in (0, 1, 4)) for n, text in enumerate(texts[:shown])) for texts in lines]
-    return PageTable("The most accurate of each case", tuple(heads[:shown]), tuple(map(Line, cells)))
+    heads = [
+        ("case", ""),
+        ("most accurate", ""),
+        ("time", "ms"),
+        ("FLIP", ""),
+        *(_REFERENCE_HEADS if has_limit else ()),
+    ]
+    return Table.of("The most accurate of each case", heads, [line[: len(heads)] for line in lines], words=(0, 1, 4))
 
 
 def _total(row: Row) -> float | None:
-    return row["time_ms"]["total"]["median"]
+    total: float | None = row["time_ms"]["total"]["median"]
+    return total
 
 
 def _first(rows: Sequence[Row]) -> list[str]:
@@ -192,30 +234,44 @@ def _first(rows: Sequence[Row]) -> list[str]:
     return [row_name(rows[0]), COLUMNS["total_ms"].text(rows[0]), COLUMNS["flip"].text(rows[0])]
 
 
-def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> list[PageChart]:
+def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
     markers = markers_of(row["fill"] for row in rows)
-
-    def versions(group: Case) -> tuple[tuple[str, str, str], ...]:
-        return tuple(
-            (measure, pareto_chart(group, measure, markers=markers), pareto_text(group, measure))
-            for measure in MEASURES
+    charts = [
+        Chart(
+            group.label,
+            tuple((name, pareto_chart(group, name, markers=markers), pareto_text(group, name)) for name in MEASURES),
         )
-
-    return [PageChart(group.label, versions(group)) for group in groups]
-
-
-def _displacement(grid: Sequence[Mapping[str, Any]], axis: str) -> PageChart:
-    versions = tuple((m, displacement_chart(grid, axis, m), displacement_text(grid, axis, m)) for m in MEASURES)
-    return PageChart(axis_heading(axis), versions)
+        for group in groups
+    ]
+    return Section("Error against time", [_measures("time"), *charts], id="time", link="Error against time")
 
 
-def _displacement_table(grid: Sequence[Mapping[str, Any]]) -> PageTable | None:
+def _measures(section: str) -> Choice:
+    return Choice(f"measure-{section}", [(name, measure_label(name).partition(",")[0]) for name in MEASURES])
+
+
+def _displacement(grid: Sequence[Mapping[str, Any]], at: Mapping[str, Any] | None) -> Section:
+    charts = [
+        Chart(
+            axis_heading(axis),
+            tuple((m, displacement_chart(grid, axis, m), displacement_text(grid, axis, m)) for m in MEASURES),
+            "",
+        )
+        for axis in axes_of(grid)
+    ]
+    blocks = [
+        Text(texts("bench")["notes"]["displacement"] + _taken_at(at)),
+        _measures("displacement"),
+        Group("charts", charts),
+        Fold("As a table", [_displacement_table(grid)]),
+    ]
+    heading = "Error against displacement of the head"
+    return Section(heading, blocks if charts else [], id="displacement", link="Displacement")
+
+
+def _displacement_table(grid: Sequence[Mapping[str, Any]]) -> Table:
     """Return FLIP at the worse end of each axis, warp by warp."""
-    axes = axes_of(grid)
-    lines_of = {axis: curves(grid, axis) for axis in axes}
-    warps = list(dict.fromkeys(row["warp"] for row in grid))
-    if not warps:
-        return None
+    lines_of = {axis: curves(grid, axis) for axis in axes_of(grid)}
 
     def worse_end(axis: str, warp: str) -> str:
         points = lines_of[axis].get(warp)
@@ -224,33 +280,34 @@ def _displacement_table(grid: Sequence[Mapping[str, Any]]) -> PageTable | None:
     def reach(axis: str) -> str:
         return f"±{max(abs(row['offset']) for row in grid if row['axis'] == axis):g} {'°' if is_turn(axis) else 'm'}"
 
-    heads = [("warp", ""), *((axis, reach(axis)) for axis in axes)]
-    lines = [[warp, *(worse_end(axis, warp) for axis in axes)] for warp in warps]
-    return PageTable.of("FLIP at the worse end of each axis", heads, lines)
+    heads = [("warp", ""), *((axis, reach(axis)) for axis in lines_of)]
+    warps = dict.fromkeys(row["warp"] for row in grid)
+    lines = [[warp, *(worse_end(axis, warp) for axis in lines_of)] for warp in warps]
+    return Table.of("FLIP at the worse end of each axis", heads, lines)
 
 
-def _regions(groups: Sequence[Case]) -> list[PageChart]:
-    charts = []
+def _regions(groups: Sequence[Case]) -> Section:
+    folds: list[Fold] = []
     for group in groups:
         if any(region_parts(row) for row in group.rows):
             words = f"Error by region, {group.label}: see the table below"
-            charts.append(PageChart.of(group.label, regions_chart(group), words, _regions_table(group)))
-    return charts
+            blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [_regions_table(group)])]
+            folds.append(Fold(group.label, blocks, is_open=not folds))
+    heading, note = "Where the error lies", Text(texts("bench")["notes"]["regions"])
+    return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
 
 
-def _regions_table(case: Case) -> PageTable:
+def _regions_table(case: Case) -> Table:
     names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
-    columns = [column("warp"), column("fill"), *(column(name) for name in names)]
+    columns = [column(name) for name in ("warp", "fill", *names)]
     heads = [(c.figure.label, c.figure.unit) for c in columns]
     lines = [[c.text(row) for c in columns] for row in case.ordered() if region_parts(row)]
-    return PageTable.of(f"Error by region, {case.label}", heads, lines, words=2)
+    return Table.of(f"Error by region, {case.label}", heads, lines, words=2)
 
 
-def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
-    figures = [
-        *(metrics.get(name).short_figure for name in ("psnr_db", "flip")),
-        Figure("sharpness", "sharpness", "", 2),
-    ]
+def _fused(rows: Sequence[Mapping[str, Any]], at: Mapping[str, Any] | None) -> Section:
+    named = (metrics.get(name).short_figure for name in ("psnr_db", "flip"))
+    figures = [*named, Figure("sharpness", "sharpness", "", 2)]
     forms = ("fused", "separate")
     heads = [("warp", ""), ("fused", "ms"), ("separate", "ms"), ("speed-up", "×")]
     heads += [(f"{figure.label} {form}", figure.unit) for figure in figures for form in forms]
@@ -262,29 +319,37 @@ def _fused(rows: Iterable[Mapping[str, Any]]) -> PageTable | None:
         ]
         for row in rows
     ]
-    return PageTable.of("Warp and lens in one resample, against two", heads, lines) if lines else None
+    table = Table.of("Warp and lens in one resample, against two", heads, lines)
+    heading, note = "Fused with the lens", Text(texts("bench")["notes"]["fused"] + _taken_at(at))
+    return Section(heading, [note, table] if lines else [], id="fused", link=heading)
 
 
 def _taken_at(at: Mapping[str, Any] | None) -> str:
-    """Return where a section was measured once: 'scene room, 400x400, left eye'."""
+    """Return where a section was measured: ' Measured once: scene room, 400x400, left eye.'."""
     if not at:
         return ""
     parts = [f"scene {at['scene']}"]
     if "trace" in at:
         parts.append(f"{at['trace']}, {at['latency_ms']:g} ms")
     parts.append("x".join(map(str, at["size"])))
-    return ", ".join([*parts, *([f"lens {at['lens']}"] if "lens" in at else []), f"{at['eye']} eye"])
+    parts += [*([f"lens {at['lens']}"] if "lens" in at else []), f"{at['eye']} eye"]
+    return f" Measured once: {', '.join(parts)}."
 
 
-def _traffic(rows: Sequence[Row]) -> PageChart | None:
-    passes = traffic(rows)
+def _traffic(rows: Sequence[Row]) -> Section:
+    passes, heading = traffic(rows), "Time against memory traffic"
     if not passes:
-        return None
+        return Section(heading, ())
     heads = [("pass", ""), ("size", ""), ("moves", "MB"), ("bound", "ms"), ("takes", "ms"), ("times the bound", "")]
     lines = [
         [p.label, p.size, *map(plain, (p.bytes / 1e6, p.bound_ms, p.median_ms)), plain(p.times_bound, 1)]
         for p in passes
     ]
     words = "Time of each pass and its bound: " + ", ".join(f"{p.label} {p.times_bound:.1f} times" for p in passes)
-    table = PageTable.of("Traffic and time of each pass", heads, lines, words=2)
-    return PageChart.of("", traffic_chart(passes), words, table)
+    table = Table.of("Traffic and time of each pass", heads, lines, words=2)
+    blocks = [
+        Text(texts("bench")["notes"]["traffic"]),
+        Chart.of("", traffic_chart(passes), words),
+        Fold("As a table", [table]),
+    ]
+    return Section(heading, blocks, id="traffic", link="Memory traffic")

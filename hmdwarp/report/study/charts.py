@@ -1,14 +1,18 @@
-"""The charts of a study's page: every rating, paired differences, and the place of a trial."""
+"""The charts of a study: ratings, differences, scores, places of trials; power by people."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import attrs
 import numpy as np
 
-from ..style import PAGE, SERIES, Style, drawing, dress, svg_text
-from .tables import condition_text
+from ..charts import Style, canvas, empty_figure, legend, mark, name_rows, svg_text
+from ..style import PAGE, PAPER, SERIES
+from .results import condition_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,103 +31,88 @@ def ratings_chart(part: Row, comparisons: Sequence[Row], measure: Row) -> str:
     """Draw every rating of a part, up is better; lines join the compared ratings of one person."""
     names, pairs = _columns(part["conditions"], comparisons)
     by_name = {row["condition"]: row for row in part["conditions"]}
-    with drawing((part["part"], measure["name"], names)):
-        figure, axes = _figure(_WIDTH_IN, 3.6)
+    values = [value for row in part["conditions"] for value in row["ratings"].values()]
+    label = f"{measure['title'].lower()} (up is better)"
+    with canvas((part["part"], measure["name"], names), (_WIDTH_IN, 3.6), y=label, grid="y") as axes:
+        figure: Any = axes.get_figure()
         shifts = {name: _shifts(by_name[name]["ratings"]) for name in names}
         for x, row in pairs:
             _join(axes, x, row, by_name, shifts)
         for x, name in enumerate(names):
             _points(axes, x, by_name[name], shifts[name])
-        axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names], parse_math=False)
+        axes.set_xticks(range(len(names)), [_label(by_name[name]) for name in names])
         axes.set_xlim(-0.6, len(names) - 0.4)
-        _rating_axis(axes, measure, [v for row in part["conditions"] for v in row["ratings"].values()])
-        figure.legend(
-            handles=_rating_key(bool(pairs)), loc="outside upper left", ncols=4, frameon=False, labelcolor=PAGE.ink
-        )
+        axes.set_ylim(_limits(measure, values))
+        legend(figure, _rating_key(bool(pairs)), loc="outside upper left", ncols=4)
         return svg_text(figure)
 
 
 def forest_chart(rows: Sequence[Row], unit: str) -> str:
     """Draw each comparison's differences, their mean (BCa interval) and Hodges-Lehmann shift."""
     shown = [row for row in rows if row["n"]]
-    with drawing([(row["part"], row["baseline"], row["condition"], row["mean"]) for row in shown]):
-        figure, axes = _figure(_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2))
-        dress(axes, PAGE, grid="x")
+    content = [(row["part"], row["baseline"], row["condition"], row["mean"]) for row in shown]
+    label = f"difference in {unit}:  rated worse than the baseline  ←  0  →  better"
+    ends = [v for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]]
+    reach = 1.08 * max(max(map(abs, ends), default=1.0), 1e-9)
+    with canvas(content, (_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2)), x=label, grid="x") as axes:
+        figure: Any = axes.get_figure()
         axes.axvline(0, color=PAGE.ink, linewidth=1)
         for y, row in enumerate(shown):
             _forest_line(axes, y, row)
-        axes.set_yticks(range(len(shown)), [_comparison_label(row) for row in shown], parse_math=False)
-        axes.set_ylim(len(shown) - 0.4, -0.7)
-        reach = max(
-            (abs(v) for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]),
-            default=1.0,
-        )
-        axes.set_xlim(-1.08 * max(reach, 1e-9), 1.08 * max(reach, 1e-9))
-        axes.set_xlabel(f"difference in {unit}:  rated worse than the baseline  ←  0  →  better")
-        figure.legend(handles=_forest_key(), loc="outside upper left", ncols=3, frameon=False, labelcolor=PAGE.ink)
+        name_rows(axes, [_comparison_label(row) for row in shown], above=0.7)
+        axes.set_xlim(-reach, reach)
+        key = [
+            mark("mean, BCa 95 %", color=_BETTER, marker="o", markersize=7, linewidth=2.6),
+            mark(_SHIFT_LABEL, color=_WORSE, marker="D", markersize=4.5, linewidth=1.4),
+            mark("one person", alpha=0.45, marker="o", markersize=3.2, linestyle="none"),
+        ]
+        legend(figure, key, loc="outside upper left", ncols=3)
         return svg_text(figure)
 
 
 def score_chart(part: Row) -> str:
     """Draw the scores of conditions from paired comparisons, the best on top."""
     rows = sorted(part["conditions"], key=lambda row: row["jod"])
-    with drawing((part["part"], "scores", [(row["condition"], row["jod"]) for row in rows])):
-        figure, axes = _figure(_WIDTH_IN, 0.9 + 0.42 * max(len(rows), 2))
-        dress(axes, PAGE, grid="x")
+    zero = "0 is the reference" if any(row["reference"] for row in rows) else "0 is the mean"
+    label = f"JOD, with 95 % intervals; 1 more is preferred in 75 % of choices; {zero}"
+    content = (part["part"], "scores", [(row["condition"], row["jod"]) for row in rows])
+    with canvas(content, (_WIDTH_IN, 0.9 + 0.42 * max(len(rows), 2)), x=label, grid="x") as axes:
         axes.axvline(0, color=PAGE.ink, linewidth=1)
         for y, row in enumerate(rows):
             if row["low"] is not None:
                 axes.plot([row["low"], row["high"]], [y, y], color=_BETTER, linewidth=2.5, solid_capstyle="butt")
             axes.plot(row["jod"], y, "o", color=_BETTER, markersize=8)
-        axes.set_yticks(range(len(rows)), [_wrapped(condition_text(row)) for row in rows], parse_math=False)
+        axes.set_yticks(range(len(rows)), [_wrapped(condition_text(row)) for row in rows])
         axes.set_ylim(-0.6, len(rows) - 0.4)
-        zero = "0 is the reference" if any(row["reference"] for row in rows) else "0 is the mean"
-        axes.set_xlabel(f"JOD, with 95 % intervals; 1 more is preferred in 75 % of choices; {zero}")
-        return svg_text(figure)
+        return svg_text(axes.get_figure())
 
 
 def place_chart(part: Row, measure: Row) -> str:
     """Draw each rating, less its participant's and condition's mean, against its trial's place."""
     places = np.array([one["place"] for one in part["places"]])
     rest = np.array([one["rest"] for one in part["places"]])
-    with drawing((part["part"], "places", rest.tolist())):
-        figure, axes = _figure(5.0, 2.4)
-        dress(axes, PAGE)
+    labels: Style = {"x": "place of the trial in the session", "y": f"{measure['unit']} (up is better)"}
+    with canvas((part["part"], "places", rest.tolist()), (5.0, 2.4), **labels) as axes:
         axes.axhline(0, color=PAGE.ink, linewidth=1)
-        axes.plot(
-            places + _spread(len(places)), rest, "o", color=_BETTER, alpha=0.35, markersize=3.5, markeredgewidth=0
-        )
+        dots: Style = {"color": _BETTER, "alpha": 0.35, "markersize": 3.5, "markeredgewidth": 0}
+        axes.plot(places + _spread(len(places)), rest, "o", **dots)
         levels = np.unique(places)
-        axes.plot(
-            levels, [rest[places == level].mean() for level in levels], "D-", color=_WORSE, markersize=5, linewidth=1.2
-        )
+        means = [rest[places == level].mean() for level in levels]
+        axes.plot(levels, means, "D-", color=_WORSE, markersize=5, linewidth=1.2)
         axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
-        axes.set_xlabel("place of the trial in the session")
-        axes.set_ylabel(f"{measure['unit']} (up is better)")
         if measure["low_is_good"]:
             axes.invert_yaxis()
-        return svg_text(figure)
+        return svg_text(axes.get_figure())
 
 
 def scatter_chart(points: Sequence[Row], label: str, measure: Row) -> str:
     """Draw ratings against a measure. points: x, y."""
     x, y = np.array([one["x"] for one in points], float), np.array([one["y"] for one in points], float)
-    with drawing((label, x.tolist(), y.tolist())):
-        figure, axes = _figure(5.0, 2.6)
-        dress(axes, PAGE)
+    with canvas((label, x.tolist(), y.tolist()), (5.0, 2.6), x=label, y=measure["title"].lower()) as axes:
         axes.plot(x, y, "o", color=_BETTER, alpha=0.55, markersize=4, markeredgewidth=0)
-        axes.set_xlabel(label, parse_math=False)
-        axes.set_ylabel(measure["title"].lower(), parse_math=False)
         if measure["low_is_good"]:
             axes.invert_yaxis()
-        return svg_text(figure)
-
-
-def _figure(width_in: float, height_in: float) -> tuple[Any, Axes]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width_in, height_in), layout="constrained")
-    return figure, figure.add_subplot()
+        return svg_text(axes.get_figure())
 
 
 def _columns(conditions: Sequence[Row], comparisons: Sequence[Row]) -> tuple[list[str], list[tuple[int, Row]]]:
@@ -174,51 +163,41 @@ def _label(row: Row) -> str:
 
 
 def _wrapped(name: str) -> str:
-    import textwrap
-
     # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together.
     return "\n".join(
         line for part in name.split(", ") for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part]
     )
 
 
-def _rating_axis(axes: Axes, measure: Row, values: Sequence[float]) -> None:
-    dress(axes, PAGE, grid="y")
+def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:
+    """Return the limits of the axis of ratings, the better end on top."""
     ends = [end for end in (measure["least"], measure["most"]) if end is not None] if values else [0.0, 1.0]
     low, high = min([*values, *ends]), max([*values, *ends])
     margin = 0.05 * max(high - low, 1e-9)
-    axes.set_ylim((high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin))
-    axes.set_ylabel(f"{measure['title'].lower()} (up is better)", parse_math=False)
+    return (high + margin, low - margin) if measure["low_is_good"] else (low - margin, high + margin)
 
 
 def _rating_key(lines: bool) -> list[Any]:
-    from matplotlib.lines import Line2D
-
-    ink: Style = {"color": PAGE.ink}
     key = [
-        Line2D([], [], marker="o", linestyle="none", markerfacecolor="none", label="one person", **ink),
-        Line2D([], [], linewidth=2.2, label="median (▸ mean)", **ink),
+        mark("one person", marker="o", linestyle="none", markerfacecolor="none"),
+        mark("median (▸ mean)", linewidth=2.2),
     ]
     if lines:
-        key += [
-            Line2D([], [], color=_BETTER, linewidth=1.2, label="rated better than the baseline"),
-            Line2D([], [], color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2)), label="worse"),
-        ]
+        key.append(mark("rated better than the baseline", color=_BETTER, linewidth=1.2))
+        key.append(mark("worse", color=_WORSE, linewidth=1.2, linestyle=(0, (4, 2))))
     return key
 
 
 def _forest_line(axes: Axes, y: int, row: Row) -> None:
     values = np.array(list(row["differences"].values()))
-    axes.plot(
-        values, y + 0.28 + _spread(len(values), 0.1), "o", color=PAGE.ink, alpha=0.45, markersize=3.2, markeredgewidth=0
-    )
+    dots: Style = {"color": PAGE.ink, "alpha": 0.45, "markersize": 3.2, "markeredgewidth": 0}
+    axes.plot(values, y + 0.28 + _spread(len(values), 0.1), "o", **dots)
+    bar: Style = {"solid_capstyle": "butt"}
     if row["low"] is not None:
-        axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, solid_capstyle="butt")
+        axes.plot([row["low"], row["high"]], [y - 0.1] * 2, color=_BETTER, linewidth=2.6, **bar)
     axes.plot(row["mean"], y - 0.1, "o", color=_BETTER, markersize=7)
     if row["shift_low"] is not None:
-        axes.plot(
-            [row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, solid_capstyle="butt"
-        )
+        axes.plot([row["shift_low"], row["shift_high"]], [y + 0.08] * 2, color=_WORSE, linewidth=1.4, **bar)
     axes.plot(row["shift"], y + 0.08, "D", color=_WORSE, markersize=4.5)
 
 
@@ -227,16 +206,54 @@ def _comparison_label(row: Row) -> str:
     return f"{first}\nover {row['baseline']}"
 
 
-def _forest_key() -> list[Any]:
-    from matplotlib.lines import Line2D
-
-    return [
-        Line2D([], [], color=_BETTER, marker="o", markersize=7, linewidth=2.6, label="mean, BCa 95 %"),
-        Line2D([], [], color=_WORSE, marker="D", markersize=4.5, linewidth=1.4, label=_SHIFT_LABEL),
-        Line2D([], [], color=PAGE.ink, alpha=0.45, marker="o", markersize=3.2, linestyle="none", label="one person"),
-    ]
-
-
 def _spread(count: int, width: float = 0.15) -> np.ndarray:
     """Return sideways places that look random and are always the same."""
     return width * (np.arange(count) * 0.618034 % 1 - 0.5)
+
+
+_QUIET = "#8a939c"
+# Okabe and Ito's colours without yellow and black: distinct with every kind of colour vision.
+# Dashes and markers differ as well.
+_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+_MARKERS, _DASHES = "osD^vP", ("solid", (0, (5, 2)), (0, (2, 1.5)))
+
+
+@attrs.frozen
+class PowerLine:
+    """The power of one comparison, 0..1, one value for each n."""
+
+    name: str
+    power: Sequence[float]
+    low: Sequence[float]
+    high: Sequence[float]
+    # Without what a scale's answers lose of what is felt.
+    unlimited: Sequence[float]
+
+
+def power_chart(
+    path: Path,
+    ns: Sequence[int],
+    lines: Sequence[PowerLine],
+    target: float,
+    title: str,
+    unlimited: str = "without ends and steps of the scale",
+) -> None:
+    """Write the chart as a PNG; target: the power to reach. unlimited: what those values are."""
+    figure = empty_figure(7.2, 4.4, layout="constrained")
+    axes = figure.add_subplot()
+    axes.axhline(target, color=_QUIET, linewidth=1.2, label=f"{target:.0%}, the target")
+    for number, line in enumerate(lines):
+        colour = _COLOURS[number % len(_COLOURS)]
+        style = _DASHES[number // len(_COLOURS) % len(_DASHES)]
+        axes.fill_between(ns, line.low, line.high, color=colour, alpha=0.15, linewidth=0)
+        marker = _MARKERS[number % len(_MARKERS)]
+        axes.plot(ns, line.power, color=colour, linestyle=style, marker=marker, markersize=5, label=line.name)
+        axes.plot(ns, line.unlimited, color=colour, linestyle=(0, (1, 2)), linewidth=1)
+    axes.plot([], [], color=PAPER.ink, linestyle=(0, (1, 2)), linewidth=1, label=unlimited)
+    axes.set(xlabel="people who begin", ylabel="power (after Holm)", ylim=(-0.02, 1.02), title=title)
+    axes.set_xticks(ns)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
+    axes.grid(color=PAPER.grid, linewidth=0.8)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    figure.savefig(path, format="png", dpi=150)

@@ -1,18 +1,42 @@
-"""report.html of a study's analysis: one page that loads nothing from the network."""
+"""report.html of a study's analysis, as data for the page builder."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..parts import PageChart, PageTable, Tile, environment
+from ..page import (
+    Chart,
+    Fold,
+    Group,
+    Heading,
+    Page,
+    Section,
+    Sentences,
+    Text,
+    Tile,
+    fact,
+    notes_section,
+    reading_section,
+    texts,
+)
+from ..tables import Table
 from ..words import counted, interval, p_text, pair_text, plain, signed
-from .charts import forest_chart, place_chart, ratings_chart, score_chart
-from .prediction import prediction_of
-from .tables import comparison_lines, condition_lines, felt_lines, once_lines, preference_lines, score_lines
+from .charts import forest_chart, place_chart, ratings_chart, scatter_chart, score_chart
+from .results import (
+    comparison_lines,
+    condition_lines,
+    felt_lines,
+    once_lines,
+    prediction_lines,
+    preference_lines,
+    score_lines,
+)
 
 Row = Mapping[str, Any]
 _ORIGINS = {"person": "", "pilot": "pilot sessions", "simulated": "simulated participants"}
+_WITHOUT_HEADS = tuple((head, "") for head in ("without them", "pairs", "mean", "p", "Holm"))
+_SICKNESS_HEADS = tuple((head, "") for head in ("after trial", "answers", "median", "worst"))
 
 
 def render_study_report(data: Row, command: str) -> str:
@@ -20,21 +44,39 @@ def render_study_report(data: Row, command: str) -> str:
 
     The same content gives the same text. Everything in it is escaped.
     """
-    return environment().get_template("study.html").render(
-        data=data,
+    scales = data["scales"]
+    facts = [fact("ratings from", data["source"])]
+    for scale in scales:
+        measure = scale["measure"]
+        known = f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range unknown"
+        facts.append(fact(measure["title"], f"{known}, {'low' if measure['low_is_good'] else 'high'} is good"))
+    return Page(
+        kind="study",
+        title=f"hmdwarp study: {data['title']}",
+        heading=(data["title"], _ORIGINS.get(data["origin"], data["origin"])),
+        facts=facts,
         command=command,
-        origin=_ORIGINS.get(data["origin"], data["origin"]),
-        tiles=_tiles(data),
-        scales=[_scale(one) for one in data["scales"]],
-        pairs=[_pairs(one) for one in data["preferences"]],
-        ends=_ends(data["sittings"]),
-        cut=data["sittings"]["cut"],
-        sickness=[_sickness(one) for one in data["sickness"]],
-        questionnaires=_questionnaires(data["questionnaires"]),
-        once=_answered_once(data["asked_once"]),
-        seed=data["seed"],
-        resamples=f"{data['resamples']:,}",
-    )  # fmt: skip
+        sections=(
+            Section("", _tiles(data), style="tiles", label="Main figures"),
+            notes_section(data["notes"]),
+            _preferred(data["preferences"]),
+            _shown(data),
+            Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
+            Section("Did the order matter?", _order(scales), id="order", link="Order"),
+            _checked(scales),
+            _prediction(scales),
+            _people(data),
+            reading_section("study"),
+        ),
+        made_with=[
+            ("hmdwarp", data["hmdwarp"]),
+            ("Numbers", "analysis.json and the folder tables hold all of them unrounded"),
+        ],
+    ).html()
+
+
+def _said(sentences: Sequence[str]) -> Sentences:
+    return Sentences(sentences, style="said")
 
 
 def _tiles(data: Row) -> list[Tile]:
@@ -60,36 +102,156 @@ def _answers(parts: Sequence[Row]) -> Tile:
     )
 
 
-def _pairs(part: Row) -> Row:
-    rows = part["conditions"]
-    scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
-    return {
-        "name": part["part"],
-        "sentences": part["sentences"],
-        "chart": PageChart.of("", score_chart(part), f"Scores in JOD: {scores}") if rows else None,
-        "scores": PageTable.of("Scores", *score_lines(rows)) if rows else None,
-        "comparisons": PageTable.of("Pairs", *preference_lines(part["comparisons"])) if part["comparisons"] else None,
-        "threshold": part["threshold"],
-    }
+def _preferred(parts: Sequence[Row]) -> Section:
+    blocks: list[Any] = []
+    for part in parts:
+        rows, compared = part["conditions"], part["comparisons"]
+        blocks += [part["part"] and Heading(part["part"]), _said(part["sentences"])]
+        if rows:
+            scores = ", ".join(f"{row['condition']} {signed(row['jod'])}" for row in rows)
+            blocks.append(Chart.of("", score_chart(part), f"Scores in JOD: {scores}"))
+            blocks.append(Table.of("Scores", *score_lines(rows)))
+        if compared:
+            blocks.append(Table.of("Pairs", *preference_lines(compared)))
+        if part["threshold"]:
+            blocks.append(Text(f"Differences below {part['threshold']:.2f} JOD were mostly called none."))
+    heading, note = "What was preferred", Text(texts("study")["notes"]["pairs"])
+    return Section(heading, [*blocks, note] if blocks else [], id="pairs", link=heading)
 
 
-def _scale(scale: Row) -> Row:
-    measure, rows = scale["measure"], scale["comparisons"]
-    return {
-        "title": measure["title"],
-        "direction": "low is good" if measure["low_is_good"] else "high is good",
-        "range": f"{measure['least']:g} to {measure['most']:g}" if measure["least"] is not None else "range unknown",
-        "sentences": [row["sentence"] for row in rows],
-        "forest": PageChart.of("", forest_chart(rows, measure["unit"]), _in_words(rows)) if rows else None,
-        "comparisons": PageTable.of("Paired comparisons", *comparison_lines(rows)) if rows else None,
-        "parts": [_part(one, [row for row in rows if row["part"] == one["part"]], measure) for one in scale["parts"]],
-        "copied": [row["sentence"] for row in scale["copied"]],
-        "claims": [(row["follows"], row["sentence"]) for row in scale["claims"]],
-        "why_step": scale["why_step"],
-        "missing": _missing(scale["missing"]),
-        "missed": len(scale["missing"]),
-        "prediction": prediction_of(scale["prediction"], measure),
-    }
+def _titled(scales: Sequence[Row], scale: Row) -> Heading | None:
+    """Return the title of a scale, where there are several."""
+    return Heading(scale["measure"]["title"]) if len(scales) > 1 else None
+
+
+def _shown(data: Row) -> Section:
+    blocks: list[Any] = []
+    for scale in data["scales"]:
+        rows = scale["comparisons"]
+        blocks += [
+            _titled(data["scales"], scale),
+            _said([row["sentence"] for row in rows] or ["Nothing was compared."]),
+        ]
+        if rows:
+            blocks.append(Chart.of("", forest_chart(rows, scale["measure"]["unit"]), _in_words(rows)))
+            blocks.append(Table.of("Paired comparisons", *comparison_lines(rows)))
+    note = texts("study")["notes"]["shown"].format(
+        compared=data["compared"], resamples=f"{data['resamples']:,}", seed=data["seed"]
+    )
+    heading = "What the ratings show"
+    return Section(heading, [*blocks, Text(note)] if blocks else [], id="shown", link=heading)
+
+
+def _in_words(rows: Sequence[Row]) -> str:
+    return "; ".join(
+        f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
+        f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
+        for row in rows
+        if row["n"]
+    )
+
+
+def _every_rating(scales: Sequence[Row]) -> list[Any]:
+    blocks: list[Any] = []
+    for scale in scales:
+        measure = scale["measure"]
+        for part in scale["parts"]:
+            rows = [row for row in scale["comparisons"] if row["part"] == part["part"]]
+            people = counted(part["participants"], "participant")
+            medians = ", ".join(f"{row['condition']}: median {plain(row['median'])}" for row in part["conditions"])
+            caption = ", ".join(["Ratings of each condition", *filter(None, [part["part"]])])
+            blocks += [
+                Heading(_part_name(part), f"{measure['title']}, {people}" if len(scales) > 1 else people),
+                Chart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
+                Table.of(caption, *condition_lines(part["conditions"], measure["mean_name"])),
+                Text(f"{part['friedman_sentence']} {part['reference_sentence']}"),
+                _without(part.get("without", ())),
+            ]
+    return blocks
+
+
+def _part_name(part: Row) -> str:
+    return part["part"] or "All conditions"
+
+
+def _order(scales: Sequence[Row]) -> list[Any]:
+    blocks: list[Any] = []
+    for scale in scales:
+        for part in scale["parts"]:
+            if len(scale["parts"]) > 1 or len(scales) > 1:
+                blocks.append(Heading(_part_name(part), scale["measure"]["title"] if len(scales) > 1 else ""))
+            blocks.append(_said(part["order_sentences"]))
+            if part["places"]:
+                heading, words = "Ratings less the person's and the condition's mean", part["order_sentences"][0]
+                chart = Chart.of(heading, place_chart(part, scale["measure"]), words, "")
+                blocks.append(Group("charts", [chart]))
+    return blocks
+
+
+def _checked(scales: Sequence[Row]) -> Section:
+    """Return what was checked: rows that two parts share, and published figures."""
+    blocks: list[Any] = []
+    for scale in scales:
+        copied, claims = scale["copied"], scale["claims"]
+        if copied:
+            blocks += [Heading("Rows that two parts share"), _said([row["sentence"] for row in copied])]
+        if claims:
+            marks = ["yes" if row["follows"] else "no" for row in claims]
+            note = texts("study")["notes"]["claims"].format(why_step=scale["why_step"])
+            blocks += [Heading("Published figures"), Sentences([row["sentence"] for row in claims], marks, "said")]
+            blocks.append(Text(note))
+    return Section("Checked against the data", blocks, id="held", link="Checked against the data")
+
+
+def _prediction(scales: Sequence[Row]) -> Section:
+    """Return the measures that predict the ratings."""
+    blocks: list[Any] = []
+    for scale in scales:
+        data, measure = scale["prediction"], scale["measure"]
+        if data is None:
+            continue
+        titles = {one["name"]: one["title"] for one in data["measures"]}
+        charts = [
+            Chart.of(
+                title, scatter_chart(data["points"][name], title, measure), f"{title} against {measure['title']}", ""
+            )
+            for name, title in titles.items()
+            if name in data["points"]
+        ]
+        blocks += [_titled(scales, scale), _said(data["sentences"])]
+        if titles:
+            blocks.append(Table.of("Metrics of the pictures against the ratings", *prediction_lines(data["measures"])))
+        blocks.append(Group("charts", charts) if charts else None)
+    heading, note = "What predicts ratings", Text(texts("study")["notes"]["prediction"])
+    return Section(heading, [*blocks, note] if blocks else [], id="prediction", link=heading)
+
+
+def _people(data: Row) -> Section:
+    """Return what is missing, and how the sessions ended and went."""
+    sessions, notes = data["sittings"], texts("study")["notes"]
+    ends = ", ".join(f"{number} {status}" for status, number in sessions["counts"].items())
+    blocks: list[Any] = [ends and Text(f"Sessions: {ends}.", "")]
+    blocks.append(_said([_cut(one) for one in sessions["cut"]]) if sessions["cut"] else None)
+    for scale in data["scales"]:
+        title, count, lines = scale["measure"]["title"], len(scale["missing"]), _missing(scale["missing"])
+        fold = Fold(title, [_said(lines)], f"{count} missing", is_open=len(lines) < 16)
+        blocks.append(fold if count else Text(f"{title}: no rating is missing."))
+    blocks += [_sickness(one) for one in data["sickness"]]
+    if data["questionnaires"]:
+        blocks.append(Table.of("Questionnaires, before and after", *felt_lines(data["questionnaires"])))
+        blocks.append(Text(notes["questionnaires"]))
+    if data["asked_once"]:
+        blocks.append(Table.of("Questionnaires, answered once", *once_lines(data["asked_once"])))
+        blocks.append(Text(notes["once"]))
+    heading = "Missing and unfinished"
+    return Section(heading, blocks, id="people", link=heading)
+
+
+def _cut(one: Row) -> str:
+    part = f" ({one['part']})" if one["part"] else ""
+    rated = f"{one['rated']} of {counted(one['of'], 'trial')}"
+    why = f": {one['why']}" if one["why"] else ""
+    return f"{one['participant']}{part}, session {one['session']}: {one['status']} after {rated}{why}"
 
 
 def _missing(rows: Sequence[Row]) -> list[str]:
@@ -104,62 +266,16 @@ def _missing(rows: Sequence[Row]) -> list[str]:
     ]
 
 
-def _in_words(rows: Sequence[Row]) -> str:
-    return "; ".join(
-        f"{row['part']} {pair_text(row['baseline'], row['condition'])}: "
-        f"mean {signed(row['mean'])}, {interval(row['low'], row['high'])}".lstrip()
-        for row in rows
-        if row["n"]
-    )
-
-
-def _part(part: Row, rows: Sequence[Row], measure: Row) -> Row:
-    medians = ", ".join(f"{row['condition']}: median {plain(row['median'])}" for row in part["conditions"])
-    caption = ", ".join(["Ratings of each condition", *filter(None, [part["part"]])])
-    return {
-        "name": part["part"] or "All conditions",
-        "participants": counted(part["participants"], "participant"),
-        "chart": PageChart.of("", ratings_chart(part, rows, measure), f"Ratings by condition: {medians}"),
-        "conditions": PageTable.of(caption, *condition_lines(part["conditions"], measure["mean_name"])),
-        "friedman": part["friedman_sentence"],
-        "reference": part["reference_sentence"],
-        "without": _without(part.get("without", ())),
-        "order": part["order_sentences"],
-        "place": _place(part, measure),
-    }
-
-
-def _place(part: Row, measure: Row) -> PageChart | None:
-    if not part["places"]:
-        return None
-    heading = "Ratings less the person's and the condition's mean"
-    return PageChart.of(heading, place_chart(part, measure), part["order_sentences"][0])
-
-
-def _without(rows: Sequence[Row]) -> PageTable | None:
+def _without(rows: Sequence[Row]) -> Table | None:
     if not rows:
         return None
-    heads = (("without them", ""), ("pairs", ""), ("mean", ""), ("p", ""), ("Holm", ""))
     lines = [
         [pair_text(r["baseline"], r["condition"]), str(r["n"]), signed(r["mean"]), p_text(r["p"]), p_text(r["holm"])]
         for r in rows
     ]
-    return PageTable.of("The same comparisons without those who missed the reference", heads, lines)
+    return Table.of("The same comparisons without those who missed the reference", _WITHOUT_HEADS, lines)
 
 
-def _ends(sittings: Row) -> str:
-    return ", ".join(f"{number} {status}" for status, number in sittings["counts"].items())
-
-
-def _sickness(one: Row) -> PageTable:
-    heads = (("after trial", ""), ("answers", ""), ("median", ""), ("worst", ""))
+def _sickness(one: Row) -> Table:
     lines = [[str(t["trial"] or "practice"), str(t["n"]), f"{t['median']:g}", f"{t['worst']:g}"] for t in one["trials"]]
-    return PageTable.of(f"{one['title']}, {one['least']:g} to {one['most']:g}", heads, lines)
-
-
-def _questionnaires(rows: Sequence[Row]) -> PageTable | None:
-    return PageTable.of("Questionnaires, before and after", *felt_lines(rows)) if rows else None
-
-
-def _answered_once(rows: Sequence[Row]) -> PageTable | None:
-    return PageTable.of("Questionnaires, answered once", *once_lines(rows)) if rows else None
+    return Table.of(f"{one['title']}, {one['least']:g} to {one['most']:g}", _SICKNESS_HEADS, lines)

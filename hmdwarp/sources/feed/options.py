@@ -19,21 +19,22 @@ class FeedOptions(Declared):
     Errors: InputError for a secret or a key without a server.
     """
 
+    heading = "Server elsewhere"
     # "" for frames that are drawn here.
     connect: str = option(
         "",
-        "HOST:PORT or ipc://PATH of the server that draws the frames: their latency is measured, --latency counts "
-        "nothing; replay --scene server: whatever it draws.",
+        "Server to connect to, HOST:PORT or ipc://PATH. Latency is measured, and --latency ignored. In replay, --scene "
+        "server takes whatever it draws.",
         study=_STUDY,
     )
     server_key: Path | None = option(
         None,
-        "File with the public key of the server at --connect, its NAME.key; encrypts both ways.",
+        "Public key of the server at --connect, its NAME.key; encrypts both ways.",
         kind=Path,
         study=_STUDY,
     )
     token_file: Path | None = option(
-        None, "File with the secret that the server at --connect wants.", kind=Path, study=_STUDY
+        None, "File with the secret that the server at --connect requires.", kind=Path, study=_STUDY
     )
 
     def __attrs_post_init__(self) -> None:

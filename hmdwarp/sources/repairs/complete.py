@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import repairs
-from ._base import LEAST_SURE, MOST_SURE, MeasuredDepth, Pixels, Repair
-from ._surfaces import SurfaceSettings
+from ._base import LEAST_SURE, MOST_SURE, MeasuredDepth, Pixels, Repair, SurfaceSettings
 
 _WIDEST = 320  # pixels of the longer side on which gaps are closed; finer pictures take a share of their pixels
 _UNLIKE = 1e-3  # weight of a colour that has nothing in common: something is better than nothing
@@ -134,7 +133,8 @@ def _most_supported(values: Pixels, weight: Pixels, settings: CompleteSettings) 
             support[one] += same * weight[other]
             support[other] += same * weight[one]
     support[weight == 0] = -1
-    return np.take_along_axis(values, support.argmax(axis=0)[None], axis=0)[0]
+    best: Pixels = np.take_along_axis(values, support.argmax(axis=0)[None], axis=0)[0]
+    return best
 
 
 def _nearest_known(known: NDArray[np.bool_], gaps: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Pixels]]:

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import repairs
-from ._base import MeasuredDepth, Pixels, Repair
-from ._surfaces import SurfaceSettings
+from ._base import MeasuredDepth, Pixels, Repair, SurfaceSettings
 
 # Jumps of depth that are looked at, and below which no offset is believed.
 _MOST_JUMPS, _FEWEST_JUMPS = 4000, 50

@@ -3,11 +3,11 @@ from .camera import parse_intrinsics as parse_intrinsics
 from .frame_files import FrameFile as FrameFile
 from .frame_files import read_frame as read_frame
 from .frame_files import read_view as read_view
-from .opened import open as open
 from .options import SequenceOptions as SequenceOptions
 from .picture_files import read_colour as read_colour
 from .picture_files import read_depth as read_depth
 from .readers import SequenceReader as SequenceReader
+from .readers import open as open
 from .readers import readers as readers
 from .recorded import RecordedFrame as RecordedFrame
 from .recorded import Sequence as Sequence

@@ -1,7 +1,8 @@
-"""Cameras of recorded frames: intrinsics by any of their names, and lenses that are refused."""
+"""Facts in JSON files: numbers, intrinsics by any of their names, and lenses that are refused."""
 
 from __future__ import annotations
 
+import json
 import math
 import reprlib
 from collections.abc import Mapping
@@ -84,7 +85,7 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
     Errors: InputError, which names a lens distortion.
     """
     refuse_distortion(where, data)
-    size, centre = _size(where, data), _number(where, "centre", data.get("centre", centre))
+    size, centre = _size(where, data), number_of(where, "centre", data.get("centre", centre))
     if "intrinsics" in data:
         fx, fy, cx, cy = numbers_of(where, "intrinsics", data["intrinsics"], 4)
     elif "intrinsic_matrix" in data:
@@ -106,33 +107,66 @@ def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
     model = str(data.get("camera_model") or data.get("model") or "PINHOLE").upper()
     if model not in _PLAIN_MODELS:
         raise InputError(f"{where}: camera model {model}; expected a pinhole without distortion: {_UNDISTORT}")
-    given = {name: data[name] for name in _COEFFICIENTS if name in data}
+    found = {name: data[name] for name in _COEFFICIENTS if name in data}
     for name in _LISTS:
         values = data.get(name) or []
-        given |= {
+        found |= {
             f"{name}[{i}]": value for i, value in enumerate(values if isinstance(values, list | tuple) else [values])
         }
-    for name, value in given.items():
-        if value is not None and _number(where, name, value) != 0:
+    for name, value in found.items():
+        if value is not None and number_of(where, name, value) != 0:
             raise InputError(f"{where}: {name} is {value:g}; expected 0: {_UNDISTORT}")
+
+
+def read_json(path: Path, wanted: str = "an object") -> dict[str, Any]:
+    """Return the object in a JSON file. wanted: in words. Errors: InputError."""
+    try:
+        data = json.loads(path.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not a text file ({error})") from error
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
+    # A number of thousands of digits, or brackets nested without end.
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not JSON that can be read ({error})") from error
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: found a {type(data).__name__}; expected {wanted}")
+    return data
 
 
 def numbers_of(where: str | Path, key: str, value: Any, count: int) -> tuple[float, ...]:
     """Return so many finite numbers. Errors: InputError naming file and key."""
     if not isinstance(value, list | tuple) or len(value) != count:
         raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected {count} numbers")
-    return tuple(_number(where, key, one) for one in value)
+    return tuple(number_of(where, key, one) for one in value)
 
 
-def _number(where: str | Path, key: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected a finite number")
+def number_of(
+    where: str | Path,
+    key: str,
+    value: Any,
+    expected: str = "a finite number",
+    *,
+    above: float = -math.inf,
+    most: float = math.inf,
+) -> float:
+    """Return a finite number in this range. expected: the range in words. Errors: InputError."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not math.isfinite(value) or not above < value <= most:
+        raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected {expected}")
     return float(value)
+
+
+def scale_of(where: str | Path, value: Any) -> float:
+    """Return a depth scale. Errors: InputError for what are no metres per unit."""
+    return number_of(where, "depth_scale", value, "metres per unit, above 0 and at most 1", above=0, most=1)
 
 
 def _size(where: str | Path, data: Mapping[str, Any]) -> Size | None:
     sides = [
-        _number(where, key, data[key]) for keys in (("w", "width"), ("h", "height")) for key in keys if key in data
+        number_of(where, key, data[key]) for keys in (("w", "width"), ("h", "height")) for key in keys if key in data
     ]
     if len(sides) != 2:
         return None
@@ -149,13 +183,13 @@ def _of_nerf(
     def focal(axis: int) -> float | None:
         name = "xy"[axis]
         if f"fl_{name}" in data:
-            return _number(where, f"fl_{name}", data[f"fl_{name}"])
+            return number_of(where, f"fl_{name}", data[f"fl_{name}"])
         angle = data.get(f"camera_angle_{name}")
         if angle is None:
             return None
         if size is None:
             raise InputError(f"{where}: camera_angle_{name} without w and h: expected the pictures' size in pixels too")
-        return size[axis] / 2 / math.tan(_number(where, f"camera_angle_{name}", angle) / 2)
+        return size[axis] / 2 / math.tan(number_of(where, f"camera_angle_{name}", angle) / 2)
 
     fx = focal(0)
     if fx is None:
@@ -163,4 +197,4 @@ def _of_nerf(
     fy = focal(1) or fx
     middle = [None, None] if size is None else [side / 2 - 0.5 + centre for side in size]
     cx, cy = (data.get(key, default) for key, default in zip(("cx", "cy"), middle, strict=True))
-    return fx, fy, _number(where, "cx", cx), _number(where, "cy", cy)
+    return fx, fy, number_of(where, "cx", cx), number_of(where, "cy", cy)

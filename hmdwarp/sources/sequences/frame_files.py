@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
 from ...poses.track import UNIT_WITHIN
-from .camera import camera_of, refuse_distortion
-from .json_files import read_json
+from .camera import camera_of, read_json, refuse_distortion
+from .exr import read_exr
 from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 
 _FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}
@@ -105,23 +105,23 @@ def find_frame(
 
     shared: facts for what its own do not say. Errors: InputError.
     """
-    given, ending = dict(shared or {}), path.suffix.lower()
+    shared, ending = dict(shared or {}), path.suffix.lower()
     if ending == NPZ:
         if depth is not None or camera is not None:
             raise InputError(f"{path}: an .npz file holds its depth and its view: leave out --depth and --camera")
-        return _in_npz(path, given)
+        return _in_npz(path, shared)
     if ending != EXR and ending not in PICTURES:
         if path.is_file() and _content(path).startswith(b"PK"):
-            return _in_npz(path, given)
+            return _in_npz(path, shared)
         if not path.exists():
             raise InputError(f"{path}: cannot be read (No such file or directory)")
         raise InputError(
             f"{path}: not an .npz file, nor a picture with depth; expected NumPy's .npz form, as numpy.savez writes "
             f"it, or one of {', '.join((*PICTURES, EXR))}"
         )
-    size, where = size_of(path), _camera_beside(path, camera, given)
+    size, where = size_of(path), _camera_beside(path, camera, shared)
     own = {} if where is None else read_json(where, _WANTED)
-    facts, where = {**given, **{name: value for name, value in own.items() if value is not None}}, where or path
+    facts, where = {**shared, **{name: value for name, value in own.items() if value is not None}}, where or path
     refuse_distortion(where, facts)
     if depth is None and "depth" in facts:
         depth = path.parent / str(facts["depth"])
@@ -131,8 +131,6 @@ def find_frame(
 def _pictures(path: Path, depth: Path | None) -> Arrays:
     """Return colour and depth, which is an EXR file's own Z if no other is named and it has one."""
     if path.suffix.lower() == EXR:
-        from .exr import read_exr
-
         both = read_exr(path)
         colour, own = both.need_colour(path), both.depth
     else:
@@ -180,7 +178,9 @@ def _in_npz(path: Path, shared: Mapping[str, Any]) -> FoundFrame:
     facts, names, size = _from_npz(path, _head_of_npz)
     _check_keys(path, {**shared, **names}, _KEYS)
     plain = {name: value.tolist() if name in (INTRINSICS, "centre") else value for name, value in facts.items()}
-    return FoundFrame(path, path, {**shared, **plain}, size, lambda: _from_npz(path, _arrays_of_npz))
+    return FoundFrame(
+        path, path, {**shared, **plain}, size, lambda: _from_npz(path, lambda data: (data["colour"], data["depth_m"]))
+    )
 
 
 def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], tuple[int, int]]:
@@ -196,10 +196,6 @@ def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], t
             shape = read(file)[0]
     size = (shape[1], shape[0]) if len(shape) == 3 and 0 not in shape else (1, 1)
     return {key: data[key] for key in _FACTS if key in data}, dict.fromkeys(data), size
-
-
-def _arrays_of_npz(data: Any) -> Arrays:
-    return data["colour"], data["depth_m"]
 
 
 def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:

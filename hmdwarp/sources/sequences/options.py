@@ -21,12 +21,16 @@ def _camera(text: str) -> Camera:
     return parse_intrinsics(text)
 
 
+HEADING = "Recorded frames"  # of these options in help
+
+
 def repair_field() -> Any:
     """Return the field for what mends depth; parse_repairs reads its text."""
     return option(
         "none",
         f"Mend missing and wrong depth before the warp: {names_in('sources/repairs')}, or several with +.",
         study=DISPLAY,
+        heading=HEADING,
     )
 
 
@@ -37,6 +41,7 @@ class SequenceOptions(Declared):
     Errors: InputError for values that no recording can have.
     """
 
+    heading = HEADING
     # Name of a reader.
     layout: str | None = option(
         None,

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from .exr import read_exr
 
 EXR, NPY = ".exr", ".npy"
 PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff", ".webp")
@@ -23,8 +24,6 @@ def read_colour(path: Path) -> NDArray[Any]:
     without its optional package.
     """
     if path.suffix.lower() == EXR:
-        from .exr import read_exr
-
         return read_exr(path).need_colour(path)
     with _opened(path) as picture:
         if picture.mode in _DEEP:
@@ -36,8 +35,6 @@ def read_depth(path: Path) -> NDArray[Any]:
     """Return (h, w) depth in the file's own units, integers or floats. Errors: as read_colour."""
     suffix = path.suffix.lower()
     if suffix == EXR:
-        from .exr import read_exr
-
         return read_exr(path).need_depth(path)
     if suffix == NPY:
         return _npy(path)
@@ -62,12 +59,11 @@ _FULL = 65535
 def size_of(path: Path) -> Size:
     """Return (w, h) of a picture without reading its pixels. Errors: as read_colour."""
     if path.suffix.lower() == EXR:
-        from .exr import read_exr
-
         high, wide = read_exr(path).shape
         return wide, high
     with _opened(path) as picture:
-        return picture.size
+        wide, high = picture.size
+        return wide, high
 
 
 def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
@@ -83,8 +79,8 @@ def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> ND
             f"{where}: colour has {wide}x{high} pixels, depth {columns}x{rows}, of another shape: expected depth that "
             "is registered to the colour"
         )
-    row, column = ((np.arange(n) + 0.5) * m / n for n, m in ((high, rows), (wide, columns)))
-    return depth[row.astype(int)[:, None], column.astype(int)]
+    row, column = (((np.arange(n) + 0.5) * m / n).astype(int) for n, m in ((high, rows), (wide, columns)))
+    return np.asarray(depth[row[:, None], column])
 
 
 def _opened(path: Path) -> Any:

@@ -1,8 +1,32 @@
-"""The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses.
+"""The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses."""
 
-Names are in __init__.pyi; each loads its module at first use.
-"""
+from .draw import MIRRORS, Server
+from .lighting import ArrivingLight, Indirect
+from .moving import DeformingMesh, moving_parts
+from .passes import ScenePasses, clear_depth, draw_moving
+from .projection import boxes_of, clip_from_eye, eye_from_scene
+from .targets import Framebuffers, Target, TargetPool
+from .upload import SceneBuffers, SceneTextures
+from .visibility import Visibility, draws_of
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ = [
+    "MIRRORS",
+    "ArrivingLight",
+    "DeformingMesh",
+    "Framebuffers",
+    "Indirect",
+    "SceneBuffers",
+    "ScenePasses",
+    "SceneTextures",
+    "Server",
+    "Target",
+    "TargetPool",
+    "Visibility",
+    "boxes_of",
+    "clear_depth",
+    "clip_from_eye",
+    "draw_moving",
+    "draws_of",
+    "eye_from_scene",
+    "moving_parts",
+]

@@ -46,13 +46,21 @@ class Server:
         self._buffers = SceneBuffers(gpu, still, self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._framebuffers = Framebuffers(gpu.gl)
-        self._pools: dict[tuple, TargetPool] = {}
+        self._pools: dict[tuple[Size, tuple[int, str], bool], TargetPool] = {}
         self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
         self._depth: ScenePasses | None = None
         self._parts: dict[str, Part] = {}
         self._chosen: dict[Needs, list[Part]] = {}
         self._context = DrawContext(
-            gpu, scene, self._textures, self._framebuffers, self._colour, self.acquire, self._draw, self._passes_for
+            gpu,
+            scene,
+            self._textures,
+            self._framebuffers,
+            self._colour,
+            self.acquire,
+            self._draw,
+            self._passes_for,
+            lambda other: Server(gpu, other),
         )
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:

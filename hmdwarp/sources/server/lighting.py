@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ...gpu.context import Gpu
+from ...gpu.shaders import Inputs, Uniforms
 from ...gpu.textures import COLOUR, allocate
-from ...scenes import ATLAS, MOST_LAMPS, blockers_of, indirect_atlas, lamps_at, receivers_of
-
-if TYPE_CHECKING:
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Inputs, Uniforms
-    from ...scenes import Mesh, Scene
+from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blockers_of, indirect_atlas, lamps_at, receivers_of
 
 INDIRECT_UNIT, BLOCKERS_UNIT, SPLATS_UNIT = 6, 7, 8
 

@@ -2,32 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Sequence
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Fov, Pose, View
+from ...frames import EyeImage
+from ...geometry import Fov, Mirror, Pose, View
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ...gpu.scopes import drawing_into
-from .cube_drawing import draw_cube
+from ...scenes import Mesh, SceneMirror
 from .moving import Place
-from .passes import SAME_SURFACE, ScenePasses, clear_depth
+from .parts import DrawContext
+from .passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
+from .targets import Target
+from .upload import SceneBuffers
 from .visibility import Visibility
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from ...frames import EyeImage
-    from ...geometry import Mirror
-    from ...scenes import Mesh, SceneMirror
-    from .parts import DrawContext
-    from .targets import Target
-    from .upload import SceneBuffers
-
 Array = NDArray[np.float64]
+Uniforms = dict[str, object]
 Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the last
 APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
 # Per 90 degrees of a curved mirror's surroundings: the ball shrinks a face to about 50 pixels where
@@ -221,7 +216,7 @@ class Ball(MirrorSurface):
         self._around_of: tuple[int, int, int] | None = None
 
     def draw_image(
-        self, eye: EyeImage, taken: int, mirrors: dict, framebuffer: moderngl.Framebuffer, around: Target
+        self, eye: EyeImage, taken: int, mirrors: Uniforms, framebuffer: moderngl.Framebuffer, around: Target
     ) -> None:
         """Draw colour and inverse depth of the reflection in mirror number `taken`.
 
@@ -264,11 +259,11 @@ class Ball(MirrorSurface):
         super().close()
 
 
-def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> dict[str, object]:
+def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
     """Return the uniforms of shaders/lib/mirrors.glsl."""
     return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)
 
 
-def _rows(mesh: Mesh) -> NDArray:
+def _rows(mesh: Mesh) -> NDArray[np.float32]:
     rows = np.concatenate([mesh.positions, mesh.uv, mesh.normals], axis=1)
     return rows[mesh.triangles.ravel()]

@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import SceneError
+from ...geometry import View
+from ...gpu.context import Gpu
+from ...scenes import Mesh, Scene
 from .projection import eye_from_scene
-from .upload import SceneBuffers
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ...geometry import View
-    from ...gpu.context import Gpu
-    from ...scenes import Mesh, Scene
-    from .upload import SceneTextures
-
+from .upload import SceneBuffers, SceneTextures
 
 STAYS = np.eye(4)
 STAYS.flags.writeable = False
@@ -116,7 +111,7 @@ class DeformingMesh(Moving):
         return Place(eye_from_scene(view, self._origin_m), view.pose.position_m - self._origin_m)
 
 
-def _checked(mesh: Mesh, what: str, values: NDArray) -> NDArray[np.float32]:
+def _checked(mesh: Mesh, what: str, values: NDArray[Any]) -> NDArray[np.float32]:
     """Return the values as float32.
 
     Errors: SceneError for another number of vertices than the mesh has, and for values that are not

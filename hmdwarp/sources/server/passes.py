@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import moderngl
 
 from ...geometry import View
+from ...geometry.cube import FACES, face_views
 from ...gpu.context import Gpu
 from ...gpu.scopes import drawing_into
+from ...gpu.shaders import Draw
 from ...scenes import Scene
 from .lighting import Indirect, Lighting
 from .moving import STAYS, Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
 from .upload import Batch, SceneBuffers
 from .visibility import Draws, Visibility, draws_of
-
-if TYPE_CHECKING:
-    from ...gpu.shaders import Draw
 
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
 # room for drivers that round differently.
@@ -212,3 +211,13 @@ def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None
         framebuffer.clear(depth=1.0)
     # Outside the scope: moderngl 5.13 applies a mask only when it binds the framebuffer again.
     framebuffer.color_mask = before
+
+
+def draw_cube(
+    gl: moderngl.Context, passes: ScenePasses, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0
+) -> None:
+    """Draw the six faces of geometry.cube around the eye of `view` into 3n x 2n pixels."""
+    side = framebuffer.size[0] // 3
+    clear_depth(gl, framebuffer)
+    for face, seen in zip(FACES, face_views(view, side), strict=True):
+        passes.draw_into(seen, framebuffer, (face.column * side, face.row * side, side, side), time_ns)

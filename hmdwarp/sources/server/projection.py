@@ -92,7 +92,10 @@ def visible(boxes: Array, clip: Array, slack: Array | float = 0.0) -> NDArray[np
     behind one of the four sides or the near plane; some boxes near the corners pass needlessly.
     """
     planes = side_planes(clip)
-    return (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(axis=0) >= 0
+    inside: NDArray[np.bool_] = (np.concatenate([planes, np.abs(planes[:, :3])], axis=1) @ boxes + slack).min(
+        axis=0
+    ) >= 0
+    return inside
 
 
 def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp]:
@@ -108,7 +111,8 @@ def nearest_first(boxes: Array, eye: Array, classes: int = 4) -> NDArray[np.intp
     x, y, z = corner * corner
     farthest = np.sqrt(x + y + z)
     edges = np.array(_quantiles(farthest, classes) if len(farthest) else [])
-    return edges.searchsorted(farthest, side="left")
+    found: NDArray[np.intp] = edges.searchsorted(farthest, side="left")
+    return found
 
 
 def _quantiles(values: Array, classes: int) -> list[float]:

@@ -35,6 +35,13 @@ class Target:
         """(w, h) in pixels."""
         return self.colour.size
 
+    def release(self, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:
+        """Free the textures. forget: called with each before it is freed."""
+        for texture in (self.colour, self.depth):
+            if texture is not None:
+                forget(texture)
+                texture.release()
+
 
 class TargetPool:
     """Targets of one size and kind, with or without inverse depth.
@@ -84,7 +91,7 @@ class TargetPool:
     def _free_idle(self) -> None:
         idle = self.made - self._most_out
         for target in self._free[:idle]:
-            _release(target, self._forget)
+            target.release(self._forget)
         del self._free[:idle]
         self._handed, self._most_out = 0, self.live
         # Not only for what was freed here: each frame that came through the heap leaves gaps in it.
@@ -113,16 +120,9 @@ class TargetPool:
     def close(self) -> None:
         """Free all textures, including those that are out."""
         for target in [*self._free, *self._out.values()]:
-            _release(target)
+            target.release()
         self._free.clear()
         self._out.clear()
-
-
-def _release(target: Target, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:
-    for texture in (target.colour, target.depth):
-        if texture is not None:
-            forget(texture)
-            texture.release()
 
 
 class Framebuffers:

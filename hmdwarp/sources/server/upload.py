@@ -89,7 +89,7 @@ class SceneBuffers:
         self._vertices = gpu.gl.buffer(_vertex_rows(meshes).tobytes() or b"\0" * 32)
         self._indices = gpu.gl.buffer(np.concatenate(indices).astype(np.uint32).tobytes() if indices else b"\0" * 12)
 
-    def move_to(self, positions: NDArray) -> None:
+    def move_to(self, positions: NDArray[np.float32]) -> None:
         """Move all vertices, (n, 3) in the order of the meshes; visibility follows."""
         if not self._order:
             return
@@ -134,7 +134,7 @@ class SceneBuffers:
         self.visibility = Visibility(self.chunks)
         self.revision += 1
 
-    def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray]:
+    def _cut(self, meshes: Sequence[Mesh], textures: SceneTextures) -> list[NDArray[np.uint32]]:
         """Fill batches and chunks; return the chunks' indices."""
         groups: dict[tuple[bool, int], list[int]] = {}
         for number, mesh in enumerate(meshes):

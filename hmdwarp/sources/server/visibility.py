@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from typing import Any
 
 import attrs
 import numpy as np
@@ -67,6 +68,7 @@ TURN_STEP, EYE_STEP_M = 1 / 32, 1 / 8
 TURN_RAD = 2 * 1.05 * TURN_STEP
 EYE_OFF_M = math.sqrt(3) / 2 * EYE_STEP_M
 KEPT = 64
+_Cell = tuple[Any, ...]  # whole steps of the quaternion, then of the eye; the field of view
 
 
 @attrs.define
@@ -78,7 +80,7 @@ class Visibility:
     """
 
     _chunks: Chunks
-    _known: OrderedDict[tuple, Draws] = attrs.field(factory=OrderedDict)
+    _known: OrderedDict[_Cell, Draws] = attrs.field(factory=OrderedDict)
 
     def near(self, turn: tuple[float, float, float, float], eye: Array, fov: Fov) -> Draws:
         """Return the draw calls for an eye.
@@ -97,7 +99,7 @@ class Visibility:
                 self._known.popitem(last=False)
         return draws
 
-    def _compute(self, key: tuple) -> Draws:
+    def _compute(self, key: _Cell) -> Draws:
         turn, eye, fov = np.array(key[:4]) * TURN_STEP, np.array(key[4:7]) * EYE_STEP_M, key[7]
         middle = Pose(eye, turn)
         eye_from_here = np.eye(4)
@@ -117,4 +119,5 @@ class Visibility:
         """
         reach = np.sqrt(((boxes[:3] - eye[:, None]) ** 2).sum(axis=0)) + np.sqrt((boxes[4:] ** 2).sum(axis=0))
         steep = np.sqrt((planes[:, :3] ** 2).sum(axis=1))
-        return steep[:, None] * (TURN_RAD * reach + EYE_OFF_M)
+        slack: Array = steep[:, None] * (TURN_RAD * reach + EYE_OFF_M)
+        return slack

@@ -6,10 +6,10 @@ from .comparisons import Resampling as Resampling
 from .comparisons import compared as compared
 from .comparisons import families_for as families_for
 from .descriptives import condition_rows as condition_rows
+from .descriptives import order_effects as order_effects
 from .full_analysis import analyse as analyse
 from .full_analysis import analysis_folder as analysis_folder
 from .full_analysis import write_analysis as write_analysis
-from .order_models import order_effects as order_effects
 from .preferences import preference_results as preference_results
 from .ratings import Preference as Preference
 from .ratings import Rating as Rating
@@ -20,7 +20,7 @@ from .ratings import SurveyAnswer as SurveyAnswer
 from .ratings import Table as Table
 from .shared_rows import copied_rows as copied_rows
 from .sources import claims_for as claims_for
+from .sources import from_contents as from_contents
 from .sources import ratings_from as ratings_from
-from .store_ratings import from_contents as from_contents
 from .table_ratings import SourceOptions as SourceOptions
 from .table_ratings import from_csv as from_csv

@@ -11,8 +11,8 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ...options.tables import Table as Keys
-from ...options.tables import parsed, text_of
+from ...options import Table as Keys
+from ...options import parsed, text_of
 from .ratings import Ratings
 
 _EXAMPLE = "the example of docs/study-analysis.md"

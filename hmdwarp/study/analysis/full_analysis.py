@@ -23,6 +23,7 @@ from .descriptives import (
     condition_rows,
     friedman_row,
     missing_rows,
+    order_effects,
     place_residuals,
     questionnaire_rows,
     reference_votes,
@@ -30,11 +31,10 @@ from .descriptives import (
     session_counts,
     sickness_rows,
 )
-from .order_models import order_effects
 from .preferences import preference_results
 from .ratings import Rating, Ratings
 from .shared_rows import copied_rows
-from .store_ratings import TASK_MEASURES
+from .sources import TASK_MEASURES
 
 SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"

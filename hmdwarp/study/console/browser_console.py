@@ -24,9 +24,8 @@ from typing import Self
 from ...display import Command
 from ...errors import MachineError
 from ._base import ConsoleState
-from .command_queue import CommandQueue
 from .line_console import LineConsole
-from .message_socket import LINES_KEPT, LONGEST_LINE, MessageSocket, PeerGone
+from .message_socket import LINES_KEPT, LONGEST_LINE, CommandQueue, MessageSocket, PeerGone
 
 LOOPBACK = "127.0.0.1"
 TOKEN_BYTES = 24  # of the address: who does not know it gets "404: Not Found"

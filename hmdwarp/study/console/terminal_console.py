@@ -25,9 +25,8 @@ from ...errors import InputError, MachineError
 from ...resources import install_line
 from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
 from .browser_console import BrowserConsole
-from .command_queue import CommandQueue
 from .line_console import LineConsole
-from .message_socket import LONGEST_LINE, MessageSocket, PeerGone
+from .message_socket import LONGEST_LINE, CommandQueue, MessageSocket, PeerGone
 from .output_capture import OutputCapture
 
 LEAVING_S = 3.0  # for the console to restore the terminal

@@ -10,10 +10,8 @@ from functools import partial
 from pathlib import Path, PurePath
 
 from ...errors import InputError
-from ...options import as_keys
-from ...options.tables import KeyFault, Table, quoted
-from ...pipeline.options import SceneKey
-from ...pipeline.recorded_scene import RecordedScene
+from ...options import KeyFault, Table, as_keys, quoted
+from ...pipeline import RecordedScene, SceneKey
 from ...registry import unknown_name
 from ...scenes import Scene, with_targets
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths

@@ -1,19 +1,17 @@
-"""Scales of a study file, and its sections beside the trials.
-
-These are practice, breaks, sickness, questionnaires and consent.
-"""
+"""Sections of a study file beside its parts: scales, trials, practice, pages and the like."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
+from PIL.Image import Image
+
 from ...errors import InputError
-from ...options.tables import Table, quoted, text_of
+from ...options import Table, quoted, text_of
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
 from .definitions import ONE, PAIR, REFERENCE_FIRST, SHOWS, Breaks, Condition, Consent, Page, Part, Sickness, Task
-from .page_pictures import ENDINGS, open_picture
 
 PRACTICE = "practice"
 TASKS = ("targets",)
@@ -233,3 +231,17 @@ def _text_of(table: Table, folder: Path) -> str:
     if not text.strip():
         raise table.fault("file", f"is {quoted(str(path))}, which is empty: expected a text that participants read")
     return text
+
+
+ENDINGS = (".png", ".jpg", ".jpeg")
+
+
+def open_picture(path: Path | str) -> Image:
+    """Load a picture, RGBA. Errors: InputError for a file that is none."""
+    from PIL import Image
+
+    try:
+        with Image.open(path) as file:
+            return file.convert("RGBA")
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError(f"no picture ({error}): expected a PNG or JPEG file") from error

@@ -10,18 +10,14 @@ from typing import Any
 
 import attrs
 
-from ...client.plan import needs_of
+from ...client import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
-from ...options import declared, options_of
-from ...options.tables import quoted
-from ...pipeline.auto.levels import QualityLevel
-from ...pipeline.options import AUTO, SceneKey
-from ...pipeline.planning import plans_for
-from ...pipeline.recorded_scene import headset_of
-from ...pipeline.sizes import guarded_size
-from ...run import ONE_EYE, LiveOptions, checked_scene, levels_from_file, refuse_one_eye
-from ...run.options import FLAT
+from ...options import AUTO, options_of, quoted
+from ...options import DISPLAY as OF_DISPLAY
+from ...options import PICTURE as OF_PICTURE
+from ...pipeline import QualityLevel, SceneKey, guarded_size, headset_of, plans_for
+from ...run import FLAT, ONE_EYE, LiveOptions, checked_scene, levels_from_file, refuse_one_eye
 from ...scenes import Scene
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
@@ -32,9 +28,9 @@ _OPTIONS = options_of(LiveOptions)
 _SETTINGS = [option for option in _OPTIONS if option.in_study]
 KINDS = {option.name: _TEXT_OR_NUMBER if option.numeric else _KIND_OF.get(option.kind, _TEXT) for option in _SETTINGS}
 # The display is opened once for a session: equal for all conditions.
-DISPLAY = tuple(option.name for option in _SETTINGS if option.study == declared.DISPLAY)
+DISPLAY = tuple(option.name for option in _SETTINGS if option.study == OF_DISPLAY)
 # Of the picture, not of link or warp: the practice takes them over from [common].
-PICTURE = (*(option.name for option in _SETTINGS if option.study == declared.PICTURE), *DISPLAY)
+PICTURE = (*(option.name for option in _SETTINGS if option.study == OF_PICTURE), *DISPLAY)
 _MOST_PIXELS = 16384
 FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
 _NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}

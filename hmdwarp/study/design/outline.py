@@ -11,8 +11,7 @@ import attrs
 from ...report import counted
 from ..scales import QUESTIONNAIRE, Scale
 from .definitions import FIXED, PAIR, RANDOM, REFERENCE_FIRST, WILLIAMS, Design, Part
-from .orders import Order, presented, trials_of
-from .pair_orders import turned
+from .orders import Order, presented, trials_of, turned
 from .steps import Ask, PageStep, Pause, Read, Show, Step, steps_of
 
 # Estimates in seconds: an answer by keys after a look at the scale, an item of a list, a word to

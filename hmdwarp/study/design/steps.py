@@ -10,7 +10,7 @@ import attrs
 
 from ..scales import Item, Scale
 from .definitions import ONE, PAIR, REFERENCE_FIRST, Condition, Design, Page, Part, Task
-from .pair_orders import pair_of
+from .orders import pair_of
 
 # Names of a trial's showings, by what it shows; the questions are about the last one.
 TURNS = {ONE: ("",), PAIR: ("first", "second"), REFERENCE_FIRST: ("reference", "second")}

@@ -1,4 +1,5 @@
 from .buttons import CONTROLLERS as CONTROLLERS
+from .buttons import CONTROLS as CONTROLS
 from .buttons import KEYS as KEYS
 from .buttons import InputHints as InputHints
 from .buttons import hints_for as hints_for
@@ -17,6 +18,7 @@ from .choice_dialogs import BreakDialog as BreakDialog
 from .choice_dialogs import ConsentDialog as ConsentDialog
 from .choice_dialogs import MenuDialog as MenuDialog
 from .choice_dialogs import PageDialog as PageDialog
+from .choice_dialogs import TextDialog as TextDialog
 from .dialog_panels import MessagePanel as MessagePanel
 from .dialog_panels import QuestionPanel as QuestionPanel
 from .dialog_panels import message_panel as message_panel
@@ -25,5 +27,3 @@ from .question_dialog import QuestionDialog as QuestionDialog
 from .scale_layout import LineLayout as LineLayout
 from .scale_layout import ScaleForm as ScaleForm
 from .scale_layout import layout_of as layout_of
-from .study_controls import CONTROLS as CONTROLS
-from .text_dialog import TextDialog as TextDialog

@@ -7,9 +7,6 @@ from .export_rows import revision_rows as revision_rows
 from .export_rows import score_rows as score_rows
 from .export_rows import settings_row as settings_row
 from .export_rows import unconsented as unconsented
-from .formats import csv_text as csv_text
-from .formats import field_text as field_text
-from .formats import tsv_text as tsv_text
 from .head_motion import CHANNELS as CHANNELS
 from .head_motion import Rates as Rates
 from .head_motion import TrackingSystem as TrackingSystem
@@ -22,6 +19,9 @@ from .table_columns import MISSING as MISSING
 from .table_columns import NUMBER as NUMBER
 from .table_columns import Column as Column
 from .table_columns import columns_for as columns_for
+from .table_columns import csv_text as csv_text
+from .table_columns import field_text as field_text
+from .table_columns import tsv_text as tsv_text
 from .write import Exported as Exported
 from .write import ExportOptions as ExportOptions
 from .write import export as export

@@ -21,11 +21,9 @@ from ...resources import __version__
 from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
-from .export_rows import Row, all_scales, sessions_of
-from .formats import tsv_text
+from .export_rows import EVENTS, RUN_EVENTS, Row, all_scales, event_rows, sessions_of
 from .head_motion import TrackingSystem, channels_json, channels_text, motion_json, motion_text, software
-from .short_tables import EVENTS, RUN_EVENTS, event_rows
-from .table_columns import Column, column_of, columns_for, label_of
+from .table_columns import Column, column_of, columns_for, label_of, tsv_text
 
 VERSION = "1.9.0"
 FOLDER = "bids"

@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 
 from ...poses import PoseTrack
-from ...run.options import DESKTOP, OPENXR
+from ...run import DESKTOP, OPENXR
 
 FRAME = "world"
 # name, component, type, units: in the order of the columns of _motion.tsv.

@@ -15,19 +15,21 @@ from ..scales import QUESTIONNAIRE, RATING, SICKNESS, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
 from .export_rows import (
+    PREFERENCES,
+    SHORT,
     Row,
     all_scales,
     answer_rows,
     declined,
     of_origin,
     pair_rows,
+    preference_rows,
     revision_rows,
     score_rows,
+    short_rows,
     unconsented,
 )
-from .formats import csv_text, has_parquet, tsv_text, write_parquet
-from .short_tables import PREFERENCES, SHORT, preference_rows, short_rows
-from .table_columns import Column, columns_for
+from .table_columns import Column, columns_for, csv_text, has_parquet, tsv_text, write_parquet
 
 EXTRA = ("phase", "kind", "text")
 OWNED = (

@@ -11,9 +11,8 @@ from ...report import counted, pair_text
 from ..design import Comparison
 from ..scales import PREFERENCE
 from ..statistics import JOD_SPREAD
-from .pairs import UNIT
-from .proportions import Proportion, people_for
-from .simulation import Power, PowerAt
+from .planned_models import UNIT
+from .simulation import Power, PowerAt, Proportion, people_for
 
 COLUMNS = (
     *(

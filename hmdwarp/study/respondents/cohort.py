@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from ..design import PAIR, Design, Order, Part, allot, pair_of, rows_for, trials_of
 from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, Scale
 from ..store import COMPLETE, SICK, STOPPED
-from .random_draws import table_of
-from .response_model import Floats, Model, mean_on_scale, normal, of_share, on_scale
+from .response_model import Floats, Model, mean_on_scale, normal, of_share, on_scale, table_of
 
 Ints = NDArray[np.intp]
 

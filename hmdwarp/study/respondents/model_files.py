@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from ...options.tables import Table, parsed, text_of
+from ...options import Table, parsed, text_of
 from ...registry import unknown_name
 from .response_model import Model, OtherRatings, RatingModel, SicknessModel
 

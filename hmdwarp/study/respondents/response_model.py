@@ -1,12 +1,9 @@
-"""Response model: how simulated participants answer.
-
-A few numbers, and formulas that turn uniform draws into answers. Nothing here draws: the caller
-brings single draws for a session, or whole tables for a thousand studies, and both get the same
-answers.
-"""
+"""Response models: how simulated people rate, feel and leave; and their random draws."""
 
 from __future__ import annotations
 
+import hashlib
+import zlib
 from collections.abc import Mapping
 
 import attrs
@@ -18,6 +15,33 @@ from ...errors import InputError
 from ..design import Part
 from ..scales import PREFERENCE, Scale
 from ..statistics import JOD_SPREAD
+
+_64 = (1 << 64) - 1
+
+
+def person_of(code: str) -> int:
+    """Return the number of the simulated person with that code, the same on every machine."""
+    return int.from_bytes(hashlib.sha256(code.encode()).digest()[:8], "big")
+
+
+def table_of(seed: int, study: int, part: str, person: int, count: int) -> Floats:
+    """Return `count` uniform draws in [0, 1) of a person in a part of a study.
+
+    A longer table begins with the shorter one.
+    """
+    return _uniform(seed, study, part, person, 0, count)
+
+
+def draw_for(seed: int, part: str, person: int, thing: str, count: int = 1) -> Floats:
+    """Return uniform draws for one named thing of a session, independent of the person's table."""
+    return _uniform(seed, 0, part, person, 1 + zlib.crc32(thing.encode()), count)
+
+
+def _uniform(seed: int, study: int, part: str, person: int, thing: int, count: int) -> Floats:
+    counter = np.array([0, thing, zlib.crc32(part.encode()), person & _64], np.uint64)
+    key = np.array([seed & _64, study & _64], np.uint64)
+    return np.random.Generator(np.random.Philox(key=key, counter=counter)).random(count)
+
 
 Floats = NDArray[np.float64]
 # Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.

@@ -1,8 +1,9 @@
-"""Simulated participant in a session of the real program; it sends the same commands as people."""
+"""Respondents of a session: nobody, or a simulated participant who sends people's commands."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -11,8 +12,26 @@ from ..design import Ask, Design, Order, Pause, Read, Show, Step
 from ..scales import QUESTIONNAIRE, WORDS
 from ..store import STOPPED
 from .cohort import Population
-from .random_draws import draw_for
-from .response_model import Model, of_share
+from .response_model import Model, draw_for, of_share
+
+
+class Respondent(Protocol):
+    """Source of commands besides the participant's own input."""
+
+    def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
+        """Return what the respondent does at this refresh, in the words of Console.commands.
+
+        shown: the step shown last. elapsed_s: time since this step began.
+        """
+
+
+class NoRespondent:
+    """Respondent that never answers; the participant does."""
+
+    def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
+        """Return nothing."""
+        return ()
+
 
 SAID = "simulated words"  # to questions that are answered in words
 PATIENCE_S = 0.5  # until a command without effect is tried again, as people do

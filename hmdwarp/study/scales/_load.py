@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ...options.tables import Table, parsed, quoted, text_of
+from ...options import Table, parsed, quoted, text_of
 from ...registry import unknown_name
 from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, PREFERENCE, QUESTIONNAIRE, SUMS, Item, Scale, Score
 

@@ -1,10 +1,10 @@
-from .head_range import STILL_DEG as STILL_DEG
-from .head_range import STILL_M as STILL_M
-from .head_range import HeadRange as HeadRange
+from .program import facts_of as facts_of
 from .program import run_session as run_session
+from .runner import counting as counting
+from .runner import why_sick as why_sick
 from .session_context import head_angles_deg as head_angles_deg
-from .session_facts import facts_of as facts_of
 from .session_options import SessionOptions as SessionOptions
-from .sickness import counting as counting
-from .sickness import why_sick as why_sick
+from .task_score import STILL_DEG as STILL_DEG
+from .task_score import STILL_M as STILL_M
+from .task_score import HeadRange as HeadRange
 from .trial_runner import first_picture_wait_s as first_picture_wait_s

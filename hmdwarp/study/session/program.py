@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import os
+import platform
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
+from importlib import metadata
+from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...pipeline.recorded_scene import scene_of
+from ...pipeline import scene_of
+from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
 from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
@@ -20,7 +25,6 @@ from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, seconds_since
 from .closing_words import ClosingWords
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
-from .session_facts import facts_of
 from .session_options import SessionOptions
 from .trial_runner import TrialRunner, first_picture_wait_s
 
@@ -218,3 +222,41 @@ class _NoPipeline:
     """Stand-in for the driver's pipeline host where nothing is drawn."""
 
     options: LiveOptions
+
+
+PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "textual")
+
+
+def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:
+    """Return versions, machine, GPU, display and seed.
+
+    No name of a host or a user is among them: a session's data may be passed on. Of a trace file
+    the name is kept, not the folders.
+    """
+    gpu = display.gpu
+    return {
+        "hmdwarp": __version__,
+        "python": platform.python_version(),
+        "packages": {name: version for name in PACKAGES if (version := _version(name))},
+        "machine": {
+            "system": platform.system(),
+            "release": platform.release(),
+            "cpu": platform.machine(),
+            "cpu_count": os.cpu_count() or 1,
+        },
+        "gpu": {"renderer": gpu.renderer, "version": gpu.version, "clock": gpu.timer.clock},
+        "display": dict(display.about),
+        "source": display.name,
+        "headset": display.headset.name if display.headset is not None else display.about.get("headset", ""),
+        "rate_hz": display.rate_hz,
+        "seed": design.seed,
+        "trace": Path(trace).name,
+        "trace_axes": display.about.get("trace_axes", ""),
+    }
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return ""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from ...display import Command, Label
+from ...pipeline import Refresh
 from ...run import FrameHandler
 from ..design import Ask, PageStep, Pause, Read, Step
 from ..dialogs import (
@@ -20,9 +21,6 @@ from ..dialogs import (
 )
 from ..scales import WORDS
 from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
-
-if TYPE_CHECKING:
-    from ...pipeline.loop import Refresh
 
 LOST = "lost"
 CONFIRMS = frozenset({"confirm", "agree", "continue"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -12,22 +12,17 @@ from numpy.typing import NDArray
 
 from ...display import Command, Label
 from ...errors import InputError
-from ...pipeline.options import SceneKey
-from ...pipeline.recorded_scene import fitted
+from ...pipeline import Refresh, SceneKey, fitted
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import Scene, with_targets
 from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
 from ..store import Showing
-from .head_range import HeadRange
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
-from .task_score import TaskScore
+from .task_score import HeadRange, TaskScore
 from .wording import number_panel
-
-if TYPE_CHECKING:
-    from ...pipeline.loop import Refresh
 
 BY = "hmdwarp study"
 TIME, FOUND = "time", "targets"  # ended a trial, where nobody did

@@ -10,7 +10,7 @@ from ...report import counted
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, UNCONSENTED
-from .head_range import HeadRange
+from .task_score import HeadRange
 
 # Keys of what comes between the steps.
 READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", "sick", "end")

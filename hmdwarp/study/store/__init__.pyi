@@ -1,5 +1,3 @@
-from .clock import Clock as Clock
-from .clock import seconds_since as seconds_since
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
@@ -25,3 +23,5 @@ from .records import Showing as Showing
 from .signature import plan_signature as plan_signature
 from .signature import signature_changes as signature_changes
 from .store import Store as Store
+from .store_connection import Clock as Clock
+from .store_connection import seconds_since as seconds_since

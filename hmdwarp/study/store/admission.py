@@ -16,8 +16,7 @@ from ...errors import InputError
 from ..design import ADAPTIVE, Design, Order, Pair, adaptive_order, allot, draw, pair_of, rows_for, tables_of
 from ..scales import FIRST, PREFERENCE, Scale
 from . import queries
-from ._json import from_json, to_json
-from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session
+from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session, from_json, to_json
 from .signature import plan_signature, signature_changes
 
 HOLDING = (RUNNING, INTERRUPTED, COMPLETE)  # other sessions free their order for another participant

@@ -16,7 +16,7 @@ from pathlib import Path
 from ...errors import HmdwarpError, InputError, MachineError
 from ...report import sync
 from .admission import check_code
-from .faults import transaction, translated
+from .database import transaction, translated
 from .folders import DATABASE, TRACES
 
 _CHUNK = 1 << 20

@@ -20,10 +20,9 @@ import attrs
 from ...errors import InputError
 from ...resources import __version__
 from . import database, queries
-from ._json import from_json, to_json
-from .faults import transaction, translated
+from .database import transaction, translated
 from .folders import DATABASE, TRACES, check_place, make_folders
-from .records import PILOT
+from .records import PILOT, from_json, to_json
 from .signature import signature_changes
 
 _SITE = re.compile(r"[A-Za-z0-9]{1,16}")

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sqlite3
 from pathlib import Path
 
-from ._json import from_json
-from .records import PILOT, Answer, Contents, Event, Session, Showing
+from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json
 
 # Whoever refused the consent and did not agree to it later, in a resumed run, took no part; nor did
 # who never agreed to the text that the session began with.

@@ -21,13 +21,23 @@ from typing import Any
 
 from ..design import Ask, Design, Show
 from . import admission, queries
-from ._json import clean, to_json
-from .clock import Clock, MachineClock
+from .database import translated
 from .erasing import erase, known
-from .faults import translated
 from .folders import check_place, sync_trace, trace_name
-from .records import DECLINED, RUNNING, STATUSES, STOPPED, UNCONSENTED, Answer, Contents, Session, Showing
-from .store_connection import Connection
+from .records import (
+    DECLINED,
+    RUNNING,
+    STATUSES,
+    STOPPED,
+    UNCONSENTED,
+    Answer,
+    Contents,
+    Session,
+    Showing,
+    clean,
+    to_json,
+)
+from .store_connection import Clock, Connection, MachineClock
 
 
 class _Undone(Exception):  # noqa: N818 (no error: rolls a transaction back)

@@ -3,21 +3,58 @@
 from __future__ import annotations
 
 import sqlite3
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from ...errors import HmdwarpError, InputError
 from ...resources import __version__
 from . import database, queries
-from ._json import to_json
-from .clock import Clock, seconds_back, text_of
+from .database import transaction
 from .erasing import finish_erasing
-from .faults import transaction
-from .folders import DATABASE, TRACES, make_folders
-from .lock import Lock
-from .records import INTERRUPTED, RUNNING, Session
+from .folders import DATABASE, TRACES, Lock, make_folders
+from .records import INTERRUPTED, RUNNING, Session, to_json
+
+
+class Clock(Protocol):
+    """Time of day, which may be set back, and time since boot, which never is."""
+
+    def utc(self) -> datetime:
+        """Return the time of day, with a time zone."""
+
+    def mono_ns(self) -> int:
+        """Return nanoseconds since some instant."""
+
+
+class MachineClock:
+    """The machine's own clock."""
+
+    def utc(self) -> datetime:
+        """Return the time of day, in UTC."""
+        return datetime.now(UTC)
+
+    def mono_ns(self) -> int:
+        """Return nanoseconds of the monotonic clock."""
+        return time.monotonic_ns()
+
+
+def text_of(instant: datetime) -> str:
+    """Format as ISO 8601 to the millisecond, of fixed length: texts sort as instants do."""
+    return instant.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def seconds_since(before: str) -> float:
+    """Return the time from an instant to now, by the time of day."""
+    return -seconds_back(before, text_of(datetime.now(UTC)))
+
+
+def seconds_back(before: str, now: str) -> float:
+    """Return by how much `now` lies before `before`; negative where it does not."""
+    return (datetime.fromisoformat(before) - datetime.fromisoformat(now)).total_seconds()
+
 
 BACK_S = 1.0  # less is the network correcting the clock, and no order depends on it
 NOTHING = "holds no data of a study"

@@ -15,7 +15,7 @@ from hmdwarp.gpu import download
 from hmdwarp.link import LinkOptions
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
-from hmdwarp.sources.server.view_choice import LEAST_M, Motion, chosen, moved, seen
+from hmdwarp.sources.server.parts.views import LEAST_M, Motion, chosen, moved, seen
 
 FOV = Fov.from_tangents((-1, 1, -0.8, 0.8))
 SIZE = (120, 96)

@@ -26,7 +26,7 @@ from hmdwarp.study.store import (
     folder_to_read,
     store_folder,
 )
-from hmdwarp.study.store import _json as json_
+from hmdwarp.study.store import records as json_
 
 from .sessions import SetClock, answered, asks, begun, design, go_through, shows, steps, whole
 

@@ -1,8 +1,46 @@
 """Readers of recorded sequences: one file for each layout, recognised by its files."""
 
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ....errors import InputError
 from ....registry import Registry
+from ..options import SequenceOptions
+from ..recorded import Sequence
 from ._base import SequenceReader
 
 readers: Registry[SequenceReader] = Registry("layout", __name__)
+_NAMED = 6  # files of a folder that no reader knows
 
-__all__ = ["SequenceReader", "readers"]
+
+def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -> Sequence:
+    """Return the recorded sequence of a folder, or of a file in it (transforms.json).
+
+    options: overrides facts of the files, or adds missing ones. Pixels are read later, frame by
+    frame. Errors: InputError for what no reader knows, for files that are missing or damaged, for
+    facts that are missing (intrinsics, depth scale), and for lens distortion, by its name.
+    """
+    options, place = options or SequenceOptions(), Path(path)
+    if not place.exists():
+        raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
+    if options.layout is not None:
+        return readers.get(options.layout).read(place, options).cropped(options.crop)
+    chances = {reader.name: reader.fits(place) for reader in readers}
+    best = max(chances, key=lambda name: chances[name])
+    if not chances[best]:
+        known = "; ".join(f"{reader.name}: {reader.summary}" for reader in readers)
+        raise InputError(f"{place} ({_content(place)}): no layout of recorded frames that is known. Known are: {known}")
+    return readers.get(best).read(place, options).cropped(options.crop)
+
+
+def _content(place: Path) -> str:
+    """Return what is there, in words."""
+    if not place.is_dir():
+        return "a file"
+    names = sorted(f"{one.name}/" if one.is_dir() else one.name for one in place.iterdir())
+    return f"holds {', '.join(names[:_NAMED])}{' ..' if len(names) > _NAMED else ''}" if names else "an empty folder"
+
+
+__all__ = ["SequenceReader", "open", "readers"]

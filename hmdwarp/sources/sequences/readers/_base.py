@@ -16,8 +16,7 @@ from ....errors import InputError
 from ....geometry import Pose
 from ....poses import PoseTrack
 from ....poses.reading.axes import Axes, parse_axes
-from ..camera import Camera, camera_of
-from ..json_files import read_json
+from ..camera import Camera, camera_of, read_json, scale_of
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
@@ -54,6 +53,17 @@ class Facts:
     camera: Camera
     depth_scale: float
 
+    def axes(self, world: str = "") -> Axes:
+        """Return the axes of the camera, which looks along +z, and of its world.
+
+        world: right, up and forward in the file, by default those of the camera. Where the camera's
+        y points up, the camera and its world are left-handed, and the world is that of the camera.
+        """
+        if self.camera.is_y_up:
+            return parse_axes(OPTICAL_UP)
+        axes = parse_axes(OPTICAL)
+        return axes if not world else parse_axes(f"world={world} head={axes.words().rpartition('head=')[2]}")
+
 
 def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, depth_scale: float | None) -> Facts:
     """Return what the options say, else camera.json in the folder, else the layout.
@@ -74,14 +84,7 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    check_scale(folder / CAMERA, scale)
-    return Facts(camera, float(scale))
-
-
-def check_scale(where: Path, scale: Any) -> None:
-    """Raise InputError for what are no metres per unit."""
-    if isinstance(scale, bool) or not isinstance(scale, int | float) or not 0 < scale <= 1:
-        raise InputError(f"{where}: depth_scale is {scale!r}; expected metres per unit, above 0 and at most 1")
+    return Facts(camera, scale_of(folder / CAMERA, scale))
 
 
 @attrs.frozen(eq=False)
@@ -193,22 +196,6 @@ def reading(colour: Path, depth: Path, scale: float, size: tuple[int, int]) -> C
     return read
 
 
-def optical(camera: Camera, world: str = "") -> Axes:
-    """Return the axes of a camera that looks along +z, and of its world.
-
-    world: right, up and forward in the file, by default those of the camera. Where the camera's y
-    points up, the camera and its world are left-handed, and the world is that of the camera.
-    """
-    if camera.is_y_up:
-        return parse_axes(OPTICAL_UP)
-    axes = parse_axes(OPTICAL)
-    return axes if not world else parse_axes(f"world={world} head={_words(axes)}")
-
-
-def _words(axes: Axes) -> str:
-    return axes.words().rpartition("head=")[2]
-
-
 def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> Pose:
     """Return world_from_eye in OpenXR's axes of a position and a (3, 3) rotation of a file."""
     from scipy.spatial.transform import Rotation
@@ -217,10 +204,11 @@ def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> P
     return Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
 
 
-def pose_of_quaternion(axes: Axes, where: str, position: Rows[float], xyzw: Rows[float]) -> Pose:
-    """Return world_from_eye of a position and a quaternion of a file. Errors: InputError."""
+def pose_of_numbers(axes: Axes, where: str, numbers: Rows[float]) -> Pose:
+    """Return world_from_eye of x y z and a quaternion x y z w of a file. Errors: InputError."""
     from scipy.spatial.transform import Rotation
 
+    position, xyzw = numbers[:3], numbers[3:]
     length = float(np.linalg.norm(xyzw))
     if not abs(length - 1) <= 1e-2:
         raise InputError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, x y z w")
@@ -246,29 +234,38 @@ def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Po
     return pose_of(axes, given[:3, 3] * unit, turn)
 
 
-def rows_of(path: Path) -> list[tuple[int, list[str]]]:
-    """Return the line number and the words of each line; comments and empty lines are left out."""
+@attrs.frozen
+class Row:
+    """A line of a text file, as words."""
+
+    where: str
+    words: list[str]
+
+    def floats(self, count: int) -> list[float]:
+        """Return its numbers. Errors: InputError naming the line."""
+        try:
+            values = [float(word) for word in self.words]
+        except ValueError:
+            values = []
+        if len(values) != count or not np.isfinite(values).all():
+            raise self.wrong(f"{count} finite numbers")
+        return values
+
+    def wrong(self, expected: str) -> InputError:
+        """Return the error for another content than expected."""
+        return InputError(f"{self.where}: '{' '.join(self.words)[:60]}'; expected {expected}")
+
+
+def rows_of(path: Path) -> list[Row]:
+    """Return the lines of a file; comments and empty lines are left out."""
     try:
         text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin files with a mark
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not a text file ({error})") from error
-    rows = (
-        (number, line.partition("#")[0].replace(",", " ").split()) for number, line in enumerate(text.splitlines(), 1)
-    )
-    return [row for row in rows if row[1]]
-
-
-def floats_of(path: Path, number: int, words: Rows[str], count: int) -> list[float]:
-    """Return the numbers of a line. Errors: InputError naming the line."""
-    try:
-        values = [float(word) for word in words]
-    except ValueError:
-        values = []
-    if len(values) != count or not np.isfinite(values).all():
-        raise InputError(f"{path}, line {number}: '{' '.join(words)[:60]}'; expected {count} finite numbers")
-    return values
+    lines = (line.partition("#")[0].replace(",", " ").split() for line in text.splitlines())
+    return [Row(f"{path}, line {number}", words) for number, words in enumerate(lines, 1) if words]
 
 
 def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:

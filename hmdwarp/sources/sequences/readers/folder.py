@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from ....colour import linear_from_srgb
 from ....errors import InputError
 from ....geometry import Fov
+from ..camera import read_json, scale_of
 from ..frame_files import JSON, NPZ, FoundFrame, find_frame, is_depth
-from ..json_files import read_json
 from ..options import SequenceOptions
 from ..picture_files import EXR, PICTURES
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import CAMERA, SequenceReader, at_rate, check_scale, made, pictures_in
+from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in
 
 _ENCODINGS = ("srgb", "linear")  # of float colour
 
@@ -70,7 +71,7 @@ def _time_ns(found: FoundFrame) -> int:
 def _frame(found: FoundFrame, time_ns: int, options: SequenceOptions) -> RecordedFrame:
     view, scale = found.view, options.depth_scale or found.depth_scale
     if scale is not None:
-        check_scale(found.where, scale)
+        scale_of(found.where, scale)
     if found.encoding not in (None, *_ENCODINGS):
         raise InputError(f"{found.where}: encoding is {found.encoding!r}; expected {' or '.join(_ENCODINGS)}")
     fov: Fov = view.fov if options.intrinsics is None else options.intrinsics.fov(found.size, str(found.path))
@@ -94,8 +95,6 @@ def _checked(found: FoundFrame, colour: Any, depth: Any) -> Pictures:
     if depth.shape != colour.shape[:2]:
         raise InputError(f"{found.path}: depth_m has shape {depth.shape}; expected {colour.shape[:2]}, as colour has")
     if found.encoding == "srgb" and colour.dtype != np.uint8:
-        from ....colour import linear_from_srgb
-
         light = linear_from_srgb(colour[..., :3])
         colour = np.concatenate([light, colour[..., 3:]], axis=2)
     return as_pictures(colour, depth)

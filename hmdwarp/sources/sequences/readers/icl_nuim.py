@@ -13,11 +13,9 @@ from ._base import (
     SequenceReader,
     at_rate,
     facts_of,
-    floats_of,
     folder_named,
-    optical,
     pictures_in,
-    pose_of_quaternion,
+    pose_of_numbers,
     rows_of,
     sequence_of,
 )
@@ -42,16 +40,16 @@ class IclNuimReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         facts = facts_of(path, options, CAMERA_OF_RENDERER, 1 / 5000)
-        axes, file = optical(facts.camera), min(path.glob(_TRAJECTORY), default=path / "trajectory.gt.freiburg")
+        axes, file = facts.axes(), min(path.glob(_TRAJECTORY), default=path / "trajectory.gt.freiburg")
         colours, depths = (
             {one.stem: one for one in pictures_in(folder_named(path, name))} for name in ("rgb", "depth")
         )
         pairs = []
-        for number, words in rows_of(file):
-            index, *pose = floats_of(file, number, words, 8)
+        for row in rows_of(file):
+            index, *pose = row.floats(8)
             stem = str(int(index))
             if stem in colours and stem in depths:
-                turned = pose_of_quaternion(axes, f"{file}, line {number}", pose[:3], pose[3:])
+                turned = pose_of_numbers(axes, row.where, pose)
                 pairs.append(Pair(colours[stem], depths[stem], at_rate(options, int(index)), turned))
         missing = len(colours) - len(pairs)
         notes = [f"{missing} pictures were left out: they have no depth or no pose."] if missing else []

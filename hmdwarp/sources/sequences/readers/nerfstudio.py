@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import reprlib
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,8 +9,7 @@ from typing import Any
 
 from ....errors import InputError
 from ....poses.reading.axes import parse_axes
-from ..camera import camera_of
-from ..json_files import read_json
+from ..camera import camera_of, number_of, read_json
 from ..options import SequenceOptions
 from ..picture_files import PICTURES, size_of
 from ..recorded import RecordedFrame, Sequence
@@ -93,20 +91,14 @@ def _picture(file: Path, where: str, name: object) -> Path:
 
 def _positive(where: str, key: str, data: Mapping[str, Any]) -> float | None:
     value = data.get(key)
-    if value is None:
-        return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not (math.isfinite(value) and value > 0):
-        raise InputError(f"{where}: {key} is {value!r}; expected a number above 0")
-    return float(value)
+    return None if value is None else number_of(where, key, value, "a number above 0", above=0)
 
 
 def _time_ns(where: str, own: Mapping[str, Any], number: int, options: SequenceOptions) -> int:
     value = own.get("timestamp", own.get("time"))
     if value is None or options.frames_rate_hz is not None:
         return at_rate(options, number)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{where}: its time is {value!r}; expected seconds")
-    return round(value * 1e9)
+    return round(number_of(where, "its time", value, "seconds") * 1e9)
 
 
 readers.register(NerfstudioReader())

@@ -8,19 +8,7 @@ from ....errors import InputError
 from ..options import SequenceOptions
 from ..recorded import Sequence
 from . import readers
-from ._base import (
-    Pair,
-    SequenceReader,
-    at_rate,
-    facts_of,
-    floats_of,
-    folder_named,
-    optical,
-    paired,
-    pose_of_quaternion,
-    rows_of,
-    sequence_of,
-)
+from ._base import Pair, SequenceReader, at_rate, facts_of, folder_named, paired, pose_of_numbers, rows_of, sequence_of
 
 POSES = ("pose.txt", "poses.txt")
 
@@ -39,15 +27,14 @@ class NumberedReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         facts, file = facts_of(path, options, None, None), _poses(path)
-        axes, rows = optical(facts.camera), rows_of(file)
+        axes, rows = facts.axes(), rows_of(file)
         files = paired(folder_named(path, "color", "colour", "rgb", "image"), path / "depth")
         if len(rows) != len(files):
             raise InputError(f"{file}: {len(rows)} poses for {len(files)} pictures; expected one for each")
-        pairs = []
-        for i, ((number, words), (colour, depth)) in enumerate(zip(rows, files, strict=True)):
-            pose = floats_of(file, number, words, 7)
-            turned = pose_of_quaternion(axes, f"{file}, line {number}", pose[:3], pose[3:])
-            pairs.append(Pair(colour, depth, at_rate(options, i), turned))
+        pairs = [
+            Pair(colour, depth, at_rate(options, i), pose_of_numbers(axes, row.where, row.floats(7)))
+            for i, (row, (colour, depth)) in enumerate(zip(rows, files, strict=True))
+        ]
         return sequence_of(self, path, pairs, facts)
 
 

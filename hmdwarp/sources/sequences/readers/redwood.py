@@ -5,24 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from ....errors import InputError
-from ..camera import Camera, camera_of
-from ..json_files import read_json
+from ..camera import Camera, camera_of, read_json
 from ..options import SequenceOptions
 from ..recorded import Sequence
 from . import readers
-from ._base import (
-    Pair,
-    SequenceReader,
-    at_rate,
-    facts_of,
-    floats_of,
-    folder_named,
-    optical,
-    paired,
-    pose_of_matrix,
-    rows_of,
-    sequence_of,
-)
+from ._base import Pair, SequenceReader, at_rate, facts_of, folder_named, paired, pose_of_matrix, rows_of, sequence_of
 
 _LOGS = ("trajectory.log", "scene/trajectory.log")
 _INTRINSICS = ("camera_intrinsic.json", "intrinsic.json", "camera_primesense.json")
@@ -51,7 +38,7 @@ class RedwoodReader(SequenceReader):
         named = next((path / name for name in _INTRINSICS if (path / name).is_file()), None)
         own = camera_of(named, read_json(named)) if named is not None else None
         facts = facts_of(path, options, own or PRIMESENSE, 0.001)
-        axes, files = optical(facts.camera), paired(folder_named(path, *_COLOURS), path / "depth")
+        axes, files = facts.axes(), paired(folder_named(path, *_COLOURS), path / "depth")
         poses = _matrices(file)
         numbers = [number for number, _, _ in poses]
         if len(poses) == len(files):
@@ -61,8 +48,8 @@ class RedwoodReader(SequenceReader):
                 f"{file}: {len(poses)} poses for {len(files)} pictures; expected one for each, or their numbers"
             )
         pairs = [
-            Pair(*files[number], at_rate(options, number), pose_of_matrix(axes, f"{file}, line {line}", matrix))
-            for number, (_, line, matrix) in zip(numbers, poses, strict=True)
+            Pair(*files[number], at_rate(options, number), pose_of_matrix(axes, where, matrix))
+            for number, (_, where, matrix) in zip(numbers, poses, strict=True)
         ]
         return sequence_of(self, path, pairs, facts)
 
@@ -74,17 +61,17 @@ def _log(path: Path) -> Path | None:
     return named or (others[0] if len(others) == 1 else None)
 
 
-def _matrices(file: Path) -> list[tuple[int, int, list[list[float]]]]:
-    """Return number, line and matrix of each pose. Errors: InputError."""
+def _matrices(file: Path) -> list[tuple[int, str, list[list[float]]]]:
+    """Return number, place and matrix of each pose. Errors: InputError."""
     rows = rows_of(file)
     if len(rows) % 5:
         raise InputError(f"{file}: {len(rows)} lines; expected five for each pose, a line of numbers and a matrix")
     found = []
     for at in range(0, len(rows), 5):
-        (line, head), *matrix = rows[at : at + 5]
-        if len(head) not in (1, 2, 3) or not head[0].lstrip("-").isdigit():
-            raise InputError(f"{file}, line {line}: '{' '.join(head)[:60]}'; expected the numbers of a frame")
-        found.append((int(head[0]), line, [floats_of(file, number, words, 4) for number, words in matrix]))
+        head, *matrix = rows[at : at + 5]
+        if len(head.words) not in (1, 2, 3) or not head.words[0].lstrip("-").isdigit():
+            raise head.wrong("the numbers of a frame")
+        found.append((int(head.words[0]), head.where, [row.floats(4) for row in matrix]))
     return found
 
 

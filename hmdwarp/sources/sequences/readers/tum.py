@@ -14,7 +14,7 @@ from ..camera import Camera
 from ..options import SequenceOptions
 from ..recorded import Sequence
 from . import readers
-from ._base import Pair, SequenceReader, facts_of, optical, rows_of, sequence_of
+from ._base import Pair, SequenceReader, facts_of, rows_of, sequence_of
 
 COLOUR, DEPTH, TRAJECTORY = "rgb.txt", "depth.txt", "groundtruth.txt"
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
@@ -41,7 +41,7 @@ class TumReader(SequenceReader):
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         own = FREIBURG3 if "freiburg3" in path.resolve().name else ADVISED
         facts = facts_of(path, options, own, 1 / 5000)
-        axes = optical(facts.camera, _WORLD)
+        axes = facts.axes(_WORLD)
         try:
             trace = load_trace(path / TRAJECTORY, TraceOptions(format="tum", axes=axes.words()))
         except TraceError as error:
@@ -66,16 +66,14 @@ class TumReader(SequenceReader):
 def _listed(path: Path) -> list[tuple[int, str]]:
     """Return instant and file of each line, by instant. Errors: InputError."""
     found = []
-    for number, words in rows_of(path):
+    for row in rows_of(path):
         try:
-            time_ns = int(Decimal(words[0]) * 10**9)
+            time_ns = int(Decimal(row.words[0]) * 10**9)
         except (InvalidOperation, ValueError, OverflowError):
             time_ns = None
-        if time_ns is None or len(words) != 2:
-            raise InputError(
-                f"{path}, line {number}: '{' '.join(words)[:60]}'; expected seconds and the name of a file"
-            )
-        found.append((time_ns, words[1]))
+        if time_ns is None or len(row.words) != 2:
+            raise row.wrong("seconds and the name of a file")
+        found.append((time_ns, row.words[1]))
     return sorted(found)
 
 

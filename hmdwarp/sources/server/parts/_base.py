@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import attrs
+import moderngl
 
-from ....frames import Needs
+from ....frames import EyeImage, Frame, Needs
 from ....frames.layers import layers
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ....frames import EyeImage, Frame
-    from ....geometry import View
-    from ....gpu.context import Gpu
-    from ....scenes import Scene
-    from ..passes import ScenePasses
-    from ..targets import Framebuffers, Target
-    from ..upload import SceneTextures
+from ....geometry import View
+from ....gpu.context import Gpu
+from ....gpu.textures import COLOUR, SCALAR, allocate
+from ....scenes import Scene
+from ..passes import ScenePasses
+from ..targets import Framebuffers, Target
+from ..upload import SceneTextures
 
 
 @attrs.frozen(eq=False)
@@ -47,6 +44,16 @@ class Drawing:
         return Drawing(view, size, self.time_ns, needs)
 
 
+class Renderer(Protocol):
+    """Draws whole pictures of a scene."""
+
+    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Draw a view at an instant."""
+
+    def close(self) -> None:
+        """Free everything it holds."""
+
+
 @attrs.frozen(eq=False)
 class DrawContext:
     """The resources that parts draw with."""
@@ -65,6 +72,8 @@ class DrawContext:
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
     # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
     passes_for: Callable[[Drawing], ScenePasses]
+    # renderer(scene): a server of another scene; who makes it closes it.
+    renderer: Callable[[Scene], Renderer]
 
 
 class Part(ABC):
@@ -79,6 +88,14 @@ class Part(ABC):
 
     def __init__(self, context: DrawContext) -> None:
         self.context = context
+        self._kept: dict[tuple[str, tuple[int, int]], Target] = {}
+
+    def kept(self, use: str, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
+        """Return a target that belongs to the part, one for each use and size."""
+        if (use, size) not in self._kept:
+            gl = self.context.gpu.gl
+            self._kept[use, size] = Target(allocate(gl, size, kind), allocate(gl, size, SCALAR) if depth else None)
+        return self._kept[use, size]
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -110,5 +127,7 @@ class Part(ABC):
         """Return whether it has something to send even if nothing has moved."""
         return False
 
-    def close(self) -> None:  # noqa: B027 (some hold nothing)
+    def close(self) -> None:
         """Free its resources; the shader library owns programs, the server acquired targets."""
+        for target in self._kept.values():
+            target.release()

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ....geometry import Pose
+from ....geometry import Pose, View
 from ....gpu.scopes import drawing_into
+from ....gpu.shaders import Draw
 from ....gpu.textures import release_all
+from ....scenes import Mesh
 from ..projection import clip_from_eye
-
-if TYPE_CHECKING:
-    from ....geometry import View
-    from ....gpu.shaders import Draw
-    from ....scenes import Mesh
-    from ._base import DrawContext
+from ._base import DrawContext
 
 Array = NDArray[np.float64]
 _Place = tuple[bool, int]  # what meshes have in common that stand still to each other: head-locked, body
@@ -102,10 +98,16 @@ class Sheets:
         self._written_ns: int | None = None
         self._order: _Order | None = None
 
-    @property
-    def slots(self) -> int:
-        """How many textures a call chooses from: the define SLOTS of the programs that draw it."""
-        return max(1, min(len(self._textures), _SLOTS))
+    def program(self, fragment: str = "pane", **defines: int) -> Draw:
+        """Return the program that draws the sheets by a fragment shader of the server."""
+        slots = max(1, min(len(self._textures), _SLOTS))
+        return self._context.gpu.shaders.draw("server/pane.vert", f"server/{fragment}.frag", SLOTS=slots, **defines)
+
+    def colour(self, *, tests: int = 0, covers: bool = True) -> Draw:
+        """Return the program of their colour. tests, covers: see pane.frag."""
+        program = self.program(TESTS=tests, COLOUR=1)
+        program.uniforms.set(covers=float(covers))
+        return program
 
     def draw(
         self,
@@ -119,7 +121,7 @@ class Sheets:
     ) -> None:
         """Draw all sheets of `view` at that instant, farthest first.
 
-        program: of server/pane.vert. blending: None to draw depth, of which the nearest wins.
+        program: of program() or colour(). blending: None to draw depth, of which the nearest wins.
         hidden_by_surfaces: whether blended sheets are tested against the depth buffer.
         """
         order, gl, vertices = self._ordered(view, time_ns), self._context.gpu.gl, self._array(program)
@@ -235,7 +237,8 @@ class Sheets:
 
 def _middles(positions: Array, triangles: NDArray[np.uint32]) -> Array:
     """Return (3, m) middles of the triangles of (n, 3) positions."""
-    return positions[triangles].mean(axis=1).T
+    middles: Array = positions[triangles].mean(axis=1).T
+    return middles
 
 
 def _farthest_first(squared: Array) -> NDArray[np.intp]:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ....errors import InputError
+from ....frames import EyeImage
+from ....geometry import View
 from ....geometry.cube import cube_size
-from ..cube_drawing import draw_cube
+from ..passes import draw_cube
 from . import parts
 from ._base import Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage
-    from ....geometry import View
 
 
 @parts.register

@@ -2,21 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import moderngl
 
-from ....scenes import is_cutout
+from ....frames import EyeImage
+from ....geometry import View
+from ....scenes import Scene, is_cutout
 from . import parts
 from ._base import DrawContext, Drawing, Part
 from ._sheets import OVER_KEEPING_COVERAGE, Sheets
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ....frames import EyeImage
-    from ....geometry import View
-    from ....scenes import Scene
 
 
 @parts.register
@@ -41,22 +34,16 @@ class Cutouts(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if self._sheets is not None:
-            program = self.context.gpu.shaders.draw(
-                "server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1, SLOTS=self._sheets.slots
-            )
-            program.uniforms.set(covers=1.0)
-            framebuffer = self.context.framebuffers.over(eye.colour)
-            self._sheets.draw(
-                program, eye.view, eye.drawn_ns, framebuffer, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True
-            )
+            program, over = self._sheets.colour(), self.context.framebuffers.over(eye.colour)
+            self._sheets.draw(program, eye.view, eye.drawn_ns, over, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
         self.add_depth(eye.view, eye.drawn_ns, eye.inverse_depth)
         return eye
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
         if self._sheets is not None:
-            program = self.context.gpu.shaders.draw("server/pane.vert", "server/cutout.frag", SLOTS=self._sheets.slots)
-            self._sheets.draw(program, view, time_ns, self.context.framebuffers.over(into), None)
+            self._sheets.draw(self._sheets.program("cutout"), view, time_ns, self.context.framebuffers.over(into), None)
 
     def close(self) -> None:
         if self._sheets is not None:
             self._sheets.close()
+        super().close()

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ....frames import EyeImage
 from ....frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
 from ....gpu.textures import COLOUR
 from ....scenes import partial_scene
-from ..targets import Target, TargetPool
 from . import parts
-from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage
-    from ..draw import Server
+from ._base import DrawContext, Drawing, Part, Renderer
 
 
 @parts.register
@@ -27,8 +21,7 @@ class Difference(Part):
         super().__init__(context)
         self._program = context.gpu.shaders.compute("server/difference.comp")
         self._bytes = display_bytes(context.gpu.gl)
-        self._renderers: dict[Simplified, Server] = {}
-        self._pools: dict[tuple[int, int], tuple[TargetPool, Target]] = {}
+        self._renderers: dict[Simplified, Renderer] = {}
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needed: frozenset[Simplified] = drawing.needs.get("difference", frozenset())
@@ -36,7 +29,7 @@ class Difference(Part):
             return eye
         made = {}
         for each in sorted(needed):
-            target = self._target(eye.size)
+            target = self.kept("simplified", eye.size)
             self._renderer(each).draw(eye.view, eye.size, target, drawing.time_ns)
             made[each] = self.context.acquire(eye.size, COLOUR, depth=False).colour
             self.context.gpu.barrier()
@@ -49,24 +42,15 @@ class Difference(Part):
             self.context.gpu.barrier()
         return eye.having(difference=made)
 
-    def _renderer(self, each: Simplified) -> Server:
+    def _renderer(self, each: Simplified) -> Renderer:
         """Return what draws the simplified scene, as the client draws it."""
-        from ..draw import Server  # which draws by parts
-
         if each not in self._renderers:
             scene = partial_scene(self.context.scene, each.share, each.texture, lit=each.lit)
-            self._renderers[each] = Server(self.context.gpu, scene)
+            self._renderers[each] = self.context.renderer(scene)
         return self._renderers[each]
-
-    def _target(self, size: tuple[int, int]) -> Target:
-        if size not in self._pools:
-            pool = TargetPool(self.context.gpu, size)
-            self._pools[size] = pool, pool.acquire()
-        return self._pools[size][1]
 
     def close(self) -> None:
         for renderer in self._renderers.values():
             renderer.close()
-        for pool, _ in self._pools.values():
-            pool.close()
         self._bytes.release()
+        super().close()

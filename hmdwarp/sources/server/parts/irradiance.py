@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ....frames import EyeImage
+from ....geometry import View
 from ....scenes import ATLAS, indirect_atlas
 from . import parts
 from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from ....frames import EyeImage
-    from ....geometry import View
 
 
 @parts.register

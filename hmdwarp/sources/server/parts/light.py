@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ....frames import EyeImage
 from ....scenes import only_light
 from ..moving import moving_parts
 from ..passes import ScenePasses
 from ..upload import SceneBuffers, SceneTextures
 from . import parts
 from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage
 
 
 @parts.register

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import moderngl
 import numpy as np
 
-from ....frames import BodyIds
+from ....frames import BodyIds, EyeImage
 from ....gpu.scopes import drawing_into
+from ....gpu.shaders import Draw
 from ....gpu.textures import COLOUR, NUMBER
-from ..moving import DeformingMesh, MovingBody
+from ..moving import DeformingMesh, Moving, MovingBody
 from ..passes import SAME_SURFACE, draw_moving
 from . import parts
 from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage
-    from ....gpu.shaders import Draw
-    from ..moving import Moving
 
 
 @parts.register

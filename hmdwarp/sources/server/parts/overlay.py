@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import moderngl
 
+from ....frames import EyeImage
+from ....geometry import View
 from ....gpu.scopes import drawing_into
+from ....scenes import Scene
 from . import parts
 from ._base import DrawContext, Drawing, Part
-from ._sheets import OVER, OVER_KEEPING_COVERAGE, Sheets
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ....frames import EyeImage
-    from ....geometry import View
-    from ....scenes import Scene
-    from ._sheets import Blending
+from ._sheets import OVER, OVER_KEEPING_COVERAGE, Blending, Sheets
 
 
 @parts.register
@@ -45,11 +40,9 @@ class Overlay(Part):
         return eye.having(overlay=into)
 
     def _draw(self, view: View, time_ns: int, framebuffer: moderngl.Framebuffer, blending: Blending) -> None:
-        program = self.context.gpu.shaders.draw(
-            "server/pane.vert", "server/pane.frag", TESTS=0, COLOUR=1, SLOTS=self._sheets.slots
-        )
-        program.uniforms.set(covers=float(blending is not OVER))
+        program = self._sheets.colour(covers=blending is not OVER)
         self._sheets.draw(program, view, time_ns, framebuffer, blending)
 
     def close(self) -> None:
         self._sheets.close()
+        super().close()

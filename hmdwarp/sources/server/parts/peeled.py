@@ -8,17 +8,11 @@ wrongly take its place.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ....frames import Surface
-from ..passes import SAME_SURFACE
+from ....frames import EyeImage, Surface
+from ..moving import Moving
+from ..passes import SAME_SURFACE, ScenePasses
 from . import parts
 from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage
-    from ..moving import Moving
-    from ..passes import ScenePasses
 
 
 @parts.register

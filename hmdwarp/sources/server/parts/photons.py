@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from ....frames.photon_bundles import (
     bundle_bytes,
     packed,
 )
+from ....geometry import View
 from ....scenes import (
+    Light,
     PhotonTracer,
+    Scene,
     kernel_factors,
     lamps_at,
     light_keys,
@@ -28,48 +31,28 @@ from ....scenes import (
     receivers_of,
     transport_of,
 )
+from ....scenes import Photons as TracedPhotons
 from . import parts
-from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage, Frame
-    from ....geometry import View
-    from ....scenes import Light, Scene
-    from ....scenes import Photons as TracedPhotons
+from ._base import Drawing
+from ._sending import Sending
 
 # Paths traced for one frame, at most: many of a sun's and of the sky's bring nothing in.
 MOST_TRACED = 1 << 16
 
 
 @parts.register
-class Photons(Part):
+class Photons(Sending[PhotonMap, "_Sender"]):
     """One sender for each PhotonMap that frames need. Without lamps there are no photons."""
 
     name = "photons"
     order = 131
 
-    def __init__(self, context: DrawContext) -> None:
-        super().__init__(context)
-        self._senders = dict[PhotonMap, _Sender]()
-
-    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        return eye
+    def make_sender(self, wanted: PhotonMap) -> _Sender:
+        return _Sender(self.context.scene, wanted)
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        updates = {}
-        for wanted in sorted(drawing.needs.get("photons", frozenset())):
-            if wanted not in self._senders:
-                self._senders[wanted] = _Sender(self.context.scene, wanted)
-            updates[wanted] = self._senders[wanted].update(drawing.time_ns)
+        updates = {wanted: self.sender(wanted).update(drawing.time_ns) for wanted in self.needed(drawing)}
         return {"photons": updates} if updates else {}
-
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        updates: Mapping[PhotonMap, PhotonUpdate] = frame.eyes[0].get("photons", {})
-        for wanted, update in updates.items():
-            self._senders[wanted].book.heard(update, arrived, heard_ns)
-
-    def has_more(self, now_ns: int) -> bool:
-        return any(not sender.complete for sender in self._senders.values())
 
 
 class _Sender:
@@ -84,7 +67,11 @@ class _Sender:
         self._bundles = [(k, bundle) for k, tracer in enumerate(self._tracers) for bundle in range(tracer.bundles)]
         self.book = BundleSender(len(self._bundles))
         # Whether all photons of the light as it was at the last frame have been sent.
-        self.complete = False
+        self._complete = False
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether photons wait to be sent."""
+        return not self._complete
 
     def _prepare(self) -> None:
         scene = self._scene
@@ -101,8 +88,8 @@ class _Sender:
         out, sent = bytearray(), []
         left, traced = self._wanted.budget - CUBE_BYTES, 0
         lights = self._lights(now_ns) if self._tracers else []
-        told_by = [lights[k][1] for k, _ in self._bundles]
-        stale = self.book.stale(told_by)
+        state_of = [lights[k][1] for k, _ in self._bundles]
+        stale = self.book.stale(state_of)
         largest = bundle_bytes(self._wanted.paths_of_bundle)
         while stale and left >= largest and traced < MOST_TRACED:
             # Of one lamp, as many as surely fit.
@@ -110,13 +97,13 @@ class _Sender:
             batch = [one for one in stale[: left // largest] if self._bundles[one][0] == of]
             traced += len(batch) * self._wanted.paths_of_bundle
             for bundle, found in zip(batch, self._traced(lights[of][0], batch), strict=True):
-                entered = self.book.sent(bundle, told_by[bundle], empty=not len(found))
+                entered = self.book.sent(bundle, state_of[bundle], empty=not len(found))
                 if entered is not None:
                     out += self._packed(entered, found)
                     sent.append(entered)
             left = self._wanted.budget - CUBE_BYTES - len(out)
             stale = [one for one in stale if one not in batch]
-        self.complete = not stale
+        self._complete = not stale
         start = self._cube.packed(whole=self.book.whole)
         return PhotonUpdate(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,15 +21,12 @@ from ....frames.point_blocks import (
     block_range,
     packed_sky,
 )
-from ....gpu.textures import COLOUR, SCALAR, allocate, download, flip_rows, release_all
+from ....geometry import View
+from ....gpu.textures import download, flip_rows
 from ....scenes import PointCells
-from ..reach import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, may_be_seen
 from . import parts
-from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage, Frame
-    from ....geometry import View
+from ._base import DrawContext, Drawing
+from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen
 
 Array = NDArray[np.float64]
 # What the head does not see yet gets points of this share of the density, with what is left.
@@ -41,7 +39,7 @@ HIDING, AROUND = 96, 5
 
 
 @parts.register
-class Points(Part):
+class Points(Sending[Cloud, "_Sender"]):
     """One sender for each Cloud that frames need."""
 
     name = "points"
@@ -49,48 +47,36 @@ class Points(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._cells: PointCells | None = None
-        self._head, self._senders = Head(), dict[Cloud, _Sender]()
-        gl, size = context.gpu.gl, (HIDING, HIDING)
-        self._hiding = allocate(gl, size, COLOUR), allocate(gl, size, SCALAR)
+        self._head = Head()
 
-    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        return eye
+    @cached_property
+    def _cells(self) -> PointCells:
+        return PointCells(self.context.scene)
+
+    def make_sender(self, wanted: Cloud) -> _Sender:
+        return _Sender(self._cells, wanted)
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
-        needed: frozenset[Cloud] = drawing.needs.get("points", frozenset())
+        needed = self.needed(drawing)
         if not needed:
             return {}
-        if self._cells is None:
-            self._cells = PointCells(self.context.scene)
         self._head.see(views[0], drawing.time_ns)
         left, right, *_ = drawing.view.fov.tangents
         pixel = (right - left) / (drawing.shown_size or drawing.size)[0]
         nearest = [self._farthest_around(view, drawing.time_ns) for view in views]
-        updates = {}
-        for cloud in sorted(needed):
-            if cloud not in self._senders:
-                self._senders[cloud] = _Sender(self._cells, cloud)
-            updates[cloud] = self._senders[cloud].update(views, nearest, self._head, pixel, drawing.time_ns)
+        updates = {
+            cloud: self.sender(cloud).update(views, nearest, self._head, pixel, drawing.time_ns) for cloud in needed
+        }
         return {"points": updates}
 
     def _farthest_around(self, view: View, time_ns: int) -> Array:
         """Return the least inverse depth around each pixel of a small picture, bottom row first."""
         from scipy.ndimage import minimum_filter
 
-        self.context.colour.draw(view, self.context.framebuffers.over(*self._hiding), time_ns)
-        return minimum_filter(flip_rows(download(self._hiding[1])), AROUND, mode="nearest")
-
-    def close(self) -> None:
-        release_all(*self._hiding)
-
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        updates: Mapping[Cloud, PointUpdate] = frame.eyes[0].get("points", {})
-        for cloud, update in updates.items():
-            self._senders[cloud].book.heard(update, arrived, heard_ns)
-
-    def has_more(self, now_ns: int) -> bool:
-        return any(not sender.complete for sender in self._senders.values())
+        hiding = self.kept("hiding", (HIDING, HIDING))
+        self.context.colour.draw(view, self.context.framebuffers.over(hiding.colour, hiding.inverse_depth), time_ns)
+        least: Array = minimum_filter(flip_rows(download(hiding.inverse_depth)), AROUND, mode="nearest")
+        return least
 
 
 class _Sender:
@@ -103,7 +89,11 @@ class _Sender:
         self._wanted_at = np.zeros(cells.count, np.int64)
         self._updates = 0
         # Whether nothing that may be seen waits to be sent.
-        self.complete = False
+        self._complete = False
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether points wait to be sent."""
+        return not self._complete
 
     def update(
         self, views: Sequence[View], nearest: Sequence[Array], head: Head, pixel: float, now_ns: int
@@ -124,10 +114,10 @@ class _Sender:
             more, left = self._send(np.where(who, share * need, 0), looks, left, may_forget=who is shown)
             sent += more
         lacks = shown & (self.book.points < need)
-        self.complete = not lacks.any()
+        self._complete = not lacks.any()
         content = b"".join(self._block(one, spacing).packed() for one in sent)
         background = self._cells.scene.background
-        sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self.complete)
+        sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self._complete)
         return PointUpdate(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
 
     def _send(self, wanted: Array, looks: Array, left: int, *, may_forget: bool) -> tuple[list[Sent], int]:
@@ -174,16 +164,15 @@ class _Sender:
         """
         cells = self._cells
         origin = cells.scene.origin_m
-        centres, halves, facing = cells.centres.copy(), cells.halves.copy(), cells.facing.copy()
+        centres, halves = boxes_at(cells.scene, cells.body, cells.centres, cells.halves, now_ns)
+        facing = cells.facing.copy()
         for number in set(cells.body.tolist()) - {0}:
-            world = cells.scene.bodies[number - 1].motion.state(now_ns).pose.matrix()
             own = cells.body == number
-            centres[own] = centres[own] @ world[:3, :3].T + world[:3, 3] - origin
-            facing[own] = facing[own] @ world[:3, :3].T
-            halves[own] = np.linalg.norm(halves[own], axis=1, keepdims=True)
+            turn = cells.scene.bodies[number - 1].motion.state(now_ns).pose.matrix()[:3, :3]
+            facing[own] = facing[own] @ turn.T
         metres, radians = head.reach(self.book.round_trip_ns or FIRST_ROUND_TRIP_NS)
         eye = np.mean([view.pose.position_m for view in views], axis=0) - origin
-        away = np.linalg.norm(np.maximum(np.abs(centres - eye) - halves, 0), axis=1) - metres
+        away = distances(eye, centres, halves) - metres
         seen = np.zeros(cells.count, bool)
         for view in views:
             seen |= may_be_seen(centres, halves, view, origin, metres, radians)
@@ -228,4 +217,5 @@ def _hidden(offsets: Array, radii: Array, view: View, nearest: Array) -> NDArray
     inside = (-eye[:, 2] > radii) & ((at >= 0) & (at < 1)).all(axis=1)
     small = radii / depth * max(width / (right - left), height / (up - down)) < AROUND / 2
     column, row = (at.clip(0, 0.999999) * (width, height)).astype(int).T
-    return inside & small & (nearest[row, column] * np.maximum(depth - radii, NEAREST_M) > 1)
+    hidden: NDArray[np.bool_] = inside & small & (nearest[row, column] * np.maximum(depth - radii, NEAREST_M) > 1)
+    return hidden

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import moderngl
 
-from ....frames import Mirrored, Reflection, Surface
+from ....frames import EyeImage, Mirrored, Reflection, Surface
+from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR
+from ....scenes import Scene
 from ..mirror_drawing import (
     FACE_PIXELS,
     Ball,
+    Bounds,
     MirroredPasses,
     MirrorSurface,
+    Uniforms,
     bounds_in_view,
     bounds_of_all,
     uniforms_of,
 )
-from ..targets import Target, TargetPool
+from ..targets import Target
 from . import parts
 from ._base import DrawContext, Drawing, Part
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ....frames import EyeImage
-    from ....gpu.shaders import Compute
-    from ....scenes import Scene
-    from ..mirror_drawing import Bounds
 
 
 @parts.register
@@ -49,8 +45,6 @@ class Reflections(Part):
         self._take = shaders.compute("server/mirror_take.comp")
         self._compose = shaders.compute("server/mirror_compose.comp")
         self._march: Compute | None = None
-        self._scratch: dict[tuple, Target] = {}
-        self._pools: list[TargetPool] = []
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -61,7 +55,7 @@ class Reflections(Part):
         layered = [one for one in self._surfaces if _kind_of(one) in needed]
         baked = [one for one in self._surfaces if one not in layered]
         if baked:
-            seen, surface = self._own("seen", eye.size), self._own("surface", eye.size, depth=False)
+            seen, surface = self.kept("seen", eye.size), self.kept("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
             self._compose_into(eye, baked, seen, surface)
         if not needed:
@@ -91,7 +85,7 @@ class Reflections(Part):
         for number, one in enumerate(chosen):
             if isinstance(one, Ball):
                 side = FACE_PIXELS + 2
-                around = self._own(f"around {id(one)}", (3 * side, 2 * side))
+                around = self.kept(f"around {id(one)}", (3 * side, 2 * side))
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
             elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
                 if marched:
@@ -100,22 +94,22 @@ class Reflections(Part):
                     self._draw_behind(eye, one, number, planes, bounds, seen)
 
     def _draw_behind(
-        self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: dict, bounds: Bounds, seen: Target
+        self, eye: EyeImage, one: MirrorSurface, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
     ) -> None:
         if self._mirrored is None:
             self._mirrored = MirroredPasses(self.context)
-        behind = self._own("behind", eye.size)
+        behind = self.kept("behind", eye.size)
         framebuffer = self.context.framebuffers.over(behind.colour, behind.inverse_depth)
         self._mirrored.draw_behind(one.mirror.shape, eye.view, framebuffer, bounds, eye.drawn_ns)
         self._store(self._take, behind, number, mirrors, bounds, seen)
 
-    def _march_through(self, eye: EyeImage, number: int, mirrors: dict, bounds: Bounds, seen: Target) -> None:
+    def _march_through(self, eye: EyeImage, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target) -> None:
         if self._march is None:
             self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
         self._store(self._march, Target(eye.colour, eye.inverse_depth), number, mirrors, bounds, seen)
 
     def _store(
-        self, program: Compute, behind: Target, number: int, mirrors: dict, bounds: Bounds, seen: Target
+        self, program: Compute, behind: Target, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target
     ) -> None:
         """Write the reflection in mirror `number` into `seen`; `program` makes it from `behind`."""
         for unit, texture in enumerate((seen.colour, seen.inverse_depth)):
@@ -146,20 +140,12 @@ class Reflections(Part):
     def _barrier(self) -> None:
         self.context.gpu.gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
 
-    def _own(self, use: str, size: tuple[int, int], *, depth: bool = True) -> Target:
-        """Return a target that the part keeps."""
-        if (use, size) not in self._scratch:
-            self._pools.append(TargetPool(self.context.gpu, size, COLOUR, depth=depth))
-            self._scratch[use, size] = self._pools[-1].acquire()
-        return self._scratch[use, size]
-
     def close(self) -> None:
         for surface in self._surfaces:
             surface.close()
         if self._mirrored is not None:
             self._mirrored.close()
-        for pool in self._pools:
-            pool.close()
+        super().close()
 
 
 def _kind_of(surface: MirrorSurface) -> Mirrored:

@@ -2,23 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import moderngl
 
-from ....frames import Surface, Transparent
+from ....frames import EyeImage, Surface, Transparent
 from ....gpu.scopes import drawing_into
-from ....gpu.textures import allocate
-from ....scenes import is_cutout
+from ....gpu.shaders import Draw
+from ....scenes import Scene, is_cutout
 from ..passes import SAME_SURFACE
 from . import parts
 from ._base import DrawContext, Drawing, Part
 from ._sheets import MOST, OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ....frames import EyeImage
-    from ....gpu.shaders import Draw
-    from ....scenes import Scene
 
 _TWO_DEPTHS = (2, "f4")  # rg32f
 
@@ -37,7 +30,6 @@ class Transparency(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._nearest: dict[tuple[int, int], moderngl.Texture] = {}
         scene = context.scene
         self._sheets = Sheets(
             context, [mesh for mesh in scene.meshes if mesh.material.see_through and not is_cutout(scene, mesh)]
@@ -58,8 +50,8 @@ class Transparency(Part):
 
     def _layer(self, eye: EyeImage) -> Transparent:
         veil, passing = self.context.acquire(eye.size), self.context.acquire(eye.size, depth=False).colour
-        nearest = self._nearest_of(eye.size)
-        self._draw(self._program(1, COLOUR=0), eye, nearest, (-1.0, -1.0, 0.0, 0.0), MOST)
+        nearest = self.kept("nearest", eye.size, _TWO_DEPTHS, depth=False).colour
+        self._draw(self._tested(self._sheets.program(TESTS=1, COLOUR=0), 1), eye, nearest, (-1.0, -1.0, 0.0, 0.0), MOST)
         self._choose_depth(nearest, veil.inverse_depth)
         nearest.use(2)
         for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
@@ -89,25 +81,13 @@ class Transparency(Part):
         eye.inverse_depth.use(1)
         self._sheets.draw(program, eye.view, eye.drawn_ns, framebuffer, blending)
 
-    def _nearest_of(self, size: tuple[int, int]) -> moderngl.Texture:
-        """Return a texture for the depths of the nearest sheets, valid within one picture."""
-        if size not in self._nearest:
-            self._nearest[size] = allocate(self.context.gpu.gl, size, _TWO_DEPTHS)
-        return self._nearest[size]
-
     def _colour(self, tests: int) -> Draw:
-        program = self._program(tests, COLOUR=1)
-        program.uniforms.set(covers=1.0)
-        return program
+        return self._tested(self._sheets.colour(tests=tests), tests)
 
-    def _program(self, tests: int, **defines: int) -> Draw:
-        program = self.context.gpu.shaders.draw(
-            "server/pane.vert", "server/pane.frag", TESTS=tests, SLOTS=self._sheets.slots, **defines
-        )
+    def _tested(self, program: Draw, tests: int) -> Draw:
         program.uniforms.set(picture=1, keep=1 - SAME_SURFACE, **({"nearest": 2} if tests == 2 else {}))
         return program
 
     def close(self) -> None:
         self._sheets.close()
-        for texture in self._nearest.values():
-            texture.release()
+        super().close()

@@ -1,32 +1,46 @@
-"""Further pictures of an eye, from places that it may come to."""
+"""Further pictures of an eye, from places that it may come to.
+
+They are those that leave the least empty there. Source: the 2014 thesis, section 3.5: the views
+must together cover every pixel, so that the second is neither too far nor too near; how far follows
+from how far the eye can move.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ....gpu.textures import SCALAR, allocate, download, flip_rows
+from ....frames import EyeImage
+from ....geometry import Pose, View, WarpMap
+from ....gpu.textures import SCALAR, download, flip_rows
 from ..passes import ScenePasses
-from ..view_choice import Motion, chosen, moved
 from . import parts
 from ._base import DrawContext, Drawing, Part
 
-if TYPE_CHECKING:
-    import moderngl
+Array = NDArray[np.float64]
+Size = tuple[int, int]
 
-    from ....frames import EyeImage
-    from ....geometry import View
-
+# Candidates stand at these parts of how far the eye moves while a frame is under way.
+RINGS = (0.1, 0.4, 1.0)
+# An eye that stands still may begin to move.
+LEAST_M = 0.02
+# Where the eye may be when the frame is seen, in the same unit: along its motion and across it.
+EXPECTED = ((1.0, 0.0), (0.5, 0.0), (0.75, 0.25), (0.75, -0.25))
+# By how much more a held inverse depth is that of something else: of itself, and in 1/m. Between
+# pixels an eighth as dense, that of a floor seen aslant differs by less.
+_NEARER, _FLOOR = 0.1, 0.02
+_UP = np.array([0.0, 1.0, 0.0])
 # The choice is made at this part of the resolution, on both axes.
 _COARSE = 8
 
 
 @parts.register
 class Views(Part):
-    """Whole pictures, drawn without layers, from the places that `view_choice` takes.
+    """Whole pictures, drawn without layers, from the places that chosen() takes.
 
     They are chosen once for each frame, by the first eye's depth, and are as far from each eye. How
     fast the head moves is taken from the frame before.
@@ -39,9 +53,8 @@ class Views(Part):
         super().__init__(context)
         plain = context.colour
         self._passes = ScenePasses(context.gpu, context.scene, plain.buffers, colour=False, moving=plain.moving)
-        self._depth: moderngl.Texture | None = None
-        self._before: tuple[NDArray[np.float64], int] | None = None
-        self._ways: list[NDArray[np.float64]] = []
+        self._before: tuple[Array, int] | None = None
+        self._ways: list[Array] = []
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
         """Choose the places for the frame; there is no layer that the eyes share."""
@@ -59,12 +72,10 @@ class Views(Part):
         )
         return {}
 
-    def _depth_of(self, view: View, size: tuple[int, int], time_ns: int) -> NDArray[np.float64]:
-        if self._depth is None or self._depth.size != size:
-            self._release()
-            self._depth = allocate(self.context.gpu.gl, size, SCALAR)
-        self._passes.draw(view, self.context.framebuffers.over(self._depth), time_ns)
-        return flip_rows(download(self._depth)).astype(np.float64)
+    def _depth_of(self, view: View, size: tuple[int, int], time_ns: int) -> Array:
+        depth = self.kept("depth", size, SCALAR, depth=False).colour
+        self._passes.draw(view, self.context.framebuffers.over(depth), time_ns)
+        return flip_rows(download(depth)).astype(np.float64)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         views = [moved(eye.view, way) for way in self._ways]
@@ -72,10 +83,90 @@ class Views(Part):
             views=tuple(self.context.draw(view, eye.size, drawing.of_light(view, eye.size)) for view in views)
         )
 
-    def _release(self) -> None:
-        if self._depth is not None:
-            self._depth.release()
-
     def close(self) -> None:
         self._passes.close()
-        self._release()
+        super().close()
+
+
+@attrs.frozen(eq=False)
+class Motion:
+    """How far an eye goes while a frame is under way: two vectors in the world, in metres."""
+
+    along: Array
+    across: Array
+
+    @classmethod
+    def of(cls, view: View, velocity_m_s: Array, age_s: float) -> Motion:
+        """Return the motion of an eye at that velocity, at least LEAST_M.
+
+        across: level, where that is defined; of an eye at rest along is to its right.
+        """
+        way = np.asarray(velocity_m_s, np.float64) * age_s
+        length = float(np.linalg.norm(way))
+        right, _, back = view.pose.rotation_matrix.T
+        along = way / length if length > 1e-9 else right
+        across = np.cross(along, _UP)
+        if np.linalg.norm(across) < 1e-3:
+            across = right
+        elif length <= 1e-9:
+            across = back
+        reach = max(length, LEAST_M)
+        return cls(reach * along, reach * across / np.linalg.norm(across))
+
+    def candidates(self) -> list[Array]:
+        """Return the places of the candidates, relative to the eye."""
+        ways = (self.along, -self.along, self.across, -self.across)
+        return [ring * way for ring in RINGS for way in ways]
+
+    def expected(self) -> list[Array]:
+        """Return the places where the eye may be, relative to where it was drawn."""
+        return [along * self.along + across * self.across for along, across in EXPECTED]
+
+
+def moved(view: View, way: Array) -> View:
+    """Return the view from a place `way` (3,) metres beside, in the world."""
+    pose = Pose(view.pose.position_m + way, view.pose.orientation_xyzw)
+    return View(pose, view.fov, view.head_from_eye)
+
+
+def chosen(view: View, size: Size, motion: Motion, count: int, depth_of: Callable[[View], Array]) -> list[Array]:
+    """Return the places of `count` further pictures, relative to the eye, the most useful first.
+
+    size: (w, h) of the pictures of depth. depth_of: returns inverse depth (h, w), -1 for none, the
+    bottom row first. One after the other, each is the candidate that leaves the smallest share of
+    the expected pictures unseen by the newest picture and by those chosen before it; the nearer one
+    of equals.
+    """
+    expected = [(target, depth_of(target)) for way in motion.expected() for target in [moved(view, way)]]
+
+    def seen_from(way: Array) -> NDArray[np.bool_]:
+        place = moved(view, way)
+        held = depth_of(place)
+        return np.stack([seen(place, held, target, wanted, size) for target, wanted in expected])
+
+    known, left = seen_from(np.zeros(3)), [(way, seen_from(way)) for way in motion.candidates()]
+    ways = []
+    for _ in range(count):
+        best = max(range(len(left)), key=lambda index: (int((known | left[index][1]).sum()), -index))
+        way, shows = left.pop(best)
+        known = known | shows
+        ways.append(way)
+    return ways
+
+
+def seen(view: View, held: Array, target: View, wanted: Array, size: Size) -> NDArray[np.bool_]:
+    """Return (h, w): which pixels of a target a picture shows, by the depth of both.
+
+    held, wanted: inverse depth (h, w) of the picture and of the target, the bottom row first. A
+    point is hidden if the nearest pixel of the picture holds something clearly nearer.
+    """
+    wide, high = size
+    y, x = np.mgrid[:high, :wide]
+    pixels = np.stack([x + 0.5, y + 0.5], axis=-1)
+    places, depths, _ = WarpMap.between(target, size, view, size).apply(pixels, np.maximum(wanted, 0))
+    column, row = (np.floor(np.nan_to_num(places[..., axis], nan=-1.0, posinf=-1.0, neginf=-1.0)) for axis in (0, 1))
+    inside = (column >= 0) & (column < wide) & (row >= 0) & (row < high)
+    found = held[np.where(inside, row, 0).astype(int), np.where(inside, column, 0).astype(int)]
+    nearer = found - np.nan_to_num(depths) > _NEARER * np.nan_to_num(depths) + _FLOOR
+    shown: NDArray[np.bool_] = inside & ~nearer
+    return shown

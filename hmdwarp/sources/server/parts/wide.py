@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 
-from ....frames import Needs
+from ....frames import EyeImage, Needs
 from ....geometry.wide import wide_size, wide_view
 from . import parts
 from ._base import Drawing, Part
-
-if TYPE_CHECKING:
-    from ....frames import EyeImage
 
 
 @parts.register

@@ -1,0 +1,227 @@
+"""What frames say about each convention, and the code that reads them right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import attrs
+import numpy as np
+
+from ..errors import listed
+from .conventions import (
+    CONVENTIONS,
+    ENCODING,
+    EYES,
+    PIXEL,
+    PLANES,
+    RAY,
+    ROWS,
+    SCALE,
+    TIME,
+    code,
+    differences,
+    restored,
+    value,
+)
+from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
+from .frame_reading import Reading
+from .overlap import LATE, OFFSET
+from .search import SURE, Search, standard_errors
+from .stated_frames import Stated
+
+_AGREE = 0.5  # share of the depths: below it, frames do not agree
+_STILL_PX = 0.5  # median shift between two readings: below it they show the same
+
+
+@attrs.frozen
+class Finding:
+    """What the frames say about one convention."""
+
+    name: str
+    label: str
+    # What was found, or what is stated where it cannot be told.
+    value: str
+    as_stated: bool
+    told: bool
+    # Standard errors by which the nearest other reading is worse; None for numbers.
+    margin: float | None = None
+    # Why it cannot be told; "" where it can.
+    why: str = ""
+
+
+@attrs.frozen(eq=False)
+class Answer:
+    """What the frames say, and what they would say if read that way."""
+
+    decision: Decision
+    findings: tuple[Finding, ...]
+    # Share of the depths in view of two frames that agree within 5 %.
+    agreement_stated: float
+    agreement: float
+    # Correlation of their brightness where depths agree.
+    likeness: float
+    # Other readings under which the frames agree as well.
+    as_good: tuple[str, ...]
+    code: tuple[str, ...]
+
+    @property
+    def reading(self) -> Reading:
+        """The reading under which the frames agree best."""
+        return self.decision.best.reading
+
+    @property
+    def agree(self) -> bool:
+        """Whether the frames agree under it."""
+        return self.agreement >= _AGREE and self.likeness >= ALIKE
+
+    @property
+    def verdict(self) -> str:
+        """Return "right", "wrong" (and the findings say what), or "no agreement"."""
+        if not self.agree:
+            return "no agreement"
+        return "wrong" if differences(self.reading) else "right"
+
+    def headline(self) -> str:
+        """Return the verdict in one sentence."""
+        frames = f"{len(self.decision.search.stated.frames)} frames"
+        share = f"{100 * self.agreement:.0f} %"
+        if self.verdict == "right":
+            return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
+        if self.verdict == "wrong":
+            changed = listed([one.label for one in self.findings if not one.as_stated])
+            return (
+                f"wrong: {changed}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree as "
+                f"stated, {share} as found ({frames})"
+            )
+        if self.agreement >= WELL:
+            return (
+                f"no agreement: {frames} agree in {share} of the depths that two of them show, but not in colour; "
+                "expected pictures of the same things, with detail that can be compared"
+            )
+        return (
+            f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
+            "expected a scene that stands still, seen from places nearby, and the field of view of the camera"
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what `--json` prints."""
+        return {
+            "verdict": self.verdict,
+            "frames": len(self.decision.search.stated.frames),
+            "agreement_stated": self.agreement_stated,
+            "agreement": self.agreement,
+            "likeness": self.likeness,
+            "conventions": [attrs.asdict(one) for one in self.findings] if self.agree else [],
+            "as_good": list(self.as_good),
+            "code": list(self.code) if self.agree else [],
+        }
+
+
+def check(stated: Stated) -> Answer:
+    """Return under which conventions the frames agree."""
+    search = Search(stated)
+    decision = decide(search)
+    best = decision.best.reading
+    findings = tuple(_finding(decision, name) for name in CONVENTIONS)
+    rivals = [one for one in decision.others if one.changes and abs(_margin(decision, one.reading)) < SURE]
+    rivals = [one for one in rivals if differences(one.reading) != differences(best)]
+    as_good = dict.fromkeys(
+        listed([f"{CONVENTIONS[name].label}: {value(one.reading, stated, name)}" for name in differences(one.reading)])
+        for one in (rivals if differences(best) else ())
+    )
+    return Answer(
+        decision,
+        findings,
+        agreement(search, Reading()),
+        agreement(search, best),
+        likeness(search, best),
+        tuple(as_good),
+        tuple(code(best, stated)),
+    )
+
+
+def _finding(decision: Decision, name: str) -> Finding:
+    search, best = decision.search, decision.best.reading
+    changed = name in differences(best)
+    finding = Finding(name, CONVENTIONS[name].label, value(best, search.stated, name), not changed, True)
+    if name == EYES and search.stated.other_eye is None:
+        return _unknown(finding, "these are not of both eyes")
+    if CONVENTIONS[name].numbers and not (changed and name != RAY):
+        if name in (SCALE, PLANES) and {ENCODING} & set(differences(best)):
+            return finding  # part of the encoding
+        why = _vague(search, best, name)
+        return _unknown(finding, why) if why else finding
+    others = list(_others(search, best, name))
+    if not others:
+        return finding
+    margins = [_margin(decision, one) for one in others]
+    least = int(np.argmin(margins))
+    if margins[least] >= SURE:
+        return attrs.evolve(finding, margin=margins[least])
+    shift = _shift(search, best, others[least])
+    other = value(others[least], search.stated, name)
+    why = (
+        f"{other} would move pixels by only {shift:.2g}"
+        if shift < _STILL_PX and name != ROWS
+        else f"{other} fits as well, with other numbers"
+        if margins[least] > -SURE
+        else f"{other} fits better, and another change better still"
+    )
+    return _unknown(attrs.evolve(finding, margin=margins[least]), why)
+
+
+def _unknown(finding: Finding, why: str) -> Finding:
+    return attrs.evolve(finding, told=False, why=f"{why}; it takes {CONVENTIONS[finding.name].needs}")
+
+
+def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
+    """Yield the readings in which one convention is another one."""
+    if name in (ENCODING, PLANES, SCALE, TIME, PIXEL):
+        if name in differences(best):
+            yield restored(best, name)
+        return
+    if name == RAY:
+        yield attrs.evolve(best, along=0.0 if best.along else 1.0)
+        return
+    for one in search.discrete(best):
+        if set(differences(one)) ^ set(differences(best)) <= {name} and one.along == best.along:
+            before, after = (value(which, search.stated, name) for which in (best, one))
+            if before != after:
+                yield one
+
+
+def _margin(decision: Decision, other: Reading) -> float:
+    """Return by how many standard errors of the coarse score another reading is worse."""
+    coarse = decision.search.coarse
+    better, worse = (coarse.by_block(np.nan_to_num(coarse.score(one)))[0] for one in (decision.best.reading, other))
+    return standard_errors(better - worse)
+
+
+def _shift(search: Search, one: Reading, other: Reading) -> float:
+    """Return the median shift between two readings, in pixels."""
+    a, b = (search.fine.residuals(which) for which in (one, other))
+    both = a.seen & b.seen
+    return float(np.median(np.linalg.norm(a.pixel[both] - b.pixel[both], axis=-1))) if both.any() else math.inf
+
+
+def _vague(search: Search, best: Reading, name: str) -> str:
+    """Return why a number cannot be told, "" where it can."""
+    numbers = CONVENTIONS[name].numbers
+    steps = search.steps(best)
+    if not set(numbers) <= set(steps):
+        return "there are too few frames, or they are too far apart to know the motion between them"
+    fitted = search.fitted(best, numbers)
+    unit = {OFFSET: 1e3 * steps[OFFSET], LATE: search.stated.interval_s or 1.0}
+    errors = {key: float(error) / unit.get(key, 1.0) for key, error in zip(fitted.names, fitted.error, strict=True)}
+    most = max(errors.values())
+    if most <= CONVENTIONS[name].vague:
+        return ""
+    moved = search.moved_m(best)
+    if name in (SCALE, PLANES, RAY) and moved * search.span(best) < 0.01:
+        return f"the eye moves by only {100 * moved * search.span(best):.2g} % of the distance"
+    words = {PIXEL: f"known to {most:.2g} pixels only", TIME: f"known to {most:.2g} frames only"}
+    return words.get(
+        name, f"known to {100 * most:.0f} % only" if math.isfinite(most) else "nothing in them depends on it"
+    )

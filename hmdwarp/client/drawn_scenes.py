@@ -1,0 +1,185 @@
+"""Scenes that the client draws by itself: a model of surfaces alone, and whole scenes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+
+from ..geometry import View
+from ..gpu.context import Gpu
+from ..gpu.scopes import drawing_into
+from ..gpu.textures import SCALAR, allocate
+from ..scenes import Pieces, Scene, partial_scene, reduced, unlit, with_lamps_stopped
+from ..sources.server import (
+    Framebuffers,
+    Indirect,
+    Lighting,
+    SceneBuffers,
+    ScenePasses,
+    SceneTextures,
+    Server,
+    Target,
+    clear_depth,
+    moving_parts,
+)
+from .client_scene import ClientScene, Store
+from .shown_picture import ShownPicture
+
+Size = tuple[int, int]
+
+
+class Surfaces:
+    """The surfaces of a scene, drawn by the server's own passes: rgba16f and r32f inverse depth.
+
+    sources: where indirect light comes from; there are passes for each.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, *sources: Indirect) -> None:
+        self.scene = scene
+        surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
+        self._textures = SceneTextures(gpu, scene)
+        self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
+        self._moving = moving_parts(gpu, scene, self._textures)
+        self._passes = {
+            source: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, indirect=source)
+            for source in sources
+        }
+        self._framebuffers = Framebuffers(gpu.gl)
+
+    def reserve(self, size: Size) -> None:
+        """Allocate what pictures of that size need."""
+        self._framebuffers.reserve(size)
+
+    def lighting(self, source: Indirect) -> Lighting | None:
+        """Return the light of the passes with that indirect light; None without lamps."""
+        return self._passes[source].lighting
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int, source: Indirect = Indirect.OWN) -> None:
+        """Draw the whole picture: coverage 1 everywhere, sky included (inverse depth 0)."""
+        self._passes[source].draw(view, self._over(into), time_ns)
+
+    def _over(self, into: ShownPicture) -> moderngl.Framebuffer:
+        depth = (into.inverse_depth,) if into.inverse_depth is not None else ()
+        return self._framebuffers.over(into.colour.texture, *depth)
+
+    def close(self) -> None:
+        """Free its buffers; the shader library owns the programs."""
+        for passes in self._passes.values():
+            passes.close()
+        self._framebuffers.close()
+        for part in self._moving:
+            part.close()
+        self._buffers.close()
+        self._textures.close()
+
+
+class ReducedModel(Store):
+    """Surfaces with a share of the scene's triangles and of its textures' resolution.
+
+    wanted: both, as (share, texture). Errors: SceneError for a share or scale that is not above 0
+    and at most 1.
+    """
+
+    def __init__(self, client: ClientScene, wanted: tuple[float, float]) -> None:
+        super().__init__(client, wanted)
+        self._scene = reduced(with_lamps_stopped(client.scene), wanted[0], client.cache, texture=wanted[1])
+        self._drawn: dict[bool, DrawnModel] = {}
+
+    def drawn(self, *, lit: bool) -> DrawnModel:
+        """Return the model with baked light, else with light of 1 everywhere (albedo)."""
+        if lit not in self._drawn:
+            self._drawn[lit] = DrawnModel(self.client.gpu, self._scene if lit else unlit(self._scene))
+        return self._drawn[lit]
+
+    def weights(self) -> list[dict[str, Any]]:
+        """Count it once, with light and without: that differs by three numbers a vertex."""
+        share, texture = self.wanted
+        return [{"share": share, "texture": texture, **weight_of(self._scene)}]
+
+    def close(self) -> None:
+        for model in self._drawn.values():
+            model.close()
+
+
+class DrawnModel(Surfaces):
+    """A model that can be drawn into holes alone."""
+
+    def __init__(self, gpu: Gpu, scene: Scene) -> None:
+        super().__init__(gpu, scene, Indirect.OWN)
+        self._gl = gpu.gl
+        self._cover = gpu.shaders.draw("server/background.vert", "fills/model_cover.frag")
+        self._empty = gpu.gl.vertex_array(self._cover.program, [])
+        self._no_depth = allocate(gpu.gl, (1, 1), SCALAR)
+
+    def draw_holes(self, view: View, picture: ShownPicture, into: ShownPicture, time_ns: int) -> None:
+        """Draw into the holes of `picture`; elsewhere copy its colour and inverse depth.
+
+        Covered pixels get the nearest value in the depth buffer, so that only holes are shaded.
+        """
+        framebuffer, gl = self._over(into), self._gl
+        clear_depth(gl, framebuffer)
+        picture.colour.texture.use(0)
+        (picture.inverse_depth if picture.inverse_depth is not None else self._no_depth).use(1)
+        self._cover.uniforms.set(warped=0, warped_inverse_depth=1)
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+            self._empty.render(moderngl.TRIANGLES, vertices=3)
+        gl.polygon_offset = 0.0, 2.0  # surfaces at the near plane must stay behind covered pixels
+        self._passes[Indirect.OWN].draw_into(view, framebuffer, None, time_ns)
+        gl.polygon_offset = 0.0, 0.0
+
+    def close(self) -> None:
+        super().close()
+        self._empty.release()
+        self._no_depth.release()
+
+
+class WholeScene(Store):
+    """A scene that is drawn with all that is in it: mirrors, glass, overlays.
+
+    wanted: a Simplified of frames.layers.difference: share of the triangles of plain surfaces,
+    scale of textures, whether lit. With a share and a scale of 1, lit, it is drawn as the server
+    draws it, to the last bit.
+    """
+
+    def __init__(self, client: ClientScene, wanted: Any) -> None:
+        super().__init__(client, wanted)
+        self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit, folder=client.cache)
+        self._is_own = self.scene is not client.scene
+        self._renderer = Server(client.gpu, self.scene) if self._is_own else client.server
+
+    def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
+        """Draw the whole picture."""
+        target = Target(into.colour.texture, into.depth)
+        self._renderer.draw(view, target.size, target, time_ns)
+
+    def weights(self) -> list[dict[str, Any]]:
+        return [whole_weight(self.scene, self.wanted.share, self.wanted.texture)]
+
+    def close(self) -> None:
+        if self._is_own:
+            self._renderer.close()
+
+
+def weight_of(scene: Scene) -> dict[str, int]:
+    """Return `triangles`, `geometry_bytes` and `texture_bytes` of a scene, uncompressed.
+
+    Vertices are a position, a place on the texture and a light in float32; triangles three 32-bit
+    indices; texels 8 bits a channel, without mipmaps, of the textures that some mesh has.
+    """
+    vertices = sum(len(mesh.positions) for mesh in scene.meshes)
+    used = {mesh.texture for mesh in scene.meshes if mesh.texture >= 0}
+    return {
+        "triangles": scene.triangle_count,
+        "geometry_bytes": 4 * (3 + 2 + 3) * vertices + 4 * 3 * scene.triangle_count,
+        "texture_bytes": sum(scene.textures[index].image.nbytes for index in used),
+    }
+
+
+def whole_weight(scene: Scene, share: float = 1.0, texture: float = 1.0) -> dict[str, Any]:
+    """Return the weight of a scene that is drawn instead of a picture, with what crosses of it.
+
+    It crosses once, packed: at the start, so until the first whole picture, and in all.
+    """
+    packed = dict.fromkeys(("start_up_bytes", "first_picture_bytes", "arrived_bytes"), Pieces(scene).whole_bytes)
+    return {"share": share, "texture": texture, **weight_of(scene), **packed}

@@ -1,0 +1,184 @@
+"""Arrays of a picture with depth: checked, and converted to linear light and inverse depth."""
+
+from __future__ import annotations
+
+import math
+import operator
+from numbers import Real
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..colour import linear_from_srgb, srgb_from_linear
+from ..errors import InputError
+from ..geometry import Fov, Pose, View, inverse_depth_from_metres
+from ..sources.repairs import RepairChain
+
+NO_DEPTH = -1.0
+# What colour may be: sRGB as bytes, sRGB or linear light as floats.
+SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
+ENCODINGS = (SRGB, LINEAR)
+# Light above it is rare, and a picture is not lit like that in most places, nor in whole numbers:
+# 8-bit values are, as floats.
+_BRIGHTEST = 64.0
+
+
+@attrs.frozen(eq=False)
+class PictureArrays:
+    """A picture with depth, checked; the top row first."""
+
+    # (h, w, 3) as the caller has it, 0 where it is hidden: uint8 sRGB, or floats.
+    colour: NDArray[Any]
+    # Of `colour`: "srgb8", "srgb" or "linear".
+    encoding: str
+    # (h, w, 3) the same in linear light.
+    light: NDArray[Any]
+    # (h, w) 1/m, NaN where there is no depth or no colour.
+    inverse_depth: NDArray[np.float64]
+    # (h, w) where there is no colour.
+    hidden: NDArray[np.bool_]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) in pixels."""
+        height, width = self.hidden.shape
+        return width, height
+
+    def repaired(self, chain: RepairChain) -> tuple[PictureArrays, NDArray[np.float32]]:
+        """Return the picture with its depth repaired, and how sure that is, 0 to 1.
+
+        What has no colour stays a hole, whatever its depth.
+        """
+        is_bytes = self.colour.dtype == np.uint8
+        srgb = self.colour * np.float32(1 / 255) if is_bytes else srgb_from_linear(self.light.astype(np.float32))
+        found = chain.run(srgb, self.inverse_depth.astype(np.float32))
+        inverse = np.where(self.hidden, np.nan, found.inverse_depth.astype(np.float64))
+        return attrs.evolve(self, inverse_depth=inverse), np.where(self.hidden, np.float32(0), found.confidence)
+
+    def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return linear colour with coverage (h, w, 4), and inverse depth (h, w), -1 for none."""
+        covered = ~np.isnan(self.inverse_depth)
+        limit = float(np.finfo(np.float16).max)
+        light = np.clip(self.light, -limit, limit) * covered[..., None]
+        rgba = np.concatenate([light, covered[..., None]], axis=2)
+        return rgba.astype(np.float32), np.where(covered, self.inverse_depth, NO_DEPTH).astype(np.float32)
+
+
+def checked_picture(
+    colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
+) -> PictureArrays:
+    """Return the picture in linear light and inverse depth.
+
+    What a mask hides, in colour or in depth, has neither, nor has a pixel whose alpha is 0. Arrays
+    may be read-only and of any strides. Errors: InputError.
+    """
+    (colour, colour_mask), (depth_m, depth_mask) = _array("colour", colour), _array("depth_m", depth_m)
+    if colour.ndim != 3 or colour.shape[2] not in (3, 4) or 0 in colour.shape:
+        raise InputError(f"colour has shape {colour.shape}: expected (h, w, 3), or (h, w, 4) with coverage")
+    if colour.dtype != np.uint8 and colour.dtype.kind != "f":
+        raise InputError(f"colour is {colour.dtype}: expected uint8 (sRGB) or a float type (linear light)")
+    if depth_m.shape != colour.shape[:2] or depth_m.dtype.kind not in "fiu":
+        raise InputError(
+            f"depth_m is {depth_m.dtype} {depth_m.shape}: expected numbers of shape {colour.shape[:2]}, as colour has"
+        )
+    hidden: NDArray[np.bool_] = np.asarray(colour_mask.any(axis=2))
+    if colour.shape[2] == 4:
+        hidden |= _empty(colour[..., 3])
+        colour = colour[..., :3]
+    if colour.dtype.kind == "f":
+        hidden |= depth_mask & ~np.isfinite(colour).all(axis=2)
+    colour = np.where(hidden[..., None], 0, colour).astype(colour.dtype)
+    if not np.isfinite(colour).all():
+        y, x = np.argwhere(~np.isfinite(colour).all(axis=2))[0]
+        raise InputError(f"colour at row {y}, column {x} is not a finite number")
+    light = _in_linear_light(colour, encoding)
+    metres = _in_metres(depth_m, depth_scale)
+    unknown = np.logical_or(hidden, depth_mask)
+    known = metres[np.isfinite(metres) & (metres != 0) & ~unknown]
+    if len(known) and (known < 0).all() or (metres < 0).all():
+        raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
+    inverse = np.where(unknown, np.nan, inverse_depth_from_metres(metres))
+    found = SRGB8 if colour.dtype == np.uint8 else encoding or LINEAR
+    return PictureArrays(colour, found, light, inverse, hidden)
+
+
+def checked_view(name: str, view: object) -> View:
+    """Return the view. Errors: InputError for anything else, and for one of other parts."""
+    if not isinstance(view, View):
+        raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
+    if not (isinstance(view.pose, Pose) and isinstance(view.fov, Fov)):
+        found = f"{type(view.pose).__name__}, {type(view.fov).__name__}"
+        raise InputError(f"{name} is a View of {found}: expected View(pose, fov), a hmdwarp.Pose and a hmdwarp.Fov")
+    return view
+
+
+def _empty(alpha: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return where alpha says that nothing was drawn. Errors: InputError for a bad one."""
+    if not np.isfinite(alpha).all() or alpha.min() < 0:
+        y, x = np.argwhere(~(np.isfinite(alpha) & (alpha >= 0)))[0]
+        raise InputError(f"alpha of colour at row {y}, column {x} is {alpha[y, x]}: expected 0 for a hole, or more")
+    return np.asarray(alpha == 0)
+
+
+def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]:
+    """Return colour as linear light. Errors: InputError where the encoding is wrong or unclear."""
+    if encoding not in (None, *ENCODINGS):
+        raise InputError(f"encoding is {encoding!r}: expected {' or '.join(ENCODINGS)}")
+    if colour.dtype == np.uint8:
+        if encoding == LINEAR:
+            raise InputError("colour is uint8, which is sRGB, and encoding is linear: give linear light as floats")
+        return linear_from_srgb(colour)
+    most = float(colour.max())
+    if encoding == SRGB:
+        if most > 1:
+            raise InputError(f"colour goes up to {most:g}: expected sRGB as floats of 0 to 1, or as uint8")
+        return linear_from_srgb(colour)
+    if encoding is None and most > _BRIGHTEST and (np.median(colour) > 1 or (colour == np.rint(colour)).all()):
+        raise InputError(
+            f"colour is {colour.dtype} and goes up to {most:g}, where linear light has 1 for white: give 8-bit values "
+            'as uint8; divide encoded ones by their white and say encoding="srgb"; or say encoding="linear" if it is '
+            "light"
+        )
+    return colour
+
+
+def _in_metres(depth: NDArray[Any], scale: float | None) -> NDArray[Any]:
+    """Return depth in metres. Errors: InputError for integers of unknown unit, and a bad scale."""
+    if scale is None:
+        if depth.dtype.kind != "f":
+            raise InputError(
+                f"depth_m is {depth.dtype}, of unknown unit: give depth_scale, the metres per unit (0.001 for "
+                "millimetres, 1/5000 for TUM RGB-D, 1 for whole metres), or metres as floats"
+            )
+        return depth
+    if isinstance(scale, bool) or not isinstance(scale, Real) or not (math.isfinite(scale) and scale > 0):
+        raise InputError(f"depth_scale is {scale!r}: expected metres per unit, a number above 0, such as 0.001")
+    if scale > 1:
+        raise InputError(
+            f"depth_scale is {scale:g}: expected metres per unit, at most 1; where a metre has {scale:g} units it is "
+            f"1/{scale:g}"
+        )
+    return depth.astype(np.float64) * float(scale)
+
+
+def _array(name: str, value: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Return the values, and where a mask of numpy.ma hides them."""
+    try:
+        array = np.asanyarray(value)
+    except ValueError as error:
+        raise InputError(f"{name} is no array: {error}") from error
+    return np.asarray(array), np.ma.getmaskarray(array)
+
+
+def checked_size(size: object) -> tuple[int, int]:
+    """Return (w, h) as plain integers.
+
+    Errors: InputError for anything else; the GPU's limit is checked later.
+    """
+    try:
+        width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"size is {size!r}: expected (width, height) in whole pixels") from error
+    return width, height

@@ -1,0 +1,119 @@
+"""A picture as textures: uploaded from arrays, or converted from a caller's own textures."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..frames import EyeImage
+from ..geometry import DepthLayer, View
+from ..geometry.depth import HALF_STEP
+from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, SCALAR, allocate, release_all, upload
+from .picture_arrays import ENCODINGS, LINEAR, SRGB, PictureArrays
+
+INVERSE, METRES = "inverse", "metres"
+_FORMS = {INVERSE: 0, METRES: 1}
+_OF_BUFFER = 2
+_MOST = 3.4028234e38  # of a float32
+Pair = tuple[moderngl.Texture, moderngl.Texture]
+
+
+class HeldPicture:
+    """Colour and inverse depth of one picture, and with a repair how sure the depth is."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], has_confidence: bool) -> None:
+        self.pair = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
+        # rgba16f: confidence in red, coverage in alpha.
+        self._confidence = allocate(gpu.gl, size, COLOUR) if has_confidence else None
+
+    @property
+    def sure(self) -> moderngl.Texture:
+        """The confidence, for a Warper with a repair."""
+        assert self._confidence is not None
+        return self._confidence
+
+    def hold(self, picture: PictureArrays) -> None:
+        for texture, array in zip(self.pair, picture.arrays(), strict=True):
+            upload(texture, array)
+
+    def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
+        nothing = np.zeros_like(confidence)
+        upload(self.sure, np.stack([confidence, nothing, nothing, confidence > 0], axis=2))
+
+    def as_image(self, view: View, drawn_ns: int) -> EyeImage:
+        return EyeImage(view, *self.pair, drawn_ns=drawn_ns)
+
+    def close(self) -> None:
+        release_all(*self.pair, *([] if self._confidence is None else [self._confidence]))
+
+
+class ForeignTextures:
+    """Converts textures of one size; each conversion is compiled when it is first needed."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int]) -> None:
+        self._gpu, self._size = gpu, size
+
+    def converted(
+        self,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        depth_as: str | DepthLayer,
+        encoding: str,
+        into: Pair,
+    ) -> Pair:
+        """Return rgba16f linear light with coverage, and r32f inverse depth.
+
+        The textures themselves where they are that; else `into`, written by a pass. depth_as,
+        encoding: as Warper.warp_textures. Errors: InputError.
+        """
+        self._check(colour, depth, depth_as, encoding)
+        kinds = [(one.components, one.dtype) for one in (colour, depth)]
+        if kinds == [COLOUR, SCALAR] and depth_as == INVERSE and encoding == LINEAR:
+            return colour, depth
+        form = _OF_BUFFER if isinstance(depth_as, DepthLayer) else _FORMS[depth_as]
+        program = self._gpu.shaders.compute("image/given.comp", ENCODED=int(encoding == SRGB), DEPTH=form)
+        colour.use(0)
+        depth.use(1)
+        into[0].bind_to_image(0, read=False, write=True)
+        into[1].bind_to_image(1, read=False, write=True)
+        program.uniforms.set(given_colour=0, given_depth=1, colour=0, inverse_depth=1, rendered_size=self._size)
+        if isinstance(depth_as, DepthLayer):
+            program.uniforms.set(**_buffer_uniforms(depth_as))
+        program.run(*self._size)
+        self._gpu.barrier()
+        return into
+
+    def _check(
+        self, colour: moderngl.Texture, depth: moderngl.Texture, depth_as: str | DepthLayer, encoding: str
+    ) -> None:
+        for name, texture in (("colour", colour), ("depth", depth)):
+            if not isinstance(texture, moderngl.Texture):
+                raise InputError(
+                    f"{name} is a {type(texture).__name__}: expected a moderngl.Texture; for an OpenGL id take "
+                    "gpu.gl.external_texture(id, size, components, 0, dtype)"
+                )
+            if texture.size != self._size:
+                wide, high = self._size
+                raise InputError(f"{name} is {texture.width}x{texture.height} pixels: this Warper is for {wide}x{high}")
+        if colour.components != 4:
+            raise InputError(f"colour has {colour.components} components: expected 4, with coverage in alpha")
+        if not isinstance(depth_as, DepthLayer) and depth_as not in _FORMS:
+            raise InputError(f"depth_as is {depth_as!r}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
+        if encoding not in ENCODINGS:
+            raise InputError(f"encoding is {encoding!r}: expected {' or '.join(ENCODINGS)}")
+
+
+def _buffer_uniforms(layer: DepthLayer) -> dict[str, float]:
+    """Return the numbers by which a depth buffer's values become inverse depth."""
+    span = layer.max_depth - layer.min_depth
+    near, far = 1 / layer.near_z, 1 / layer.far_z
+    return {
+        "low": layer.min_depth,
+        "high": layer.max_depth,
+        "slack": min(HALF_STEP, 0.01 * span),
+        "at_least": min(near, _MOST),
+        "per_value": (far - near) / span,
+    }

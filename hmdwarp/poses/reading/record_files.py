@@ -1,0 +1,247 @@
+"""Records of JSON and MCAP files as the rows of a table, to be read like any other trace."""
+
+from __future__ import annotations
+
+import json
+import operator
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import IO, Any
+
+import attrs
+
+from ...errors import HmdwarpError, TraceError
+from ...resources import import_extra
+from ..stated import Defect
+from .columns import names_rotation
+
+_LEAST_RECORDS = 2  # of a JSON file
+MAGIC = b"\x89MCAP0\r\n"
+EXTRA = "mcap"
+METADATA = "hmdwarp"  # name of the record that states the axes and the origin
+COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
+# Where messages have their time, the frame they are in, the frame they move, and their pose.
+_STAMPED = ("header.stamp", "header.frame_id")
+_FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
+    "foxglove.PoseInFrame": ("timestamp", "frame_id", None, "pose.position", "pose.orientation"),
+    "foxglove.FrameTransform": ("timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"),
+    "geometry_msgs/PoseStamped": (*_STAMPED, None, "pose.position", "pose.orientation"),
+    "geometry_msgs/PoseWithCovarianceStamped": (*_STAMPED, None, "pose.pose.position", "pose.pose.orientation"),
+    "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
+    "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
+}
+_LISTS = {
+    "foxglove.FrameTransforms": "foxglove.FrameTransform",
+    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped",
+}
+_STATIC = "tf_static"  # topic of transforms that never change: no head
+_XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
+_PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
+
+
+def table_of_json(raw: bytes) -> bytes | None:
+    """Return comma-separated rows below a header for JSON lines, or for a document with a list.
+
+    Names of nested objects are joined by a dot; three numbers in a list become x, y and z, and four
+    of a rotation its q0 to q3. None where the bytes are no JSON with records.
+    """
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return None
+    records = _records(text)
+    if len(records) < _LEAST_RECORDS:
+        return None
+    rows = [_flat(record) for record in records]
+    names = list(dict.fromkeys(name for row in rows[:100] for name in row))
+    named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
+    lines = [",".join(names)] if named else []
+    lines += [",".join(str(row.get(name, "")) for name in names) for row in rows]
+    return "\n".join([*lines, ""]).encode()
+
+
+def _records(text: str) -> list[Any]:
+    try:
+        return _longest_list(json.loads(text))
+    except ValueError:
+        pass
+    try:
+        return [json.loads(line) for line in text.splitlines() if line.strip()]
+    except ValueError:
+        return []
+
+
+def _longest_list(document: Any) -> list[Any]:
+    """Return the longest list of objects or of lists anywhere in a document."""
+    if isinstance(document, list):
+        return document if document and all(isinstance(one, dict | list) for one in document) else []
+    if isinstance(document, dict):
+        return max(map(_longest_list, document.values()), key=len, default=[])
+    return []
+
+
+def _flat(value: Any, name: str = "") -> dict[str, Any]:
+    if isinstance(value, dict):
+        parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
+    elif isinstance(value, list):
+        parts = [(one, part) for one, part in zip(_names_in(value, name), value, strict=True)]
+    else:
+        return {name: "" if value is None else str(value).replace(",", " ").replace("\n", " ")}
+    return {key: number for one, part in parts for key, number in _flat(part, one).items()}
+
+
+def _names_in(values: list[Any], name: str) -> list[str]:
+    if len(values) == 3 and not any(isinstance(one, list) for one in values):
+        return [f"{name}.{axis}" for axis in "xyz"]
+    if len(values) == 4 and names_rotation(name):
+        return [f"{name}.q{i}" for i in range(4)]
+    return [f"{name}.{i}" for i in range(len(values))]
+
+
+@attrs.frozen
+class McapTable:
+    """What an MCAP file holds of poses."""
+
+    text: bytes  # comma-separated rows below comments and COLUMNS
+    defects: tuple[Defect, ...]
+    nested: dict[str, Defect]  # by topic: its poses are in a frame that has a pose itself
+
+
+@attrs.frozen
+class _Pose:
+    stamp_ns: int  # 0 where the message has none
+    parent: str
+    child: str
+    numbers: tuple[float, ...]  # position, then quaternion xyzw
+
+
+def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> McapTable:
+    """Return every pose of the messages that hold one, in the order they were logged.
+
+    Errors: TraceError without any, or for damaged data; MachineError where `mcap` is missing.
+    """
+    return _Reading(path, stream, size).table()
+
+
+class _Reading:
+    def __init__(self, path: Path, stream: IO[bytes], size: int) -> None:
+        self.path, self.stream = path, stream
+        self._mcap = import_extra("mcap.reader", "mcap", EXTRA)
+        self._how = {"validate_crcs": True, "record_size_limit": size}
+        modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
+        self._factories = [import_extra(*one, EXTRA).DecoderFactory() for one in modules]
+        self._decoders: dict[int, Callable[[bytes], Any] | None] = {}
+        self._comments: list[str] = []
+        self._defects: list[Defect] = []
+        self._held: dict[str, str] = {}  # what the other topics hold, in words
+        self._frames: dict[str, str] = {}  # by topic of a transform: its parent
+        self._children: dict[str, str] = {}  # by frame: the frame it is in
+
+    def table(self) -> McapTable:
+        rows = []
+        for topic, logged_ns, pose in self._poses():
+            if pose.child:
+                self._children.setdefault(pose.child, pose.parent)
+            if topic.rpartition("/")[2] == _STATIC:
+                continue
+            name = " ".join(f"{topic} {pose.child}".replace(",", " ").replace('"', " ").split())
+            self._frames.setdefault(name, pose.parent)
+            rows.append(",".join((str(pose.stamp_ns), str(logged_ns), name, *map(repr, pose.numbers))))
+        if not rows:
+            raise TraceError(f"{self.path} is an MCAP file without poses{self._others()}: expected {_wanted()}")
+        text = "\n".join([*self._comments, ",".join(COLUMNS), *rows, ""]).encode()
+        return McapTable(text, tuple(self._defects), dict(self._nested()))
+
+    def _nested(self) -> Iterator[tuple[str, Defect]]:
+        for name, parent in self._frames.items():
+            if parent in self._children:
+                what = f"its poses are in frame '{parent}', which is itself in frame '{self._children[parent]}'"
+                yield name, Defect("frame-nested", what, "taken as they are; transforms are not chained")
+
+    def _others(self) -> str:
+        held = [f"{topic} ({what})" for topic, what in self._held.items()]
+        return f" that can be read; it holds {', '.join(held[:8])}" if held else ""
+
+    def _poses(self) -> Iterator[tuple[str, int, _Pose]]:
+        """Yield topic, time of logging and pose. Errors: TraceError."""
+        count = 0
+        reader, whole = self._reader()
+        try:
+            for schema, channel, message in reader.iter_messages(self._topics(whole), log_time_order=whole is not None):
+                name = "" if schema is None else schema.name.replace("/msg/", "/")
+                decode = self._decoder(name, schema, channel)
+                if decode is not None:
+                    for pose in _poses_in(name, decode(message.data)):
+                        count += 1
+                        yield channel.topic, message.log_time, pose
+        except HmdwarpError:
+            raise
+        except Exception as error:  # decoders and decompressors raise anything at damaged data
+            why = f"{type(error).__name__}: {error}"
+            if whole is not None or not count:
+                raise TraceError(f"{self.path}: its MCAP data are damaged ({why}): copy or record it again") from None
+            what = f"the file ends in the middle, after {count} poses ({why})"
+            self._defects.append(Defect("file-cut", what, "read up to there"))
+
+    def _reader(self) -> tuple[Any, Any]:
+        """Return a reader, and the index of a file that was closed as it should be, else None."""
+        try:
+            reader = self._mcap.SeekingReader(self.stream, **self._how)
+            index = reader.get_summary()
+            if index is not None:
+                self._state(reader)
+                return reader, index
+        except Exception:  # as above: a file that was cut off has no index where it should be
+            pass
+        self.stream.seek(0)
+        return self._mcap.NonSeekingReader(self.stream, **self._how), None
+
+    def _state(self, reader: Any) -> None:
+        stated: dict[str, str] = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
+        self._comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
+
+    def _topics(self, index: Any) -> list[str] | None:
+        """Return the topics with poses; None for all. Only their parts of the file are read."""
+        if index is None:
+            return None
+        topics = []
+        for channel in index.channels.values():
+            schema = index.schemas.get(channel.schema_id)
+            if self._decoder("" if schema is None else schema.name.replace("/msg/", "/"), schema, channel) is not None:
+                topics.append(channel.topic)
+        return topics
+
+    def _decoder(self, name: str, schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
+        if channel.id not in self._decoders:
+            found = self._decoder_of(schema, channel.message_encoding) if name in _FIELDS or name in _LISTS else None
+            if found is None:
+                self._held[channel.topic] = f"{name or 'no schema'}, {channel.message_encoding}"
+            self._decoders[channel.id] = found
+        return self._decoders[channel.id]
+
+    def _decoder_of(self, schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
+        if encoding == "json":
+            return lambda data: json.loads(data, object_hook=lambda found: SimpleNamespace(**found))
+        return next(filter(None, (one.decoder_for(encoding, schema) for one in self._factories)), None)
+
+
+def _poses_in(name: str, message: Any) -> Iterator[_Pose]:
+    if name in _LISTS:
+        for one in message.transforms:
+            yield from _poses_in(_LISTS[name], one)
+        return
+    stamp, parent, child, position, orientation = (
+        "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]
+    )
+    numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
+    yield _Pose(_nanoseconds(stamp), parent, child, numbers)
+
+
+def _nanoseconds(stamp: Any) -> int:
+    whole, rest = next(pair for pair in _PARTS_OF_STAMPS if all(hasattr(stamp, part) for part in pair))
+    return int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
+
+
+def _wanted() -> str:
+    return f"messages of {', '.join([*_FIELDS, *_LISTS])}, as JSON, protobuf or ROS 2's CDR"

@@ -1,0 +1,307 @@
+"""report.html of a replay, and the parts that it shares with a live run's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from markupsafe import Markup
+
+from ..metrics import PRIMARY, Figure, Kept, metrics_in_order
+from .charts import Series, time_series, timeline_svg
+from .page import (
+    Article,
+    Chart,
+    Group,
+    Heading,
+    Page,
+    Picture,
+    Section,
+    Terms,
+    Text,
+    Tile,
+    fact,
+    machine_pairs,
+    notes_section,
+    reading_section,
+    texts,
+)
+from .pictures import Panel, comparison_panels
+from .run_table import column_names, comparison_rows, how_sure
+from .run_texts import (
+    MISS_FIGURES,
+    QUALITY_FIGURES,
+    TIME_FIGURES,
+    Summary,
+    coding_rows,
+    eyes_text,
+    filled_rows,
+    frame_rows,
+    miss_texts,
+    model_rows,
+    response_rows,
+    source_facts,
+)
+from .tables import Cell, Line, Table
+from .words import listed
+
+Rows = Sequence[Mapping[str, Any]]
+
+EYES = ("left eye", "right eye")
+# (heading, column, unit)
+_MOTION_CHARTS = (
+    ("Age of the shown frame", "age_ms", "ms"),
+    ("Angular speed of the head", "angular_speed_deg_s", "deg/s"),
+    ("Linear speed of the head", "linear_speed_m_s", "m/s"),
+)
+_SCALE = Markup("<span>0 no visible error</span><i></i><span>FLIP 1</span>")
+_LEVEL_HEADS = ("expected, ms", "expected FLIP", "share of refreshes")
+
+
+@attrs.frozen(eq=False)
+class WorstFrame:
+    """One picture of the strip of worst frames."""
+
+    time_s: float
+    eye: int  # 0 left, 1 right
+    panels: tuple[Panel, ...]  # labelled, as comparison_panels makes them
+    values: Mapping[str, float | None]  # by metric
+
+    @classmethod
+    def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
+        """Make one of a picture that QualityPool kept."""
+        assert kept.result.error_map is not None
+        pictures = kept.job.now
+        panels = comparison_panels(kept.job.rendered_picture, pictures.shown, pictures.truth, kept.result.error_map)
+        return cls(time_s, eye, tuple(panels), kept.result.values)
+
+
+def render_report(
+    summary: Summary,
+    baselines: Sequence[Summary] = (),
+    *,
+    rows: Rows,
+    baselines_rows: Sequence[Rows] = (),
+    misses: Sequence[Rows] = (),
+    worst: Sequence[WorstFrame] = (),
+    command: str,
+    notes: Sequence[str] = (),
+) -> str:
+    """Return the text of report.html; the same arguments give the same text.
+
+    summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
+    values. misses: as misses.csv's, of the run and each baseline, empty without `miss` in the
+    summary; none if no one misses any. command: as the user typed it. notes: the run's, one
+    sentence each.
+    """
+    names = column_names(summary, *baselines)
+    truth = "the recorded frame nearest to that instant"
+    if "recorded" not in summary:
+        truth = "what a renderer without any delay would have shown at that instant"
+    charts = _charts(summary, names, rows, baselines_rows) + _miss_charts(summary, names, misses)
+    about_charts = texts("replay")["notes"]["charts"].format(eyes=eyes_text(summary))
+    return Page(
+        kind="replay",
+        title=f"hmdwarp: {summary['warp']} at {summary['latency_ms']:g} ms, {summary['trace']}",
+        heading=(summary["warp"], f"at {summary['latency_ms']:g} ms"),
+        facts=_facts(summary),
+        command=command,
+        sections=(
+            Section("", _tiles(summary, baselines, names), style="tiles", label="Main figures"),
+            notes_section(notes),
+            _figures(summary, baselines, names),
+            _levels(summary),
+            transit_section(summary, ("Holes, of all pixels", filled_rows(summary)),
+                            ("On the client, uncompressed", model_rows(summary))),
+            Section("Over time", [Group("charts", charts), Text(about_charts)]),
+            _worst_frames(worst, EYES if summary.get("eyes", 2) == 2 else ("camera",)),
+            reading_section(
+                "replay", *((m.label, m.explanation) for m in metrics_in_order() if m.explanation), truth=truth
+            ),
+        ),
+        made_with=made_with(summary),
+    ).html()  # fmt: skip
+
+
+def made_with(summary: Summary) -> list[tuple[str, str]]:
+    """Return what a run was made with."""
+    pairs = machine_pairs(summary["hmdwarp"], summary["machine"], summary["clock"])
+    return [*pairs, ("Effects", ", ".join(summary["effects"]) or "none")]
+
+
+def size_fact(summary: Summary) -> Markup:
+    """Return the size of an eye's picture, and what was rendered where that is more."""
+    size = Markup("{}×{} per eye").format(*summary["size"])
+    rendered = summary.get("rendered")
+    if not rendered or rendered["size"] == summary["size"]:
+        return size
+    across, down = rendered["fov_deg"]
+    more = Markup(", rendered <b>{}</b> ({:.2f} times the pixels, {:.1f} × {:.1f} degrees)")
+    return size + more.format("×".join(map(str, rendered["size"])), rendered["pixels"], across, down)
+
+
+def _facts(summary: Summary) -> list[str]:
+    axes = Markup(" in axes <b>{}</b>").format(summary["trace_axes"]) if summary.get("trace_axes") else ""
+    count = summary.get("measured", {}).get(PRIMARY)
+    pictures = summary.get("eyes", 2) * summary["frames"]
+    return [
+        fact("head trace", summary["trace"], axes),
+        *(fact(*pair) for pair in source_facts(summary)),
+        *(fact(name, summary[name]) for name in ("fill", "lens", "headset")),
+        size_fact(summary),
+        f"{summary['frames']} frames" + ("" if count is None else f", {count} of {pictures} pictures measured"),
+    ]
+
+
+def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> list[Tile]:
+    figures = [(m.label, m.figure, "quality", "mean", m.tile_note) for m in metrics_in_order() if m.tile_note]
+    figures.append(("Time per eye", TIME_FIGURES[-1], "time_ms", "median", "all stages, median per eye"))
+    tiles = []
+    for label, figure, table, main, note in figures:
+        other = "; ".join(
+            f"{name}: {figure.text(one[table][figure.name][main])}"
+            for name, one in zip(names[1:], baselines, strict=True)
+        )
+        tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
+    if "miss" in summary:
+        missing = [(name, one["miss"]) for name, one in zip(names[1:], baselines, strict=True) if "miss" in one]
+        tiles.append(miss_tile(summary["miss"], missing))
+    return tiles
+
+
+def miss_tile(entry: Mapping[str, Any], others: Sequence[tuple[str, Mapping[str, Any]]] = ()) -> Tile:
+    """Return the tile of a run.
+
+    entry: `miss` of summary.json. others: name and entry of each run that it is compared with.
+    """
+    share, longest, judder = miss_texts(entry)
+    compared = "; ".join(f"{name}: {miss_texts(one)[0]}" for name, one in others)
+    note = f"at most {longest} in a row; judder {judder} deg RMS"
+    return Tile(MISS_FIGURES[0].label, MISS_FIGURES[0].unit, share, note, compared or None)
+
+
+def _figures(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> Section:
+    """Return the table of figures: picture, time, and refreshes where any was missed."""
+    tables: dict[int, str] = {0: "Picture, mean", len(QUALITY_FIGURES): "Time per eye, median"}
+    tables[len(QUALITY_FIGURES + TIME_FIGURES)] = "Refreshes"
+    lines = [
+        Line((Cell(_head(row.figure)), *_cells(row.cells, row.best)), group=tables.get(number, ""))
+        for number, row in enumerate(comparison_rows(summary, *baselines))
+    ]
+    heads = [("", ""), *(pair for name in names for pair in ((name, ""), ("p95", "")))]
+    notes = texts("replay")["notes"]
+    note = notes["figures"].format(
+        rising=listed([metric.label for metric in metrics_in_order() if metric.higher_is_better]),
+        sure=how_sure(summary, mark="★" if baselines else None),
+    )
+    if baselines:
+        note += notes["compared"]
+        pairs = zip(names[1:], baselines, strict=True)
+        note += "".join(f" {name} ran with fill {one['fill']} and lens {one['lens']}." for name, one in pairs)
+    return Section("Figures", [Table("", heads, lines, label="Figures"), Text(note)])
+
+
+def _head(figure: Figure) -> Markup:
+    unit = Markup(' <span class="unit">{}</span>').format(figure.unit) if figure.unit else ""
+    return Markup("{}{}").format(figure.label, unit)
+
+
+def _cells(cells: Sequence[tuple[str, str]], best: int | None) -> list[Cell]:
+    star = Markup('<span class="star" title="the best of the line">★ </span>')
+    made = []
+    for number, (main, tail) in enumerate(cells):
+        made += [Cell(star + main, "best") if number == best else Cell(main), Cell(tail, "tail")]
+    return made
+
+
+def _levels(summary: Summary) -> Section | None:
+    """Return the levels and changes of warp "auto"; None for a run of one warp."""
+    if "auto" not in summary:
+        return None
+    auto, notes = summary["auto"], texts("replay")["notes"]
+    lines = [
+        (
+            level["name"],
+            f"{level['total_ms']:.2f}",
+            f"{level['flip']:.4f}",
+            f"{level['refreshes'] / summary['frames']:.1%}",
+        )
+        for level in auto["ladder"]
+    ]
+    heads = [(f"within {auto['budget_ms']:g} ms per eye", ""), *((head, "") for head in _LEVEL_HEADS)]
+    changes = [(f"{c['time_s']:.2f} s: {c['to']}", f"{c['reason']}.") for c in auto["changes"]]
+    table = Table.of("", heads, lines, label="Chosen warps")
+    return Section(
+        "Chosen warps", [table, Text(notes["ladder"]), Terms(changes, "changes") if changes else Text(notes["kept"])]
+    )
+
+
+def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> Section | None:
+    """Return the section on the frames in transit. more: heading and pairs of further tables."""
+    response = response_rows(summary)
+    if not response:
+        return None
+    tables = (
+        ("Response time, means over the refreshes", response),
+        ("Frames", frame_rows(summary)),
+        ("Size", coding_rows(summary)),
+        *more,
+    )
+    pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
+    timeline = timeline_svg((summary.get("link") or {}).get("timeline") or ())
+    title = "The last frames, part by part"
+    drawn = [Heading(title), Chart.of("", timeline, title, "wide plain")] if timeline else []
+    return Section("Frames in transit", [Group("pairs", pairs), *drawn, Text(texts("replay")["notes"]["transit"])])
+
+
+def _miss_charts(summary: Summary, names: list[str], misses: Sequence[Rows]) -> list[Chart]:
+    """Return the chart of the client's time against its budget, if refreshes may be missed.
+
+    misses: none for a run that is always in time, whose place the budget takes, so that the others
+    keep theirs.
+    """
+    if not misses:
+        return []
+    lines = [
+        Series.of(name, rows, "took_ms", ticks_s=[row["time_s"] for row in rows if row["stale"]])
+        for name, rows in zip(names, misses, strict=True)
+    ]
+    times_s = np.array([row["time_s"] for row in misses[0]])
+    free = next((number for number, rows in enumerate(misses) if not rows), len(misses))
+    lines[free : free + 1] = [Series("budget", times_s, np.full(len(times_s), summary["miss"]["budget_ms"]))]
+    return [Chart.over_time("Client's time for a picture; ticks: missed refreshes", time_series(lines, "ms"))]
+
+
+def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
+    """Return the charts over time: the primary metric, the others, then the head's motion."""
+    charts = []
+    for metric in sorted(metrics_in_order(), key=lambda m: m.name != PRIMARY):
+        if not metric.chart:
+            continue
+        drawn = zip(names, (rows, *baselines_rows), strict=True)
+        series = [Series.of(name, its_rows, metric.name, metric.scale) for name, its_rows in drawn]
+        svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
+        charts.append(Chart.over_time(metric.chart, svg))
+    others = [*_MOTION_CHARTS, *([("Time per eye", "total_ms", "ms")] if "auto" in summary else [])]
+    return charts + [
+        Chart.over_time(heading, time_series([Series.of("", rows, name)], unit)) for heading, name, unit in others
+    ]
+
+
+def _worst_frames(worst: Sequence[WorstFrame], eyes: Sequence[str]) -> Section | None:
+    if not worst:
+        return None
+    frames = [_worst(frame, f"{frame.time_s:.2f} s, {eyes[frame.eye]}") for frame in worst]
+    return Section("Worst frames", [Text(texts("replay")["notes"]["worst"]), *frames, Text(_SCALE, "scale")])
+
+
+def _worst(frame: WorstFrame, when: str) -> Article:
+    figures = [
+        Markup("<span>{} <b>{}</b>{}</span> ").format(f.label, f.text(value), f" {f.unit}" if f.unit else "")
+        for f in QUALITY_FIGURES
+        if (value := frame.values.get(f.name)) is not None
+    ]
+    pictures = [Picture.of(label, picture, f"{label} at {when}") for label, picture in frame.panels]
+    return Article([Heading(when), Text(Markup("").join(figures), "figures"), Group("panels", pictures)], style="worst")

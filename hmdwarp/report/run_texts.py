@@ -1,0 +1,287 @@
+"""A run in words: its source, the frames in transit, what the client holds, a live run's lines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ..metrics import STAGES, Figure, metrics, metrics_in_order
+from .words import counted
+
+Summary = Mapping[str, Any]
+Pairs = list[tuple[str, str]]
+
+QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
+TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
+# Of the `miss` of a summary.
+MISS_FIGURES = (
+    Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
+    Figure("longest_stale", "Most missed in a row", "", 0),
+    Figure("judder_deg", "Judder, RMS", "deg", 3),
+)
+_MS = Figure("", "", "ms", 2)
+_RESPONSE = {
+    "render_ms": "{drawing}, {eyes}",
+    "encode_ms": "encoding of the shown frames",
+    "queue_ms": "waiting for earlier frames",
+    "transfer_ms": "size over bandwidth",
+    "round_trip_ms": "the network, both ways",
+    "decode_ms": "decoding of the shown frames",
+    "warp_ms": "warp to lens, {eyes}",
+    "total_ms": "{kind} (mean: the sum of these)",
+    "median_ms": "{kind} (median)",
+    "p95_ms": "{kind} (95th percentile)",
+}
+# With --response fixed a frame is as old as the latency says, whatever the stages took here.
+_WITH_STAGES = "the latency and this machine's stages on top"
+_FRAMES = {
+    "skipped": "not drawn (the server was busy)",
+    "unchanged": "not drawn (nothing would have changed)",
+    "drawn": "drawn",
+    "sent": "sent",
+    "never_shown": "drawn in vain (never shown)",
+    "dropped": "dropped before a full queue",
+    "lost": "lost on the network",
+    "undecodable": "undecodable (depend on a lost frame)",
+    "late": "too late (a newer one was shown)",
+    "superseded": "superseded (a newer one came by the same refresh)",
+    "shown": "shown",
+    "under_way": "in transit at the end",
+}
+_CODING = (
+    ("encode_ms", "encoding (median of all frames)", "ms"),
+    ("decode_ms", "decoding (median of all frames)", "ms"),
+    ("coded_psnr_db", "pictures after coding", "dB PSNR"),
+)
+_TROUBLE = ("skipped", "unchanged", "dropped", "lost", "late", "superseded", "undecodable")
+
+
+def source_facts(summary: Summary) -> Pairs:
+    """Return (kind, text) of the frames' origin: a scene, or a folder, its camera and the eyes."""
+    recorded = summary.get("recorded")
+    if recorded is None:
+        return [("scene", summary["scene"])]
+    across, down = recorded["fov_deg"]
+    camera = f"{'×'.join(map(str, recorded['size']))}, {across:.1f} × {down:.1f} degrees"
+    distance = recorded["eye_distance_mm"]
+    eyes = f"both, the right one {distance:g} mm beside the camera" if distance else "one, the camera's"
+    return [
+        ("recorded frames", f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"),
+        ("camera", camera),
+        ("eyes", eyes),
+    ]
+
+
+def source_text(summary: Summary) -> str:
+    """Return "scene room", or "recorded frames NAME"."""
+    return f"{'scene' if 'recorded' not in summary else 'recorded frames'} {summary['scene']}"
+
+
+def eyes_text(summary: Summary) -> str:
+    """Return whose time it is that all eyes take together."""
+    recorded = summary.get("recorded")
+    return "both eyes" if recorded is None or recorded["eye_distance_mm"] else "the camera's eye"
+
+
+def drawing_text(summary: Summary) -> str:
+    """Return what the server does before it sends a frame."""
+    return "drawing" if "recorded" not in summary else "reading the recorded frame"
+
+
+def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the texts of MISS_FIGURES. entry: `miss` of a summary."""
+    return tuple(figure.text(entry[figure.name]) for figure in MISS_FIGURES)
+
+
+def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
+    """Return the axes in which each recorded trace was read, by its name."""
+    return {str(one["trace"]): str(one["trace_axes"]) for one in summaries if one.get("trace_axes")}
+
+
+def filled_rows(summary: Summary) -> Pairs:
+    """Return (fill, share of all pixels) of each step of the chain, then the pixels left empty.
+
+    The list is empty if the summary does not say.
+    """
+    filled: Mapping[str, float] = summary.get("filled") or {}
+    return [
+        ("left empty" if name == "empty" else f"fill {name}", f"{100 * share:.2f} %") for name, share in filled.items()
+    ]
+
+
+def model_rows(summary: Summary) -> Pairs:
+    """Return (model, what it weighs) of each model that the client drew for itself.
+
+    With what crossed for it, packed, where the summary says so.
+    """
+    rows = []
+    for one in summary.get("client_models") or ():
+        if "share" not in one:
+            *_, kept = one  # how many things it holds comes last
+            rows.append((f"client's {kept}", f"{one[kept]}, room of {one['geometry_bytes'] / 1e6:.1f} MB"))
+        else:
+            named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
+            weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
+            rows.append((named, f"{weight}textures {one['texture_bytes'] / 1e6:.1f} MB"))
+        if "start_up_bytes" in one:
+            first = one["first_picture_bytes"]
+            whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
+            rows.append(
+                (
+                    "of that crossed, packed",
+                    f"{one['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, {one['arrived_bytes'] / 1e6:.2f} MB "
+                    "in all",
+                )
+            )
+    return rows
+
+
+def response_rows(summary: Summary) -> Pairs:
+    """Return (part, mean ms) of the response time, without parts that took no time.
+
+    They add up to the mean response time; its median and 95th percentile follow.
+    """
+    return _response(summary, *_RESPONSE)
+
+
+def _response(summary: Summary, *names: str) -> Pairs:
+    link = summary.get("link") or {}
+    kind = "response time" if link.get("response") == "sum" else _WITH_STAGES
+    took = link.get("response_ms") or {}
+    words = {"kind": kind, "drawing": drawing_text(summary), "eyes": eyes_text(summary)}
+    return [(_RESPONSE[name].format(**words), f"{took[name]:.2f} ms") for name in names if took.get(name)]
+
+
+def frame_rows(summary: Summary) -> Pairs:
+    """Return (outcome, number of frames), without outcomes of no frame."""
+    frames = (summary.get("link") or {}).get("frames") or {}
+    return [(outcome, str(frames[name])) for name, outcome in _FRAMES.items() if frames.get(name)]
+
+
+def coding_rows(summary: Summary) -> Pairs:
+    """Return the data rate, of each layer too, and the time and loss of the codec."""
+    link = summary.get("link") or {}
+    if "mbit_s" not in link:
+        return []
+    coded = " uncompressed" if link["codec"] == "none" else ""
+    rows = [(f"rate, {eyes_text(summary)}", f"{link['mbit_s']:.1f} Mbit/s{coded}")]
+    layers: Mapping[str, float] = link.get("layers_mbit_s") or {}
+    if len(layers) > 1:
+        rows.append(("of that", ", ".join(f"{name.replace('_', ' ')} {rate:.1f}" for name, rate in layers.items())))
+    if "up_mbit_s" in link:
+        rows.append(("head poses to the server", f"{link['up_mbit_s']:.2f} Mbit/s"))
+    if link["codec"] != "none":
+        rows.append(("codec", link["codec"]))
+        rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
+    if "proxy" in link:
+        rows += _about_proxy(link["proxy"])
+    if "resolution" in link:
+        rows += [
+            (f"frames at {float(scale):.0%} of the width and height", str(count))
+            for scale, count in link["resolution"]["frames"].items()
+            if count
+        ]
+        rows.append(("changes of resolution", str(link["resolution"]["changes"])))
+    return rows
+
+
+def _about_proxy(proxy: Summary) -> Pairs:
+    """Return what the proxy gets and does."""
+    passes = proxy["warp"] if proxy["fill"] == "none" else f"{proxy['warp']} + {proxy['fill']}"
+    coded = " uncompressed" if proxy["codec"] == "none" else f", {proxy['codec']}"
+    took = proxy["time_ms"].get("total", {}).get("median")
+    return [
+        ("proxy", passes),
+        ("from the server to the proxy", f"{proxy['latency_ms']:g} ms, {proxy['mbit_s']:.1f} Mbit/s{coded}"),
+        ("the proxy's warp to fill, one eye (median)", _with_unit(took, "ms")),
+    ]
+
+
+def _with_unit(value: float | None, unit: str) -> str:
+    return "–" if value is None else f"{value:.1f} {unit}"
+
+
+def transit_lines(summary: Summary) -> list[str]:
+    """Return lines for the terminal, after the table: none for a plain link and a single fill."""
+    lines = []
+    filled = filled_rows(summary)
+    if len(filled) > 2:
+        lines.append("holes: " + ", ".join(f"{name} {share}" for name, share in filled))
+    lines += [f"{name}: {weight}" for name, weight in model_rows(summary)]
+    link = summary.get("link") or {}
+    counts = link.get("frames") or {}
+    if "proxy" in link or link.get("codec", "none") != "none" or any(counts.get(name) for name in _TROUBLE):
+        lines.append("frames: " + ", ".join(f"{count} {outcome}" for outcome, count in frame_rows(summary)))
+        rows = [*coding_rows(summary), *_response(summary, "median_ms")]
+        lines.append("link: " + ", ".join(f"{label} {text}" for label, text in rows))
+    return lines
+
+
+def live_lines(summary: Summary, folder: Path | None) -> list[str]:
+    """Return the lines that end a live run.
+
+    summary: as summary.json, empty if no picture was shown; folder: of the report.
+    """
+    if not summary:
+        return ["no picture was shown"]
+    live, drawn = summary["live"], "drawing" if "recorded" not in summary else "reading"
+    of_refresh = f", of {live['budget_ms']:.2f} ms for a refresh"
+    figures = [
+        ("shown", _shown(summary)),
+        ("judder", _judder(summary)),
+        ("frame age at display", _pair(live["age_ms"])),
+        ("pose age at hand-over", _pair(live["pose_age_ms"])),
+        ("from picture to picture", _pair(live["period_ms"])),
+        ("time per eye", _per_eye(summary)),
+        (f"{drawn} and {eyes_text(summary)}", _pair(live["refresh_ms"]["total"], of_refresh)),
+        ("holes before the fill", _holes(summary)),
+    ]
+    lines = [f"{label:<24}{text}" for label, text in figures if text]
+    lines += [f"note: {note}" for note in summary["notes"]]
+    return lines + ([f"report: {folder / 'report.html'}"] if folder is not None else [])
+
+
+def budget_rows(summary: Summary) -> list[tuple[str, str, str, float]]:
+    """Return (part, median ms of all eyes, p95 ms, share) of a refresh, then the sum."""
+    live = summary["live"]
+    rows = []
+    for name, entry in live["refresh_ms"].items():
+        what = {"render": f"{drawing_text(summary)} by the server", "total": "total"}.get(name, name)
+        share = (entry["median"] or 0.0) / live["budget_ms"]
+        rows.append((what, _MS.text(entry["median"]), _MS.text(entry["p95"]), share))
+    return rows
+
+
+def _shown(summary: Summary) -> str:
+    live, (share, longest, _) = summary["live"], miss_texts(summary["miss"])
+    rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
+    missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
+    return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"
+
+
+def _judder(summary: Summary) -> str:
+    judder = miss_texts(summary["miss"])[-1]
+    return f"{judder} deg RMS" if summary["live"]["missed"] else ""
+
+
+def _pair(entry: Mapping[str, float | None], more: str = "") -> str:
+    return "" if entry["median"] is None else f"{entry['median']:.2f} ms, p95 {entry['p95']:.2f}{more}"
+
+
+def _per_eye(summary: Summary) -> str:
+    times = summary["time_ms"]
+    if times["total"]["median"] is None:
+        return ""
+    parts = [
+        f"{figure.name} {times[figure.name]['median']:.2f}"
+        for figure in TIME_FIGURES[:-1]
+        if times[figure.name]["median"]
+    ]
+    clock = "" if summary["clock"] == "gpu" else ", by the wall clock"
+    return f"{_pair(times['total'])}: {', '.join(parts) or 'no pass ran'}{clock}"
+
+
+def _holes(summary: Summary) -> str:
+    entry, text = summary["quality"]["hole_share"], metrics.get("hole_share").figure.text
+    return "" if entry["mean"] is None else f"{text(entry['mean'])} %, p95 {text(entry['p95'])}"

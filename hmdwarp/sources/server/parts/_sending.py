@@ -1,0 +1,139 @@
+"""Layers that cross piece by piece: what waits to be sent, and what the head may see until then."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections import deque
+from typing import Any, Generic, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....frames import EyeImage, Frame
+from ....geometry import View
+from ....scenes import Scene
+from ..projection import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
+from ._base import DrawContext, Drawing, Part
+
+Array = NDArray[np.float64]
+# From sending to the news of the arrival, until the first news says it.
+FIRST_ROUND_TRIP_NS = 200_000_000
+# The head's speed is the fastest between two of so many frames.
+FRAMES = 16
+# An eye that is this near to a piece, or inside, sees all of it.
+NEAREST_M = 0.1
+
+
+class Book(Protocol):
+    """What is known of the pieces that were sent."""
+
+    def heard(self, update: Any, arrived: bool, heard_ns: int) -> None:
+        """Take note of whether an update arrived."""
+
+
+class Sender(Protocol):
+    """The pieces of one layer for one kind of client."""
+
+    @property
+    def book(self) -> Book:
+        """What was sent."""
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether anything waits to be sent."""
+
+
+Wanted = TypeVar("Wanted")
+S = TypeVar("S", bound=Sender)
+
+
+class Sending(Part, Generic[Wanted, S]):
+    """A part with one sender for each variant of its layer that frames need."""
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context)
+        self._senders: dict[Wanted, S] = {}
+
+    @abstractmethod
+    def make_sender(self, wanted: Wanted) -> S:
+        """Return the sender of a variant."""
+
+    def sender(self, wanted: Wanted) -> S:
+        """Return the sender of a variant, made when it is first needed."""
+        if wanted not in self._senders:
+            self._senders[wanted] = self.make_sender(wanted)
+        return self._senders[wanted]
+
+    def needed(self, drawing: Drawing) -> list[Wanted]:
+        """Return the variants that a picture needs, in their order."""
+        return sorted(drawing.needs.get(self.name, frozenset()))
+
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        return eye
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
+        for wanted, update in frame.eyes[0].get(self.name, {}).items():
+            self._senders[wanted].book.heard(update, arrived, heard_ns)
+
+    def has_more(self, now_ns: int) -> bool:
+        return any(sender.has_more(now_ns) for sender in self._senders.values())
+
+
+class Head:
+    """How fast the head has moved of late."""
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[int, View]] = deque(maxlen=FRAMES)
+
+    def see(self, view: View, now_ns: int) -> None:
+        """Take the view of a frame."""
+        if not self._seen or now_ns > self._seen[-1][0]:
+            self._seen.append((now_ns, view))
+
+    def reach(self, within_ns: int) -> tuple[float, float]:
+        """Return metres and radians that it may move by within that time."""
+        metres = radians = 0.0
+        for (before_ns, before), (now_ns, now) in zip(self._seen, list(self._seen)[1:], strict=False):
+            times = within_ns / (now_ns - before_ns)
+            metres = max(metres, times * float(np.linalg.norm(now.pose.position_m - before.pose.position_m)))
+            turned = before.pose.angle_to(now.pose)
+            radians = max(radians, min(times * turned, math.pi))
+        return metres, radians
+
+
+def may_be_seen(
+    centres: Array, halves: Array, view: View, origin_m: Array, metres: float, radians: float
+) -> NDArray[np.bool_]:
+    """Return which boxes may be visible to an eye that moves and turns by no more than that.
+
+    centres, halves: (n, 3) relative to `origin_m`. As Visibility, whose slack this is.
+    """
+    clip = clip_from_eye(view.fov)
+    steep = np.linalg.norm(side_planes(clip)[:, :3], axis=1)
+    reach = np.linalg.norm(centres - (view.pose.position_m - origin_m), axis=1)
+    reach += np.linalg.norm(halves, axis=1)
+    slack = steep[:, None] * (radians * reach + metres)
+    return visible(boxes_of(centres, halves), clip @ eye_from_scene(view, origin_m), slack)
+
+
+def boxes_at(
+    scene: Scene, bodies: NDArray[np.int64], centres: Array, halves: Array, time_ns: int
+) -> tuple[Array, Array]:
+    """Return centres and halves of boxes at an instant; those of bodies hold them however turned.
+
+    bodies: (n,) the body of each, 0 for none. centres, halves: (n, 3), of bodies in their own axes,
+    of all others relative to the scene's origin, as what is returned.
+    """
+    centres, halves = centres.copy(), halves.copy()
+    for number in set(bodies.tolist()) - {0}:
+        world_from_body = scene.bodies[number - 1].motion.state(time_ns).pose.matrix()
+        own = bodies == number
+        centres[own] = centres[own] @ world_from_body[:3, :3].T + world_from_body[:3, 3] - scene.origin_m
+        halves[own] = np.linalg.norm(halves[own], axis=1, keepdims=True)
+    return centres, halves
+
+
+def distances(eye: Array, centres: Array, halves: Array) -> Array:
+    """Return (n,) metres from a place to the nearest point of each box."""
+    away: Array = np.linalg.norm(np.maximum(np.abs(centres - eye) - halves, 0), axis=1)
+    return away

@@ -1,0 +1,152 @@
+"""Response models with a planned effect, of ratings and of paired comparisons."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import attrs
+import numpy as np
+
+from ...errors import InputError
+from ..design import ADAPTIVE, Comparison, Design, Part
+from ..respondents import Cohort, Floats, Model, Population, RatingModel
+from ..scales import FIRST, NEITHER, Scale
+from ..statistics import JOD_SPREAD
+
+
+def planned_model(design: Design, scale: Scale, effect: float, sd: float) -> Model:
+    """Return a model of an effect and a spread, in the scale's unit.
+
+    effect: the true difference of every planned comparison. sd: of one person's difference between
+    two showings. Half of that variance is opinion, which repeats do not average out, and half is
+    chance; people's levels spread as much as their ratings of one condition. There are no dropouts
+    and no missing answers. Conditions lie around the middle of the scale.
+    Errors: InputError where comparisons contradict each other.
+    """
+    each = sd / 2  # of opinion and of chance: a difference has the variance 2 (each^2 + each^2) = sd^2
+    rating = RatingModel(people_sd=sd / math.sqrt(2), condition_sd=each, noise_sd=each)
+    model = Model(path="--effect", title=f"an effect of {effect:g}, sd {sd:g}", ratings={scale.name: rating})
+    return with_effect(model, design, scale, effect)
+
+
+def with_effect(model: Model, design: Design, scale: Scale, effect: float) -> Model:
+    """Replace the means, so that every planned comparison differs by the effect."""
+    rating = model.rating(scale)
+    middle = (scale.least + scale.most) / 2
+    means = means_of_parts(design, -effect if scale.low_is_good else effect, middle)
+    return attrs.evolve(model, ratings={**model.ratings, scale.name: attrs.evolve(rating, means=means)})
+
+
+def means_of_parts(design: Design, difference: float, middle: float = 0.0) -> Mapping[str, Mapping[str, float]]:
+    """Return means, by part, of which every planned comparison's differ: `better` less baseline.
+
+    Errors: InputError where comparisons contradict each other.
+    """
+    return {part.name: _means(part, comparisons_of(design, part), difference, middle) for part in design.parts}
+
+
+def planned_comparisons(design: Design) -> tuple[Comparison, ...]:
+    """Return all planned comparisons, each once.
+
+    Errors: InputError where there is none, and where answers choose what is compared.
+    """
+    comparisons = tuple(dict.fromkeys(one for family in design.families for one in family.comparisons))
+    if not comparisons:
+        raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
+    if design.order == ADAPTIVE:
+        raise InputError(
+            f'{design.path}: order = "{ADAPTIVE}" lets answers choose the pairs, so their number is not planned: '
+            "expected a plan without it; a session then has more trials"
+        )
+    return comparisons
+
+
+def comparisons_of(design: Design, part: Part) -> list[Comparison]:
+    """Return the planned comparisons of a part, each once."""
+    return [
+        one
+        for one in dict.fromkeys(c for family in design.families for c in family.comparisons)
+        if one.part == part.name
+    ]
+
+
+def _means(part: Part, comparisons: list[Comparison], difference: float, middle: float) -> Mapping[str, float]:
+    """Return the means of least spread around the middle."""
+    names = [one.name for one in part.conditions]
+    if not comparisons:
+        return dict.fromkeys(names, middle)
+    differences = np.zeros((len(comparisons), len(names)))
+    for row, one in zip(differences, comparisons, strict=True):
+        row[names.index(one.baseline)], row[names.index(one.better)] = -1, 1
+    target = np.full(len(comparisons), difference)
+    offsets = np.linalg.lstsq(differences, target, rcond=None)[0]
+    if not np.allclose(differences @ offsets, target):
+        why = f"its comparisons form a cycle, so they cannot all differ by {abs(difference):g}"
+        raise InputError(f"part '{part.name}': {why}: set the means in a file (--model)")
+    return {name: middle + float(offset) for name, offset in zip(names, offsets, strict=True)}
+
+
+UNIT = "JOD"
+TIE_JOD = 0.5  # a smaller difference is called none: 26 % of answers where there is none at all
+# Of a person's own taste, where it is not said: half of the variance of a judgement, as of ratings.
+TASTE_JOD = JOD_SPREAD / math.sqrt(2)
+
+
+def pairs_model(design: Design, scale: Scale, effect: float, sd: float | None = None) -> Model:
+    """Return a model of an effect and a spread, in JOD.
+
+    effect: the true difference of every planned comparison: 1 JOD is preferred in 75 % of choices,
+    over all people. sd: how much people differ in it, which repeats do not average out; the rest of
+    that spread is chance; None for TASTE_JOD. There are no dropouts and no missing answers.
+    Errors: InputError for more spread than 1 JOD leaves room for, and where comparisons contradict
+    each other.
+    """
+    sd = TASTE_JOD if sd is None else sd
+    if not sd <= JOD_SPREAD:
+        why = f"expected {JOD_SPREAD:.2f} at most, as 1 JOD is preferred in 75 % of the choices of all people"
+        raise InputError(f"--sd {sd:g}: {why}")
+    noise = math.sqrt((JOD_SPREAD**2 - sd**2) / 2)
+    rating = RatingModel(condition_sd=sd / math.sqrt(2), noise_sd=noise, threshold=TIE_JOD)
+    model = Model(path="--effect", title=f"an effect of {effect:g} JOD, sd {sd:.2f}", ratings={scale.name: rating})
+    return pairs_with_effect(model, design, scale, effect)
+
+
+def pairs_with_effect(model: Model, design: Design, scale: Scale, effect: float) -> Model:
+    """Replace the means, so that every planned comparison differs by the effect."""
+    means: Mapping[str, object] = means_of_parts(design, effect)
+    return attrs.evolve(model, ratings={**model.ratings, scale.name: attrs.evolve(model.rating(scale), means=means)})
+
+
+def expected_jod(population: Population, scale: Scale, comparison: Comparison) -> float:
+    """Return by how many JOD `better` is better than the baseline, over all people."""
+    rating = population.model.rating(scale)
+    means = dict(zip((one.name for one in population.part.conditions), population.means(scale.name), strict=True))
+    difference = float(means[comparison.better] - means[comparison.baseline])
+    spread = math.sqrt(2 * (rating.condition_sd**2 + rating.noise_sd**2))
+    if not spread:
+        return math.copysign(math.inf, difference) if difference else 0.0
+    return difference * JOD_SPREAD / spread
+
+
+def choice_differences(
+    cohort: Cohort, scale: Scale, comparison: Comparison, *, latent: bool = False, people: slice = slice(None)
+) -> Floats:
+    """Return each person's choices of `better` over the baseline, less those the other way round.
+
+    Of those who answered such a pair, as `study analyse` tests them. latent: the sum of what is
+    felt instead.
+    """
+    names = [one.name for one in cohort.part.conditions]
+    better, baseline = names.index(comparison.better), names.index(comparison.baseline)
+    first, second = cohort.first[people], cohort.order[people]
+    if latent:
+        to_second = cohort.latent[scale.name][people]
+    else:
+        said = cohort.answers[scale.name][people]
+        choice = np.where(said == NEITHER, 0.0, np.where(said == FIRST, -1.0, 1.0))
+        to_second = np.where(np.isnan(said), np.nan, choice)
+    sign = np.where((first == baseline) & (second == better), 1.0, 0.0)
+    sign[(first == better) & (second == baseline)] = -1.0
+    answered = ((sign != 0) & ~np.isnan(to_second)).any(axis=1)
+    return np.nansum(sign * to_second, axis=1)[answered]
