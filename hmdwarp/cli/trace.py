@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from rich.table import Table
 
-    from ..poses.load import LoadedTrace
+    from ..poses import LoadedTrace
     from ..poses.prediction import PredictionErrors
     from ..poses.track_statistics import Analysis
 

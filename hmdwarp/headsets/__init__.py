@@ -3,9 +3,8 @@
 All code that assumes two eyes and a panel is here.
 """
 
-from ._camera import CameraDisplay, camera_display
 from ._load import headset_names, load_headset
-from ._model import COLOURS, MAX_COEFFICIENTS, Headset, RadialLens
+from ._model import COLOURS, MAX_COEFFICIENTS, CameraDisplay, Headset, RadialLens, camera_display
 
 __all__ = [
     "COLOURS",

@@ -1,4 +1,4 @@
-"""Model of a headset: two eyes, two panels, and a lens with its inverse."""
+"""Model of a headset: two eyes, two panels, and a lens with its inverse; a camera in its place."""
 
 from __future__ import annotations
 
@@ -99,8 +99,7 @@ class Headset:
     ipd_m: float
     left_fov: Fov  # the left eye's; the right eye's is its mirror image
     lens: RadialLens | None
-    # Luminance of white and of black; None where nobody has measured it.
-    peak_cd_m2: float | None = None
+    peak_cd_m2: float | None = None  # luminance of white and of black; None where not measured
     black_cd_m2: float | None = None
 
     def __attrs_post_init__(self) -> None:
@@ -118,10 +117,7 @@ class Headset:
         return left if eye == 0 else Fov(-left.right, -left.left, left.down, left.up)
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """Return the eyes' views for a head pose, the left one first.
-
-        Each of two sits half the pupil distance to its side.
-        """
+        """Return the eyes' views for a head pose, the left first, each half the ipd to its side."""
         return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)
 
     @cached_property
@@ -145,13 +141,44 @@ class Headset:
         return Fov.from_tangents((-wide, wide, -high, high)), aspect
 
     def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return (scale, offset), each (2,).
-
-        Lens plane position = panel pixel * scale + offset, in lens units.
-        """
+        """Return (scale, offset), (2,) each: place on the lens = panel pixel * scale + offset."""
         assert self.lens is not None
         mirror = np.array([1.0 if eye == 0 else -1.0, 1.0])
         extent, unit = np.array(self.eye_size_m), self.lens.unit_m
         scale = extent / np.array(panel_size) / unit
         offset = (-extent / 2 - np.array(self.lens.axis_from_centre_m) * mirror) / unit
         return scale, offset
+
+
+NAME = "camera"
+
+
+@attrs.frozen
+class CameraDisplay(Headset):
+    """The display of a camera's frames.
+
+    The head and the left eye are where the camera is. A right eye is ipd_m to its right, with the
+    same field of view; for 0 there is none.
+    """
+
+    def fov(self, eye: int) -> Fov:
+        """Return the field of view, the same for all eyes."""
+        return self.left_fov
+
+    @property
+    def places_m(self) -> tuple[float, ...]:
+        """How far each eye sits to the right of the camera."""
+        return (0.0, self.ipd_m) if self.ipd_m else (0.0,)
+
+    @property
+    def flat_view(self) -> tuple[Fov, float]:
+        """The camera's own view."""
+        return self.left_fov, self.eye_size_m[0] / self.eye_size_m[1]
+
+
+def camera_display(
+    source: str, fov: Fov, size: tuple[int, int], refresh_hz: float, eye_distance_m: float = 0.0
+) -> CameraDisplay:
+    """Return the display of a camera. source: what recorded it; size: (w, h) of its pictures."""
+    panel_m = (0.1, 0.1 * size[1] / size[0])
+    return CameraDisplay(NAME, f"the camera of {source}", source, size, panel_m, refresh_hz, eye_distance_m, fov, None)

@@ -1,5 +1,4 @@
 from .glides import Glide as Glide
-from .load import LoadedTrace as LoadedTrace
 from .load import load_trace as load_trace
 from .load import trace_path as trace_path
 from .options import TraceOptions as TraceOptions
@@ -17,6 +16,7 @@ from .quaternions import angle_between as angle_between
 from .quaternions import conjugate as conjugate
 from .quaternions import rotate as rotate
 from .quaternions import slerp as slerp
+from .reading.cleaning import LoadedTrace as LoadedTrace
 from .stated import Defect as Defect
 from .synth import DECIMALS as DECIMALS
 from .synth import GLIDES as GLIDES

@@ -7,6 +7,8 @@ way. So the head never goes farther than the amplitude, nor faster than the spee
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
@@ -46,11 +48,8 @@ class Glide:
         ):
             if value is not None and not _LEAST <= value <= most:
                 raise InputError(f"{name} {value:g} {self.unit}{per}: expected {_LEAST:g} to {most:g}")
-        return attrs.evolve(
-            self,
-            speed=self.speed if speed is None else speed,
-            amplitude=self.amplitude if amplitude is None else amplitude,
-        )
+        changes: dict[str, Any] = {"speed": speed, "amplitude": amplitude}
+        return attrs.evolve(self, **{name: value for name, value in changes.items() if value is not None})
 
     @property
     def ease_s(self) -> float:

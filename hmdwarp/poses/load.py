@@ -4,48 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import attrs
-
 from ..errors import InputError, TraceError
 from ..registry import unknown_name
 from ..resources import folder, recording_names
 from .formats import TraceFormat, column_of, column_of_devices, formats, ordered
 from .options import TraceOptions
-from .reading.cleaning import Segment
+from .reading.cleaning import LoadedTrace
 from .reading.file_head import Head, read_head
-from .stated import Defect, Layout
-from .track import PoseTrack
+from .stated import Layout
 
 _SYNTAX = "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8"
-
-
-@attrs.frozen(eq=False)
-class LoadedTrace:
-    """A trace and all facts about its file."""
-
-    track: PoseTrack
-    path: Path
-    format: str
-    defects: list[Defect]  # all defects and their repairs
-    segments: list[Segment]  # recordings within the file, of which one was used
-    time_unit: str  # of the file's clock, in words
-    columns: str  # which were read as what, by name or number
-    axes_assumed: bool  # nothing says which they are
-
-    def notes(self) -> list[str]:
-        """Return a line for each defect, and one for axes that are only assumed."""
-        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
-        return [*assumed, *map(str, self.defects)]
-
-    @property
-    def axes(self) -> str:
-        """Axes of the file, who says so, and what the motion shows, in words."""
-        return self.track.axes
-
-    @property
-    def rate_hz(self) -> float:
-        """Samples per second."""
-        return self.track.rate_hz
 
 
 def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) -> LoadedTrace:
@@ -63,18 +31,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
             f"{path}: no such file; the shipped recording is called '{path.stem}', without folder and ending"
         )
     head = read_head(path)
-    found = find_format(head, options)
-    cleaned = found.read(head, options)
-    return LoadedTrace(
-        track=cleaned.track,
-        path=path,
-        format=found.name,
-        defects=cleaned.defects,
-        segments=cleaned.segments,
-        time_unit=cleaned.time_unit,
-        columns=cleaned.columns,
-        axes_assumed=cleaned.axes_assumed,
-    )
+    return find_format(head, options).read(head, options)
 
 
 def trace_path(name_or_path: str | Path) -> Path:

@@ -24,10 +24,7 @@ class Euler:
 
 
 def parse_euler(text: str) -> Euler:
-    """Parse `--euler`: the order of turns about the fixed axes, and deg or rad: "ZXY,deg".
-
-    Unity's Euler angles are ZXY,deg. Errors: InputError.
-    """
+    """Parse `--euler`: turns about the fixed axes in order, and unit, as ZXY,deg of Unity."""
     order, _, unit = text.strip().lower().partition(",")
     if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
         raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")

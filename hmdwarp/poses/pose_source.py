@@ -59,10 +59,7 @@ class LoopedSource:
         self._begun_ns = self._now_ns()
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the track's pose; before its beginning, its first.
-
-        read_ns: the clock at the call.
-        """
+        """Return the track's pose, before its beginning its first; read_ns: the clock now."""
         sample = self.track.at(self.track.start_ns + self.moment(time_ns).since_ns)
         return attrs.evolve(sample, time_ns=time_ns, read_ns=self._now_ns())
 

@@ -72,8 +72,7 @@ class Kind:
     name: str
     summary: str
     seconds: float  # length of the shipped recording
-    # Of the shipped recording; None for a motion that has nothing random.
-    seed: int | None
+    seed: int | None  # of the shipped recording; None for a motion that has nothing random
     # (rng, seconds, t) -> the motion at the instants t; or a motion of known speed and amplitude.
     build: Callable[[random.Random, float, Array], Motion] | Glide
 
@@ -108,7 +107,7 @@ def synthesise(
         if seed is not None:
             raise InputError(f"--seed {seed}: motion {kind} has nothing random; leave the seed out")
         glide = build.with_(speed, amplitude)
-        motion, said = _glided(glide, t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
+        motion, flags = _glided(glide, t), f"--speed {glide.speed:g} --amplitude {glide.amplitude:g}"
     else:
         if speed is not None or amplitude is not None:
             given = f"--amplitude {amplitude:g}" if speed is None else f"--speed {speed:g}"
@@ -117,10 +116,10 @@ def synthesise(
         seed = KINDS[kind].seed if seed is None else seed
         if seed is None or seed < 0:
             raise InputError(f"--seed {seed}: expected 0 or more")  # Python seeds -1 and 1 alike
-        motion, said = build(random.Random(seed), seconds, t), f"--seed {seed}"
+        motion, flags = build(random.Random(seed), seconds, t), f"--seed {seed}"
     orientation = _orientation(motion)
     position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])
-    how = f"hmdwarp trace synth {kind} {said} --seconds {seconds:g} --rate {rate_hz:g}"
+    how = f"hmdwarp trace synth {kind} {flags} --seconds {seconds:g} --rate {rate_hz:g}"
     made = f"made up by '{how}'; {KINDS[kind].summary}"
     return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
 
@@ -144,10 +143,7 @@ def shift_seconds(amplitude_deg: float, vigour: float = 1.0) -> float:
 
 
 def minimum_jerk(share: Array) -> Array:
-    """Return 0 to 1 along 10 s^3 - 15 s^4 + 6 s^5, at rest at both ends.
-
-    share is clipped to 0..1.
-    """
+    """Return 0 to 1 along 10 s^3 - 15 s^4 + 6 s^5, at rest at both ends; share is clipped."""
     s = np.clip(share, 0.0, 1.0)
     return s * s * s * (10.0 + s * (6.0 * s - 15.0))
 
@@ -322,10 +318,7 @@ def _walk(rng: random.Random, seconds: float, t: Array) -> Motion:
 
 
 def _path_pace(t: Array, seconds: float) -> Array:
-    """Return the pace: 0 standing, 1 walking.
-
-    It starts after 0.5 s, within 1.5 s, and stops the same way.
-    """
+    """Return the pace, 0 standing, 1 walking: starts within 1.5 s from 0.5 s, stops so too."""
     return minimum_jerk((t - 0.5) / 1.5) * minimum_jerk((seconds - 0.3 - t) / 1.5)
 
 

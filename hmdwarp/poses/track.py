@@ -37,8 +37,7 @@ class PoseSample:
     time_ns: int
     pose: Pose
     origin: Origin
-    # when a live source read it from its device, on the same clock; None for recordings
-    read_ns: int | None = None
+    read_ns: int | None = None  # when a live source read it from its device, on the same clock; None for recordings
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
@@ -95,8 +94,7 @@ class PoseTrack:
     orientation_xyzw: NDArray[np.float64] = attrs.field(converter=_floats)
     name: str = ""
     origin: str = ""  # where the motion comes from, in words
-    # of the file's world and head, who says so, and what the motion shows; "" without a file
-    axes: str = ""
+    axes: str = ""  # of the file's world and head, who says so, and what the motion shows; "" without a file
     notes: tuple[str, ...] = attrs.field(default=(), converter=_texts)  # remarks for readers
     epoch_ns: int = 0  # the file's own time at time 0 of this track
     # longer steps are gaps
@@ -214,18 +212,12 @@ class PoseTrack:
         return Samples(instants, position, q / np.linalg.norm(q, axis=1, keepdims=True), origin)
 
     def run_of(self, time_ns: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return how many gaps and jumps lie before the last sample at each instant, (n,).
-
-        Instants with the same number have neither between their samples.
-        """
+        """Return the number, (n,), of gaps and jumps before the last sample at each instant."""
         i = np.clip(np.searchsorted(self.time_ns, time_ns, side="right") - 1, 0, len(self) - 1)
         return np.concatenate([[0], np.cumsum(self.broken)])[i]
 
     def without_repeats(self) -> PoseTrack:
-        """Return the motion without repeated poses (of a tracker slower than the recorder).
-
-        For differentiating, not for replay.
-        """
+        """Return the motion without repeats of slow trackers: to differentiate, not replay."""
         new = np.ones(len(self), bool)
         new[1:] = (self.orientation_xyzw[1:] != self.orientation_xyzw[:-1]).any(axis=1)
         new[1:] |= (self.position_m[1:] != self.position_m[:-1]).any(axis=1)
@@ -242,10 +234,7 @@ class PoseTrack:
         )
 
     def evolve(self, **changes: Any) -> PoseTrack:
-        """Return a copy with some fields changed.
-
-        The gap limit follows the new times unless it is passed too.
-        """
+        """Return a copy with changes; the gap limit follows new times unless passed too."""
         fields = ("time_ns", "position_m", "orientation_xyzw", "name", "origin", "axes", "notes", "epoch_ns", "jumps")
         return PoseTrack(**{f: getattr(self, f) for f in fields} | changes)
 

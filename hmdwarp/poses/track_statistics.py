@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import quaternions
-from .load import LoadedTrace
 from .prediction import ERROR_PERCENTILES, PredictionErrors, turn_errors
 from .predictors import Predictor, predictors
+from .reading.cleaning import LoadedTrace
 from .track import Origin, PoseTrack
 
 _MS = 1_000_000
@@ -60,10 +60,7 @@ class Analysis:
 
 
 def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
-    """Return the figures of a track.
-
-    Repeated poses are removed first; nothing is measured across a gap or jump.
-    """
+    """Return the figures of a track without repeated poses, none across a gap or jump."""
     motion = track.without_repeats()
     steps = np.diff(track.time_ns)
     gaps = np.flatnonzero(steps > track.max_gap_ns)
@@ -84,10 +81,7 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
 
 
 def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return angular (rad/s) and linear (m/s) speeds.
-
-    Central differences over 10 ms on a 200 Hz grid.
-    """
+    """Return angular (rad/s) and linear (m/s) speeds: differences over 10 ms, every 5 ms."""
     now = _instants(track, GRID_NS, GRID_NS)
     now = now[_joined(track, now - GRID_NS, now + GRID_NS)]
     before, after = track.sample_many(now - GRID_NS), track.sample_many(now + GRID_NS)
@@ -105,15 +99,15 @@ def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
     then = now - latency
     known = track.sample_many(then).orientation_xyzw
     errors = {
-        one.name: turn_errors(known, truth, one.predict_many(track, then, latency).orientation_xyzw)
-        for one in predictors_in_order()
+        predictor.name: turn_errors(known, truth, predictor.predict_many(track, then, latency).orientation_xyzw)
+        for predictor in predictors_in_order()
     }
     return ErrorRow(latency_ms, errors, len(now))
 
 
 def predictors_in_order() -> list[Predictor]:
     """Return every predictor once, by how far it looks ahead."""
-    return sorted((one for one in predictors if not one.alias_of), key=lambda one: one.horizon_ns)
+    return sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns)
 
 
 def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:

@@ -51,10 +51,7 @@ class _State:
         )
 
     def after(self, time_ns: int) -> _State:
-        """Return the state at `time_ns` without further input.
-
-        First-order lags, solved exactly, with the heading held at its mean.
-        """
+        """Return the state without further input: first-order lags, exact, heading at its mean."""
         seconds = (time_ns - self.time_ns) * 1e-9
         turned, half = math.exp(-seconds / TURN_S), math.exp(-seconds / (2 * TURN_S))
         slowed = math.exp(-seconds / WALK_S)

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Pose
-from ._content import Body, Material
-from ._gltf_moving import Driven
-from ._mesh import Mesh
+from ._gltf_nodes import Driven
+from ._mesh import Body, Material, Mesh
 
 Array = NDArray[np.float64]
 _KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
@@ -21,18 +20,14 @@ _KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
 class Look:
     """Appearance of a part of a file."""
 
-    # (3,) linear.
-    colour: Array
-    # Index of its texture, -1 for none.
-    texture: int
+    colour: Array  # (3,) linear
+    texture: int  # index of its texture, -1 for none
     material: Material
     double_sided: bool
-    # Name of the attribute with its texture coordinates.
-    texcoords: str = ""
+    texcoords: str = ""  # name of the attribute with its texture coordinates
     # (3, 3), which takes the file's texture coordinates (u, v, 1) to those of the picture.
     uv_transform: Array = attrs.field(factory=lambda: np.eye(3))
-    # No light falls on it: it shines in its own colour.
-    unlit: bool = False
+    unlit: bool = False  # no light falls on it: it shines in its own colour
 
 
 @attrs.frozen(eq=False)
@@ -40,18 +35,13 @@ class Draft:
     """A mesh in the axes of the file's world, in metres with +y up."""
 
     name: str
-    # (n, 3) at time 0 in the file's world; in head axes if head-locked.
-    positions: Array
+    positions: Array  # (n, 3) at time 0 in the file's world; in head axes if head-locked
     look: Look
     triangles: NDArray[np.uint32]
-    # (n, 3), in the same axes.
-    normals: Array = attrs.field(factory=lambda: np.empty((0, 3)))
-    # (n, 2), origin bottom left.
-    uv: Array = attrs.field(factory=lambda: np.empty((0, 2)))
-    # (n, 3) linear.
-    colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))
-    # Number of the body, 0 for none.
-    body: int = 0
+    normals: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3), in the same axes
+    uv: Array = attrs.field(factory=lambda: np.empty((0, 2)))  # (n, 2), origin bottom left
+    colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3) linear
+    body: int = 0  # number of the body, 0 for none
     driven: Driven | None = None
 
     @property

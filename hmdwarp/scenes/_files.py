@@ -10,16 +10,13 @@ from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, SceneError
 from ..geometry import Pose
-from ._content import Body
 from ._draft import Draft
 from ._gltf_scene import GltfContent
-from ._hints import add_hints, check_size
-from ._mesh import Texture
+from ._mesh import Body, Texture
 from ._mesh_files import drafts_of, is_closed, unreadable
-from ._notes import Notes
-from ._rays import Triangles
+from ._notes import Notes, add_hints, check_size
 from ._scene import Background, Scene
-from ._viewpoint import EYE_HEIGHT_M, Place, free_place, is_inside, place_at
+from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, free_place, is_inside, place_at
 from .options import SceneOptions
 
 Array = NDArray[np.float64]

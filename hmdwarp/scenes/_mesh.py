@@ -1,17 +1,91 @@
-"""Textures and meshes: plain arrays, checked once when they are made."""
+"""Textures, materials and meshes in plain arrays, checked once, and how bodies and cloth move."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
-from ._content import Deformation, Material
+from ..geometry import RigidState
+
+NO_TINT = (1.0, 1.0, 1.0)
+
+
+def _rgb(value: Iterable[float]) -> tuple[float, ...]:
+    return tuple(map(float, value))
+
+
+@attrs.frozen
+class Material:
+    """Surface properties besides baked light. Errors: SceneError for shares outside 0..1."""
+
+    # Share of the light mirrored at normal incidence, 0 for matt. It rises to 1 at grazing angles
+    # (Schlick 1994).
+    reflectivity: float = 0.0
+    curved: bool = False  # A mirror that is not a plane
+    # Index of a linear texture of tangent-space normals that disturb the reflection, -1 for none.
+    normal_map: int = -1
+    normal_scale: float = 1.0  # factor on the x and y of the normals, as glTF's normalTexture.scale
+    see_through: bool = False  # covers what lies behind by opacity times the texture's alpha
+    opacity: float = 1.0
+    # Fixed to the head: positions in metres from between the eyes, in head axes. Both eyes see it;
+    # it is drawn over everything by its opacity and never warped.
+    head_locked: bool = False
+    # Share of the light that passes where a see-through surface covers, coloured by its texture and
+    # the mesh's albedo as by coloured glass; the rest is scattered or stopped.
+    transmission: float = 0.0
+    # Share of each linear colour that passes where a see-through surface does not cover.
+    tint: tuple[float, ...] = attrs.field(default=NO_TINT, converter=_rgb)
+
+    def __attrs_post_init__(self) -> None:
+        for name in ("reflectivity", "opacity", "transmission"):
+            if not 0 <= getattr(self, name) <= 1:
+                raise SceneError(f"material with {name} {getattr(self, name):g}: expected 0 to 1")
+        if not self.reflectivity and (self.curved or self.normal_map >= 0):
+            raise SceneError(
+                "material with a normal map or a curved mirror, but reflectivity 0: set a reflectivity or remove them"
+            )
+        if len(self.tint) != 3 or not all(0 <= share <= 1 for share in self.tint):
+            raise SceneError(f"material with tint {self.tint}: expected three shares, each 0 to 1")
+        if (self.tint != NO_TINT or self.transmission) and not self.see_through:
+            raise SceneError(
+                "material with a tint or transmission but no light passing through: make it see_through or omit them"
+            )
+        if self.see_through and self.head_locked:
+            raise SceneError("material both see-through and head-locked: head-locked surfaces already use the opacity")
+        if self.reflectivity and (self.see_through or self.head_locked):
+            raise SceneError("material that mirrors and is see-through or head-locked: expected one of these")
+
+
+class Motion(Protocol):
+    """Motion of a rigid body: a pure function of the scene's clock."""
+
+    def state(self, time_ns: int) -> RigidState:
+        """Return the pose and its derivatives at `time_ns`."""
+
+
+@attrs.frozen(eq=False)
+class Body:
+    """A rigid body; meshes belong to it by number."""
+
+    name: str
+    motion: Motion
+
+
+class Deformation(Protocol):
+    """Motion of each vertex of one mesh, such as a flag: a pure function of the scene's clock."""
+
+    def positions(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 3) metres relative to the scene's origin."""
+
+    def velocities(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 3) m/s in world axes."""
+
 
 # Texels count as fully transparent or opaque within this many bytes of 0 and 255. A cut-out has at
 # most this share of texels in between, at its edges.
@@ -50,10 +124,8 @@ class Texture:
     name: str
     # What `image` returns, or what paints it when it is first used: a plan needs no pictures.
     _source: NDArray[np.uint8] | Callable[[], NDArray[np.uint8]] = attrs.field(alias="image")
-    # Values are sRGB, else linear.
-    srgb: bool = True
-    # Wraps around outside 0..1, else its border is continued.
-    repeat: bool = True
+    srgb: bool = True  # values are sRGB, else linear
+    repeat: bool = True  # wraps around outside 0..1, else its border is continued
 
     def __attrs_post_init__(self) -> None:
         if not callable(self._source):
@@ -80,20 +152,15 @@ class Mesh:
     # (n, 3) metres relative to the scene's origin; in the frame of its body if it belongs to one;
     # at rest if it deforms.
     positions: NDArray[np.float32] = attrs.field(converter=_triples)
-    # (n, 3) unit vectors, in the same axes.
-    normals: NDArray[np.float32] = attrs.field(converter=_triples)
-    # (n, 2), origin bottom left, +v up.
-    uv: NDArray[np.float32] = attrs.field(converter=_pairs)
-    # (n, 3) baked linear light times colour, 0 or more.
-    light: NDArray[np.float32] = attrs.field(converter=_triples)
+    normals: NDArray[np.float32] = attrs.field(converter=_triples)  # (n, 3) unit vectors, in the same axes
+    uv: NDArray[np.float32] = attrs.field(converter=_pairs)  # (n, 2), origin bottom left, +v up
+    light: NDArray[np.float32] = attrs.field(converter=_triples)  # (n, 3) baked linear light times colour, 0 or more
     # (m, 3) indices, counter-clockwise seen from the front.
     triangles: NDArray[np.uint32] = attrs.field(converter=_indices)
-    # Index into the scene's textures, -1 for white.
-    texture: int = -1
+    texture: int = -1  # index into the scene's textures, -1 for white
     double_sided: bool = False
     material: Material = Material()
-    # 0 for what stands still, else 1 + index into the scene's bodies.
-    body: int = 0
+    body: int = 0  # 0 for what stands still, else 1 + index into the scene's bodies
     deformation: Deformation | None = None
     # (n, 3) linear colour of the material alone: `light` under light of 1. None if unknown.
     albedo: NDArray[np.float32] | None = attrs.field(default=None, converter=attrs.converters.optional(_triples))
@@ -128,3 +195,26 @@ class Mesh:
     def stands_still(self) -> bool:
         """Whether it belongs to no body and does not deform."""
         return not self.body and self.deformation is None
+
+
+CHUNK_TRIANGLES = 1024
+
+
+def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
+    """Return the mesh's triangles in compact pieces of at most CHUNK_TRIANGLES."""
+    triangles = mesh.triangles
+    if len(triangles) <= CHUNK_TRIANGLES:
+        return [triangles] if len(triangles) else []
+    order = np.argsort(morton(mesh.positions[triangles].mean(axis=1)), kind="stable")
+    return np.array_split(triangles[order], -(-len(triangles) // CHUNK_TRIANGLES))
+
+
+def morton(points: NDArray) -> NDArray[np.uint64]:
+    """Return the Z-order of points, 10 bits per axis: close in order is close in space."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    cell = ((points - low) / max(float((high - low).max()), 1e-30) * 1023).astype(np.uint64)
+    code = np.zeros(len(points), np.uint64)
+    for bit in range(10):
+        for axis in range(3):
+            code |= ((cell[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
+    return code

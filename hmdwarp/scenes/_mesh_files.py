@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
-from ._content import Material
 from ._draft import Draft, Look, normals_of
-from ._mesh import Texture
+from ._mesh import Material, Texture
 from ._notes import Notes
 
 Array = NDArray[np.float64]
@@ -26,10 +25,7 @@ _TRIMESH_DEFAULT = (102, 102, 102)
 
 
 def drafts_of(path: Path, units: Array, notes: Notes, textures: list[Texture]) -> list[Draft]:
-    """Return the parts of an OBJ or PLY with triangles; their pictures are added to `textures`.
-
-    units: 4x4, from the file's axes to metres with +y up. Errors: SceneError, one line.
-    """
+    """Return the parts with triangles; pictures go to `textures`. units: 4x4 to metres, +y up."""
     parts = [part for part in _parts_of(path, notes) if len(part.faces)]
     for part in parts:
         _check_shape(path, part)
@@ -45,7 +41,7 @@ def is_closed(positions: Array, triangles: NDArray) -> bool:
     return bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
 
 
-class _Said(logging.Handler):
+class _LogHandler(logging.Handler):
     """Notes what trimesh logs."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
@@ -57,9 +53,9 @@ class _Said(logging.Handler):
 
 
 @contextmanager
-def _heard(say: Callable[[str], None]) -> Iterator[None]:
+def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
     """Pass on what trimesh warns of in the block, by either way, instead of printing it."""
-    logger, handler = logging.getLogger("trimesh"), _Said(say)
+    logger, handler = logging.getLogger("trimesh"), _LogHandler(say)
     propagates, level = logger.propagate, logger.level
     logger.propagate = False
     logger.setLevel(logging.WARNING)
@@ -81,9 +77,9 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file (trimesh.Trimesh)."""
     import trimesh
 
-    kind, said = path.suffix.lower().removeprefix("."), list[str]()
+    kind, warned = path.suffix.lower().removeprefix("."), list[str]()
     try:
-        with _heard(said.append), np.errstate(all="ignore"):
+        with _warnings_to(warned.append), np.errstate(all="ignore"):
             loaded = trimesh.load(path, file_type=kind, process=False, maintain_order=True)
             found = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
     except MemoryError:
@@ -94,10 +90,10 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
     for name, what in missing:
         how = "cannot be read" if (path.parent / name).is_file() else "is missing"
         notes.add(f"a file that it names {how}, drawn grey", f"{what} '{name}'")
-    for line in said:
+    for line in warned:
         if not any(name in line for name, _ in missing):
             notes.add("trimesh, which reads it, says", " ".join(line.split())[:160])
-    clouds = [one for one in found if not isinstance(one, trimesh.Trimesh)]
+    clouds = [part for part in found if not isinstance(part, trimesh.Trimesh)]
     if clouds:
         notes.add("points and lines are left out")
     return [part for part in found if isinstance(part, trimesh.Trimesh)]

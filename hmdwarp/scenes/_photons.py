@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._lamps import ATLAS
+from ._scene import ATLAS
 from .radiosity import OFF_M, Transport, cosine_ways, nearest_known, sky_light
 
 if TYPE_CHECKING:

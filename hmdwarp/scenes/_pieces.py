@@ -13,8 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._chunks import chunks_of
-from ._mesh import Mesh, Texture
+from ._mesh import Mesh, Texture, chunks_of
 from ._reduce import UNKNOWN_ALBEDO, fewer_triangles, reduced, scaled, unlit, with_triangles
 from ._scene import Scene
 from .radiosity import indirect_atlas, with_lamps_stopped
@@ -152,17 +151,14 @@ class Pieces:
         What is sent has its sizes, but no content. In the order of the scene's meshes each is its
         pieces, or itself; the stand-ins come last.
         """
-        meshes = [one for mesh, parts in self.cut for one in (map(self._blank, parts) if parts else (mesh,))]
+        meshes = [part for mesh, parts in self.cut for part in (map(self._blank, parts) if parts else (mesh,))]
         meshes += [self._blank(mesh) for mesh in self.stand_ins if mesh is not None]
         known = {*self._textures_at_start}
         textures = [each if k in known else _grey(each) for k, each in enumerate(self.scene.textures)]
         return attrs.evolve(self.scene, meshes=meshes, textures=textures)
 
     def meshes_in(self, number: int, thing: bytes) -> list[tuple[int, Mesh]]:
-        """Return the meshes that a thing brings, each with its index; [] for a level.
-
-        Those of thing 0 are stand-ins.
-        """
+        """Return the meshes of a thing (0: stand-ins), each with its index; [] for a level."""
         if number > len(self.meshes):
             return []
         known = self.meshes if number else self.stand_ins
@@ -186,10 +182,7 @@ class Pieces:
 
 
 def _cut(mesh: Mesh) -> list[Mesh]:
-    """Return the pieces of a plain surface: the renderer's chunks.
-
-    What deforms is one piece, as all its vertices move at once. Anything else has none.
-    """
+    """Return the pieces of a plain surface: chunks, or all that deforms; none of others."""
     if not mesh.is_surface or mesh.material.reflectivity:
         return []
     if mesh.deformation is not None:

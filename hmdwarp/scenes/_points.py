@@ -1,4 +1,4 @@
-"""A scene's plain surfaces as points: cut into small cells, each sampled as densely as is asked."""
+"""A scene's plain surfaces as points: cut into small cells, each sampled as densely as needed."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb, srgb8_from_linear
-from ._chunks import morton
-from ._mesh import Mesh, Texture
+from ._mesh import Mesh, Texture, morton
 from ._photons import of_atlas
 from ._scene import Scene
 from .radiosity import OFF_M, direct_light, lamps_at, transport_of
@@ -32,17 +31,15 @@ class SurfacePoints:
 
     # (n,) three times POSITION_BITS from x up, in steps of the cell's edge from its lowest corner.
     positions: NDArray[np.uint32]
-    # (n, 2) octahedral, in the axes of the positions.
-    normals: NDArray[np.uint8]
-    # (n, 3) sRGB of texture times light, clipped at 1.
-    colours: NDArray[np.uint8]
+    normals: NDArray[np.uint8]  # (n, 2) octahedral, in the axes of the positions
+    colours: NDArray[np.uint8]  # (n, 3) sRGB of texture times light, clipped at 1
 
 
 class PointCells:
     """Cells of plain surfaces, each on one side of one mesh and facing about one way.
 
     What deforms, is see-through or fixed to the head has none. A point's colour is the texture
-    times the light, as the server draws it, filtered to the spacing that is asked: it is rounded to
+    times the light, as the server draws it, filtered to the requested spacing: it is rounded to
     8 bits of sRGB, which is off by half a step at most, light beyond 1 is clipped, and what varies
     within the spacing is averaged over squares of texels. Lamps stand where they are at the start,
     and their light is looked up at the corners of triangles no longer than a cell.
@@ -70,22 +67,26 @@ class PointCells:
         self.count = int(cell[-1]) + 1 if len(cell) else 0
         self._first = np.searchsorted(cell, np.arange(self.count + 1))
         starts = self._first[:-1]
-        low = np.zeros((0, 3)) if not self.count else np.minimum.reduceat(self._rows[:, :, :3].min(axis=1), starts)
-        high = np.zeros((0, 3)) if not self.count else np.maximum.reduceat(self._rows[:, :, :3].max(axis=1), starts)
+
+        def of_cells(reduce: np.ufunc, values: Array) -> Array:
+            return reduce.reduceat(values, starts) if self.count else np.zeros((0, *values.shape[1:]))
+
+        low = of_cells(np.minimum, self._rows[:, :, :3].min(axis=1))
+        high = of_cells(np.maximum, self._rows[:, :, :3].max(axis=1))
         # (n, 3) lowest corner and half size in metres, relative to the scene's origin or in the
         # frame of the body; (n,) the edge of the cube that holds it, and the area.
         self.low, self.halves = low.astype(np.float32).astype(np.float64), (high - low) / 2
         self.edge = np.maximum((high - self.low).max(axis=1, initial=0), 1e-6).astype(np.float32).astype(np.float64)
-        self.area = np.add.reduceat(self._area, starts) if self.count else np.zeros(0)
+        self.area = of_cells(np.add, self._area)
         self._mesh_of = owner[order][starts] if self.count else np.zeros(0, np.int64)
         self.body = np.array([meshes[k].body for k in self._mesh_of], np.int64)
         self.double_sided = np.array([meshes[k].double_sided for k in self._mesh_of], bool)
         # The mean direction that a cell faces, of length 1, and the least cosine to any of its
         # triangles.
-        mean = np.add.reduceat(self._normal, starts) if self.count else np.zeros((0, 3))
+        mean = of_cells(np.add, self._normal)
         self.facing = mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-30)
         cosine = np.einsum("ij,ij->i", self._normal, self.facing[cell])
-        self.least_cosine = np.minimum.reduceat(cosine, starts) if self.count else np.zeros(0)
+        self.least_cosine = of_cells(np.minimum, cosine)
 
     @cached_property
     def centres(self) -> Array:
@@ -195,13 +196,13 @@ def _split(meshes: list[Mesh], scene: Scene) -> tuple[Array, NDArray[np.int64]]:
     Positions, uv, light (albedo where lamps light it) and place in the light atlas.
     """
     parts = []
-    for one in meshes:
-        lit = scene.lamps and one.light_uv is not None
-        light = one.albedo if lit and one.albedo is not None else one.light
-        places = one.light_uv if one.light_uv is not None else np.zeros_like(one.uv)
-        parts.append(np.concatenate([one.positions, one.uv, light, places], axis=1)[one.triangles])
+    for mesh in meshes:
+        lit = scene.lamps and mesh.light_uv is not None
+        light = mesh.albedo if lit and mesh.albedo is not None else mesh.light
+        places = mesh.light_uv if mesh.light_uv is not None else np.zeros_like(mesh.uv)
+        parts.append(np.concatenate([mesh.positions, mesh.uv, light, places], axis=1)[mesh.triangles])
     rows = np.concatenate([np.zeros((0, 3, 10)), *parts])
-    owner = np.repeat(np.arange(len(meshes)), [len(one.triangles) for one in meshes])
+    owner = np.repeat(np.arange(len(meshes)), [len(mesh.triangles) for mesh in meshes])
     body = np.array([mesh.body for mesh in meshes], np.int64)
     done: list[tuple[Array, NDArray]] = []
     for _ in range(_MOST_SPLITS):
@@ -232,7 +233,7 @@ def _cells(rows: Array, owner: NDArray, across: Array, meshes: list[Mesh], scene
 
 
 def _texels_per_metre(rows: Array, area: Array, owner: NDArray, meshes: list[Mesh], scene: Scene) -> Array:
-    texels = [0 if one.texture < 0 else np.prod(scene.textures[one.texture].image.shape[:2]) for one in meshes]
+    texels = [0 if m.texture < 0 else np.prod(scene.textures[m.texture].image.shape[:2]) for m in meshes]
     (ax, ay), (bx, by) = ((rows[:, k, 3:5] - rows[:, 0, 3:5]).T for k in (1, 2))
     on_texture = np.abs(ax * by - ay * bx) / 2 * np.array([*texels, 0], float)[owner]
     return np.sqrt(on_texture / area)

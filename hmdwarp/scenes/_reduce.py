@@ -17,9 +17,8 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ._cache import cache_folder, read_arrays, write_arrays
-from ._content import Deformation, Material
 from ._decimate import decimated
-from ._mesh import Mesh, Texture
+from ._mesh import Deformation, Material, Mesh, Texture
 from ._scene import Scene
 
 VERSION = 2  # of the results of decimated(); counted up with every change of them
@@ -130,10 +129,7 @@ def _known_albedo(mesh: Mesh) -> NDArray:
 
 
 def fewer_triangles(meshes: Sequence[Mesh], share: float, folder: Path | None) -> Triangles:
-    """Return decimated(), from the cache if it holds a result that fits the meshes.
-
-    With a share of 1, all triangles.
-    """
+    """Return decimated(), from the cache if a result there fits; all for a share of 1."""
     if share == 1:
         return [mesh.triangles for mesh in meshes]
     path = (folder or cache_folder()) / f"{_key(meshes, share)}.npz"
@@ -196,10 +192,7 @@ class _Subset:
 
 
 def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = False) -> Mesh:
-    """Return the mesh with these triangles, without the vertices that they do not use.
-
-    matt: with a plain material.
-    """
+    """Return the mesh with these triangles and their vertices only; matt: in plain material."""
     kept, which = np.unique(triangles, return_inverse=True)
     return attrs.evolve(
         mesh,

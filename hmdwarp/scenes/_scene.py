@@ -1,42 +1,158 @@
-"""A scene: meshes, textures, moving bodies and background, checked when put together."""
+"""A scene: meshes, textures, lamps, mirrors, moving bodies and background, checked together."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
-from ..geometry import Pose
+from ..geometry import Mirror, Pose
+from ..geometry.mirror import MOST_MIRRORS
 from ..registry import Registry
-from ._content import Body
-from ._lamps import Lamp, problem_with
-from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Mesh, Texture
-from ._mirrors import SceneMirror, mirrors_of
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Mesh, Motion, Texture
+
+MOST_LAMPS = 4
+ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
+NEAREST_M = 0.01  # a surface nearer than this to a lamp gets no more light
+
+
+@attrs.frozen(eq=False)
+class Lamp:
+    """A light that may move: a point, or a sun.
+
+    colour: linear RGB that a white, matt surface shows which faces it: 1 m away from a point, at
+    any distance from a sun. A point shines from its motion's place, a sun from infinitely far along
+    the -z of its motion's pose.
+    """
+
+    motion: Motion
+    colour: tuple[float, float, float]
+    is_sun: bool = False
+
+    def place(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (x, y, z, 1) of a point in the world, or (x, y, z, 0) towards a sun."""
+        pose = self.motion.state(time_ns).pose
+        if self.is_sun:
+            return np.append(pose.rotation.apply((0.0, 0.0, 1.0)), 0.0)
+        return np.append(pose.position_m, 1.0)
+
+
+def problem_with(meshes: Sequence[Mesh], lamps: Sequence[Lamp]) -> str:
+    """Return why the lamps cannot light the meshes, "" if they can."""
+    if len(lamps) > MOST_LAMPS:
+        return f"{len(lamps)} lamps: expected at most {MOST_LAMPS}"
+    for mesh in meshes:
+        if mesh.light_uv is not None and mesh.deformation is not None:
+            return f"mesh '{mesh.name}' has a place in the light atlas and deforms: expected one that is rigid"
+        if lamps and mesh.material.reflectivity:
+            return f"mesh '{mesh.name}' mirrors: in a scene with lamps, expected matt surfaces"
+    return ""
+
+
+SAME_DIRECTION = 1e-3  # rad, between the normals of one plane
+SAME_PLANE_M = 1e-3
+
+
+@attrs.frozen(eq=False)
+class SceneMirror:
+    """A mirror in world coordinates and the meshes it is made of."""
+
+    shape: Mirror
+    meshes: tuple[Mesh, ...]
+    normal_map: int  # index of the texture that disturbs the reflection, -1 for none; and by how much
+    normal_scale: float
+
+
+def mirrors_of(scene: str, meshes: Sequence[Mesh], origin_m: NDArray[np.float64]) -> tuple[SceneMirror, ...]:
+    """Return all mirrors of the scene called `scene`, plane ones first.
+
+    Each curved mesh is a mirror of its own, the ball around its vertices.
+    Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror that
+    moves, and for more than MOST_MIRRORS.
+    """
+    groups: dict[tuple, list[Mesh]] = {}
+    for index, mesh in enumerate(meshes):
+        if not mesh.material.reflectivity:
+            continue
+        if mesh.body or mesh.deformation is not None:
+            raise SceneError(f"mesh '{mesh.name}': a mirror that moves; keep it still or set its reflectivity to 0")
+        what = mesh.material.reflectivity, mesh.material.normal_map, mesh.material.normal_scale
+        key = (1, index) if mesh.material.curved else (0, *np.round(_plane_of(mesh), 3).tolist())
+        groups.setdefault((*key, *what), []).append(mesh)
+    if len(groups) > MOST_MIRRORS:
+        raise SceneError(
+            f"scene '{scene}' has {len(groups)} mirrors: expected at most {MOST_MIRRORS}; one plane counts once"
+        )
+    ordered = sorted(groups.values(), key=lambda group: group[0].material.curved)
+    materials = [group[0].material for group in ordered]
+    return tuple(
+        SceneMirror(_shape(group, origin_m), tuple(group), material.normal_map, material.normal_scale)
+        for group, material in zip(ordered, materials, strict=True)
+    )
+
+
+def _plane_of(mesh: Mesh) -> NDArray[np.float64]:
+    """Return (4,) unit normal and distance from the scene's origin."""
+    normals, positions = mesh.normals.astype(np.float64), mesh.positions.astype(np.float64)
+    fault = f"mesh '{mesh.name}': a mirror without a normal"
+    remedy = "a plane mirror is flat with one unit normal at all vertices; mark others as curved (curved=True)"
+    if not len(mesh.triangles) or np.abs(np.linalg.norm(normals, axis=1) - 1).max() > SAME_DIRECTION:
+        raise SceneError(f"{fault}: it lacks triangles, or its normals are not of length 1; {remedy}")
+    mean = normals.mean(axis=0)
+    mean /= max(float(np.linalg.norm(mean)), 1e-30)
+    apart = np.linalg.norm(normals - mean, axis=1).max()
+    if apart > SAME_DIRECTION:
+        degrees = np.degrees(2 * np.arcsin(min(apart / 2, 1)))
+        raise SceneError(f"{fault}: its normals differ by up to {degrees:.3g} degrees; {remedy}")
+    distances = positions @ mean
+    if np.ptp(distances) > SAME_PLANE_M:
+        raise SceneError(
+            f"{fault}: its vertices leave a plane by {np.ptp(distances) * 1e3:.3g} mm along its normals; {remedy}"
+        )
+    a, b, c = (positions[mesh.triangles[:, i]] for i in range(3))
+    if (np.cross(b - a, c - a) @ mean < 0).any():
+        raise SceneError(f"{fault}: some triangles face away from their normals; {remedy}")
+    return np.array([*mean, distances.mean()])
+
+
+def _shape(meshes: list[Mesh], origin_m: NDArray[np.float64]) -> Mirror:
+    positions = np.concatenate([mesh.positions for mesh in meshes]).astype(np.float64)
+    reflectivity = meshes[0].material.reflectivity
+    if meshes[0].material.curved:
+        centre = (positions.min(axis=0) + positions.max(axis=0)) / 2
+        radius = float(np.linalg.norm(positions - centre, axis=1).max())
+        if not radius:
+            raise SceneError(f"mesh '{meshes[0].name}': a curved mirror of no size; expected a ball or similar")
+        return Mirror(centre + origin_m, radius_m=radius, reflectivity=reflectivity)
+    normal = _plane_of(meshes[0])[:3]
+    right = _along_u(meshes[0], normal)
+    up = np.cross(normal, right)
+    low, high = (np.array([extreme(positions @ axis) for axis in (right, up)]) for extreme in (np.min, np.max))
+    across, along = (high - low) / 2
+    middle = (low + high) / 2
+    centre = right * middle[0] + up * middle[1] + normal * float((positions @ normal).mean())
+    return Mirror(centre + origin_m, right * max(across, 1e-6), up * max(along, 1e-6), reflectivity=reflectivity)
+
+
+def _along_u(mesh: Mesh, normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the unit vector in the plane along which u grows, a normal map's x; any without."""
+    places = np.column_stack([mesh.uv, np.ones(len(mesh.uv))]).astype(np.float64)
+    along = np.linalg.lstsq(places, mesh.positions.astype(np.float64), rcond=None)[0][0]
+    along -= normal * (along @ normal)
+    if np.linalg.norm(along) < 1e-9:
+        along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
+    return along / np.linalg.norm(along)
+
 
 Rgb = tuple[float, float, float]
 
 
-def _meshes(values: Iterable[Mesh]) -> tuple[Mesh, ...]:
-    return tuple(values)
-
-
-def _textures(values: Iterable[Texture]) -> tuple[Texture, ...]:
-    return tuple(values)
-
-
-def _bodies(values: Iterable[Body]) -> tuple[Body, ...]:
-    return tuple(values)
-
-
-def _lamps(values: Iterable[Lamp]) -> tuple[Lamp, ...]:
-    return tuple(values)
-
-
-def _notes(values: Iterable[str]) -> tuple[str, ...]:
+def _tuple(values: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(values)
 
 
@@ -58,12 +174,9 @@ class Background:
     keeps the haze at the horizon thin.
     """
 
-    # Straight up.
-    zenith: Rgb = (0.0, 0.0, 0.0)
-    # At the horizon.
-    horizon: Rgb = (0.0, 0.0, 0.0)
-    # Straight down.
-    ground: Rgb = (0.0, 0.0, 0.0)
+    zenith: Rgb = (0.0, 0.0, 0.0)  # straight up
+    horizon: Rgb = (0.0, 0.0, 0.0)  # at the horizon
+    ground: Rgb = (0.0, 0.0, 0.0)  # straight down
 
     @classmethod
     def uniform(cls, colour: Rgb) -> Background:
@@ -81,23 +194,21 @@ class Scene:
 
     name: str
     summary: str
-    meshes: tuple[Mesh, ...] = attrs.field(converter=_meshes)
-    textures: tuple[Texture, ...] = attrs.field(default=(), converter=_textures)
+    meshes: tuple[Mesh, ...] = attrs.field(converter=_tuple)
+    textures: tuple[Texture, ...] = attrs.field(default=(), converter=_tuple)
     background: Background = Background()
     # Meshes belong to a body by its number, which starts at 1.
-    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_bodies)
+    bodies: tuple[Body, ...] = attrs.field(default=(), converter=_tuple)
     # Float64 (3,) in the world. Meshes are relative to it: float32 keeps its digits 1e6 m away.
     origin_m: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=_vector)
-    # World_from_head of a viewer at rest.
-    viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))
+    viewpoint: Pose = attrs.field(factory=lambda: Pose((0.0, 1.6, 0.0)))  # world_from_head of a viewer at rest
     # (2, 3) lowest and highest corner of the world box that a head may move in.
     walk_bounds_m: NDArray[np.float64] = attrs.field(default=((-1.0, 0.8, -1.0), (1.0, 2.0, 1.0)), converter=_bounds)
     # Survivable faults of a foreign file, one line each.
-    notes: tuple[str, ...] = attrs.field(default=(), converter=_notes)
+    notes: tuple[str, ...] = attrs.field(default=(), converter=_tuple)
     # Light that moves; without lamps all light is baked.
-    lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_lamps)
-    # Of which instant the lamps' light is, whatever moves; None for that which is drawn.
-    light_ns: int | None = None
+    lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_tuple)
+    light_ns: int | None = None  # of which instant the lamps' light is, whatever moves; None for that which is drawn
 
     def __attrs_post_init__(self) -> None:
         for mesh in self.meshes:
@@ -159,10 +270,8 @@ class SceneSource:
 
     name: str
     summary: str
-    # Makes the scene, the same arrays every time.
-    build: Callable[[], Scene]
-    # Names of the effects that the built scene's content calls for.
-    effects: tuple[str, ...] = ()
+    build: Callable[[], Scene]  # makes the scene, the same arrays every time
+    effects: tuple[str, ...] = ()  # names of the effects that the built scene's content calls for
 
 
 scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes")

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ._rays import Triangles
 from ._scene import Scene
+from ._viewpoint import Triangles
 from .shapes import Ball
 
 Array = NDArray[np.float64]

@@ -48,19 +48,13 @@ class Waving:
     period of 0.
     """
 
-    # (n, 3) vertices without wind, metres.
-    rest: Array = attrs.field(converter=_points)
-    # (n,) metres of each vertex from the held edge.
-    away: Array = attrs.field(converter=_array)
-    # Direction in which the cloth swings, of any length.
-    out: Array = attrs.field(converter=_direction)
-    # Amplitude at 1 m from the edge.
-    height_m: float = 0.1
-    # Length of a wave.
-    length_m: float = 1.0
+    rest: Array = attrs.field(converter=_points)  # (n, 3) vertices without wind, metres
+    away: Array = attrs.field(converter=_array)  # (n,) metres of each vertex from the held edge
+    out: Array = attrs.field(converter=_direction)  # direction in which the cloth swings, of any length
+    height_m: float = 0.1  # amplitude at 1 m from the edge
+    length_m: float = 1.0  # length of a wave
     period_s: float = 1.0
-    # (n,) additional phase lag of each vertex in waves: the cloth does not swing as a board.
-    lag: Array | float = 0.0
+    lag: Array | float = 0.0  # (n,) additional phase lag of each vertex in waves: the cloth does not swing as a board
 
     def __attrs_post_init__(self) -> None:
         if self.away.shape != (len(self.rest),) or not np.isfinite(self.away).all():
@@ -94,17 +88,13 @@ class Joint:
     """
 
     name: str
-    # Index of the parent joint, lower than this joint's own; -1 for none.
-    parent: int
-    # (3,) at rest, metres relative to the scene's origin.
-    pivot: Array = attrs.field(converter=_point)
-    # Angles are right-handed about it.
-    axis: Array = attrs.field(converter=_direction)
+    parent: int  # index of the parent joint, lower than this joint's own; -1 for none
+    pivot: Array = attrs.field(converter=_point)  # (3,) at rest, metres relative to the scene's origin
+    axis: Array = attrs.field(converter=_direction)  # angles are right-handed about it
     swing_rad: float = 0.0
     middle_rad: float = 0.0
     period_s: float = 1.0
-    # Share of a period, 0 to 1.
-    phase: float = 0.0
+    phase: float = 0.0  # share of a period, 0 to 1
 
     def __attrs_post_init__(self) -> None:
         if not np.isfinite([self.swing_rad, self.middle_rad, self.period_s, self.phase]).all() or not self.period_s > 0:
@@ -143,14 +133,10 @@ class Skinned:
     that do not sum to 1.
     """
 
-    # (n, 3) metres.
-    rest: Array = attrs.field(converter=_points)
-    # Parents before children.
-    joints: Sequence[Joint] = attrs.field(converter=_joints)
-    # (n, k) indices into joints.
-    which: NDArray[np.int64] = attrs.field(converter=_indices)
-    # (n, k), 0 or more, of sum 1.
-    weights: Array = attrs.field(converter=_array)
+    rest: Array = attrs.field(converter=_points)  # (n, 3) metres
+    joints: Sequence[Joint] = attrs.field(converter=_joints)  # parents before children
+    which: NDArray[np.int64] = attrs.field(converter=_indices)  # (n, k) indices into joints
+    weights: Array = attrs.field(converter=_array)  # (n, k), 0 or more, of sum 1
 
     def __attrs_post_init__(self) -> None:
         if self.which.ndim != 2 or len(self.which) != len(self.rest) or self.weights.shape != self.which.shape:

@@ -56,12 +56,9 @@ class Spinning:
     Errors: SceneError for an axis of length 0 and for numbers that are not finite.
     """
 
-    # World_from_body at time 0.
-    at: Pose
-    # In world axes, of any length.
-    axis: Array = attrs.field(converter=_vector)
-    # Right-handed; negative for the other direction.
-    rad_s: float = attrs.field(converter=float)
+    at: Pose  # world_from_body at time 0
+    axis: Array = attrs.field(converter=_vector)  # in world axes, of any length
+    rad_s: float = attrs.field(converter=float)  # Right-handed; negative for the other direction
 
     def __attrs_post_init__(self) -> None:
         if not np.isfinite(self.rad_s) or not np.linalg.norm(self.axis) > 0:
@@ -88,11 +85,9 @@ class Pendulum:
 
     pivot_m: Array = attrs.field(converter=_vector)
     length_m: float
-    # The largest angle from straight down.
-    swing_rad: float
+    swing_rad: float  # the largest angle from straight down
     period_s: float = attrs.field(converter=float, validator=_positive_seconds)
-    # Of the plane, from the x axis about +y.
-    heading_rad: float = 0.0
+    heading_rad: float = 0.0  # of the plane, from the x axis about +y
 
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
@@ -116,8 +111,7 @@ class Thrown:
     Errors: SceneError for a period that is not above 0 and for numbers that are not finite.
     """
 
-    # World_from_body at each throw, the first one at time 0.
-    start: Pose
+    start: Pose  # world_from_body at each throw, the first one at time 0
     velocity_m_s: Array = attrs.field(converter=_vector)
     period_s: float = attrs.field(converter=float, validator=_positive_seconds)
     # Rotation vector per second, in world axes.
@@ -143,17 +137,13 @@ class Track:
     differ, and a smooth loop that does not close.
     """
 
-    # (k,) increasing, at least 2 keys.
-    times_s: Array = attrs.field(converter=_array)
-    # (k, 3).
-    positions_m: Array = attrs.field(converter=_array)
-    # (k,) SciPy rotations; None keeps the body unturned.
-    turns: Rotation | None = None
+    times_s: Array = attrs.field(converter=_array)  # (k,) increasing, at least 2 keys
+    positions_m: Array = attrs.field(converter=_array)  # (k, 3)
+    turns: Rotation | None = None  # (k,) SciPy rotations; None keeps the body unturned
     # Starts again after the last key, else stands still before the first and after the last. A
     # smooth loop must end in the pose it starts from.
     loops: bool = True
-    # Positions on a cubic spline, else straight from key to key.
-    smooth: bool = True
+    smooth: bool = True  # positions on a cubic spline, else straight from key to key
 
     def __attrs_post_init__(self) -> None:
         times, places = self.times_s, self.positions_m

@@ -78,15 +78,15 @@ class SceneOptions(Declared):
 # A scene's name or file, and how the file is read.
 
 
-def numbered(names: list[str], asked: str, kind: str, flag: str, also: str = "") -> int:
-    """Return the index of `asked` among the names: a name first, else a number from 0.
+def numbered(names: list[str], name: str, kind: str, flag: str, also: str = "") -> int:
+    """Return the index of `name` among the names: a name first, else a number from 0.
 
     also: another word that the option takes. Errors: InputError, with what there is.
     """
-    if asked in names:
-        return names.index(asked)
-    if asked.isdecimal() and int(asked) < len(names):
-        return int(asked)
-    known = ", ".join(f"{number} '{name}'" for number, name in enumerate(names)) or f"no {kind}"
+    if name in names:
+        return names.index(name)
+    if name.isdecimal() and int(name) < len(names):
+        return int(name)
+    known = ", ".join(f"{number} '{known}'" for number, known in enumerate(names)) or f"no {kind}"
     wanted = " or ".join(filter(None, ("one of them" if names else "", also)))
-    raise InputError(f"{flag} '{asked}': the file has {known}{f'; expected {wanted}' if wanted else ''}")
+    raise InputError(f"{flag} '{name}': the file has {known}{f'; expected {wanted}' if wanted else ''}")

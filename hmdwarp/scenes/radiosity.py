@@ -18,15 +18,14 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ._cache import cache_folder, read_arrays, write_arrays
-from ._lamps import ATLAS, NEAREST_M
+from ._scene import ATLAS, NEAREST_M
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from ._lamps import Lamp
     from ._mesh import Mesh, Texture
-    from ._scene import Background, Scene
+    from ._scene import Background, Lamp, Scene
 
 Array = NDArray[np.float64]
 VERSION = 2  # of stored rays; counted up with every change of them
@@ -38,7 +37,7 @@ LOOKED_AT = np.stack([(np.arange(21) + 0.5) / 21, (np.arange(21) * 13 + 0.5) / 2
 # A ray starts this far in front of its surface, and a triangle reaches this share beyond its edges,
 # so that no ray slips between two.
 OFF_M, EDGE = 1e-4, 1e-6
-_LEAST_AREA = 1e-12  # of a triangle, twice, in m2: whoever inverts its axes divides by this
+_LEAST_AREA = 1e-12  # of a triangle, twice, in m2: its axes are divided by this
 _AT_ONCE = 1 << 15  # rays times triangles: what a cache holds is three times as quick
 # Of what moves, light is solved bounce by bounce until one adds no more than this share of all. The
 # atlas rounds to 2^-11.
@@ -106,8 +105,7 @@ class Patches:
     texels: NDArray[np.int64]  # (n, 2) column and row
     centres: Array  # (n, 3) metres
     normals: Array  # (n, 3)
-    # (n, 3, 2) metres along the surface for each texel to the right and up.
-    steps: Array
+    steps: Array  # (n, 3, 2) metres along the surface for each texel to the right and up
     albedo: Array  # (n, 3) linear
     bodies: NDArray[np.int64]  # (n,) that each belongs to, 0 for what stands still
 
@@ -130,10 +128,7 @@ def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
 
 
 def moved_meshes(scene: Scene, time_ns: int, meshes: Sequence[Mesh] | None = None) -> list[Mesh]:
-    """Return the meshes of bodies that lamps light, in the scene's axes at that instant.
-
-    meshes: in place of the scene's own.
-    """
+    """Return the lit meshes of bodies in the scene's axes at an instant. meshes: in its place."""
     moved = []
     for mesh in scene.meshes if meshes is None else meshes:
         if mesh.light_uv is not None and mesh.body:
@@ -195,8 +190,7 @@ def mean_colour(texture: Texture) -> Array:
 class Met:
     """What rays meet."""
 
-    # (n,) of a patch; BLACK where light ends: behind a surface, or beside all patches.
-    patch: NDArray[np.int64]
+    patch: NDArray[np.int64]  # (n,) of a patch; BLACK where light ends: behind a surface, or beside all patches
     places: Array  # (n, 3) metres
     texels: Array  # (n, 2) in the light atlas
     far: Array  # (n,) how many `ways`; inf where they meet nothing
@@ -309,7 +303,7 @@ class Transport:
         return over_others + self.sky
 
     def _bounced(self, sent: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return (n, 3) what each gets of `sent`, for an instant asked for once or twice."""
+        """Return (n, 3) what each gets of `sent`, for an instant that is used once or twice."""
         factors, albedo = self.form_factors.astype(np.float32), self.patches.albedo.astype(np.float32)
         gets: NDArray[np.float32] = factors @ sent
         for _ in range(_MOST_BOUNCES):
@@ -375,10 +369,7 @@ def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
 
 
 def blockers_of(scene: Scene, meshes: Sequence[Mesh], time_ns: int = 0) -> Blockers:
-    """Return what stops light at an instant, of meshes in place of the scene's own.
-
-    A triangle without area stops none.
-    """
+    """Return what stops light at an instant, of these meshes; what lacks area stops none."""
     lit = [*lit_meshes(meshes), *moved_meshes(scene, time_ns, meshes)]
     corners = _corners_of(lit)
     a, b, c = corners.transpose(1, 0, 2)

@@ -13,20 +13,14 @@ Triple = tuple[float, float, float]
 
 @attrs.frozen
 class Quad:
-    """A parallelogram, its front where right x up points.
+    """A parallelogram, front along right x up; corners (-,-), (+,-), (+,+), (-,+) of both."""
 
-    Its corners run (-,-), (+,-), (+,+), (-,+) along (right, up).
-    """
-
-    # Metres.
-    centre: Triple
-    # Half edges, metres.
-    right: Triple
+    centre: Triple  # metres
+    right: Triple  # half edges, metres
     up: Triple
     texture: int = 0
     light: Triple = (1.0, 1.0, 1.0)
-    # Uv runs from 0 to this over the quad.
-    repeats: tuple[float, float] = (1.0, 1.0)
+    repeats: tuple[float, float] = (1.0, 1.0)  # uv runs from 0 to this over the quad
 
     @property
     def normal(self) -> NDArray[np.float64]:
@@ -55,17 +49,13 @@ class Quad:
 class Ball:
     """A sphere with a texture around it, lit from above."""
 
-    # Metres.
-    centre: Triple
+    centre: Triple  # metres
     radius: float
     texture: int = 0
     colour: Triple = (1.0, 1.0, 1.0)
 
     def mesh(self, name: str, rings: int = 48) -> Mesh:
-        """Return a latitude and longitude grid of `rings` x 2 `rings` cells.
-
-        Flat cells lie inside the sphere by at most `sagitta`.
-        """
+        """Return a grid of `rings` x 2 `rings` cells, inside the sphere by at most `sagitta`."""
         theta = np.linspace(0, np.pi, rings + 1)
         phi = np.linspace(0, 2 * np.pi, 2 * rings + 1)
         tt, pp = np.meshgrid(theta, phi, indexing="ij")
@@ -82,19 +72,13 @@ class Ball:
         )
 
     def sagitta(self, rings: int = 48) -> float:
-        """Return how far the flat cells lie inside the sphere at most.
-
-        For half a cell's diagonal angle a it is r (1 - cos a).
-        """
+        """Return how far flat cells lie inside: r (1 - cos a) for half a cell's diagonal a."""
         half_diagonal = np.hypot(np.pi / rings, np.pi / rings) / 2
         return float(self.radius * (1 - np.cos(half_diagonal)))
 
 
 def grid_triangles(rows: int, columns: int) -> NDArray[np.uint32]:
-    """Return the triangles of a (rows, columns) grid of vertices, row by row.
-
-    Their front is where (next column) x (previous row) points.
-    """
+    """Return the triangles of a grid of vertices; front: (next column) x (previous row)."""
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     down, both, across = corner + columns, corner + columns + 1, corner + 1
     pairs = np.stack([corner, down, both, corner, both, across], axis=1)

@@ -13,7 +13,7 @@ from ...errors import InputError, TraceError
 from ...registry import Registry
 from ..options import TraceOptions, parse_euler
 from ..reading.axes import OPENXR, parse_axes
-from ..reading.cleaning import Cleaned, Cleaner
+from ..reading.cleaning import Cleaner, LoadedTrace
 from ..reading.columns import UNRANKED, Columns, find_columns, head_rank
 from ..reading.file_head import Head, is_number
 from ..reading.rows import RowReader
@@ -47,10 +47,7 @@ class TraceFormat:
     axes_written = OPENXR  # of the files that `write` makes
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        """Return how likely the file is of this format: 0 not at all, 100 certainly.
-
-        The highest wins.
-        """
+        """Return how likely the file is of this format, 0 to 100 (certainly); the highest wins."""
         return self.likelihood if self.header and has(head, *self.header) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
@@ -60,7 +57,7 @@ class TraceFormat:
             return unnamed_layout(head, options, self.name, self.bare_order, unit)
         return named_layout(head, options, **self.facts)
 
-    def read(self, head: Head, options: TraceOptions) -> Cleaned:
+    def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
         layout = self.layout(head, options)
         if options.time_column is not None:
@@ -77,8 +74,8 @@ class TraceFormat:
         rows = reader.read()
         layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
         cleaner = Cleaner(head, rows, layout, options, reader.ends_with_newline)
-        cleaned = cleaner.clean(head.path.stem, self.origin(head))
-        return attrs.evolve(cleaned, columns=_columns_read(head, layout, cleaned.device))
+        loaded = cleaner.clean(self.origin(head))
+        return attrs.evolve(loaded, format=self.name, columns=_columns_read(head, layout, loaded.device))
 
     def origin(self, head: Head) -> str:
         """Return the origin of the motion, if the file states it."""
@@ -184,10 +181,7 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
 
 
 def column_of_devices(head: Head) -> int | None:
-    """Return the column that names devices.
-
-    By its own name, or because it names heads or hands row by row.
-    """
+    """Return the column that names devices, by its own name or by heads or hands in its rows."""
     names = head.names or []
     named = find_columns(names).device
     if named is not None:
@@ -259,10 +253,7 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
 
 
 def ordered(head: Head, columns: tuple[int, ...], order: str | None) -> tuple[int, int, int, int]:
-    """Return four quaternion columns of the file in the order x y z w.
-
-    Errors: TraceError if the order is unknown.
-    """
+    """Return four quaternion columns in the order x y z w. Errors: TraceError if unknown."""
     if order is None:
         raise TraceError(
             f"{head.path}: nothing in the file tells whether w comes first or last in its quaternions "
@@ -284,10 +275,7 @@ def numbers_alone(head: Head, separator: str | None, *widths: int) -> bool:
 
 
 def clock_offset_ns(track: PoseTrack) -> int:
-    """Return the offset to the track's time that restores the recording's own clock.
-
-    0 where that does not fit into 2^62 ns.
-    """
+    """Return what restores the recording's own clock; 0 where that is beyond 2^62 ns."""
     fits = abs(track.epoch_ns + track.start_ns) < _LARGEST_NS and abs(track.epoch_ns + track.end_ns) < _LARGEST_NS
     return track.epoch_ns if fits else 0
 

@@ -14,10 +14,7 @@ _EYES = Defect(
 
 
 class EyeNavGS(TraceFormat):
-    """Both sites' layouts.
-
-    Source: Ding et al. 2025, EyeNavGS (arXiv:2506.02380).
-    """
+    """Both sites' layouts. Source: Ding et al. 2025, EyeNavGS (arXiv:2506.02380)."""
 
     name = "eyenavgs"
     summary = "ViewIndex,FOV1-4,Position..,Quaternion..,Gaze..,Timestamp or timestep; ms, a row per eye"

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import TraceError
 from ..options import TraceOptions
-from ..reading.cleaning import Cleaned
+from ..reading.cleaning import LoadedTrace
 from ..reading.file_head import Head, is_number
 from ..stated import Layout
 from ..track import PoseTrack
@@ -46,14 +46,14 @@ class FrameWxyz(TraceFormat):
             time=0, orientation=ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), unit="s", axes=AXES
         )
 
-    def read(self, head: Head, options: TraceOptions) -> Cleaned:
-        cleaned = super().read(head, options)
-        if options.quat_order is None and options.format != self.name and _hangs(cleaned.track):
+    def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
+        loaded = super().read(head, options)
+        if options.quat_order is None and options.format != self.name and _hangs(loaded.track):
             raise TraceError(
                 f"{head.path} has the shape of 't frame w x y z', but read so the head hangs upside down: "
                 "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
             )
-        return cleaned
+        return loaded
 
 
 def _quaternion(row: list[str]) -> list[float]:

@@ -31,19 +31,13 @@ formats.register(Native())
 
 
 def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:
-    """Write comment header, column names, rows.
-
-    decimals: of positions and quaternions; None writes every bit.
-    """
+    """Write header, column names, rows. decimals: of positions, quaternions; None for every bit."""
     stream.write(header_text(track.origin, track.rate_hz, track.notes))
     write_rows(track, stream, ",", stamp=str, order="xyzw", decimals=decimals)
 
 
 def header_text(origin: str, rate_hz: float, notes: Iterable[str] = ()) -> str:
-    """Return everything above the rows.
-
-    origin: of the motion, in words. notes: for readers of the file.
-    """
+    """Return what is above the rows. origin: of the motion, in words. notes: for readers."""
     head = [TITLE, f"origin: {origin or 'not told'}", f"rate: {rate_hz:.6g} Hz", f"axes: {AXES}", *notes]
     # One line each: a note with a newline in it would become a row.
     return "".join(f"# {' '.join(text.split())}\n" for text in head) + ",".join(COLUMNS) + "\n"

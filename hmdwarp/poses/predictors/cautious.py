@@ -156,10 +156,7 @@ def _way(a: Sequence[float], b: Sequence[float]) -> tuple[float, ...]:
 
 
 def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tuple[float, float, float]:
-    """Return `_trusted` of one motion.
-
-    ways: between the pairs of _WAYS. known: at each of _BACK.
-    """
+    """Return `_trusted` of one motion: ways between _WAYS, known at each of _BACK."""
     x, y, z = ways[0]
     if not known[1]:
         return 0.0, 0.0, 0.0
@@ -182,11 +179,11 @@ def _trusted_one(ways: Sequence[Sequence[float]], known: Sequence[bool]) -> tupl
 
 def _extrapolated(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:
     """Extrapolate for `ahead_ns` from each of `now_ns`, (n,)."""
-    asked = now_ns[:, None] - _BACK_NS
-    found = track.sample_many(asked.ravel())
-    q, p = found.orientation_xyzw.reshape(*asked.shape, 4), found.position_m.reshape(*asked.shape, 3)
-    runs = track.run_of(asked.ravel()).reshape(asked.shape)
-    known = (runs == runs[:, :1]) & (asked >= track.start_ns)
+    instants = now_ns[:, None] - _BACK_NS
+    found = track.sample_many(instants.ravel())
+    q, p = found.orientation_xyzw.reshape(*instants.shape, 4), found.position_m.reshape(*instants.shape, 3)
+    runs = track.run_of(instants.ravel()).reshape(instants.shape)
+    known = (runs == runs[:, :1]) & (instants >= track.start_ns)
 
     def turn(first: slice, last: slice) -> Array:
         return quaternions.vector_between(q[:, first], q[:, last])

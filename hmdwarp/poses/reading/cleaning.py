@@ -6,6 +6,7 @@ Each step looks for one kind of defect, repairs or refuses it, and records what 
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -65,23 +66,41 @@ class Segment:
 
 
 @attrs.frozen(eq=False)
-class Cleaned:
-    """Result of cleaning a file."""
+class LoadedTrace:
+    """A trace and all facts about its file."""
 
     track: PoseTrack
-    defects: list[Defect]  # every defect, with its repair
-    segments: list[Segment]  # recordings of the file
+    path: Path
+    format: str
+    defects: list[Defect]  # all defects and their repairs
+    segments: list[Segment]  # recordings within the file, of which one was used
     time_unit: str  # of the file's clock, in words
+    columns: str  # which were read as what, by name or number
     axes_assumed: bool  # nothing says which they are
     device: str = ""  # whose rows were taken, where a column names devices
-    columns: str = ""  # which columns were read as what
+
+    def notes(self) -> list[str]:
+        """Return a line for each defect, and one for axes that are only assumed."""
+        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
+        return [*assumed, *map(str, self.defects)]
+
+    @property
+    def axes(self) -> str:
+        """Axes of the file, who says so, and what the motion shows, in words."""
+        return self.track.axes
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples per second."""
+        return self.track.rate_hz
 
 
 class Cleaner:
     """Run the cleaning steps over the rows of one file."""
 
     def __init__(self, head: Head, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
-        self.where, self.rows, self.layout, self.options = str(head.path), rows, layout, options
+        self.path, self.where = head.path, str(head.path)
+        self.rows, self.layout, self.options = rows, layout, options
         self._defects_of_devices = head.source.defects_of_devices
         self._may_be_cut = not ends_with_newline
         self.defects: list[Defect] = list(layout.caveats)
@@ -95,7 +114,7 @@ class Cleaner:
         self.epoch_ns = 0
         self.device = ""
 
-    def clean(self, name: str, origin: str) -> Cleaned:
+    def clean(self, origin: str) -> LoadedTrace:
         """Run all steps, each after those that it relies on."""
         self.drop_cut_row()
         self.take_one_device()
@@ -119,14 +138,16 @@ class Cleaner:
             self.time_ns - self.time_ns[0],
             self.rows.position if self.rows.position is not None else np.zeros((len(self.rows), 3)),
             self.rows.orientation,
-            name=name,
+            name=self.path.stem,
             origin=origin,
             axes=self._axes_in_words(),
             notes=[str(d) for d in self.defects],
             epoch_ns=self.epoch_ns,
             jumps=jumps,
         )
-        return Cleaned(track, self.defects, self.segments, self.time_unit, self.axes_by == ASSUMED, self.device)
+        return LoadedTrace(
+            track, self.path, "", self.defects, self.segments, self.time_unit, "", self.axes_by == ASSUMED, self.device
+        )
 
     def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
         """Record a defect and its repair. at: the rows concerned; count: of what else."""
@@ -156,10 +177,7 @@ class Cleaner:
             raise TraceError(f"{self.where} holds {len(self.rows)} usable row: expected two or more{so_far}")
 
     def drop_cut_row(self) -> None:
-        """Drop a last line that ends in the middle of a number.
-
-        It lacks its newline, and its norm is off or its time decreases.
-        """
+        """Drop a last line without newline that is cut: its norm is off or its time decreases."""
         rows = self.rows
         if not self._may_be_cut or len(rows) < 2:
             return
@@ -243,10 +261,7 @@ class Cleaner:
         self.layout = attrs.evolve(self.layout, unit="ns")
 
     def take_one_segment(self) -> None:
-        """Split where time decreases; keep the longest recording, or the chosen one.
-
-        Rows are never sorted across a split.
-        """
+        """Split where time decreases, never sorting; keep the longest recording or the chosen."""
         self.rows.stamps = self._midnights(self._stamps)
         self._judge_order()
         stamps = self._stamps

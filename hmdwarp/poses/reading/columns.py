@@ -16,76 +16,23 @@ _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotati
 _CELL = re.compile(r"(.*?)[._]([0-3])[._]([0-3])$")
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
 
-_ROTATION = {"q", "quat", "quaternion", "quaternions", "orientation", "orient", "rot", "rotation", "attitude"}
-_POSITION = {"p", "pos", "position", "t", "trans", "translation", "loc", "location"}
-_EULER = {"yaw", "pitch", "roll", "euler", "azimuth", "elevation", "heading"}
-_ELSEWHERE = {
-    *(
-        "left",
-        "right",
-        "hand",
-        "hands",
-        "touch",
-        "controller",
-        "gaze",
-        "eye",
-        "eyes",
-        "gyro",
-        "acc",
-        "accel",
-        "acceleration",
-    ),
-    *(
-        "vel",
-        "velocity",
-        "v",
-        "angular",
-        "omega",
-        "b",
-        "bw",
-        "ba",
-        "bg",
-        "mag",
-        "fov",
-        "target",
-        "lefthand",
-        "righthand",
-        "body",
-    ),
-    *(
-        "hip",
-        "hips",
-        "pelvis",
-        "waist",
-        "wrist",
-        "chest",
-        "spine",
-        "shoulder",
-        "elbow",
-        "knee",
-        "ankle",
-        "foot",
-        "feet",
-    ),
-    *("tracker", "base", "basestation"),
-}
+
+def _set(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
+_ROTATION = _set("q quat quaternion quaternions orientation orient rot rotation attitude")
+_POSITION = _set("p pos position t trans translation loc location")
+_EULER = _set("yaw pitch roll euler azimuth elevation heading")
+_ELSEWHERE = _set(
+    "left right hand hands touch controller gaze eye eyes gyro acc accel acceleration vel velocity v angular omega b "
+    "bw ba bg mag fov target lefthand righthand body hip hips pelvis waist wrist chest spine shoulder elbow knee ankle "
+    "foot feet tracker base basestation"
+)
 _HEAD = ("head", "hmd", "headset", "centereye", "maincam", "xrcam", "camera", "cam")  # the likeliest first
 UNRANKED = len(_HEAD)  # what `head_rank` gives for a name that tells nothing
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
-_TIMES = {
-    "time",
-    "timestamp",
-    "timestep",
-    "timestamps",
-    "t",
-    "ts",
-    "stamp",
-    "mediatime",
-    "playbacktime",
-    "seconds",
-    "elapsed",
-    "clock",
-}
+_TIMES = _set("time timestamp timestep timestamps t ts stamp mediatime playbacktime seconds elapsed clock")
 _TIME_UNITS = {
     **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), "s"),
     **dict.fromkeys(("ms", "msec", "millis", "millisecond", "milliseconds"), "ms"),
@@ -93,24 +40,10 @@ _TIME_UNITS = {
     **dict.fromkeys(("ns", "nsec", "nanos", "nanosecond", "nanoseconds"), "ns"),
     **dict.fromkeys(("tick", "ticks"), "100ns"),
 }
-_WHOLE_SECONDS = {"sec", "secs"}
-_PARTS_OF_SECONDS = {"nanosec", "nanosecs", "nsec", "nsecs"}
-_STEPS = {"delta", "dt", "diff", "difference", "interval", "duration", "frametime"}  # times that are no clock
+_WHOLE_SECONDS, _PARTS_OF_SECONDS = _set("sec secs"), _set("nanosec nanosecs nsec nsecs")
+_STEPS = _set("delta dt diff difference interval duration frametime")  # times that are no clock
 _ANGLES = {"pitch": "x", "yaw": "y", "roll": "z"}
-_DEVICES = {
-    "viewindex",
-    "device",
-    "deviceid",
-    "devicename",
-    "deviceindex",
-    "eye",
-    "eyeindex",
-    "topic",
-    "tracker",
-    "trackerid",
-    "sensor",
-    "sensorid",
-}
+_DEVICES = _set("viewindex device deviceid devicename deviceindex eye eyeindex topic tracker trackerid sensor sensorid")
 
 
 @attrs.frozen
@@ -225,10 +158,7 @@ def _is_position(key: tuple[str, ...]) -> bool:
 
 
 def _best(keys: list[tuple[str, ...]]) -> tuple[str, ...] | None:
-    """Return the head's group among several: never a hand's or a gaze's.
-
-    "head" first, else the plainest.
-    """
+    """Return the head's group: never a hand's or a gaze's; "head" first, else the plainest."""
     heads = [k for k in keys if not set(k) & _ELSEWHERE]
     return min(heads, key=lambda k: (not set(k) & set(_HEAD), len(k)), default=None)
 
@@ -267,10 +197,7 @@ def _find_matrix(names: list[str]) -> tuple[tuple[int, ...] | None, tuple[int, i
 
 
 def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:
-    """Return the columns of a head's angles about x, y and z.
-
-    Pitch is about x, yaw about y, roll about z.
-    """
+    """Return the columns of the angles about x (pitch), y (yaw) and z (roll) of a head."""
     named = {word: i for i, parts in enumerate(split) for word in set(parts) & set(_ANGLES)}
     found = {
         axis: named[word]

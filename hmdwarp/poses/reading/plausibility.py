@@ -61,8 +61,8 @@ class Evidence:
     tips: Array  # (3, 3), mean square of that cosine
     world_turns: Array  # (3,), share of the rotation about each axis of the world; zeros: too little
     head_turns: Array  # (3,), the same about the head's axes
-    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: nobody walks
-    climb: Array  # (3,), share of the way along each axis of the world; zeros: nobody walks
+    travel: Array  # (3,), mean direction of travel in the head's axes; zeros: no walk
+    climb: Array  # (3,), share of the way along each axis of the world; zeros: no walk
     neck: Array  # (3,), unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
     height_m: Array  # (3,), mean position where it is steady along an axis, else 0
     gravity: Array  # (3,), up by the file's gravity columns; zeros: none
@@ -200,10 +200,7 @@ _LENGTHS = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet":
 
 
 def rate_fault(step_ns: float, unit: str) -> str:
-    """Return what is odd about a clock of `unit` with this median step, and the unit that is not.
-
-    Empty where the rate is a tracker's.
-    """
+    """Return the unit that makes this median step a tracker's rate; "" where it is one."""
     rate_hz = BILLION / step_ns
     if RATES_HZ[0] <= rate_hz <= RATES_HZ[1]:
         return ""
@@ -216,10 +213,7 @@ def rate_fault(step_ns: float, unit: str) -> str:
 
 
 def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str]:
-    """Return what is odd about the places of a head, and the scale that would make them human.
-
-    Both empty where they are.
-    """
+    """Return what is odd about a head's places, and a scale that helps; "" where nothing is."""
     at = _every(time_ns)
     p, t = position_m[at], time_ns[at] * 1e-9
     far = float(np.median(np.linalg.norm(p, axis=1)))
@@ -314,10 +308,7 @@ def _shares(vectors: Array) -> Array:
 def find_jumps(
     time_ns: NDArray[np.int64], orientation: NDArray[np.float64], position: NDArray[np.float64] | None
 ) -> NDArray[np.int64]:
-    """Return indices i whose step to row i + 1 is a teleport.
-
-    Too far and too fast, in angle or place.
-    """
+    """Return indices i whose step to row i + 1 is too far and too fast, in angle or place."""
     found = []
     for a in range(0, len(time_ns) - 1, _BLOCK):  # in blocks: the temporaries of 10^7 rows would double the memory
         b = min(a + _BLOCK, len(time_ns) - 1)

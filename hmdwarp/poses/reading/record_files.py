@@ -75,7 +75,7 @@ def _records(text: str) -> list[Any]:
 def _longest_list(document: Any) -> list[Any]:
     """Return the longest list of objects or of lists anywhere in a document."""
     if isinstance(document, list):
-        return document if document and all(isinstance(one, dict | list) for one in document) else []
+        return document if document and all(isinstance(item, dict | list) for item in document) else []
     if isinstance(document, dict):
         return max(map(_longest_list, document.values()), key=len, default=[])
     return []
@@ -92,7 +92,7 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
 
 
 def _names_in(values: list[Any], name: str) -> list[str]:
-    if len(values) == 3 and not any(isinstance(one, list) for one in values):
+    if len(values) == 3 and not any(isinstance(value, list) for value in values):
         return [f"{name}.{axis}" for axis in "xyz"]
     if len(values) == 4 and names_rotation(name):
         return [f"{name}.q{i}" for i in range(4)]
@@ -130,7 +130,7 @@ class _Reading:
         self._mcap = import_extra("mcap.reader", "mcap", EXTRA)
         self._how = {"validate_crcs": True, "record_size_limit": size}
         modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
-        self._factories = [import_extra(*one, EXTRA).DecoderFactory() for one in modules]
+        self._factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
         self._decoders: dict[int, Callable[[bytes], Any] | None] = {}
         self._comments: list[str] = []
         self._defects: list[Defect] = []
@@ -198,7 +198,7 @@ class _Reading:
         return self._mcap.NonSeekingReader(self.stream, **self._how), None
 
     def _state(self, reader: Any) -> None:
-        stated: dict[str, str] = next((one.metadata for one in reader.iter_metadata() if one.name == METADATA), {})
+        stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
         self._comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
 
     def _topics(self, index: Any) -> list[str] | None:
@@ -223,13 +223,13 @@ class _Reading:
     def _decoder_of(self, schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
         if encoding == "json":
             return lambda data: json.loads(data, object_hook=lambda found: SimpleNamespace(**found))
-        return next(filter(None, (one.decoder_for(encoding, schema) for one in self._factories)), None)
+        return next(filter(None, (f.decoder_for(encoding, schema) for f in self._factories)), None)
 
 
 def _poses_in(name: str, message: Any) -> Iterator[_Pose]:
     if name in _LISTS:
-        for one in message.transforms:
-            yield from _poses_in(_LISTS[name], one)
+        for transform in message.transforms:
+            yield from _poses_in(_LISTS[name], transform)
         return
     stamp, parent, child, position, orientation = (
         "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]

@@ -22,6 +22,7 @@ from ..stated import Defect, Layout
 from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, Stamps, parse_fields, parse_one
 
+Numbers = NDArray[np.float64]
 CHUNK_BYTES = 4 * 1024 * 1024
 _REPAIR = "; repair or remove that line"
 _MATRIX_OFF = 0.05
@@ -91,23 +92,13 @@ class RowReader:
             parts.append(rows if rows is not None else self._read_slowly(chunk))
         if self._repeated_headers:
             lines = self._repeated_headers
-            self.defects.append(
-                Defect(
-                    "header-repeated",
-                    f"the header comes again {counted(len(lines), 'time')}",
-                    "skipped",
-                    len(lines),
-                    lines[0],
-                )
-            )
+            what = f"the header comes again {counted(len(lines), 'time')}"
+            self.defects.append(Defect("header-repeated", what, "skipped", len(lines), lines[0]))
         self._judge_bad_rows(sum(map(len, parts)))
         return self._joined(parts)
 
     def _judge_bad_rows(self, good: int) -> None:
-        """Drop rows that hold no pose, up to a share; beyond it the file was misread.
-
-        Errors: TraceError of the first of them.
-        """
+        """Drop up to a share of rows without a pose; else the file was misread: TraceError."""
         if self._first_bad is None:
             return
         line, error = self._first_bad
@@ -180,10 +171,7 @@ class RowReader:
         return text
 
     def _read_fast(self, chunk: _Chunk) -> Rows | None:
-        """Parse the whole chunk by numpy's C parser.
-
-        Return None for anything unusual.
-        """
+        """Parse the whole chunk by numpy's C parser. Return None for anything unusual."""
         text, count = self._prepared(chunk.text), chunk.count
         if not self._regular(text, count):
             return None
@@ -195,14 +183,8 @@ class RowReader:
                 kinds.append((name, f"S{WIDTH}"))
                 columns.append(column)
         try:
-            how: dict[str, Any] = {
-                "delimiter": self.head.separator,
-                "usecols": columns,
-                "comments": None,
-                "ndmin": 1,
-                "encoding": "latin-1",
-            }
-            table = np.loadtxt(io.BytesIO(text), dtype=kinds, **how)
+            how: dict[str, Any] = {"comments": None, "ndmin": 1, "encoding": "latin-1"}
+            table = np.loadtxt(io.BytesIO(text), kinds, delimiter=self.head.separator, usecols=columns, **how)
             values = table["v"]
             # min and max are NaN if anything is
             if len(table) != count or not -_FARTHEST < values.min() <= values.max() < _FARTHEST:
@@ -214,18 +196,18 @@ class RowReader:
                 stamps.billionths += parse_fields(table["n"]).whole
         except (ValueError, OverflowError):
             return None
-        values = table["v"]
-        turns = len(layout.orientation)
-        position = None if layout.position is None else np.ascontiguousarray(values[:, turns:])
         device = None if layout.device is None else np.ascontiguousarray(table["d"])
-        line = np.arange(chunk.line, chunk.line + count, dtype=np.int32)
-        return Rows(stamps, np.ascontiguousarray(values[:, :turns]), position, device, line)
+        return self._rows(stamps, values, device, np.arange(chunk.line, chunk.line + count, dtype=np.int32))
+
+    def _rows(
+        self, stamps: Stamps | None, values: Numbers, device: NDArray[np.bytes_] | None, line: NDArray[np.int32]
+    ) -> Rows:
+        turns = len(self.layout.orientation)
+        position = None if self.layout.position is None else values[:, turns:].copy()
+        return Rows(stamps, values[:, :turns].copy(), position, device, line)
 
     def _regular(self, text: bytes, count: int) -> bool:
-        """Return whether every line has the same number of fields.
-
-        loadtxt with usecols would not notice longer ones.
-        """
+        """Return whether all lines have as many fields: loadtxt with usecols ignores more."""
         if not text.strip():
             return False
         mark = self.head.separator or " "
@@ -244,10 +226,7 @@ class RowReader:
         return bool((marks[:, -1] < ends).all() and (marks[1:, 0] > ends[:-1]).all())
 
     def _read_slowly(self, chunk: _Chunk) -> Rows:
-        """Parse line by line: skip comments, blank lines and repeated headers.
-
-        Drop a last line that was cut; count any other bad one.
-        """
+        """Parse line by line, skip what is no row, drop a cut last line, count other bad ones."""
         pieces = chunk.text.replace(b"\r", b"\n") if self.head.newline == b"\r" else chunk.text
         found = [
             (i, t)
@@ -288,10 +267,8 @@ class RowReader:
             whole = np.array([t[0] for t in times], dtype=np.int64)
             parts = np.array([t[1] for t in times], dtype=np.int64)
             stamps = Stamps(whole, parts, any(t[2] for t in times))
-        turns = len(self.layout.orientation)
-        position = None if self.layout.position is None else table[:, turns:].copy()
         device = None if self.layout.device is None else np.array(devices, dtype=np.bytes_)
-        return Rows(stamps, table[:, :turns].copy(), position, device, np.array(lines, dtype=np.int32))
+        return self._rows(stamps, table, device, np.array(lines, dtype=np.int32))
 
     def _parse_line(self, text: str, number: int) -> tuple[list[float], tuple[int, int, bool], bytes]:
         where = f"{self.head.path}: line {number}"
@@ -358,10 +335,7 @@ class RowReader:
 
 
 def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
-    """Return (n, 4) quaternions xyzw of what the file holds; zeros for a matrix without a turn.
-
-    Errors: TraceError.
-    """
+    """Return (n, 4) quaternions xyzw; zeros for a matrix without a turn. Errors: TraceError."""
     if not layout.matrix and layout.euler is None:
         return numbers
     from scipy.spatial.transform import Rotation
@@ -386,10 +360,7 @@ def _taken(parts: list[Rows], get) -> NDArray:
 
 
 def _looks_cut(text: str) -> bool:
-    """Return whether a last line is truncated: fewer fields, or a field that ends in the middle.
-
-    NaN and words are faults, not truncation.
-    """
+    """Return whether a last line may be truncated; NaN and words are faults, not truncation."""
     return not any(
         f.lower().lstrip("+-") in ("nan", "inf", "infinity", "null", "none")
         for f in split(text, None)

@@ -54,10 +54,7 @@ class Stamps:
 
 
 def parse_fields(fields: NDArray[np.bytes_]) -> Stamps:
-    """Plain decimal stamps, all at once; anything else one by one.
-
-    Errors: ValueError with the index of the first bad one.
-    """
+    """Parse plain decimal stamps at once, others one by one. Errors: BadStamp for the first."""
     fast = _parse_plain(fields)
     if fast is not None:
         return fast
@@ -121,10 +118,7 @@ def _days(day: str | None) -> int:
 
 
 def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
-    """Parse digits, at most one point, perhaps a sign.
-
-    Return None for anything else or too long.
-    """
+    """Parse digits with at most one point and a sign; None for anything else or too long."""
     n = len(fields)
     # One row per character position: the loop below then runs over neighbouring bytes.
     text = np.ascontiguousarray(np.ascontiguousarray(fields).view(np.uint8).reshape(n, -1).T)

@@ -7,8 +7,8 @@ from collections.abc import Iterable
 import attrs
 import numpy as np
 
-from .._lamps import ATLAS
 from .._mesh import Mesh, Texture
+from .._scene import ATLAS
 from ..shapes import Quad, Triple, checker
 
 BORDER = 1  # texels around each chart, so that light never blends with another's
@@ -37,10 +37,7 @@ def box(low: Triple, high: Triple, albedo: Triple, texture: int = 0) -> list[Qua
 
 
 def in_atlas(quads: Iterable[Quad], texel_m: float) -> list[Mesh]:
-    """Return the quads as meshes with places in the light atlas, row by row; the tallest first.
-
-    texel_m: about how wide a texel is on the surface.
-    """
+    """Return the quads as meshes placed in the light atlas, tallest first; texel_m: about wide."""
     quads = list(quads)
     counts = [
         [max(1, round(2 * float(np.linalg.norm(half)) / texel_m)) for half in (quad.right, quad.up)] for quad in quads

@@ -13,9 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._content import Material
 from .._gltf_file import GltfFile
-from .._mesh import Mesh, Texture
+from .._mesh import Material, Mesh, Texture
+from .._scene import Background
+from ..textures import textures_named
+
+SKY = Background((0.13, 0.30, 0.66), (0.68, 0.78, 0.90), (0.30, 0.34, 0.22))
+
+
+def deck_textures(*more: str) -> list[Texture]:
+    """Paint the textures of the deck, then those of these names."""
+    country = ("foliage", "grass", "roof", "facade", "map", "posters")
+    return textures_named("planks", "wood", "bricks", "plaster", "fabric", "speckle", *country, *more)
+
 
 _FIELDS = {
     "positions": "POSITION",

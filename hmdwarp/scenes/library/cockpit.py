@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ...geometry import Pose
 from .._scene import Scene, SceneSource, scenes
-from ._deck import SKY, deck_textures
-from ._models import StoredModel
+from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a cockpit with a view and a head-up display fixed to the head: overlay"
 VIEWPOINT = Pose((0.0, 1.4, 0.0))

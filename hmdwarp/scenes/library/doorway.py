@@ -7,9 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...geometry import Pose
-from .._content import Body
-from .._lamps import Lamp
-from .._scene import Scene, SceneSource, scenes
+from .._mesh import Body
+from .._scene import Lamp, Scene, SceneSource, scenes
 from ..motions import Still, Track
 from ._lit_room import box, in_atlas, textures, wall
 

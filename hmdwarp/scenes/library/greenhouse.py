@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from ...geometry import Pose
 from .._scene import Scene, SceneSource, scenes
-from ._deck import SKY, deck_textures
-from ._models import StoredModel
+from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a greenhouse with dusty, lettered and coloured panes, and a picket fence of alpha outside: transparency"
 VIEWPOINT = Pose((0.0, 1.5, 0.0))

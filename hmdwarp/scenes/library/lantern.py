@@ -5,9 +5,8 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from .._content import Body
-from .._lamps import Lamp
-from .._scene import Scene, SceneSource, scenes
+from .._mesh import Body
+from .._scene import Lamp, Scene, SceneSource, scenes
 from ..motions import Pendulum
 from ..shapes import Ball
 from ._lit_room import box, in_atlas, textures, wall

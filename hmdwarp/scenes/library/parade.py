@@ -5,11 +5,10 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from .._content import Deformation
+from .._mesh import Deformation
 from .._scene import Scene, SceneSource, scenes
 from ..deformations import Joint, Skinned, Waving
-from ._deck import SKY, deck_textures
-from ._models import StoredModel
+from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a walled deck with a waving flag and a marching figure that waves: soft motion by itself"
 WALK_BOUNDS_M = ((-1.0, 0.8, -1.0), (1.2, 2.2, 1.6))

@@ -5,8 +5,7 @@ from __future__ import annotations
 from .._mesh import Texture
 from .._scene import Scene, SceneSource, scenes
 from ..textures import sun_floor, textures_named
-from ._deck import SKY
-from ._models import StoredModel
+from ._models import SKY, StoredModel
 
 SUMMARY = (
     "a furnished room with a window view: fine texture, thin, near (0.4 m) and far (beyond 20 m) things, baked light"

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from ...geometry import Pose
-from .._lamps import Lamp
-from .._scene import Background, Scene, SceneSource, scenes
+from .._scene import Background, Lamp, Scene, SceneSource, scenes
 from ..motions import Spinning
 from ._lit_room import box, in_atlas, textures, wall
 

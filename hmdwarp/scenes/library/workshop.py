@@ -6,11 +6,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ...geometry import Pose
-from .._content import Body
+from .._mesh import Body
 from .._scene import Scene, SceneSource, scenes
 from ..motions import Spinning, Thrown, Track
-from ._deck import SKY, deck_textures
-from ._models import StoredModel
+from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a walled deck with a turning fan, a cart on its round and a thrown ball: rigid motion by itself"
 WALK_BOUNDS_M = ((-1.2, 0.8, -1.2), (1.2, 2.2, 1.6))

@@ -6,35 +6,34 @@ from collections.abc import Callable
 from functools import partial
 
 from .._mesh import Texture
-from . import _gallery, _prints, _sheets, _surfaces
-from ._gallery import ripples
-from ._noise import Image
-from ._sun_floor import sun_floor
+from . import _pictures, _surfaces
+from ._pictures import ripples
+from ._surfaces import Image, sun_floor
 
 __all__ = ["ripples", "sun_floor", "textures_named"]
 
 _PAINTERS: dict[str, Callable[[], Image]] = {
-    "books": _prints.book_spines,
+    "books": _pictures.book_spines,
     "bricks": _surfaces.bricks,
-    "dials": _prints.dials,
+    "dials": _pictures.dials,
     "fabric": _surfaces.fabric,
     "facade": _surfaces.facade,
-    "flag": _prints.flag,
+    "flag": _pictures.flag,
     "floor-normals": ripples,
     "foliage": _surfaces.foliage,
     "grass": _surfaces.grass,
-    "hud": _sheets.head_up,
-    "leaded": _sheets.leaded_glass,
+    "hud": _pictures.head_up,
+    "leaded": _pictures.leaded_glass,
     "map": _surfaces.globe,
-    "marble": _gallery.marble,
+    "marble": _pictures.marble,
     "mesh": _surfaces.perforated,
-    "paintings": _gallery.paintings,
-    "pane": partial(_sheets.dusty_glass, ("WARP", "AND", "FIELD")),
-    "pane-plain": partial(_sheets.dusty_glass, (), seed=810),
-    "pickets": _sheets.pickets,
+    "paintings": _pictures.paintings,
+    "pane": partial(_pictures.dusty_glass, ("WARP", "AND", "FIELD")),
+    "pane-plain": partial(_pictures.dusty_glass, (), seed=810),
+    "pickets": _pictures.pickets,
     "planks": _surfaces.planks,
     "plaster": _surfaces.plaster,
-    "posters": _prints.posters,
+    "posters": _pictures.posters,
     "roof": _surfaces.roof,
     "speckle": _surfaces.speckle,
     "wallpaper": _surfaces.wallpaper,

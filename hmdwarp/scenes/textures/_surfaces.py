@@ -2,10 +2,56 @@
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._noise import Field, Image, fractal, tinted, to_image, unit_grid
+Image = NDArray[np.uint8]  # (h, w, 3 or 4), top row first
+Field = NDArray[np.floating]  # (h, w)
+
+
+@cache
+def fractal(
+    height: int, width: int, seed: int, exponent: float = 1.0, stretch: tuple[float, float] = (1.0, 1.0)
+) -> NDArray[np.float32]:
+    """Return tiling noise (height, width) with mean 0 and deviation 1.
+
+    exponent: of the frequency; 0 is white, 1 pink, 2 smooth noise. stretch: factors down and
+    across.
+    """
+    white = np.random.default_rng(seed).standard_normal((height, width), dtype=np.float32)
+    fy = np.fft.fftfreq(height)[:, None] * height * stretch[0]
+    fx = np.fft.rfftfreq(width)[None] * width * stretch[1]
+    amplitude = np.maximum(np.hypot(fy, fx), 1.0) ** -exponent
+    amplitude[0, 0] = 0
+    field = np.fft.irfft2(np.fft.rfft2(white) * amplitude, s=(height, width)).astype(np.float32)
+    field /= field.std()
+    field.flags.writeable = False
+    return field
+
+
+def to_image(colour: NDArray) -> Image:
+    """Convert (h, w, 3 or 4) sRGB values of 0..1 to bytes."""
+    return (np.clip(colour, 0, 1) * 255 + 0.5).astype(np.uint8)
+
+
+def tinted(value: Field, dark: ArrayLike, bright: ArrayLike) -> NDArray:
+    """Return (h, w, 3) sRGB between two colours, by a field of 0..1."""
+    low, high = np.asarray(dark, np.float32), np.asarray(bright, np.float32)
+    return low + np.clip(value, 0, 1)[..., None] * (high - low)
+
+
+def over(image: NDArray[Any], mask: NDArray[np.bool_], colour: ArrayLike) -> NDArray[Any]:
+    """Return the picture with a colour, or another picture, where the (h, w) mask is."""
+    return np.where(mask[..., None], colour, image)
+
+
+def unit_grid(height: int, width: int) -> tuple[Field, Field]:
+    """Return (h, w) places y and x from 0 at the top left towards 1."""
+    y, x = np.meshgrid(np.arange(height) / height, np.arange(width) / width, indexing="ij")
+    return y, x
 
 
 def planks(size: int = 1024, count: int = 14, seed: int = 11) -> Image:
@@ -80,8 +126,8 @@ def wallpaper(size: int = 512, seed: int = 41) -> Image:
         0.3 + 0.6 * veins + 0.08 * fractal(size, size, seed + 1, 0.3), (0.20, 0.36, 0.36), (0.52, 0.64, 0.56)
     )
     image = np.where(petals[..., None], motif, ground)
-    image = np.where(stem[..., None], (0.42, 0.52, 0.46), image)
-    return to_image(np.where(dots[..., None], (0.76, 0.58, 0.30), image))
+    image = over(image, stem, (0.42, 0.52, 0.46))
+    return to_image(over(image, dots, (0.76, 0.58, 0.30)))
 
 
 def plaster(size: int = 512, seed: int = 51) -> Image:
@@ -150,9 +196,9 @@ def facade(size: int = 512, columns: int = 4, rows: int = 3, seed: int = 111) ->
         rng.uniform(0.1, 1.0, rows * columns)[cell] * 0.7 + 0.3 * (1 - v), (0.10, 0.13, 0.18), (0.55, 0.64, 0.74)
     )
     image = np.where(frame[..., None], (0.95, 0.95, 0.93), wall)
-    image = np.where(glass[..., None], pane, image)
+    image = over(image, glass, pane)
     sill = (np.abs(u - 0.5) < 0.27) & (np.abs(v - 0.85) < 0.02)
-    return to_image(np.where(sill[..., None], (0.58, 0.56, 0.53), image))
+    return to_image(over(image, sill, (0.58, 0.56, 0.53)))
 
 
 def perforated(size: int = 128) -> Image:
@@ -168,9 +214,9 @@ def globe(height: int = 256, width: int = 512, seed: int = 121) -> Image:
     sea = tinted(0.5 + 0.2 * fractal(height, width, seed + 1, 0.8), (0.14, 0.34, 0.50), (0.30, 0.54, 0.68))
     soil = tinted(0.5 + 0.3 * fractal(height, width, seed + 2, 0.9), (0.50, 0.55, 0.26), (0.82, 0.70, 0.44))
     image = np.where((land > 0.35)[..., None], soil, sea)
-    image = np.where((np.abs(land - 0.35) < 0.05)[..., None], (0.25, 0.2, 0.12), image)
+    image = over(image, np.abs(land - 0.35) < 0.05, (0.25, 0.2, 0.12))
     lines = (np.arange(width) % 32 == 0)[None] | (np.arange(height) % 32 == 0)[:, None]
-    return to_image(np.where(lines[..., None], image * 0.6, image))
+    return to_image(over(image, lines, image * 0.6))
 
 
 def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
@@ -187,5 +233,51 @@ def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
     image = np.where(dots[..., None], palette[0], ground)
     for layer in (rings, border):
         inside = np.where((teeth & (layer == 2))[..., None], palette[0], palette[np.maximum(layer, 0)])
-        image = np.where((layer >= 0)[..., None], inside, image)
+        image = over(image, layer >= 0, inside)
     return image * (0.92 + 0.10 * fractal(*y.shape, seed + 1, 0.1)[..., None])
+
+
+FLOOR = (-2.7, -3.7, 1.9, -1.1)  # x0, z0, x1, z1 in metres
+RUG = (-0.75, -3.62, 1.75, -1.5)
+WINDOW_LEFT, WINDOW_RIGHT, WINDOW_BOTTOM, WINDOW_TOP, WINDOW_Z = -0.35, 2.25, 0.85, 2.35, -4.2
+TEXEL_M = 0.003
+ELEVATION, AZIMUTH = np.radians(36), np.radians(38)  # of the sun, azimuth from -z towards +x
+TOWARDS_SUN = np.array([np.cos(ELEVATION) * np.sin(AZIMUTH), np.sin(ELEVATION), -np.cos(ELEVATION) * np.cos(AZIMUTH)])
+GAIN = 1.7  # how much brighter the sun makes a place than the room's own light
+
+
+def sun_floor(boards: Image, shaded: NDArray[np.bool_]) -> Image:
+    """Return (h, w, 3) sRGB, to be drawn 1 + GAIN times as bright as baked.
+
+    boards: 2 m by 2 m. shaded: (h, w), where things in the room intercept the sun.
+    """
+    from scipy.ndimage import gaussian_filter
+
+    x0, z0, x1, z1 = FLOOR
+    height, width = shaded.shape
+    x = (x0 + (np.arange(width, dtype=np.float32) + 0.5) * (x1 - x0) / width)[None]
+    z = (z0 + (np.arange(height, dtype=np.float32) + 0.5) * (z1 - z0) / height)[:, None]
+    # Picture rows run down and v runs along -z, so rows run along +z.
+    column, row = ((x / 2) % 1 * len(boards)).astype(int), ((z / 2) % 1 * len(boards)).astype(int)
+    image = boards[row, column]
+    left, right = (round((edge - x0) / TEXEL_M) for edge in RUG[::2])
+    top, bottom = (round((edge - z0) / TEXEL_M) for edge in RUG[1::2])
+    down, across = np.meshgrid(
+        np.linspace(0, 1, bottom - top, dtype=np.float32),
+        np.linspace(0, 1, right - left, dtype=np.float32),
+        indexing="ij",
+    )
+    image[top:bottom, left:right] = (np.clip(rug(down, across), 0, 1) * 255).astype(np.uint8)
+    # Half a degree of sun blurs a shadow by two texels over 1.5 m.
+    shadow = np.clip(gaussian_filter(shaded.astype(np.float32), 2.0) * 2.6, 0, 1)
+    share = (1 + GAIN * _window_light(x, z) * (1 - shadow)) / (1 + GAIN)
+    # sRGB is nearly a power of 2.2 over the range that matters.
+    return (image * (share ** (1 / 2.2))[..., None] + 0.5).astype(np.uint8)
+
+
+def _window_light(x: NDArray, z: NDArray) -> NDArray[np.float32]:
+    """Return 1 where the way to the sun goes through the window, else 0."""
+    t = (WINDOW_Z - z) / TOWARDS_SUN[2]
+    at_x, at_y = x + t * TOWARDS_SUN[0], t * TOWARDS_SUN[1] + 0 * x
+    inside = (at_x > WINDOW_LEFT) & (at_x < WINDOW_RIGHT) & (at_y > WINDOW_BOTTOM) & (at_y < WINDOW_TOP)
+    return inside.astype(np.float32)

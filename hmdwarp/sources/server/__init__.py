@@ -1,7 +1,7 @@
 """The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses."""
 
 from .draw import MIRRORS, Server
-from .lighting import ArrivingLight, Indirect
+from .lighting import ArrivingLight, Indirect, Lighting
 from .moving import DeformingMesh, moving_parts
 from .passes import ScenePasses, clear_depth, draw_moving
 from .projection import boxes_of, clip_from_eye, eye_from_scene
@@ -15,6 +15,7 @@ __all__ = [
     "DeformingMesh",
     "Framebuffers",
     "Indirect",
+    "Lighting",
     "SceneBuffers",
     "ScenePasses",
     "SceneTextures",

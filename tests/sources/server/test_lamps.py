@@ -11,7 +11,7 @@ from worlds import read
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import lamps_at, load_scene, transport_of, with_lamps_stopped
-from hmdwarp.scenes._rays import Triangles
+from hmdwarp.scenes._viewpoint import Triangles
 from hmdwarp.sources.server import Server
 
 SIZE = (48, 40)
