@@ -51,7 +51,6 @@ class PowerOptions(Declared):
 @takes(PowerOptions, QUIET)
 def power(said: Said) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
-    from ...experiments.sweep import raise_failures
     from ...report import OutputFolder
     from ...study.design import load_design
     from ...study.power import Simulation, simulate
@@ -74,7 +73,7 @@ def power(said: Said) -> None:
         _write(folder, found, options.power)
     if not quiet:
         _print(found, models, options)
-    raise_failures(swept)
+    swept.raise_failures()
 
 
 def _scales(design: Design, name: str | None) -> tuple[Scale, ...]:

@@ -24,7 +24,7 @@ from ...run.recorded_frames import about, own_trace
 from ...run.recordings import refuse_one_name, refuse_traces_of_one_name
 from ...scenes import load_scene
 from ...sources.sequences import Sequence as RecordedFrames
-from ..sweep import ExperimentResult, SweepCase, program_hash, raise_failures, run_cases
+from ..sweep import ExperimentResult, SweepCase, program_hash, run_cases
 from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, write_parquet
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
 from .cases import (
@@ -82,7 +82,7 @@ def bench(
         swept = run_cases(work, _cases(options, works), options.out, options.sweep, progress, say)
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         if not rows:
-            raise_failures(swept)
+            swept.raise_failures()
         first = next(result for _, result in swept.results())
         sections = dict(SECTIONS)
         for case in (case for case in swept.done if case.what.part != ROWS):

@@ -35,7 +35,7 @@ from ...run.recordings import refuse_traces_of_one_name
 from ...run.replay_run import Measured, measured
 from ...run.replay_setup import schedule_for
 from ...run.schedule import first_shown_s
-from ..sweep import ExperimentResult, KeptCases, Result, Separate, SweepCase, raise_failures, run_cases
+from ..sweep import ExperimentResult, KeptCases, Result, Separate, SweepCase, run_cases
 from .options import CompareOptions
 
 _DUPLICATE = (
@@ -82,7 +82,7 @@ def compare(
         swept = run_cases(Separate(run_part), cases, options.out, options.sweep, progress, say)
         rows = swept.rows(lambda row: (row,))
         if not rows:
-            raise_failures(swept)
+            swept.raise_failures()
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,

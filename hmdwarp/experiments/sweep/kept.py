@@ -75,10 +75,6 @@ class KeptCases:
             raise HmdwarpError(f"{self._path(identity)}: no result of a case: run it again with --resume")
         return data["result"]
 
-    def where(self, identity: str) -> str:
-        """Return which machine ran a case, "" where it is not known."""
-        return str((self._read(identity) or {}).get("where", ""))
-
     def failure(self, identity: str) -> Failure:
         """Return why a case failed."""
         data = self._read(identity) or {}

@@ -36,6 +36,10 @@ class Swept:
         """Read the results of the cases that are done from the disk, in the order of the cases."""
         return ((case, self.kept.result(case.identity)) for case in self.done)
 
+    def raise_failures(self) -> None:
+        """Raise the error of a run in which cases failed: see raise_failed."""
+        raise_failed(self.failed, len(self.cases), "the others are kept: run it again with --resume")
+
     def rows(self, rows_of: RowsOf) -> KeptRows:
         """Return the rows of all cases that are done, which stay on the disk."""
         return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
@@ -50,15 +54,15 @@ class ExperimentResult:
     data: dict[str, Any]
     # The page.
     report: Path
-    # The cases that were run, and which failed: raise_failures raises for them. None if merged.
+    # The cases that were run, and which failed. None if merged.
     swept: Swept | None = None
     # Why nothing that was found fits what was asked for, else "".
     refused: str = ""
 
     def raise_failures(self) -> None:
-        """Raise the error of a run in which cases failed: see raise_failures."""
+        """Raise the error of a run in which cases failed: see raise_failed."""
         if self.swept is not None:
-            raise_failures(self.swept)
+            self.swept.raise_failures()
 
 
 def run_cases(
@@ -102,11 +106,6 @@ def outcomes(
     for case, outcome in _run(work, cases, options, bar, say):
         yield case, outcome
         bar.done(case)
-
-
-def raise_failures(swept: Swept) -> None:
-    """Raise the error of a run in which cases failed: see raise_failed."""
-    raise_failed(swept.failed, len(swept.cases), "the others are kept: run it again with --resume")
 
 
 def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:

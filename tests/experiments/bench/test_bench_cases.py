@@ -10,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.sweep import SweepOptions, raise_failures
+from hmdwarp.experiments.sweep import SweepOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(
@@ -84,7 +84,7 @@ def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
     assert len(result.swept.failed) == 2 and all("second.csv" in one.why for one in result.swept.failed)
     assert sum("failed" in note for note in result.data["notes"]) == 2
     with pytest.raises(InputError, match="2 of 4 cases failed.*second.*--resume"):
-        raise_failures(result.swept)
+        result.swept.raise_failures()
     states = [json.loads(path.read_bytes())["state"] for path in (options.out / "cases").glob("*.json")]
     assert sorted(states) == ["done", "done", "failed", "failed"]
 
