@@ -59,6 +59,14 @@ def read(texture) -> np.ndarray:
     return np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1).astype(np.float64)
 
 
+def pixels(texture) -> np.ndarray:
+    """Texture to float64, bottom row first: (h, w) of one channel, else (h, w, channels)."""
+    dtype = {"f2": np.float16, "f4": np.float32, "u2": np.uint16}[texture.dtype]
+    found = np.frombuffer(texture.read(alignment=1), dtype).astype(np.float64)
+    channels = () if texture.components == 1 else (texture.components,)
+    return found.reshape(texture.height, texture.width, *channels)
+
+
 class World:
     """A rendered picture of a few planes with holes, and a view a plausible head motion away."""
 

@@ -90,7 +90,7 @@ class Answer:
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
-            changed = listed([one.label for one in self.findings if not one.as_stated])
+            changed = listed([finding.label for finding in self.findings if not finding.as_stated])
             return (
                 f"wrong: {changed}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree as "
                 f"stated, {share} as found ({frames})"
@@ -113,7 +113,7 @@ class Answer:
             "agreement_stated": self.agreement_stated,
             "agreement": self.agreement,
             "likeness": self.likeness,
-            "conventions": [attrs.asdict(one) for one in self.findings] if self.agree else [],
+            "conventions": [attrs.asdict(finding) for finding in self.findings] if self.agree else [],
             "as_good": list(self.as_good),
             "code": list(self.code) if self.agree else [],
         }
@@ -125,8 +125,8 @@ def check(stated: Stated) -> Answer:
     decision = decide(search)
     best = decision.best.reading
     findings = tuple(_finding(decision, name) for name in CONVENTIONS)
-    rivals = [one for one in decision.others if one.changes and abs(_margin(decision, one.reading)) < SURE]
-    rivals = [one for one in rivals if differences(one.reading) != differences(best)]
+    rivals = [other for other in decision.others if other.changes and abs(_margin(decision, other.reading)) < SURE]
+    rivals = [rival for rival in rivals if differences(rival.reading) != differences(best)]
     as_good = dict.fromkeys(
         listed([f"{CONVENTIONS[name].label}: {value(one.reading, stated, name)}" for name in differences(one.reading)])
         for one in (rivals if differences(best) else ())

@@ -222,4 +222,4 @@ def _turned(axes: str) -> Iterator[str]:
 
 
 def _numbers(values: Array | Sequence[float]) -> str:
-    return f"({', '.join(f'{round(float(one), 6) + 0.0:g}' for one in values)})"
+    return f"({', '.join(f'{round(float(value), 6) + 0.0:g}' for value in values)})"

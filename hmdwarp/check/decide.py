@@ -73,7 +73,8 @@ def decide(search: Search) -> Decision:
         numbers = _best_of(search, search.numbers(plain))
         found += numbers
         if not explains(search, search.best(found)):
-            found += [search.fitted(one, (FACTOR, OFFSET)).reading for one in numbers if ENCODING in differences(one)]
+            encoded = [reading for reading in numbers if ENCODING in differences(reading)]
+            found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
         if not explains(search, search.best(found)):
             found += _two(search, plain)
     close = _close(search, [*found, *search.late(plain)])
@@ -91,8 +92,8 @@ def decide(search: Search) -> Decision:
         candidates += finer
         leader = min(finer, key=lambda one: float(one.cost.sum()))
     if leader.changes > 1:
-        leader = _simplest(search, [one for one in candidates if one.changes])
-    return Decision(search, noise, leader, tuple(one for one in candidates if one is not leader))
+        leader = _simplest(search, [candidate for candidate in candidates if candidate.changes])
+    return Decision(search, noise, leader, tuple(candidate for candidate in candidates if candidate is not leader))
 
 
 def _fixed(reading: Reading) -> Fitted:
@@ -137,7 +138,7 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
             return True
         return share >= most and likeness(search, one.reading) >= alike
 
-    as_good = [one for one in candidates if is_as_good(one)]
+    as_good = [candidate for candidate in candidates if is_as_good(candidate)]
     return min(as_good, key=lambda one: (one.changes, float(one.cost.sum())))
 
 

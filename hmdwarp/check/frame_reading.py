@@ -102,8 +102,8 @@ def _moved(stated: Stated, turn: Array, place: Array, late_s: float) -> tuple[Ar
     times = stated.seconds
     assert times is not None
     turned, placed = np.empty_like(turn), np.empty_like(place)
-    for one in stated.tracks:
-        later = times[one] + late_s
-        turned[one] = RotationSpline(times[one], Rotation.from_matrix(turn[one]))(later).as_matrix()
-        placed[one] = CubicSpline(times[one], place[one])(later)
+    for track in stated.tracks:
+        later = times[track] + late_s
+        turned[track] = RotationSpline(times[track], Rotation.from_matrix(turn[track]))(later).as_matrix()
+        placed[track] = CubicSpline(times[track], place[track])(later)
     return turned, placed

@@ -82,7 +82,7 @@ class Search:
     def usual_numbers(self, start: Reading) -> list[list[Reading]]:
         """Return readings of depth in other units, and of depth buffers; a list for each kind."""
         base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
-        ways = [[attrs.evolve(start, factor=one) for one in self._factors(start, float(np.median(base)))]]
+        ways = [[attrs.evolve(start, factor=factor) for factor in self._factors(start, float(np.median(base)))]]
         if self.stated.may_be_buffer:
             numbers = self.stated.coarse.numbers[np.isfinite(self.stated.coarse.numbers)]
             for end, sign in ((1.0, -1.0), (-1.0 if self.stated.signed else 0.0, 1.0)):
@@ -194,7 +194,7 @@ def _scaled(reading: Reading, by: float) -> Reading:
 def _inner(stated: Stated) -> list[int]:
     """Return the frames to compare: without the ends of long tracks."""
     tracks = stated.tracks
-    ends = {int(one[end]) for one in tracks for end in (0, -1)} if min(map(len, tracks)) >= _LONG else set()
+    ends = {int(track[end]) for track in tracks for end in (0, -1)} if min(map(len, tracks)) >= _LONG else set()
     return [k for k in range(len(stated.frames)) if k not in ends]
 
 

@@ -63,35 +63,35 @@ class Stated:
     def __attrs_post_init__(self) -> None:
         if len(self.frames) < 2:
             raise InputError(f"{len(self.frames)} frame: two or more are needed, of the same things from two places")
-        for one in self.frames:
+        for frame in self.frames:
             shape = self.frames[0].depth.shape
-            if one.depth.shape != shape or one.colour.shape[:2] != shape:
+            if frame.depth.shape != shape or frame.colour.shape[:2] != shape:
                 raise InputError(
-                    f"{one.name}: colour {one.colour.shape}, depth {one.depth.shape}: expected {shape} as in "
+                    f"{frame.name}: colour {frame.colour.shape}, depth {frame.depth.shape}: expected {shape} as in "
                     f"{self.frames[0].name}; frames of one camera have one size"
                 )
-            if not (np.isfinite(one.depth) & (one.depth != 0)).any():
-                raise InputError(f"{one.name}: no pixel has depth")
+            if not (np.isfinite(frame.depth) & (frame.depth != 0)).any():
+                raise InputError(f"{frame.name}: no pixel has depth")
 
     @property
     def position(self) -> Array:
         """(n, 3) as stated."""
-        return np.array([one.view.pose.position_m for one in self.frames])
+        return np.array([frame.view.pose.position_m for frame in self.frames])
 
     @property
     def orientation(self) -> Array:
         """(n, 4) quaternions as stated."""
-        return np.array([one.view.pose.orientation_xyzw for one in self.frames])
+        return np.array([frame.view.pose.orientation_xyzw for frame in self.frames])
 
     @cached_property
     def tangents(self) -> Array:
         """(n, 4) left, right, down, up."""
-        return np.array([one.view.fov.tangents for one in self.frames])
+        return np.array([frame.view.fov.tangents for frame in self.frames])
 
     @cached_property
     def seconds(self) -> Array | None:
         """(n,) from the first frame; None where times lack or do not rise."""
-        times = [one.time_ns for one in self.frames if one.time_ns is not None]
+        times = [frame.time_ns for frame in self.frames if frame.time_ns is not None]
         if len(times) < len(self.frames):
             return None
         seconds: Array = (np.array(times, dtype=np.int64) - times[0]) / 1e9
@@ -101,13 +101,13 @@ class Stated:
     def other_eye(self) -> NDArray[np.int64] | None:
         """(n,) index of the frame of the other eye at that instant; None without pairs of eyes."""
         place = {(one.time_ns, one.eye): k for k, one in enumerate(self.frames)}
-        pairs = [None if one.eye is None else place.get((one.time_ns, 1 - one.eye)) for one in self.frames]
+        pairs = [None if frame.eye is None else place.get((frame.time_ns, 1 - frame.eye)) for frame in self.frames]
         return None if None in pairs else np.array(pairs)
 
     @cached_property
     def tracks(self) -> list[NDArray[np.int64]]:
         """Indices of the frames of each eye, in the order of time."""
-        eyes = np.array([one.eye or 0 for one in self.frames])
+        eyes = np.array([frame.eye or 0 for frame in self.frames])
         return [np.flatnonzero(eyes == eye) for eye in np.unique(eyes)]
 
     @cached_property
@@ -115,7 +115,7 @@ class Stated:
         """Seconds between frames; None where the motion between them is not known."""
         if self.seconds is None or min(map(len, self.tracks)) < _TRACK:
             return None
-        between = np.concatenate([np.diff(self.seconds[one]) for one in self.tracks])
+        between = np.concatenate([np.diff(self.seconds[track]) for track in self.tracks])
         if not (between > 0).all() or self._unsteady() > _UNSTEADY:
             return None
         return float(np.median(between))
@@ -127,13 +127,14 @@ class Stated:
 
         assert self.seconds is not None
         off = []
-        depth = np.abs(np.concatenate([one.depth[np.isfinite(one.depth) & (one.depth != 0)] for one in self.frames]))
-        for one in self.tracks:
-            turns = Rotation.from_quat(self.orientation[one])
-            turned = (turns[len(one) // 2].inv() * turns).as_rotvec()
-            curve, times = np.hstack([turned, self.position[one] / np.median(depth)]), self.seconds[one]
-            for k in range(1, len(one) - 1):
-                rest = np.delete(np.arange(len(one)), k)
+        depths = [frame.depth[np.isfinite(frame.depth) & (frame.depth != 0)] for frame in self.frames]
+        distance = np.median(np.abs(np.concatenate(depths)))
+        for track in self.tracks:
+            turns = Rotation.from_quat(self.orientation[track])
+            turned = (turns[len(track) // 2].inv() * turns).as_rotvec()
+            curve, times = np.hstack([turned, self.position[track] / distance]), self.seconds[track]
+            for k in range(1, len(track) - 1):
+                rest = np.delete(np.arange(len(track)), k)
                 error = np.linalg.norm(CubicSpline(times[rest], curve[rest])(times[k]) - curve[k])
                 off.append(error / max(float(np.linalg.norm(curve[k + 1] - curve[k - 1])), 1e-12))
         return float(np.median(off))
@@ -141,12 +142,12 @@ class Stated:
     @cached_property
     def may_be_buffer(self) -> bool:
         """Whether all numbers lie within those of a depth buffer."""
-        return all(bool((np.abs(one.depth[np.isfinite(one.depth)]) <= 1 + 1e-6).all()) for one in self.frames)
+        return all(bool((np.abs(frame.depth[np.isfinite(frame.depth)]) <= 1 + 1e-6).all()) for frame in self.frames)
 
     @cached_property
     def signed(self) -> bool:
         """Whether depth has numbers below 0, as clip space from -1 has."""
-        return any(bool((one.depth < 0).any()) for one in self.frames)
+        return any(bool((frame.depth < 0).any()) for frame in self.frames)
 
     @cached_property
     def fine(self) -> Sheet:
@@ -162,12 +163,13 @@ class Stated:
         from scipy.ndimage import gaussian_filter
 
         height, width = (side // step * step for side in self.frames[0].depth.shape)
-        grey = np.array([one.colour[:height, :width].astype(np.float64) @ (0.299, 0.587, 0.114) for one in self.frames])
+        colours = [frame.colour[:height, :width].astype(np.float64) for frame in self.frames]
+        grey = np.array([colour @ (0.299, 0.587, 0.114) for colour in colours])
         grey = grey.reshape(len(grey), height // step, step, width // step, step).mean(axis=(2, 4))
         fine, mean = (gaussian_filter(grey, (0, radius, radius)) for radius in blur)
         picture = fine - mean
         picture /= max(picture.std(), 1e-9)
-        depth = np.array([one.depth[step // 2 : height : step, step // 2 : width : step] for one in self.frames])
+        depth = np.array([frame.depth[step // 2 : height : step, step // 2 : width : step] for frame in self.frames])
         depth = np.where((depth > 0) | ((depth < 0) & self.signed), depth, np.nan).astype(np.float64)
         around = np.stack([depth[:, y : y - 1 or None, x : x - 1 or None] for y in (0, 1) for x in (0, 1)])
         low, high = around.min(axis=0), around.max(axis=0)
@@ -229,10 +231,10 @@ def _chosen(frames: Sequence[RecordedFrame]) -> range:
     """Return the places of at most MOST frames, evenly apart, where the camera moves most."""
     if len(frames) <= MOST:
         return range(len(frames))
-    between = float(np.median(np.diff([one.time_ns for one in frames])))
+    between = float(np.median(np.diff([frame.time_ns for frame in frames])))
     step = min(max(1, round(_APART_NS / max(between, 1.0))), len(frames) // MOST)
-    place = np.array([one.pose.position_m for one in frames])
-    turn = np.array([one.pose.rotation_matrix.ravel() for one in frames])
+    place = np.array([frame.pose.position_m for frame in frames])
+    turn = np.array([frame.pose.rotation_matrix.ravel() for frame in frames])
     moved, turned = (np.linalg.norm(np.diff(one, axis=0), axis=1) for one in (place, turn))
     ways = sum(one / max(one.mean(), sys.float_info.min) for one in (moved, turned))
     way = np.concatenate([[0.0], np.cumsum(ways)])

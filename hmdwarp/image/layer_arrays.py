@@ -113,7 +113,7 @@ class _Ids(HeldLayer):
     def hold(self, value: Any) -> BodyIds:
         numbers, bodies = self.parts("ids", value, 2)
         numbers, bodies = self.array("numbers of layer 'ids'", numbers, None), tuple(bodies)
-        if not all(isinstance(one, RigidState) for one in bodies):
+        if not all(isinstance(body, RigidState) for body in bodies):
             raise InputError("bodies of layer 'ids': expected a hmdwarp.geometry.RigidState for each")
         if len(bodies) > _MOST_BODIES:
             raise InputError(f"layer 'ids' has {len(bodies)} bodies: expected {_MOST_BODIES} at most")
@@ -205,7 +205,7 @@ class _Reflection(HeldLayer):
         surface = self.array("surface of layer 'reflection'", surface, 3)
         self.share("reflectivity in the surface of layer 'reflection'", surface[..., 0])
         mirrors = tuple(mirrors)
-        if not mirrors or not all(isinstance(one, Mirror) for one in mirrors):
+        if not mirrors or not all(isinstance(mirror, Mirror) for mirror in mirrors):
             raise InputError("mirrors of layer 'reflection': expected one hmdwarp.geometry.Mirror or more")
         surface = np.concatenate([surface, np.ones_like(surface[..., :1])], axis=2)  # it covers all of the picture
         pictures = (*picture.arrays(), surface.astype(np.float32))

@@ -131,8 +131,8 @@ class Warper:
             count = 1 + self.plan.needs.others.count
             has_confidence = bool(self.repair.steps)
             self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
-            for one in self._pictures:
-                stack.callback(one.close)
+            for picture in self._pictures:
+                stack.callback(picture.close)
             self._confidence = Canvas(current.gl, self.size) if has_confidence else None
             if self._confidence is not None:
                 stack.callback(self._confidence.release)

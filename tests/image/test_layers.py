@@ -55,7 +55,7 @@ def moved_right_by_two(colour: np.ndarray) -> bool:
     return np.array_equal(np.flatnonzero(red), np.arange(PATCH.start + 2, PATCH.stop + 2))
 
 
-def test_what_deforms_goes_on_with_its_velocity(picture, gpu):
+def test_deforming_pixels_go_on_with_their_velocity(picture, gpu):
     """In 0.2 s a swing goes as far as 0.16 s of its speed: 1.25 m/s make 0.2 m."""
     velocity = np.zeros((HIGH, WIDE, 3))
     velocity[:, PATCH, 0] = 1.25
@@ -104,7 +104,7 @@ def test_surfaces_behind_the_picture_close_its_holes(picture, gpu):
 
 
 @pytest.mark.parametrize("way_m", [(0.3, 0.0), (-0.17, 0.05), (0.0, -0.23), (0.111, 0.2)])
-def test_what_lies_behind_a_wall_does_not_show_where_the_wall_leaves_the_picture(gpu, way_m):
+def test_a_hidden_layer_does_not_show_where_a_wall_leaves_the_picture(gpu, way_m):
     """The wall goes on beyond the border, so nothing of the layer behind it is ever seen."""
     wall, behind = np.full((HIGH, WIDE, 3), RED), np.full((HIGH, WIDE, 3), BLUE)
     x, y = np.meshgrid(np.arange(WIDE), np.arange(HIGH))

@@ -74,7 +74,7 @@ def test_a_gap_is_neither_near_nor_infinitely_far():
 
 
 @pytest.mark.parametrize("repair", ["edges", "complete", "edges+complete"])
-def test_what_has_no_colour_gains_none(repair):
+def test_pixels_without_colour_gain_none(repair):
     """By alpha or by a mask, whatever its depth: it stays a hole, and guides nothing."""
     colour, depth = camera_picture()
     alpha = np.full((30, 40, 1), 255, np.uint8)

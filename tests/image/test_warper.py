@@ -55,7 +55,7 @@ def test_many_pictures_are_each_what_warp_image_makes(warp, gpu):
             assert one.hole_share == alone.hole_share and set(one.time_ms) == {"warp", "fill"}
 
 
-def test_nothing_is_allocated_after_the_first_picture(gpu, monkeypatch):
+def test_later_pictures_allocate_nothing(gpu, monkeypatch):
     with Warper(SIZE, gpu=gpu) as warper:
         warper.warp(*picture(0), view(), view((0.1, 0, 0)))
         made = []
@@ -80,7 +80,7 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     assert (remembered.coverage == 0).mean() < 0.02
 
 
-def test_the_depth_of_what_is_shown_comes_where_asked_for(gpu):
+def test_the_depth_of_the_shown_view_comes_on_request(gpu):
     """A plane at 4 m, seen from 1 m nearer, is 3 m away in every pixel that it covers."""
     colour = picture(0)[0]
     with Warper(SIZE, warp="iterative", fill="none", depth=True, gpu=gpu) as warper:
@@ -244,7 +244,7 @@ def test_warps_that_read_more_are_refused_by_name(gpu):
             Warper(SIZE, warp=name, fill="none", gpu=gpu)
 
 
-def test_what_does_not_fit_is_refused(gpu):
+def test_arguments_that_do_not_fit_are_refused(gpu):
     colour, depth = picture(9)
     with Warper(SIZE, gpu=gpu) as warper:
         with pytest.raises(InputError, match="colour is 20x30 pixels: this Warper is for 40x30"):
@@ -280,7 +280,7 @@ def test_what_does_not_fit_is_refused(gpu):
         shared.warp_textures(None, None, view(), view())
 
 
-def test_reflections_are_found_in_the_pictures_that_are_given(gpu):
+def test_reflections_are_found_in_further_pictures(gpu):
     """A mirror whose image is known: with three more pictures the result is nearer to the truth."""
     views = (mirror_wall.STRAIGHT, *mirror_wall.OTHERS, mirror_wall.SHOWN)
     pictures = [mirror_wall.picture(one, 0.5) for one in views]
@@ -305,6 +305,6 @@ def test_effects_that_need_more_than_pictures_are_refused(gpu):
         Warper(SIZE, effects=None, gpu=gpu)
 
 
-def test_its_cost_is_measured_beside_its_passes():
+def test_its_cost_is_measured_apart_from_its_passes():
     """What docs/rgbd.md prints: the passes alone, textures as they are and taken over, arrays."""
     assert all(took > 0 for took in bench_warper.measured((16, 16), 2))

@@ -32,7 +32,7 @@ def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **
 # Those that need no more than a picture with depth.
 PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
 MOVING = [name for name in PICTURE_WARPS if name != "none"]
-SIZES = [(1, 1), (7, 5), (33, 17), (64, 48), (2, 129)]
+SIZES = [(1, 1), (33, 17), (2, 129)]
 
 
 def halves(rng: np.random.Generator, size: tuple[int, int]) -> np.ndarray:
@@ -73,7 +73,7 @@ def test_bytes_are_srgb_and_floats_linear(warp):
 
 
 @pytest.mark.parametrize("warp", ["forward", "planar"])
-@pytest.mark.parametrize(("right", "up"), [(3, 0), (-2, 0), (0, 2), (0, -3), (4, -1)])
+@pytest.mark.parametrize(("right", "up"), [(3, 0), (0, -3), (-2, 1)])
 def test_a_plane_lands_where_it_must(warp, right, up):
     """A picture 2 wide and 1.5 high at z = -1 in 40x30 pixels: a pixel is 0.05 of depth.
 
@@ -110,7 +110,7 @@ def test_nearer_things_move_more(distance):
     assert np.array_equal(out.colour[:, : 18 - max(near - 2, 0)], colour[:, 2 : 20 - max(near - 2, 0)])
 
 
-def test_of_two_things_that_meet_the_nearer_is_seen():
+def test_the_nearer_of_two_things_that_meet_is_seen():
     """A pixel at 1 m moves 8 pixels left, one at 4 m 2: they meet at column 10."""
     colour, depth = np.zeros((30, 40, 3), np.float32), np.zeros((30, 40))
     for column, distance, value in ((18, 1.0, 0.25), (12, 4.0, 0.75)):
@@ -121,7 +121,7 @@ def test_of_two_things_that_meet_the_nearer_is_seen():
 
 
 @pytest.mark.parametrize("warp", ["rotation", "planar", "forward"])
-@pytest.mark.parametrize(("yaw", "pitch"), [(10, 0), (-15, 0), (0, 8), (0, -12), (9, -7)])
+@pytest.mark.parametrize(("yaw", "pitch"), [(10, 0), (0, -12), (-9, 7)])
 def test_a_turn_moves_a_spot_by_its_tangent(warp, yaw, pitch):
     """A spot straight ahead, infinitely far.
 
@@ -182,7 +182,7 @@ def test_fields_of_view_may_be_asymmetric(warp):
 
 
 @pytest.mark.parametrize("warp", MOVING)
-def test_what_lies_outside_the_late_picture_is_a_hole(warp):
+def test_pixels_outside_the_late_picture_are_holes(warp):
     """A shown field of view twice as large: a quarter of its pixels are known."""
     colour = halves(np.random.default_rng(7), (16, 12))
     out = warp_image(colour, np.full((12, 16), 2.0), view((-1, 1, -1, 1)), view((-2, 2, -2, 2)), warp, size=(32, 24))
@@ -191,7 +191,7 @@ def test_what_lies_outside_the_late_picture_is_a_hole(warp):
     assert (out.colour[out.coverage == 0] == 0).all()
 
 
-@pytest.mark.parametrize("size", [(1, 1), (5, 9), (31, 7), (128, 96)])
+@pytest.mark.parametrize("size", [(1, 1), (31, 7)])
 @pytest.mark.parametrize("warp", PICTURE_WARPS)
 def test_size_is_the_results(warp, size):
     out = warp_image(
@@ -231,7 +231,7 @@ def test_holes_move_with_the_picture_and_keep_their_size():
 
 
 @pytest.mark.parametrize("warp", MOVING)
-def test_between_pixels_nothing_of_a_hole_leaks_in(warp):
+def test_holes_do_not_leak_into_pixels_between(warp):
     """Beside a hole the picture is white.
 
     Bilinear look-ups that touch the hole must not darken what they call covered.
@@ -253,7 +253,7 @@ def test_infinity_is_a_distance():
     assert np.array_equal(out.colour, colour) and (out.coverage == 1).all()
 
 
-def test_by_default_the_picture_is_warped_and_complete():
+def test_the_picture_is_warped_and_complete_by_default():
     colour = np.random.default_rng(3).integers(0, 256, (24, 32, 3), dtype=np.uint8)
     aside = view(position=(0.4, 0, 0))
     given_ = (colour, np.full((24, 32), 2.0), view(), aside)
@@ -290,7 +290,7 @@ def test_twice_is_the_same():
 
 @settings(max_examples=40)
 @given(data=st.data())
-def test_whatever_the_depths_the_result_is_finite(data):
+def test_results_are_finite_for_any_depths(data):
     values = st.sampled_from([0.0, -1.0, np.nan, np.inf, -np.inf, 1e-30, 1e-6, 0.02, 1.0, 1e6, 1e300, 5e-324])
     depth = np.array(data.draw(st.lists(values, min_size=35, max_size=35))).reshape(5, 7)
     depth[2, 3] = 2.0  # nothing but negative values is refused
@@ -323,7 +323,7 @@ def test_eight_bits_as_floats_are_refused_not_taken_as_light():
 
 @pytest.mark.parametrize("result", [None, "srgb8", "srgb", "linear"])
 @pytest.mark.parametrize("given", ["srgb8", "srgb", "linear"])
-def test_colour_comes_back_as_it_went_in_or_as_asked_for(given, result):
+def test_colour_comes_back_as_it_went_in_or_as_requested(given, result):
     """Each of the nine ways gives the same bytes: halves hold a byte's light to 2**-11 of it."""
     picture = np.random.default_rng(24).integers(0, 256, (4, 6, 3), dtype=np.uint8)
     said = None
@@ -344,11 +344,6 @@ def test_colour_comes_back_as_it_went_in_or_as_asked_for(given, result):
     assert np.array_equal(as_bytes[out.encoding], picture)
 
 
-def test_the_encoding_of_the_result_is_checked():
-    with pytest.raises(InputError, match="result is 'rgb': expected srgb8, srgb, linear"):
-        warp_image(COLOUR, DEPTH, view(), view(), result="rgb")
-
-
 def test_alpha_is_coverage():
     """0 is a hole, as depth of 0 is; anything else is seen, and no colour is blended."""
     colour = np.random.default_rng(3).integers(0, 256, (4, 6, 4), dtype=np.uint8)
@@ -367,18 +362,22 @@ def test_alpha_is_coverage():
         warp_image(np.where(np.arange(24).reshape(4, 6, 1) == 1, -1.0, 0.5) * np.ones(4), DEPTH, view(), view())
 
 
-def test_arrays_may_be_read_only_and_of_any_strides():
+def test_arrays_may_be_read_only_of_any_strides_or_lists():
     rng = np.random.default_rng(7)
     large, deep = halves(rng, (12, 8)), rng.uniform(1, 4, (8, 12))
     wanted = warp_image(large[::-2, ::2].copy(), deep[::-2, ::2].copy(), view(), view(position=(0.1, 0, 0)))
     large.flags.writeable = deep.flags.writeable = False
     found = warp_image(large[::-2, ::2], deep[::-2, ::2], view(), view(position=(0.1, 0, 0)))
-    turned = warp_image(np.asfortranarray(large[::-2, ::2]), deep[::-2, ::2], view(), view(position=(0.1, 0, 0)))
+    turned = warp_image(
+        np.asfortranarray(large[::-2, ::2]), deep[::-2, ::2].tolist(), view(), view(position=(0.1, 0, 0))
+    )
     assert np.array_equal(found.colour, wanted.colour) and np.array_equal(turned.colour, wanted.colour)
 
 
-@pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64, np.longdouble])
-@pytest.mark.parametrize("depth_dtype", [np.float32, np.int32, np.uint16, np.longdouble])
+@pytest.mark.parametrize(
+    ("dtype", "depth_dtype"),
+    [(np.float16, np.float32), (np.float32, np.int32), (np.float64, np.uint16), (np.longdouble, np.longdouble)],
+)
 def test_number_types(dtype, depth_dtype):
     colour = np.full((3, 4, 3), 0.5, dtype)
     out = warp_image(colour, np.full((3, 4), 2, depth_dtype), view(), view(), depth_scale=1)
@@ -397,20 +396,8 @@ def test_depth_in_other_units_is_the_same_in_metres(unit, dtype):
     assert np.array_equal(found.coverage, wanted.coverage) and np.array_equal(found.colour, wanted.colour)
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.int32, np.int64])
-def test_integer_depth_without_its_unit_is_refused(dtype):
-    with pytest.raises(InputError, match="of unknown unit: give depth_scale"):
-        warp_image(COLOUR, np.full((4, 6), 2000, np.int64).astype(dtype), view(), view())
-
-
-@pytest.mark.parametrize("scale", [0, -1, 5000, math.nan, math.inf, True, "0.001", (1,)])
-def test_scales_that_make_no_sense_are_refused(scale):
-    with pytest.raises(InputError, match="depth_scale is .*: expected metres per unit"):
-        warp_image(COLOUR, DEPTH, view(), view(), depth_scale=scale)
-
-
 @pytest.mark.parametrize("dtype", [np.float32, np.uint8])
-def test_what_a_mask_hides_is_a_hole(dtype):
+def test_masked_pixels_are_holes(dtype):
     """In depth as in one channel of the colour, whatever value lies below the mask."""
     rng = np.random.default_rng(22)
     colour = rng.integers(0, 256, (12, 16, 3), np.uint8) if dtype == np.uint8 else halves(rng, (16, 12))
@@ -432,17 +419,11 @@ def test_what_a_mask_hides_is_a_hole(dtype):
         assert np.array_equal(masked.coverage, wanted.coverage) and np.array_equal(masked.colour, wanted.colour)
 
 
-def test_lists_and_views_into_arrays_are_arrays_too():
-    colour = np.asfortranarray(np.random.default_rng(14).random((8, 10, 3)).astype(np.float16))[::2, ::-1]
-    out = warp_image(colour, [[2.0] * 10] * 4, view(), view())
-    assert np.array_equal(out.colour, colour)
-
-
 COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ({"colour": np.zeros((4, 6))}, r"colour has shape \(4, 6\)"),
         ({"colour": np.zeros((4, 6, 2))}, r"\(4, 6, 2\): expected \(h, w, 3\), or \(h, w, 4\)"),
@@ -464,6 +445,16 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
         ({"depth_m": [["a"] * 6] * 4}, "depth_m is <U1"),
         ({"rendered": None}, "rendered is a NoneType: expected a hmdwarp.View"),
         ({"shown": Pose()}, "shown is a Pose"),
+        ({"rendered": View(view().fov, view().pose)}, "rendered is a View of Fov, Pose: expected View"),
+        ({"depth_m": -DEPTH}, "metres along -z, which are above 0: negate it"),
+        *(({"depth_m": np.where(np.eye(4, 6) > 0, sky, -2.0)}, "negate it") for sky in (0.0, np.nan, np.inf)),
+        *(({"depth_m": DEPTH.astype(kind)}, "of unknown unit: give depth_scale") for kind in (np.uint8, np.int64)),
+        *(
+            ({"depth_scale": scale}, "depth_scale is .*: expected metres per unit")
+            for scale in (0, -1, 5000, math.nan, math.inf, True, "0.001", (1,))
+        ),
+        ({"result": "rgb"}, "result is 'rgb': expected srgb8, srgb, linear"),
+        ({"warp": "auto"}, "'auto' chooses during a run.*name one: forward, "),
         ({"size": (0, 4)}, "0x4"),
         ({"size": (4, -4)}, "4x-4"),
         ({"size": (4.5, 4)}, "whole pixels"),
@@ -472,9 +463,9 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
         ({"size": (10**6, 4)}, "1000000x4"),
     ],
 )
-def test_what_does_not_fit_is_refused(arguments, told):
+def test_bad_arguments_are_refused(arguments, message):
     given_ = {"colour": COLOUR, "depth_m": DEPTH, "rendered": view(), "shown": view(), **arguments}
-    with pytest.raises(InputError, match=told):
+    with pytest.raises(InputError, match=message):
         warp_image(**given_)
 
 
@@ -496,13 +487,7 @@ def test_names_are_checked():
             warp_image(COLOUR, DEPTH, view(), view(), fill=wrong)
 
 
-def test_auto_needs_a_run():
-    with pytest.raises(InputError, match="'auto' chooses during a run.*name one: forward, ") as told:
-        warp_image(COLOUR, DEPTH, view(), view(), "auto")
-    assert "did you mean" not in str(told.value)
-
-
-def test_what_comes_back_belongs_to_the_caller():
+def test_results_belong_to_the_caller():
     colour = halves(np.random.default_rng(15), (9, 7))
     first = warp_image(colour, np.ones((7, 9)), view(), view())
     first.colour[:], first.coverage[:] = -1, -1
@@ -560,26 +545,3 @@ def test_checked_picture_gives_linear_colour_with_coverage():
     assert rgba[0, 0, 0] == pytest.approx(math.pow((128 / 255 + 0.055) / 1.055, 2.4), rel=1e-6)
     assert rgba[..., 3].tolist() == [[1, 1, 0]] and inverse.tolist() == [[0.5, 0, -1]]
     assert (rgba[0, 2] == 0).all()
-
-
-@pytest.mark.parametrize("background", [0.0, np.nan, np.inf])
-def test_negative_depth_before_a_background_is_refused_too(background):
-    depth = np.full((4, 5), -2.0)
-    depth[0] = background
-    with pytest.raises(InputError, match="negate it"):
-        warp_image(np.zeros((4, 5, 3), np.uint8), depth, view(), view())
-
-
-def test_a_view_of_swapped_parts_is_refused():
-    swapped = View(view().fov, view().pose)
-    with pytest.raises(InputError, match="rendered is a View of Fov, Pose: expected View"):
-        warp_image(np.zeros((4, 5, 3), np.uint8), np.ones((4, 5)), swapped, view())
-
-
-def test_depth_that_is_negative_everywhere_is_refused_not_taken_for_holes():
-    """OpenGL's z of visible points is negative; single values of a camera may be."""
-    with pytest.raises(InputError, match="metres along -z, which are above 0: negate it"):
-        warp_image(COLOUR, -DEPTH, view(), view())
-    some = DEPTH.copy()
-    some[0, 0] = -1
-    assert warp_image(COLOUR, some, view(), view()).coverage[0, 0] == 0

@@ -1,4 +1,4 @@
-"""Two clocks that tick apart: what the server's shows beside the client's, and how fast it drifts.
+"""Two clocks that tick apart: the offset of the server's from the client's, and its drift.
 
 Source: Mills 2010, RFC 5905 (NTP), section 8, for the offset of one exchange; the samples of the
 shortest round trips bound it best (Mills 1995, clock filter).
@@ -19,7 +19,7 @@ _FIT_NS = 2_000_000_000
 
 @attrs.frozen
 class Exchange:
-    """One request and its answer: sent and heard on this clock, received and answered on theirs."""
+    """One request and its answer, by both clocks: ours at its ends, theirs between."""
 
     sent_ns: int
     received_ns: int
@@ -85,7 +85,7 @@ class Alignment:
 
     @property
     def drift(self) -> float:
-        """Seconds that their clock gains in one of ours; 0 until it can be told."""
+        """Seconds that their clock gains in one of ours; 0 until it is known."""
         return self._line()[2]
 
     def offset_at(self, time_ns: float) -> float:

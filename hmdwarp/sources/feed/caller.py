@@ -50,7 +50,7 @@ class Caller:
         self._arrived: deque[Arrival] = deque()
         self._held = 0
         self._newest = 0
-        # Lines to tell, each once.
+        # Lines for the log, each once.
         self._lines: deque[str] = deque(maxlen=100)
         self.malformed = 0
         self._context = self._zmq.Context()
@@ -66,8 +66,8 @@ class Caller:
         """Send a request; return when, on this machine's clock."""
         now_ns = time.monotonic_ns()
         newest, token = self._newest, self._token
-        asked = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token, shares=self._shares)
-        self._orders.send(encode(asked))
+        request = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token, shares=self._shares)
+        self._orders.send(encode(request))
         return now_ns
 
     def take(self) -> list[Arrival]:
@@ -86,11 +86,11 @@ class Caller:
             return bool(self._arrived)
 
     def lines(self) -> list[str]:
-        """Return what there is to tell since the last call."""
+        """Return the log lines since the last call."""
         with self._changed:
-            told = list(self._lines)
+            lines = list(self._lines)
             self._lines.clear()
-        return told
+        return lines
 
     def close(self) -> None:
         """Hang up."""
@@ -108,8 +108,9 @@ class Caller:
             "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES,
             "IMMEDIATE": 1,
             "IPV6": "[" in self.address,
+            "RECONNECT_IVL": 50,
+            "RECONNECT_IVL_MAX": 1000,
         }
-        options |= {"RECONNECT_IVL": 50, "RECONNECT_IVL_MAX": 1000}
         for name, value in options.items():
             socket.setsockopt(getattr(self._zmq, name), value)
         if self._server_key:
@@ -127,10 +128,10 @@ class Caller:
             while True:
                 ready = dict(poller.poll())
                 if socket in ready and (parts := waiting_parts(self._zmq, socket)):
-                    self._hear(parts, time.monotonic_ns())
+                    self._receive(parts, time.monotonic_ns())
                 if failures in ready:
                     failures.recv_multipart()
-                    self._tell(f"{self.address}: refused: {self._no_handshake()}")
+                    self._note(f"{self.address}: refused: {self._no_handshake()}")
                 if orders in ready:
                     data = orders.recv()
                     if not data:
@@ -149,7 +150,7 @@ class Caller:
             return "no handshake: --server-key is another server's, or there is none with a key pair"
         return "no handshake: a server with a key pair wants --server-key FILE, or there is no 'hmdwarp serve'"
 
-    def _hear(self, parts: list[bytes], heard_ns: int) -> None:
+    def _receive(self, parts: list[bytes], heard_ns: int) -> None:
         try:
             if len(parts) != 1:
                 raise Malformed(f"{len(parts)} parts: expected one")
@@ -161,16 +162,16 @@ class Caller:
         except Malformed as error:
             self.malformed += 1
             if self.malformed == 1:
-                self._tell(f"left out: {error}; further ones are counted")
+                self._note(f"left out: {error}; further ones are counted")
             return
         except OSError as error:
             self._not_read(error)
             return
         if isinstance(message, Refusal):
-            self._tell(f"{self.address}: refused: {message.text}")
+            self._note(f"{self.address}: refused: {message.text}")
             return
         if self.clock.add(Exchange(message.asked_ns, message.received_ns, message.sent_ns, heard_ns)):
-            self._tell(f"{self.address}: the clock there has jumped, it is aligned anew")
+            self._note(f"{self.address}: the clock there has jumped, it is aligned anew")
         with self._changed:
             self._newest = max(self._newest, message.number)
             self._arrived.append(Arrival(message, heard_ns))
@@ -194,9 +195,9 @@ class Caller:
         self._unread += 1
         if self._unread == _MOST_UNREAD:
             self._shares = False
-            self._tell(f"{self.address}: frames come by the socket: no shared memory ({error.strerror})")
+            self._note(f"{self.address}: frames come by the socket: no shared memory ({error.strerror})")
 
-    def _tell(self, line: str) -> None:
+    def _note(self, line: str) -> None:
         with self._changed:
             if line not in self._lines:
                 self._lines.append(line)

@@ -51,7 +51,7 @@ def _make(public: Path, secret: Path) -> None:
     from zmq.auth import create_certificates
 
     try:
-        # In a folder that nobody else can enter, as the library makes files that anybody can read.
+        # In a private folder, as the library makes files that all users can read.
         with TemporaryDirectory(dir=public.parent) as made:
             for source, target in zip(create_certificates(made, "new"), (public, secret), strict=True):
                 Path(source).chmod(0o600 if target == secret else 0o644)
@@ -60,7 +60,7 @@ def _make(public: Path, secret: Path) -> None:
         raise InputError(f"--key-pair {public.with_suffix('')}: cannot be made ({error})") from error
 
 
-def _read(path: Path, told: str) -> tuple[bytes, bytes]:
+def _read(path: Path, option: str) -> tuple[bytes, bytes]:
     """Return both keys of a file, b"" for a secret one that it has not."""
     zmq_module()
     from zmq.auth import load_certificate
@@ -68,7 +68,7 @@ def _read(path: Path, told: str) -> tuple[bytes, bytes]:
     try:
         public, secret = load_certificate(path)
     except (OSError, ValueError) as error:
-        raise InputError(f"{told}: {error}; expected a file that 'hmdwarp serve --key-pair' made") from error
+        raise InputError(f"{option}: {error}; expected a file that 'hmdwarp serve --key-pair' made") from error
     if len(public) != _LETTERS or (secret and len(secret) != _LETTERS):
-        raise InputError(f"{told}: {path} has no key of {_LETTERS} letters; 'hmdwarp serve --key-pair' makes one")
+        raise InputError(f"{option}: {path} has no key of {_LETTERS} letters; 'hmdwarp serve --key-pair' makes one")
     return public, secret or b""

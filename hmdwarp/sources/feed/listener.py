@@ -1,4 +1,4 @@
-"""The server's end of the feed: who asks for what, and how much each has yet to take."""
+"""The server's end of the feed: what each client requests, and how much it has yet to take."""
 
 from __future__ import annotations
 
@@ -11,23 +11,22 @@ from typing import Any
 import attrs
 
 from ...errors import InputError, counted
-from .connection_limits import KERNEL_BYTES, Connections
 from .key_pairs import KeyPair
 from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, OtherVersion, Refusal, decode, encode, token_of
 from .shared_frames import IS_ABLE, SharedFrames
-from .sockets import SEAL_BYTES, address_of, is_file, is_local, waiting_parts, zmq_module
+from .sockets import KERNEL_BYTES, SEAL_BYTES, Connections, address_of, is_file, is_local, waiting_parts, zmq_module
 
-# Frames and bytes that a client has been sent and has not said to have: as much as it may lag.
+# Frames and bytes that a client was sent and has not acknowledged: as much as it may lag.
 _MOST_FRAMES, _MOST_BYTES = 64, 256 << 20
 _MOST_CLIENTS = 64
 _SILENT_NS = 10_000_000_000
-_EACH_NS = 1_000_000_000  # bad messages are told once in this time, however many come
+_EACH_NS = 1_000_000_000  # bad messages are reported once in this time, however many come
 
 
 @attrs.define(eq=False)
 class _Client:
     name: str
-    heard_ns: int
+    received_ns: int
     newest: int = 0
     ask: tuple[Ask, int] | None = None
     passed_over: int = 0
@@ -35,7 +34,7 @@ class _Client:
 
     def note(self, ask: Ask, now_ns: int) -> None:
         """Take a request; what it replaces was never drawn."""
-        self.heard_ns, self.newest = now_ns, ask.number
+        self.received_ns, self.newest = now_ns, ask.number
         self.passed_over += self.ask is not None
         self.ask = ask, now_ns
         while self.sent and self.sent[0][0] <= ask.received:
@@ -57,12 +56,12 @@ class Asked:
 
 
 class Listener:
-    """Hear requests, and answer each client at its own pace.
+    """Receive requests, and answer each client at its own pace.
 
     Of each client the newest request counts; it waits while the client has frames to take, and one
     that is replaced before it was drawn is passed over. No client waits for another: a frame that
     cannot be sent at once is dropped.
-    pair: encrypts; clients without its public key are not heard. say: called with each line for the
+    pair: encrypts; clients without its public key are ignored. say: called with each line for the
     log.
     Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
     without a secret or a pair, unless is_open; MachineError without the library.
@@ -87,7 +86,7 @@ class Listener:
         self._token, self._say = token_of(secret), say
         self._clients: dict[bytes, _Client] = {}
         self._turns: deque[bytes] = deque()
-        self._bad, self._told_ns = 0, -_EACH_NS
+        self._bad, self._reported_ns = 0, -_EACH_NS
         self._count = 0
         self._shared: SharedFrames | None = None
         self._context = self._zmq.Context()
@@ -110,10 +109,10 @@ class Listener:
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:
-            self._close()
+            self.close()
             raise InputError(f"--listen {address}: {error}: take another port or stop what listens there") from error
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
-        self._told_cut = 0
+        self._reported_cut = 0
         self._shared = self._sharing(pair)
 
     def _sharing(self, pair: KeyPair | None) -> SharedFrames | None:
@@ -128,9 +127,9 @@ class Listener:
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time."""
-        self._hear(0 if self._has_turn() else wait_ms)
+        self._receive(0 if self._has_turn() else wait_ms)
         self._forget_silent()
-        self._tell_cut()
+        self._report_cut()
         for _ in range(len(self._turns)):
             who = self._turns[0]
             self._turns.rotate(-1)
@@ -143,8 +142,8 @@ class Listener:
     def _has_turn(self) -> bool:
         return any(client.ask is not None and client.has_room for client in self._clients.values())
 
-    def _hear(self, wait_ms: int) -> None:
-        # A flood is not let to keep the server from drawing.
+    def _receive(self, wait_ms: int) -> None:
+        # A flood does not keep the server from drawing.
         for _ in range(256):
             if not self._socket.poll(wait_ms):
                 return
@@ -157,7 +156,7 @@ class Listener:
             try:
                 self._take(who, parts)
             except Malformed as error:
-                self._tell_bad(error)
+                self._report_bad(error)
 
     def _take(self, who: bytes, parts: list[bytes]) -> None:
         now_ns = time.monotonic_ns()
@@ -188,25 +187,25 @@ class Listener:
         if self._shared is not None:
             self._shared.received(who, ask.received)
 
-    def _tell_bad(self, error: Malformed) -> None:
+    def _report_bad(self, error: Malformed) -> None:
         self._bad += 1
         now_ns = time.monotonic_ns()
-        if now_ns - self._told_ns >= _EACH_NS:
+        if now_ns - self._reported_ns >= _EACH_NS:
             self._say(
                 f"left out {self._bad} messages that are none: {error}" if self._bad > 1 else f"left out: {error}"
             )
-            self._bad, self._told_ns = 0, now_ns
+            self._bad, self._reported_ns = 0, now_ns
 
-    def _tell_cut(self) -> None:
+    def _report_cut(self) -> None:
         cut = self._connections.cut
-        if cut > self._told_cut:
-            self._say(f"{counted(cut - self._told_cut, 'connection')} cut: a message without an end, or too many")
-            self._told_cut = cut
+        if cut > self._reported_cut:
+            self._say(f"{counted(cut - self._reported_cut, 'connection')} cut: a message without an end, or too many")
+            self._reported_cut = cut
 
     def _forget_silent(self) -> None:
         now_ns = time.monotonic_ns()
         for who, client in list(self._clients.items()):
-            if now_ns - client.heard_ns > _SILENT_NS:
+            if now_ns - client.received_ns > _SILENT_NS:
                 self._forget(who, f"silent for {_SILENT_NS // 10**9} s")
 
     def _forget(self, who: bytes, why: str) -> None:
@@ -252,9 +251,6 @@ class Listener:
 
     def close(self) -> None:
         """Stop listening; what is not sent yet is dropped."""
-        self._close()
-
-    def _close(self) -> None:
         if self._shared is not None:
             self._shared.close()
         self._socket.disable_monitor()

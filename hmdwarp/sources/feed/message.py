@@ -69,7 +69,7 @@ class Wish:
     depth: int = ANY
     # CRF of the video, 0 (best) to 51; None for the codec's own.
     crf: int | None = None
-    # Frames a second that are asked for; the rate control of a video reads it.
+    # Frames a second that are requested; the rate control of a video reads it.
     rate_hz: float = 60.0
     # Of one eye's video in place of a quality; 0 for none.
     bitrate_mbit: float = 0.0
@@ -112,7 +112,7 @@ class Ask:
     wish: Wish = Wish()
     # Whether the pictures must be decodable without any before.
     anew: bool = False
-    # What the client reads beside colour and depth; None for nothing.
+    # Layers that the client reads besides colour and depth; None for nothing.
     wanted: Wanted | None = None
     # Whether the client reads frames from shared memory.
     shares: bool = False
@@ -208,9 +208,9 @@ def request_bytes(eyes: int) -> int:
 LARGEST_ASK = request_bytes(MOST_EYES) + parts.wanted_bytes(parts.MOST_WANTED, MOST_EYES)
 
 
-def length_of(picture: NDArray[Any] | bytes) -> int:
-    """Return the bytes of a picture."""
-    return len(picture) if isinstance(picture, bytes) else picture.nbytes
+def length_of(piece: Piece) -> int:
+    """Return the bytes of a picture, or of another piece of a message."""
+    return len(piece) if isinstance(piece, bytes) else piece.nbytes
 
 
 @functools.cache
@@ -221,11 +221,6 @@ def _light_of_byte() -> NDArray[np.float16]:
 def token_of(secret: str) -> bytes:
     """Return what a request carries of a shared secret; zeros for an empty one."""
     return hashlib.sha256(secret.encode()).digest() if secret else _NO_TOKEN
-
-
-def size_of(piece: Piece) -> int:
-    """Return the bytes of a piece of a message."""
-    return len(piece) if isinstance(piece, bytes) else piece.nbytes
 
 
 def encode(message: Message) -> bytes:
@@ -274,7 +269,7 @@ def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
 
 
 def _framed(kind: int, body: Sequence[Piece]) -> list[Piece]:
-    return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(size_of, body))), *body]
+    return [_HEAD.pack(MAGIC, VERSION, kind, _HEAD.size + sum(map(length_of, body))), *body]
 
 
 def _packed(pose: Pose) -> bytes:
@@ -307,29 +302,30 @@ def decode(data: Data) -> Message:
 
 
 def _ask(data: Data) -> Ask:
-    number, sent_ns, time_ns, head_ns, received, token, width, height, eyes, *asked = _ASK.unpack_from(data, _HEAD.size)
+    values = _ASK.unpack_from(data, _HEAD.size)
+    number, sent_ns, time_ns, head_ns, received, token, width, height, eyes = values[:9]
+    colour, depth, quality, anew, layers, shares, rate_hz, mbit, step = values[9:]
     at = _HEAD.size + _ASK.size
     _check_format(width, height, eyes)
-    anew, layers, shares = asked[3] != 0, int(asked[4]), asked[5] != 0
     if layers > parts.MOST_WANTED:
         raise Malformed(f"{layers} further layers: expected {parts.MOST_WANTED} at most")
     wanted_at = at + _POSE.size + eyes * _EYE.size
     _check_length(data, wanted_at + parts.wanted_bytes(layers, eyes))
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
     wanted = parts.wanted_from(data, wanted_at, layers, eyes)
+    wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    return Ask(*times, (width, height), head, views, token, _wish(asked), anew, wanted, shares)
+    return Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0)
 
 
-def _wish(asked: Sequence[float]) -> Wish:
-    colour, depth, quality, _, _, _, rate_hz, bitrate_mbit, step = asked
+def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: float, step: float) -> Wish:
     in_range = 1 <= rate_hz <= 1000 and 0 <= bitrate_mbit <= 1000 and (step == 0 or _FINEST <= step <= 1)
     if quality > 52 or not in_range:
         raise Malformed(
             f"quality {quality}, {rate_hz:g} Hz, {bitrate_mbit:g} Mbit/s, steps of {step:g} 1/m: expected 0 to 52, 1 "
             f"to 1000 Hz, 0 to 1000 Mbit/s, and 0 or {_FINEST:g} to 1"
         )
-    return Wish(int(colour), int(depth), int(quality) - 1 if quality else None, rate_hz, bitrate_mbit, step)
+    return Wish(colour, depth, quality - 1 if quality else None, rate_hz, bitrate_mbit, step)
 
 
 def _frame(data: Data) -> FrameMessage:

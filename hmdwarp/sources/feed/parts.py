@@ -106,7 +106,7 @@ def length_of(part: Part) -> int:
 
 def packed_wanted(wanted: Wanted) -> bytes:
     """Return the bytes of what a client reads."""
-    shown = [struct.pack("<4d", one.left, one.right, one.down, one.up) for one in wanted.fovs]
+    shown = [struct.pack("<4d", fov.left, fov.right, fov.down, fov.up) for fov in wanted.fovs]
     names = [WANTED.pack(_coded(name), amount) for name, amount in wanted.layers]
     return b"".join([struct.pack("<II", *wanted.size), *shown, *names])
 

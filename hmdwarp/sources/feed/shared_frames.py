@@ -24,7 +24,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from .message import FrameMessage, Malformed, Piece, Stub, pieces_of, size_of
+from .message import FrameMessage, Malformed, Piece, Stub, length_of, pieces_of
 
 if sys.platform == "linux":
     import fcntl
@@ -53,16 +53,16 @@ class _Segment:
         """Write pieces one after the other."""
         whole, at = np.frombuffer(self.memory, np.uint8), 0
         for piece in pieces:
-            to = whole[at : at + size_of(piece)]
+            to = whole[at : at + length_of(piece)]
             if isinstance(piece, np.ndarray):
                 # In one go, whatever the order of its rows is in memory.
                 to.view(piece.dtype).reshape(piece.shape)[...] = piece
             else:
                 to[...] = np.frombuffer(piece, np.uint8)
-            at += size_of(piece)
+            at += length_of(piece)
 
     def remove(self) -> None:
-        """Take the name away, and free what nobody reads any more."""
+        """Take the name away, and free the memory."""
         with contextlib.suppress(FileNotFoundError):
             (SHARED / self.name).unlink()
         self.memory.close()
@@ -80,7 +80,7 @@ class SharedFrames:
     def put(self, client: bytes, frame: FrameMessage) -> Stub | None:
         """Write a frame for a client; return what to tell it, None where there is no room."""
         pieces = pieces_of(frame)
-        length = sum(map(size_of, pieces))
+        length = sum(map(length_of, pieces))
         segment = self._free(client, length)
         if segment is None:
             return None
@@ -114,7 +114,7 @@ class SharedFrames:
                     one.remove()
 
     def take_back(self, client: bytes, number: int) -> None:
-        """Note that a frame was never told of."""
+        """Note that a frame was never announced."""
         for one in self._of.get(client, ()):
             if one.number == number:
                 one.number = 0
@@ -179,7 +179,7 @@ def remove_abandoned() -> None:
 
 
 def _abandoned(owner: str) -> bool:
-    """Return whether nobody holds the lock; its file is removed then."""
+    """Return whether no process holds the lock; its file is removed then."""
     try:
         descriptor = os.open(SHARED / owner, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
     except FileNotFoundError:

@@ -9,7 +9,7 @@ from .caller import Caller
 from .message import Ask, FrameMessage
 
 _ANSWER_NS, _AGAIN_NS = 10_000_000_000, 1_000_000_000
-# Unanswered in a row, and nothing is asked any more.
+# Unanswered in a row: then no more requests are sent.
 _MOST_UNANSWERED = 3
 
 
@@ -26,7 +26,7 @@ class Viewer:
     def fetch(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
         """Return what the server draws for the view; None where it refuses or does not answer.
 
-        After three such requests in a row it is not asked again.
+        After three such requests in a row none is sent any more.
         """
         if self._unanswered >= _MOST_UNANSWERED:
             return None

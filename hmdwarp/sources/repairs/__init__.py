@@ -1,7 +1,7 @@
 """Repairs: one file each, registered by name; each mends depth as cameras give it, before a warp.
 
 A camera leaves pixels without depth, mixes near and far at silhouettes, and may hold its depth a
-few pixels beside its colour.
+few pixels off its colour.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ class MeasuredDepth:
     confidence: Pixels
 
     @classmethod
-    def given(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
+    def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
         """Return depth as a camera gave it: sure wherever it is known."""
         inverse = np.asarray(inverse_depth, np.float32)
         return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
@@ -37,7 +37,7 @@ class MeasuredDepth:
 class Repair(ABC):
     """Make the depth of a picture fit for warping: take out what is wrong, guess what is missing.
 
-    It keeps no memory of earlier pictures and never changes what it is given.
+    It keeps no memory of earlier pictures and never changes its arguments.
     """
 
     name: ClassVar[str]
@@ -58,7 +58,7 @@ class Repair(ABC):
 
 @attrs.frozen
 class RepairChain:
-    """Repairs, one after the other; none leaves depth as it was given."""
+    """Repairs, one after the other; without any, depth stays as it was."""
 
     steps: tuple[Repair, ...] = ()
     # The shortest text that makes the same chain.
@@ -70,7 +70,7 @@ class RepairChain:
         colour: (h, w, 3) sRGB, 0 to 1. inverse_depth: (h, w) in 1/m, NaN for none. Both with the
         top row first; neither is changed.
         """
-        depth = MeasuredDepth.given(inverse_depth)
+        depth = MeasuredDepth.measured(inverse_depth)
         for step in self.steps:
             depth = step.run(colour, depth)
         known = (depth.inverse_depth >= 0) & (depth.confidence > 0)

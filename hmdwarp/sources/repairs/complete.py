@@ -36,7 +36,7 @@ class CompleteSettings(SurfaceSettings):
 
 @repairs.register
 class Complete(Repair):
-    """Give each pixel without depth that of a surface beside the gap.
+    """Give each pixel without depth that of a surface next to the gap.
 
     Eight directions each propose the first measured depth on them, weighted by how alike the
     colours are and by the square of the distance. Proposals of one surface support each other; the

@@ -1,4 +1,4 @@
-"""Silhouettes: depth that lies beside its colour is moved back, mixed depth is taken out."""
+"""Silhouettes: depth that is off its colour is moved back, mixed depth is taken out."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _check_whole(_: object, field: attrs.Attribute[int], value: int) -> None:
 class EdgesSettings(SurfaceSettings):
     """What counts as a silhouette, and when depth is moved."""
 
-    # Most pixels by which depth may lie beside colour, on each axis; 0 never moves it.
+    # Most pixels by which depth may be off its colour, on each axis; 0 never moves it.
     most: int = attrs.field(default=6, validator=_check_whole)
     # Standard deviations by which the best offset must stand out from the others.
     evidence: float = 5.0
@@ -133,12 +133,12 @@ def _between_surfaces(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bo
 
 def _beside_jumps(inverse: Pixels, settings: EdgesSettings) -> NDArray[np.bool_]:
     """Return the pixels next to a jump of depth along a row or a column."""
-    beside = np.zeros(inverse.shape, bool)
+    found = np.zeros(inverse.shape, bool)
     for axis in (0, 1):
         for distance in range(1, _REACH + 1):
             there = np.moveaxis(inverse, axis, 0)
             jumps = settings.apart(there[distance:], there[:-distance])
-            marks = np.moveaxis(beside, axis, 0)
+            marks = np.moveaxis(found, axis, 0)
             marks[distance:] |= jumps
             marks[:-distance] |= jumps
-    return beside
+    return found

@@ -14,9 +14,10 @@ from ...colour import srgb8_from_linear
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
 from ...poses import PoseTrack
+from ...poses.assumptions import Assumption
 from ..repairs import RepairChain
 
-_JPEG = 8  # of 255: as far as a JPEG is off in a plain area beside an edge
+_JPEG = 8  # of 255: as far as a JPEG is off in a plain area next to an edge
 Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 
@@ -24,7 +25,7 @@ Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 class RecordedFrame:
     """A picture with depth, the instant and the view that it was taken for.
 
-    Pixels are read when they are asked for, and not kept.
+    Pixels are read at each access, and not kept.
     """
 
     # Of its file, for messages.
@@ -105,6 +106,8 @@ class Sequence:
     notes: tuple[str, ...] = ()
     # What mends the depth of a frame before it is warped.
     repair: RepairChain = RepairChain()
+    # Facts that all frames share, with who says them.
+    assumptions: tuple[Assumption, ...] = ()
 
     def repaired(self, repair: RepairChain) -> Sequence:
         """Return the sequence with its depth to be mended before a warp.

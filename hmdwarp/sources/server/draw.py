@@ -143,7 +143,7 @@ class Server:
         shown: Sequence[Fov],
         shown_size: Size,
     ) -> Frame:
-        """Draw all eyes where somebody else has added the guard band; otherwise as draw_frame.
+        """Draw all eyes where the caller has added the guard band; otherwise as draw_frame.
 
         views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
         shown picture, which some layers follow.

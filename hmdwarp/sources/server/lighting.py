@@ -19,12 +19,12 @@ INDIRECT_UNIT, BLOCKERS_UNIT, SPLATS_UNIT = 6, 7, 8
 
 
 class Indirect(enum.Enum):
-    """Where the indirect light of a scene with lamps comes from, by what shaders are told."""
+    """Where the indirect light of a scene with lamps comes from, by the defines of shaders."""
 
     # Solved for the instant that is drawn; the light atlas `Lighting.indirect`, which its owner
     # sets; a picture of it, `Lighting.splats`.
     OWN, ATLAS, SPLATS = "own", "atlas", "splats"
-    # A grid of voxels, see server/voxels.py.
+    # A grid of voxels, see parts/voxels.py.
     VOXELS = "voxels"
     # Nowhere: in place of colour, drawn are the normal and what `Lighting.indirect` holds.
     RECEIVERS = "receivers"
@@ -79,7 +79,7 @@ class Lighting:
 
     @property
     def defines(self) -> dict[str, object]:
-        """What the scene's shaders are told."""
+        """Defines of the scene's shaders."""
         return dict.fromkeys(_DEFINES.get(self.source, ("LAMPS",)), 1)
 
     def use(self, uniforms: Uniforms, time_ns: int) -> None:
@@ -133,7 +133,7 @@ class ArrivingLight(Lighting):
 
     def __init__(self, gpu: Gpu, scene: Scene, atlas: NDArray[np.float16], most_blockers: int) -> None:
         super().__init__(gpu, scene, most_blockers=most_blockers)
-        self._given, self._here = atlas, np.empty((0, 3, 4))
+        self._whole, self._here = atlas, np.empty((0, 3, 4))
 
     def put(self, meshes: Sequence[Mesh]) -> None:
         """Light, and shade by, these meshes from now on; buffers have theirs already."""
@@ -145,7 +145,7 @@ class ArrivingLight(Lighting):
         return self._here
 
     def _atlas(self, time_ns: int) -> NDArray[np.float16]:
-        return self._given
+        return self._whole
 
 
 def _all_rows(meshes: Sequence[Mesh]) -> bytes:

@@ -31,7 +31,7 @@ class ScenePasses:
     colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
     behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
     indirect: with lamps, where indirect light comes from; see `lighting`. lighting: in place of
-    that; whoever made it closes it.
+    that; its maker closes it.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"

@@ -39,7 +39,7 @@ def test_a_drift_is_found(drift):
 
 
 @given(st.integers(400 * MS, 10**15), st.sampled_from((1, -1)))
-def test_a_jump_is_told_once_and_followed(jump, sign):
+def test_a_jump_is_reported_once_and_followed(jump, sign):
     found = Alignment()
     told = [
         found.add(exchange(number * 16 * MS, 20 * MS, 30 * MS, sign * jump if number >= 10 else 0))
@@ -50,7 +50,7 @@ def test_a_jump_is_told_once_and_followed(jump, sign):
     assert abs(found.offset_at(29 * 16 * MS) - sign * jump) <= 5 * MS + 2
 
 
-def test_what_cannot_be_is_left_out():
+def test_impossible_exchanges_are_left_out():
     found = Alignment()
     found.add(Exchange(10, 0, 100, 20))
     found.add(Exchange(10, 5, 4, 20))

@@ -43,7 +43,7 @@ def asked(colour: int, depth: int) -> FeedEncoder:
 
 @pytest.mark.parametrize("colour", [H264, HEVC, RGBA8])
 @pytest.mark.parametrize("depth", [DEPTH_EXACT, DEPTH_VIDEO, INVERSE_DEPTH])
-def test_what_is_coded_comes_back_in_fewer_bytes(colour, depth):
+def test_coded_frames_come_back_in_fewer_bytes(colour, depth):
     encoder, decoder = asked(colour, depth), FeedDecoder()
     for number in range(3):
         frame = drawn(number)
@@ -58,7 +58,7 @@ def test_what_is_coded_comes_back_in_fewer_bytes(colour, depth):
         assert depth_off.mean() <= STEP and (back.inverse_depths[0] == 0).sum() == (frame.inverse_depths[0] == 0).sum()
 
 
-def test_after_a_frame_that_never_came_nothing_is_decoded_until_the_stream_begins_anew():
+def test_a_lost_frame_stops_decoding_until_the_stream_begins_anew():
     encoder, decoder = asked(H264, DEPTH_VIDEO), FeedDecoder()
     frames = [encoder.encode(drawn(number)) for number in range(4)]
     decoder.decode(frames[0])

@@ -95,7 +95,7 @@ def test_a_layer_as_large_as_the_shown_picture_has_its_size(server):
     assert eyes[0]["overlay"].size == SHOWN and eyes[0].size == SIZE
 
 
-def test_what_frames_cannot_carry_is_refused():
+def test_layers_that_frames_cannot_carry_are_refused():
     for name in ("points", "nothing_such"):
         with pytest.raises(InputError, match=name):
             needs_of_client(Wanted(((name, 1),), SHOWN, ()))
@@ -121,7 +121,7 @@ def test_what_frames_cannot_carry_is_refused():
         ("reflection", lambda parts: [*parts[:3], 4 * parts[3]], "more than all"),
     ],
 )
-def test_what_does_not_fit_its_declaration_is_told(server, name, change, expected):
+def test_parts_that_do_not_fit_their_declaration_are_refused(server, name, change, expected):
     wanted, eyes = drawn(server, name)
     frame = unpacked(message(eyes, needs_of_client(wanted), packs=False))
     changed = [(one, change(of_eye[name])) for one, of_eye in enumerate(frame.layers)]
@@ -138,7 +138,7 @@ def test_a_frame_with_a_damaged_part_is_undecodable(server):
         unpacked(attrs.evolve(frame, layers=({"velocity": [broken]}, frame.layers[1])))
 
 
-def test_two_thousand_broken_frames_are_taken_or_told():
+def test_broken_frames_are_taken_or_refused():
     """No bytes do more than that, and what is taken has the shapes that are uploaded."""
     rng = random.Random(19)
     wanted = Wanted((("velocity", 1), ("ids", 1), ("peeled", 1)), (4, 3), tuple(view.fov for view in VIEWS))

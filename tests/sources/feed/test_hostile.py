@@ -10,10 +10,10 @@ import attrs
 import pytest
 
 from hmdwarp.sources.feed.caller import Caller
-from hmdwarp.sources.feed.connection_limits import MOST_CONNECTIONS, MOST_UNREAD
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import LARGEST_ASK, encode
 from hmdwarp.sources.feed.parts import Wanted
+from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_UNREAD
 
 from .exchange import exchanged, port_of
 from .test_message import ASK

@@ -2,6 +2,7 @@
 
 import stat
 import time
+from contextlib import closing
 
 import attrs
 import pytest
@@ -49,16 +50,14 @@ def test_files_without_keys_are_named(tmp_path, text):
 
 
 @pytest.mark.parametrize("encrypted", [True, False])
-def test_what_goes_by_on_the_network_is_plain_only_without_keys(pair, encrypted):
+def test_network_traffic_is_plain_only_without_keys(pair, encrypted):
     used = pair if encrypted else None
-    listener = Listener("127.0.0.1:*", pair=used)
-    with Relay(port_of(listener.address)) as relay:
+    server_key = used.public if used else b""
+    with closing(Listener("127.0.0.1:*", pair=used)) as listener, Relay(port_of(listener.address)) as relay:
         relay.seen = bytearray()
-        caller = Caller(relay.address, server_key=used.public if used else b"")
-        # A request and a frame, both ways.
-        arrival, _ = exchanged(caller, listener)
-        caller.close()
-    listener.close()
+        with closing(Caller(relay.address, server_key=server_key)) as caller:
+            # A request and a frame, both ways.
+            arrival, _ = exchanged(caller, listener)
     assert arrival.frame.colours[0].tobytes() == FRAME.colours[0].tobytes()
     pictures, magic = FRAME.colours[0].tobytes(), encode(ASK)[:4]
     plain = pictures in relay.seen and magic in relay.seen
@@ -68,20 +67,18 @@ def test_what_goes_by_on_the_network_is_plain_only_without_keys(pair, encrypted)
 
 
 @pytest.mark.parametrize("key", ["another server's", "none"])
-def test_who_has_not_the_key_gets_nothing_and_is_told(pair, tmp_path, key):
+def test_a_client_without_the_key_gets_no_frame_but_a_reason(pair, tmp_path, key):
     other = key_pair(tmp_path / "other")[0].public if key != "none" else b""
-    listener = Listener("127.0.0.1:*", pair=pair)
-    caller = Caller(listener.address, server_key=other)
     lines: list[str] = []
-    while not lines:
-        caller.ask(attrs.evolve(ASK, token=bytes(32)))
-        assert listener.next(10) is None
-        lines = caller.lines()
-        time.sleep(0.01)
+    listener = Listener("127.0.0.1:*", pair=pair)
+    with closing(listener), closing(Caller(listener.address, server_key=other)) as caller:
+        while not lines:
+            caller.ask(attrs.evolve(ASK, token=bytes(32)))
+            assert listener.next(10) is None
+            lines = caller.lines()
+            time.sleep(0.01)
+        assert caller.take() == []
     assert "no handshake" in lines[0] and "--server-key" in lines[0]
-    assert caller.take() == []
-    caller.close()
-    listener.close()
 
 
 def test_serve_and_live_speak_encrypted(tmp_path):
@@ -95,12 +92,14 @@ def test_serve_and_live_speak_encrypted(tmp_path):
             live(LiveOptions.of({**said, "size": "96x80"}))
 
 
-def test_beyond_this_machine_a_key_pair_is_enough(pair):
-    Listener("0.0.0.0:*", pair=pair).close()
+def test_an_address_beyond_this_machine_needs_keys_a_secret_or_consent(pair):
+    for allowed in ({"pair": pair}, {"secret": "secret"}, {"is_open": True}):
+        Listener("0.0.0.0:*", **allowed).close()
     with pytest.raises(InputError, match="--key-pair NAME or --token-file FILE, or --open"):
         Listener("0.0.0.0:*")
 
 
-def test_a_key_without_a_server_is_an_error(tmp_path):
+@pytest.mark.parametrize("option", ["server_key", "token_file"])
+def test_a_key_or_secret_without_a_server_is_refused(tmp_path, option):
     with pytest.raises(InputError, match="--connect"):
-        FeedOptions(server_key=tmp_path)
+        FeedOptions(**{option: tmp_path})

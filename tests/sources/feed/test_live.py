@@ -12,7 +12,6 @@ from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.sources.feed.options import FeedOptions
 
 from .exchange import feeder
 from .serving import Serving
@@ -53,7 +52,7 @@ def test_frames_of_another_process_are_shown_at_the_age_that_was_measured(servin
     assert any("its scene is not loaded here" in line for line in display.said)
 
 
-def test_frames_are_coded_as_asked_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
+def test_frames_are_coded_as_requested_and_begin_anew_after_a_change(serving, monkeypatch, tmp_path):
     """A video has pictures that need others: another size begins one, and nothing is lost."""
     asked = options(
         serving.address, pictures=14, codec="h264", crf=20, depth_code="exact", effects="none", out=tmp_path / "out"
@@ -71,7 +70,7 @@ def test_frames_are_coded_as_asked_and_begin_anew_after_a_change(serving, monkey
         assert min(picture.std() for picture in shown) > 10
 
 
-def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkeypatch):
+def test_settings_of_the_server_are_not_changed_and_others_are(serving, monkeypatch):
     changes = {
         3: [Command("latency")],
         4: [Command("scene")],
@@ -86,7 +85,7 @@ def test_what_the_server_has_is_not_changed_here_and_the_rest_is(serving, monkey
     assert max(picture.std() for picture in display.pictures[-3:]) > 10
 
 
-def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(monkeypatch):
+def test_a_warp_whose_layer_the_server_lacks_is_reported_and_can_be_left(monkeypatch):
     changes = {4: [Command("warp", "layered")], 8: [Command("warp", "forward")]}
     display = OffscreenDisplay(asked=changes, keeps=True)
     with feeder() as address:
@@ -95,7 +94,7 @@ def test_a_warp_whose_layer_the_server_lacks_is_told_in_a_line_and_left_again(mo
     assert summary["link"]["feed"]["malformed"] > 0 and display.pictures[-1].std() > 10
 
 
-def test_a_camera_that_stands_elsewhere_is_told_once_with_how_far_off_it_is(monkeypatch):
+def test_the_mismatch_of_a_camera_that_stands_elsewhere_is_reported_once(monkeypatch):
     """0.3 m to the right, turned by 30 degrees, with a field of view of its own."""
     there = Pose((0.3, 0, 0), (0, np.sin(np.pi / 12), 0, np.cos(np.pi / 12)))
     own = Fov(*np.arctan([-0.5, 0.5, -0.5, 0.5]))
@@ -122,7 +121,7 @@ def test_a_camera_that_stands_elsewhere_is_told_once_with_how_far_off_it_is(monk
     assert not any("other views" in line for line in same.said)
 
 
-def test_a_frame_of_one_eye_where_two_are_asked_for_is_left_out(monkeypatch):
+def test_a_frame_of_one_eye_in_place_of_two_is_left_out(monkeypatch):
     """The first ones have both: else the server would not be one."""
     count = itertools.count()
     with feeder(views_of=lambda views: views if next(count) % 3 else views[:1]) as address:
@@ -130,7 +129,7 @@ def test_a_frame_of_one_eye_where_two_are_asked_for_is_left_out(monkeypatch):
     assert summary["link"]["feed"]["malformed"] > 0
 
 
-def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):
+def test_a_lost_server_is_announced_over_the_picture_and_taken_up_again(monkeypatch, tmp_path):
     servers = [Serving()]
     port = servers[0].address.rpartition(":")[2]
     display = Closable()
@@ -169,11 +168,6 @@ def test_a_server_that_goes_away_is_told_over_the_picture_and_taken_up_again(mon
         ({"connect": "nowhere"}, "expected HOST:PORT"),
     ],
 )
-def test_what_cannot_be_is_said_before_anybody_is_called(more, told):
+def test_impossible_options_are_refused_before_a_connection(more, told):
     with pytest.raises(InputError, match=told):
         live(options(more.pop("connect", "127.0.0.1:1"), **more))
-
-
-def test_a_secret_without_a_server_is_an_error(tmp_path):
-    with pytest.raises(InputError, match="--connect"):
-        attrs.evolve(FeedOptions(), token_file=tmp_path)

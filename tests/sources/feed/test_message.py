@@ -134,7 +134,7 @@ def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():
     np.testing.assert_array_equal(back.inverse_depths[1], FRAME.inverse_depths[1])
 
 
-def test_a_packed_part_that_is_another_length_or_damaged_is_told():
+def test_a_packed_part_of_another_length_or_damaged_is_refused():
     whole = packed(np.zeros((3, 4), np.uint16))
     for data in (whole.data[:-1], whole.data + b"0", b"", zlib.compress(bytes(1 << 20)), zlib.compress(bytes(8))):
         tracemalloc.start()
@@ -150,7 +150,7 @@ def test_parts_that_would_be_too_much_as_numbers_are_refused():
         decode(encode(attrs.evolve(FRAME, layers=({"peeled": parts}, {}))))
 
 
-def test_a_request_in_another_version_is_told_with_its_id_and_a_refusal_is_read_in_any():
+def test_a_request_in_another_version_is_refused_by_its_id_and_a_refusal_is_read_in_any():
     data = bytearray(encode(ASK))
     data[4:6] = struct.pack("<H", 4)
     with pytest.raises(OtherVersion, match="version 4") as told:
@@ -178,7 +178,7 @@ def test_a_refusal_is_one_printable_line():
         (8, struct.pack("<I", MOST_BYTES + 1), "it says"),
     ],
 )
-def test_what_is_wrong_is_said(at, value, told):
+def test_a_malformed_message_is_refused_with_the_reason(at, value, told):
     data = bytearray(encode(ASK))
     data[at : at + len(value)] = value
     with pytest.raises(Malformed, match=told):
@@ -196,12 +196,12 @@ def test_a_frame_that_claims_more_than_it_has_takes_no_memory():
     tracemalloc.stop()
 
 
-def test_a_hundred_thousand_broken_messages_are_read_or_refused():
+def test_broken_messages_are_read_or_refused():
     rng = random.Random(19)
     asks = [encode(ASK), encode(attrs.evolve(ASK, wanted=WANTED))]
     whole = [*asks, *map(encode, (FRAME, BYTES, CODED, LAYERED)), encode(Refusal(1, "why"))]
     refused = 0
-    for _ in range(100_000):
+    for _ in range(20_000):
         data = bytearray(rng.choice(whole))
         for _ in range(rng.randint(1, 4)):
             data[rng.randrange(len(data))] = rng.choice((0, 1, 127, 128, 255, rng.randrange(256)))
@@ -215,4 +215,4 @@ def test_a_hundred_thousand_broken_messages_are_read_or_refused():
             decode(bytes(data))
         except Malformed:
             refused += 1
-    assert refused > 50_000
+    assert refused > 10_000

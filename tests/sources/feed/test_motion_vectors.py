@@ -162,7 +162,7 @@ def test_numbers_that_are_none_are_refused(change):
             velocity_of(parts, NOW, depth)
 
 
-def test_whatever_vectors_come_velocities_are_finite():
+def test_velocities_are_finite_for_any_vectors():
     depth, _, vectors = scene(0.1, 100.0)
     rng = np.random.default_rng(1)
     wild = picture(vectors)

@@ -123,7 +123,7 @@ def test_a_cut_within_a_frame_leaves_nothing_of_it(relay, listener, caller):
 _LATE = iter(range(20_000, 30_000))
 
 
-def test_a_frame_that_a_cut_takes_back_does_not_end_the_session(relay, listener, monkeypatch):
+def test_a_frame_lost_in_a_cut_does_not_end_the_session(relay, listener, monkeypatch):
     """The library has told of a frame, and the link is cut before it is read."""
     told, cut = threading.Event(), threading.Event()
     # Before each hundredth message the library looks at what has happened to the connection.
@@ -152,7 +152,7 @@ def test_a_frame_that_a_cut_takes_back_does_not_end_the_session(relay, listener,
     caller.close()
 
 
-def test_a_stall_is_told_and_frames_come_again(relay, listener):
+def test_a_stall_is_reported_and_frames_come_again(relay, listener):
     lines: list[str] = []
     remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
     asked = (PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, (4, 3))
@@ -189,7 +189,7 @@ def test_a_client_that_asks_for_nothing_for_a_while_misses_nothing(relay, listen
     remote.close()
 
 
-def test_a_clock_that_jumps_is_told_and_followed(relay, listener, caller):
+def test_a_clock_that_jumps_is_reported_and_followed(relay, listener, caller):
     """The server's clock is set back by an hour while it serves."""
     hour_ns, numbers = 3_600_000_000_000, iter(range(40_000, 50_000))
 

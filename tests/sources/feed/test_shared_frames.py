@@ -114,7 +114,7 @@ def test_it_is_for_one_machine_without_encryption_and_if_wished(address, names, 
     assert names == []
 
 
-def test_without_room_frames_go_by_the_socket(address, names, monkeypatch):
+def test_frames_go_by_the_socket_without_room_in_memory(address, names, monkeypatch):
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
@@ -233,7 +233,7 @@ def test_a_client_that_cannot_open_them_asks_for_frames_by_the_socket(address):
         assert any("frames come by the socket" in line for line in caller.lines())
 
 
-def test_a_stub_that_nobody_asked_for_opens_nothing(names):
+def test_an_unrequested_stub_opens_nothing(names):
     with closing(Hostile("tcp://127.0.0.1:*")) as server, closing(Caller(server.address)) as caller:
         server.answer(caller, lambda ask: Stub(1, 1000, NAME))
         server.answer(caller, lambda ask: attrs.evolve(FRAME, number=7, asked_ns=ask.sent_ns))

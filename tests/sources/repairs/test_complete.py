@@ -94,7 +94,7 @@ def test_a_gap_in_a_plane_is_closed_by_the_plane(slope):
     assert np.abs(found - inverse).max() <= abs(slope) * 12 + 1e-6
 
 
-def test_the_sky_stays_infinitely_far_and_a_gap_beside_it_may_join_it():
+def test_the_sky_stays_infinitely_far_and_a_gap_next_to_it_may_join_it():
     """Depth of 0 /m is measured; a gap is neither near nor far until it is known."""
     inverse = np.zeros((20, 30), np.float32)
     inverse[10:] = 0.5

@@ -87,7 +87,7 @@ def is_between(inverse: np.ndarray, row: int, column: int) -> bool:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_what_is_taken_out_is_what_the_definition_says(seed):
+def test_removed_depth_is_that_of_the_definition(seed):
     """On random steps, pixel by pixel: the arrays take only pixels near a jump, and miss none."""
     rng = np.random.default_rng(seed)
     inverse = rng.choice(np.array([0, 0.2, 0.22, 0.5, 1, 3, np.nan], np.float32), (17, 23))

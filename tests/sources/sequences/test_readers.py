@@ -70,7 +70,7 @@ def test_every_layout_gives_the_frames_that_were_taken(layout, tmp_path):
         assert depth_m[0, 0] == 0
 
 
-def test_without_its_rim_every_pixel_stays_where_it_was_seen(layout, tmp_path):
+def test_cropping_leaves_every_pixel_where_it_was_seen(layout, tmp_path):
     _, write, options = layout
     write(tmp_path, taken(2))
     whole, inner = (sequences.open(tmp_path, attrs.evolve(options, crop=crop)) for crop in (0, 3))
@@ -157,7 +157,7 @@ def test_lens_distortion_is_refused_by_its_name(lens, named, tmp_path):
     refused(tmp_path / "numbered", named, "undistort")
 
 
-def test_what_files_do_not_say_is_asked_for(tmp_path):
+def test_missing_facts_are_requested_by_option(tmp_path):
     write_numbered(tmp_path, taken(2))
     refused(tmp_path, "--intrinsics FX,FY,CX,CY", "camera.json")
     refused(tmp_path, "--depth-scale", options=attrs.evolve(MILLIMETRES, depth_scale=None))
@@ -186,7 +186,7 @@ def test_texts_with_a_mark_and_lines_of_windows_are_read_alike(layout, tmp_path)
         assert one.time_ns == other.time_ns and one.pose.isclose(other.pose, 0)
 
 
-def test_a_folder_of_no_layout_is_told_with_what_it_holds(tmp_path):
+def test_a_folder_of_no_layout_is_refused_with_its_content(tmp_path):
     refused(tmp_path, "an empty folder", "no layout")
     (tmp_path / "notes.txt").write_text("nothing", encoding="utf-8")
     refused(tmp_path / "notes.txt", "a file", "no layout")
@@ -235,7 +235,7 @@ def test_files_that_do_not_fit_are_named(tmp_path):
     refused(folder, "frame-1.npz: no time_s")
 
 
-def test_frames_without_depth_or_pose_are_left_out_and_told(tmp_path):
+def test_frames_without_depth_or_pose_are_left_out_with_a_note(tmp_path):
     opened(tmp_path / "nerf", write_nerfstudio, count=3)
     file = tmp_path / "nerf" / "transforms.json"
     data = json.loads(file.read_text())

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from worlds import pixels
 
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
@@ -26,22 +27,18 @@ def server(gpu):
     made.close()
 
 
-def read(texture) -> np.ndarray:
-    return np.frombuffer(texture.read(alignment=1), np.float16).reshape(texture.height, texture.width, -1)
-
-
 def test_each_face_is_the_picture_of_its_view(server):
     frame = server.draw_frame([VIEW], 0, SIZE, needs=Needs(cube=True))
     eye = frame.eyes[0]
     assert eye["cube"].size == cube_size(VIEW.fov, SIZE)
-    side, cube = eye["cube"].size[0] // 3, read(eye["cube"])
+    side, cube = eye["cube"].size[0] // 3, pixels(eye["cube"])
     assert (cube[..., 3] == 1).all()
     for face, view in zip(FACES, face_views(VIEW, side), strict=True):
         alone = server.draw(view, (side, side))
         drawn = cube[face.row * side : (face.row + 1) * side, face.column * side : (face.column + 1) * side]
         # The same triangles in another place of the framebuffer: a rasteriser may round an edge
         # otherwise, and mipmaps with it.
-        same = np.abs(drawn.astype(float) - read(alone.colour)).max(axis=-1) <= 2**-9
+        same = np.abs(drawn.astype(float) - pixels(alone.colour)).max(axis=-1) <= 2**-9
         assert same.mean() > 0.99, face.name
         server.pool((side, side)).release(alone.colour)
 

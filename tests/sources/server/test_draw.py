@@ -10,6 +10,7 @@ from reference._rays import world_directions
 from reference.raycast import Hits, cast_quads, cast_spheres, cast_triangles, nearest
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
+from worlds import pixels
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
@@ -42,13 +43,6 @@ def random_view(seed: int, wide: float = 1.0) -> View:
         wide * rng.uniform(0.3, 0.7),
     )
     return View(Pose(rng.uniform((-0.3, 1.3, -0.3), (0.3, 1.9, 0.3)), turn.as_quat()), fov)
-
-
-def read(texture: moderngl.Texture) -> np.ndarray:
-    """Bottom row first, as the rays are."""
-    dtype = np.float32 if texture.dtype == "f4" else np.float16
-    array = np.frombuffer(texture.read(), dtype).reshape(texture.height, texture.width, texture.components)
-    return (array[..., 0] if texture.components == 1 else array).astype(np.float64)
 
 
 def away_from_edges(shape: np.ndarray) -> np.ndarray:
@@ -95,7 +89,7 @@ def test_inverse_depth_of_planes_is_that_of_rays(planes, seed):
     hits = cast_planes(view, SIZE)
     exact, shape = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape))
     with_target = planes.draw(view, SIZE)
-    drawn = read(with_target.inverse_depth)
+    drawn = pixels(with_target.inverse_depth)
     planes.pool(SIZE).release(with_target.colour)
     safe = away_from_edges(shape)
     assert safe.mean() > 0.5
@@ -112,7 +106,7 @@ def test_inverse_depth_of_spheres_is_that_of_rays_within_the_flatness_of_their_c
         cast_quads([(FLOOR.centre, FLOOR.right, FLOOR.up)], eye, rays),
     )
     exact, shape, cosine = (a.reshape(SIZE[::-1]) for a in (hits.inverse_depth, hits.shape, hits.cosine))
-    drawn = read(server.draw(view, SIZE).inverse_depth)
+    drawn = pixels(server.draw(view, SIZE).inverse_depth)
     server.close()
     # A flat cell lies at most `sagitta` inside the ball: the ray goes at most sagitta / cosine
     # farther (x 1.5, as the ball curves away meanwhile), and inverse depth falls by its square
@@ -130,7 +124,7 @@ def test_inverse_depth_of_the_room_is_that_of_its_triangles(room):
         np.float64
     )
     eye_image = room.draw(view, size)
-    drawn = read(eye_image.inverse_depth)
+    drawn = pixels(eye_image.inverse_depth)
     room.pool(size).release(eye_image.colour)
     rng, directions = np.random.default_rng(5), world_directions(view, size)
     right, up = directions[0, 1] - directions[0, 0], directions[1, 0] - directions[0, 0]
@@ -168,7 +162,7 @@ def test_colour_of_a_magnified_plane_is_its_texture_in_linear_light(planes, seed
     u, v = ((hits.uv + 1) / 2).reshape(*size[::-1], 2).transpose(2, 0, 1)
     expected = bilinear(linear, u, v) * quad.light
     eye_image = planes.draw(view, size)
-    drawn = read(eye_image.colour)
+    drawn = pixels(eye_image.colour)
     planes.pool(size).release(eye_image.colour)
     # GL promises 8 bits of weight in each axis between texels; the uv may be off by SNAP_PX of a
     # pixel, here under a texel; half floats keep 11 bits; 3e-3 is the room GL leaves for decoding
@@ -191,7 +185,7 @@ def test_empty_space_is_the_background_infinitely_far_and_covered(gpu, seed):
     server = Server(gpu, Scene("nothing", "", (), (), BACKGROUND))
     view, size = random_view(seed), (33, 17)
     drawn = server.draw(view, size)
-    colour, inverse_depth = read(drawn.colour), read(drawn.inverse_depth)
+    colour, inverse_depth = pixels(drawn.colour), pixels(drawn.inverse_depth)
     server.close()
     directions = world_directions(view, size)
     up = directions[..., 1] / np.linalg.norm(directions, axis=-1)
@@ -220,9 +214,9 @@ def test_the_guarded_picture_contains_the_unguarded_one(planes):
     exact, shape = (a.reshape(size[::-1]) for a in (hits.inverse_depth, hits.shape))
     safe = away_from_edges(shape)
     # Both projections round differently, each within the bound of the rays.
-    difference = np.abs(read(grown.inverse_depth)[inside] - read(plain.inverse_depth))
+    difference = np.abs(pixels(grown.inverse_depth)[inside] - pixels(plain.inverse_depth))
     assert (difference <= 2 * depth_tolerance(exact))[safe].all()
-    a, b = read(grown.colour)[inside], read(plain.colour)
+    a, b = pixels(grown.colour)[inside], pixels(plain.colour)
     # A colour may move by 2 SNAP_PX of a pixel: that much of the swing to the neighbours, plus two
     # half-float roundings.
     swing = sum(np.abs(np.diff(b, axis=axis, prepend=np.nan)) for axis in (0, 1)) + sum(
@@ -274,18 +268,18 @@ def test_backs_are_left_out_unless_the_mesh_is_double_sided(gpu, double_sided):
     front = View(Pose(), fov)
     behind = View(Pose((0, 0, -4), (0, 1, 0, 0)), fov)
     for view, visible in ((front, True), (behind, double_sided)):
-        drawn = read(server.draw(view, (9, 9)).inverse_depth)
+        drawn = pixels(server.draw(view, (9, 9)).inverse_depth)
         assert (drawn == (0.5 if visible else 0)).all()
     server.close()
 
 
-def test_nothing_is_culled_that_a_ray_can_see(room):
+def test_culling_keeps_all_that_a_ray_can_see(room):
     # Any chunk left out in error would show as a hole to the background inside the closed back half
     # of the room.
     for yaw in (120, 180, 240):
         view = View(Pose((0, 1.6, 0.5), Rotation.from_euler("Y", yaw, degrees=True).as_quat()), Fov.symmetric(1.2, 1.0))
         eye_image = room.draw(view, SIZE)
-        assert (read(eye_image.inverse_depth) > 0).all()
+        assert (pixels(eye_image.inverse_depth) > 0).all()
         room.pool(SIZE).release(eye_image.colour)
 
 
@@ -347,5 +341,5 @@ def test_drawing_leaves_culling_depth_test_and_framebuffer_as_they_were(planes):
     # nothing is drawn.
     gl.vertex_array(program, []).render(moderngl.TRIANGLES, vertices=3)
     assert gl.fbo is framebuffer
-    assert (read(texture) == 1).all()
+    assert (pixels(texture) == 1).all()
     planes.pool((8, 8)).release(eye_image.colour)

@@ -116,7 +116,7 @@ def test_a_door_is_lit_and_casts_its_shadow_wherever_it_has_been(gpu):
     a pixel by no more than a half float rounds, but at an edge of shadow, in few."""
     scene = load_scene("doorway")
     server = Server(gpu, scene)
-    for time_ns in (2_500_000_000, 0, 1_000_000_000):
+    for time_ns in (2_500_000_000, 1_000_000_000):
         got = read(server.draw(VIEW, SIZE, time_ns=time_ns).colour)
         there = Server(gpu, placed(scene, time_ns))
         wanted = read(there.draw(VIEW, SIZE, time_ns=9).colour)

@@ -151,7 +151,7 @@ def test_the_whole_picture_is_what_the_twin_makes_of_its_layers(gpu, uneven, vie
     [Needs(), Needs(reflection=Mirrored.PLANE), Needs(reflection=Mirrored.CURVED), EVERY],
     ids=["-", "plane", "ball", "both"],
 )
-def test_what_is_wanted_as_a_layer_is_left_out_of_the_picture_and_nothing_else(server, needs):
+def test_mirrors_needed_as_a_layer_alone_are_left_out_of_the_picture(server, needs):
     eye, whole = layered(server, needs=needs), read(server.draw(VIEW, SIZE).colour)
     changed = np.abs(read(eye.colour) - whole).max(axis=-1) > 0
     surface = read(eye["reflection"].surface)[..., 0] if "reflection" in eye else np.zeros(SIZE[::-1])
@@ -176,7 +176,7 @@ def test_what_is_wanted_as_a_layer_is_left_out_of_the_picture_and_nothing_else(s
     ids=["ahead", "turned", "near the wall", "turned away", "beside the ball"],
 )
 @pytest.mark.parametrize("kinds", [Mirrored.PLANE, Mirrored.CURVED, Mirrored.PLANE | Mirrored.CURVED])
-def test_beyond_its_bounds_the_layer_is_empty_and_nothing_is_sent(server, view, kinds):
+def test_the_layer_is_empty_beyond_its_bounds_and_not_sent(server, view, kinds):
     layer = layered(server, view, Needs(reflection=kinds))["reflection"]
     low_x, low_y, high_x, high_y = layer.bounds
     beyond = np.ones(SIZE[::-1], bool)
@@ -212,7 +212,7 @@ def test_a_scene_without_mirrors_compiles_and_holds_nothing_of_them(gpu):
     server.close()
 
 
-def test_asked_for_where_nothing_mirrors_the_layers_are_empty(gpu):
+def test_reflection_layers_are_empty_where_nothing_mirrors(gpu):
     server = Server(gpu, load_scene("planes"))
     eye = layered(server)
     assert (read(eye["reflection"].seen.colour) == 0).all()
@@ -255,7 +255,7 @@ def test_a_marched_mirror_shows_what_the_picture_shows_and_nothing_else(gpu, ser
     marched.close()
 
 
-def test_another_kind_of_mirrors_is_told(gpu):
+def test_an_unknown_kind_of_mirrors_is_refused(gpu):
     with pytest.raises(UnknownNameError, match="kind of mirrors 'scren'"):
         Server(gpu, mirrored_scene(), mirrors="scren")
 

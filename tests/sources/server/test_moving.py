@@ -171,7 +171,7 @@ def test_the_same_instant_gives_the_same_bits(server):
     assert found[0] == found[2] != found[1]
 
 
-def test_what_a_layer_tells_of_is_asked_for_by_name(server):
+def test_motion_layers_are_drawn_by_name(server):
     for needs in (Needs(), Needs(ids=True), Needs(velocity=True)):
         frame = server.draw_frame([EYE], 0, SIZE, needs=needs)
         eye = frame.eyes[0]
@@ -214,7 +214,7 @@ def test_a_scene_of_moving_things_alone_can_be_drawn(gpu):
     server.close()
 
 
-def test_what_deforms_without_triangles_is_nothing_to_draw(gpu):
+def test_a_deforming_mesh_without_triangles_draws_nothing(gpu):
     bare = attrs.evolve(quad("bare", 0, 0.3, (1, 0, 0)), triangles=np.empty((0, 3), np.uint32))
     server = Server(gpu, Scene("bare", "", [attrs.evolve(bare, deformation=Breathing(bare.positions))]))
     assert (read(server.draw(EYE, SIZE).inverse_depth) == 0).all()
@@ -246,7 +246,7 @@ class Lost(Breathing):
 @pytest.mark.parametrize(
     ("kind", "message"), [(Growing, r"positions of shape \(7, 3\), expected \(4, 3\)"), (Lost, "not finite numbers")]
 )
-def test_a_broken_deformation_is_told_by_the_name_of_its_mesh(gpu, kind, message):
+def test_a_broken_deformation_is_refused_by_the_name_of_its_mesh(gpu, kind, message):
     mesh = quad("soft", -2, 0.4, (0, 0, 1))
     server = Server(gpu, Scene("bent", "", [attrs.evolve(mesh, deformation=kind(mesh.positions))]))
     with pytest.raises(SceneError, match=f"mesh 'soft': its deformation gives .*{message}"):

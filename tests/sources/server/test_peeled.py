@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from reference._rays import world_directions
+from worlds import pixels
 
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
@@ -18,12 +19,6 @@ SIZE = (61, 47)
 FOV = Fov(-0.6, 0.7, -0.5, 0.55)
 SKY = (0.25, 0.5, 1.0)
 AHEAD = View(Pose(), FOV)
-
-
-def read(texture) -> np.ndarray:
-    dtype = np.float32 if texture.dtype == "f4" else np.float16
-    array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, -1)
-    return (array[..., 0] if texture.components == 1 else array).astype(np.float64)
 
 
 def walls(*depths_m: float, half: float = 0.3, double_sided: bool = False, facing: float = 1) -> Scene:
@@ -54,7 +49,7 @@ def peeled(gpu, scene: Scene, count: int, view: View = AHEAD) -> list[tuple[np.n
     server = Server(gpu, scene)
     eye = server.draw_frame([view], 0, SIZE, needs=Needs(peeled=count)).eyes[0]
     assert len(eye["peeled"]) == count
-    out = [(read(each.colour), read(each.inverse_depth)) for each in (eye, *eye["peeled"])]
+    out = [(pixels(each.colour), pixels(each.inverse_depth)) for each in (eye, *eye["peeled"])]
     server.close()
     return out
 
@@ -110,7 +105,7 @@ def test_backs_are_left_out_as_in_the_picture_itself(gpu, double_sided):
     assert layers[1][1][middle()] == pytest.approx(0.5 if double_sided else -1)
 
 
-def test_in_the_room_each_layer_lies_behind_the_one_before(gpu):
+def test_each_layer_of_the_room_lies_behind_the_one_before(gpu):
     layers = peeled(gpu, load_scene("room"), 3, View(Pose((0, 1.6, 0), (0.1, 0.2, 0, 1)), FOV))
     for (_, front), (colour, behind) in zip(layers, layers[1:], strict=False):
         there = behind >= 0

@@ -305,7 +305,7 @@ def test_panes_of_bodies_and_panes_that_deform_are_drawn_where_they_are(gpu):
         server.close()
 
 
-def test_what_is_head_locked_does_not_depend_on_where_the_head_is_and_looks(gpu):
+def test_head_locked_content_does_not_depend_on_the_head(gpu):
     hud = pane(
         "hud", Quad((0.1, 0.05, -1), (0.2, 0, 0), (0, 0.1, 0), -1, (0.2, 1, 0.3)), see_through=False, head_locked=True
     )

@@ -92,7 +92,7 @@ def test_candidates_lie_along_the_motion_and_across_it(velocity):
     assert max(map(np.linalg.norm, ways)) == pytest.approx(reach)
 
 
-def test_nothing_anywhere_and_everything_beside_the_picture_still_give_views():
+def test_views_are_chosen_whatever_the_depth():
     motion = Motion.of(view_at((0, 0, 0)), np.array([1.0, 0, 0]), 0.2)
     for depth in (-1.0, 0.0, 1e-6, 50.0):
         ways = chosen(view_at((0, 0, 0)), (6, 5), motion, 3, lambda view, depth=depth: np.full((5, 6), depth))

@@ -46,7 +46,7 @@ boxes = st.lists(
 
 
 @given(boxes, near, turns, fovs)
-def test_what_a_view_sees_is_drawn(boxes, position, turn, fov):
+def test_all_that_a_view_sees_is_drawn(boxes, position, turn, fov):
     chunks, view = chunks_of(*zip(*boxes, strict=True)), View(Pose(position, turn), fov)
     exact = visible(chunks.boxes, clip_from_eye(fov) @ eye_from_scene(view, np.zeros(3)))
     found = drawn(Visibility(chunks).near(view.pose.unit_quaternion, view.pose.position_m, fov))

@@ -67,7 +67,7 @@ def lit(gpu, scene, view=VIEW, text="voxels:size=32", time_ns=0, size=SIZE, need
     return found
 
 
-def test_in_the_open_a_white_surface_shines_as_the_sky(gpu):
+def test_a_white_surface_in_the_open_shines_as_the_sky(gpu):
     """No cone meets anything, all have the same sky, and their shares sum to 1: halves round."""
     floor = wall((0, 0, -2), (3, 0, 0), (0, 0, -3), WHITE)
     view = View(Pose((0, 1.5, 0), (-0.5, 0, 0, 0.8)), Fov(-0.3, 0.3, -0.3, 0.3))
@@ -125,7 +125,7 @@ def test_it_is_near_converged_light_and_nearer_with_every_bounce(gpu):
     assert errors[2] < 0.05 * truth.mean()
 
 
-def test_without_light_all_is_black(gpu):
+def test_a_scene_without_light_is_black(gpu):
     got, _ = lit(gpu, scene_of(*room()))
     assert (got == 0).all()
 
@@ -184,7 +184,7 @@ def test_the_cube_has_the_light_of_the_picture(gpu):
     assert np.median(apart) < 0.01 and apart.max() < 0.1
 
 
-def test_what_lies_behind_is_lit_as_what_is_seen(gpu):
+def test_peeled_layers_are_lit_as_the_picture(gpu):
     """The layer behind boxes is lit from the grid too: as near to converged light as the picture,
     but for the floor under them, since surfaces stop no light that comes from behind."""
     server, time_ns = Server(gpu, load_scene("lantern")), 700_000_000
@@ -202,7 +202,7 @@ def test_what_lies_behind_is_lit_as_what_is_seen(gpu):
     assert not np.array_equal(*shown)
 
 
-def test_the_grid_is_lit_as_often_as_asked_and_shared_by_all_views(gpu):
+def test_the_grid_is_lit_at_its_rate_and_shared_by_all_views(gpu):
     """A second view in the same update finds the grid lit: it changes nothing, not even the light
     of the first. Within an update the light between surfaces stands still while lamps go on."""
     scene = load_scene("lantern")

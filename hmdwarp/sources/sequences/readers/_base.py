@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ....errors import InputError
 from ....geometry import Pose
 from ....poses import PoseTrack
+from ....poses.assumptions import Assumption, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ..camera import Camera, camera_of, read_json, scale_of
 from ..options import RATE_HZ, SequenceOptions
@@ -52,6 +53,7 @@ class Facts:
 
     camera: Camera
     depth_scale: float
+    assumptions: tuple[Assumption, ...] = ()
 
     def axes(self, world: str = "") -> Axes:
         """Return the axes of the camera, which looks along +z, and of its world.
@@ -71,9 +73,11 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
     camera, depth_scale: as the layout has them, None where it says nothing. Errors: InputError.
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
-    camera = options.intrinsics or camera_of(folder / CAMERA, stated) or camera
+    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated), camera)
     own = stated.get("depth_scale")
-    scale = options.depth_scale or (depth_scale if own is None else own)
+    if own is not None and options.depth_scale is None:
+        scale_of(folder / CAMERA, own)
+    scale, scale_by = first_stated(options.depth_scale, own, depth_scale)
     if camera is None:
         raise InputError(
             f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
@@ -84,7 +88,8 @@ def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, dept
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    return Facts(camera, scale_of(folder / CAMERA, scale))
+    intrinsics = Assumption("intrinsics", f"{camera.fx:g},{camera.fy:g},{camera.cx:g},{camera.cy:g}", camera_by)
+    return Facts(camera, float(scale), (intrinsics, Assumption("depth scale", f"{scale:g} m", scale_by)))
 
 
 @attrs.frozen(eq=False)
@@ -126,7 +131,8 @@ def sequence_of(
             reading(pair.colour, pair.depth, facts.depth_scale, size),
         )
 
-    return made(reader, folder, [frame(pair) for pair in pairs], track=track, notes=notes)
+    frames = [frame(pair) for pair in pairs]
+    return made(reader, folder, frames, track=track, notes=notes, assumptions=facts.assumptions)
 
 
 def made(
@@ -136,10 +142,11 @@ def made(
     *,
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
+    assumptions: tuple[Assumption, ...] = (),
 ) -> Sequence:
     """Return the sequence of these frames, whose clock begins with the first.
 
-    track: a denser motion, on the frames' clock as given.
+    track: a denser motion, on the frames' own clock.
     Errors: InputError for no frames, for two of one instant, and for several sizes.
     """
     if not frames:
@@ -164,7 +171,7 @@ def made(
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
     origin, epoch_ns = f"recorded frames ({reader.name})", begins_ns + (0 if track is None else track.epoch_ns)
     own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
-    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes))
+    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes), assumptions=assumptions)
 
 
 def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
@@ -221,17 +228,17 @@ def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Po
     Errors: InputError for what is no rotation and translation.
     """
     try:
-        given = np.array(matrix, np.float64)
+        found = np.array(matrix, np.float64)
     except (TypeError, ValueError):
-        given = np.empty(0)
-    if given.shape not in ((4, 4), (3, 4)) or not np.isfinite(given).all():
+        found = np.empty(0)
+    if found.shape not in ((4, 4), (3, 4)) or not np.isfinite(found).all():
         raise InputError(f"{where}: expected a matrix of 4 rows of 4 finite numbers")
-    turn = given[:3, :3]
+    turn = found[:3, :3]
     if np.abs(turn @ turn.T - np.eye(3)).max() > _ROTATION_WITHIN or np.linalg.det(turn) < 0:
         raise InputError(
             f"{where}: the matrix does more than turn and move; expected a right-handed rotation without scale"
         )
-    return pose_of(axes, given[:3, 3] * unit, turn)
+    return pose_of(axes, found[:3, 3] * unit, turn)
 
 
 @attrs.frozen

@@ -66,7 +66,7 @@ class DrawContext:
     # The passes of the plain surfaces.
     colour: ScenePasses
     # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
-    # depth: with an r32f texture beside it.
+    # depth: with an r32f texture too.
     acquire: Callable[..., Target]
     # draw(view, size, drawing): draws a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]

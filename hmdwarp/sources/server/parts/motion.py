@@ -56,7 +56,7 @@ class _Numbers:
         shaders, gl = context.gpu.shaders, context.gpu.gl
         self._draw = shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=0)
         self._none = shaders.draw("server/background.vert", "server/moving_none.frag")
-        self._vertices = [one.buffers.vertex_array(gl, self._draw.program, colour=False) for one in bodies]
+        self._vertices = [body.buffers.vertex_array(gl, self._draw.program, colour=False) for body in bodies]
         self._empty = gl.vertex_array(self._none.program, [])
 
     def draw(self, eye: EyeImage) -> moderngl.Texture:

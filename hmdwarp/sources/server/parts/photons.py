@@ -116,7 +116,7 @@ class _Sender:
 
     def _traced(self, light: Light | None, bundles: Sequence[int]) -> list[TracedPhotons]:
         """Return the photons of some bundles of one lamp."""
-        of, numbers = self._bundles[bundles[0]][0], [self._bundles[one][1] for one in bundles]
+        of, numbers = self._bundles[bundles[0]][0], [self._bundles[bundle][1] for bundle in bundles]
         return [one.at_most(self._wanted.most_photons) for one in self._tracers[of].trace(light, numbers)]
 
     def _packed(self, entered: Sent, found: TracedPhotons) -> bytes:

@@ -107,7 +107,7 @@ class _Sender:
         spacing, seen, shown, looks = self._needs(views, nearest, head, pixel, now_ns)
         self._wanted_at[seen] = self._updates
         need = np.minimum(self._cells.area / spacing**2, _MOST_POINTS)
-        # What is forgotten is told first: half of the bytes at most.
+        # First come notes of what is forgotten: half of the bytes at most.
         sent = self.book.forgetting(self._cloud.budget // (2 * HEAD_BYTES))
         left = self._cloud.budget - SKY_BYTES - HEAD_BYTES * len(sent)
         for who, share in ((shown, 1.0), (seen & ~shown, 1.0), (~seen, AHEAD)):

@@ -118,10 +118,10 @@ class VoxelLighting(Lighting):
         rows = np.zeros((len(surfaces), 3, 4), np.float32)
         rows[:, 0, :3], rows[:, 0, 3] = surfaces.places, surfaces.areas
         rows[:, 1, :3], rows[:, 2, :3] = surfaces.normals, surfaces.albedo
-        told = np.zeros((self._cell_count, 4), np.uint32)
-        told[:, :3] = cells.T
+        entries = np.zeros((self._cell_count, 4), np.uint32)
+        entries[:, :3] = cells.T
         sent = bytes(16 * len(surfaces))
-        for buffer, content in zip(self._storage, (rows.tobytes(), sent, sent, told.tobytes()), strict=True):
+        for buffer, content in zip(self._storage, (rows.tobytes(), sent, sent, entries.tobytes()), strict=True):
             if content:
                 buffer.orphan(len(content))
                 buffer.write(content)
