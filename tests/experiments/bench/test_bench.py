@@ -261,7 +261,7 @@ def test_a_headset_without_a_lens_fuses_nothing_and_no_budget_costs_results(budg
 
 
 @pytest.mark.parametrize("at", [0, 1, 3, 20])
-def test_what_is_interrupted_leaves_what_was_there(at, tmp_path):
+def test_an_interruption_leaves_earlier_files(at, tmp_path):
     before = {"bench.json": b'{"hmdwarp": "0"}', "bench.csv": b"warp\n", "mine.txt": b"mine"}
     for name, data in before.items():
         (tmp_path / name).write_bytes(data)
@@ -287,7 +287,7 @@ def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monke
     OutputFolder(tmp_path / "fine").discard()
 
 
-def test_passes_are_held_against_what_they_must_move():
+def test_passes_are_compared_with_their_memory_traffic():
     plan = build_plan((), "rotation", "interpolate", "radial", client_geometry=True)
     stages = {"warp": [3.0, 1.0, 2.0], "fill": [4.0], "lens": [8.0, 8.0], "client_depth": [100.0]}
     warp, fill, lens = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
@@ -305,7 +305,7 @@ def test_passes_are_held_against_what_they_must_move():
     assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)
 
 
-def test_the_answer_tells_what_to_run_and_what_more_would_give():
+def test_the_answer_names_the_command_and_the_next_step():
     choice = {
         "budget_ms": 20.0,
         "warp": "iterative:steps=3",

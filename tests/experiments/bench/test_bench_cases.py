@@ -94,7 +94,7 @@ def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
     assert [row["trace"] for row in again.data["rows"]] == ["first", "first", "second", "second"]
 
 
-def test_a_case_is_what_it_is_made_with(tmp_path, heads):
+def test_a_case_is_identified_by_content(tmp_path, heads):
     """The content of a trace counts, not its place; who runs it and where it goes do not."""
     options = attrs.evolve(TINY, recordings=(str(heads[0]),), latencies_ms=(50.0,), out=tmp_path / "out")
     first = bench(options)

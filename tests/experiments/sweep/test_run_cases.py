@@ -27,7 +27,7 @@ def test_each_case_is_run_once_and_kept(tmp_path):
     swept.raise_failures()
 
 
-def test_what_is_done_is_not_run_again_and_what_failed_is(tmp_path):
+def test_resuming_runs_only_the_cases_that_failed(tmp_path):
     first = sweep(tmp_path, 20, "wrong")
     assert [one.why for one in first.failed] == ["13 is no number for this"]
     with pytest.raises(InputError, match="1 of 20 cases failed: number 13: 13 is no number"):
@@ -43,7 +43,7 @@ def test_without_resume_all_are_run(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["local", "local:0", "local:x", "somewhere", "tcp://host", "host:port"])
-def test_what_is_no_cluster_is_refused(text):
+def test_wrong_cluster_addresses_are_refused(text):
     with pytest.raises(InputError, match="expected local:N, or the address of a Dask scheduler"):
         SweepOptions(cluster=text)
 
@@ -76,7 +76,7 @@ def test_a_cluster_gives_what_this_process_gives(tmp_path):
 
 
 @pytest.mark.slow(10)
-def test_what_is_timed_on_one_runs_on_one(tmp_path):
+def test_timing_on_one_runs_all_cases_on_one_worker(tmp_path):
     pytest.importorskip("distributed")
     swept = sweep(tmp_path / "out", 12, cluster="local:2", timing_on="one")
     found = [result["pid"] for _, result in swept.results()]
