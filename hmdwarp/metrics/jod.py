@@ -17,7 +17,7 @@ import attrs
 import numpy as np
 
 from ..resources import import_extra
-from .figure import Figure
+from .metric import Figure
 
 if TYPE_CHECKING:
     from .job import Compared

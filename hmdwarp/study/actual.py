@@ -13,54 +13,19 @@ Column = Callable[[str], NDArray[np.float64]]
 
 # None where unknown.
 NUMBERS = (
-    "onset_s",
-    "seconds",
-    "pictures",
-    "rate_hz",
-    "latency_ms_median",
-    "latency_ms_p95",
-    "latency_ms_sd",
-    "period_ms_median",
-    "period_ms_p95",
-    "missed",
-    "missed_share",
-    "over_budget_share",
-    "hole_share_mean",
-    "hole_share_p95",
-    "pose_age_ms_median",
-    "pose_age_ms_p95",
-    "passes_ms_median",
-    "passes_ms_p95",
-    "angular_speed_deg_s_median",
-    "linear_speed_m_s_median",
-    "lost_s",
-    "tracking_lost_share",
-    "head_turn_deg",
-    "head_shift_m",
-    "task_targets",
-    "task_found",
-    "task_misses",
-    "task_target_s",
-    "task_turned_deg",
-)
+    "onset_s", "seconds", "pictures", "rate_hz", "latency_ms_median", "latency_ms_p95", "latency_ms_sd",
+    "period_ms_median", "period_ms_p95", "missed", "missed_share", "over_budget_share", "hole_share_mean",
+    "hole_share_p95", "pose_age_ms_median", "pose_age_ms_p95", "passes_ms_median", "passes_ms_p95",
+    "angular_speed_deg_s_median", "linear_speed_m_s_median", "lost_s", "tracking_lost_share", "head_turn_deg",
+    "head_shift_m", "task_targets", "task_found", "task_misses", "task_target_s", "task_turned_deg",
+)  # fmt: skip
 # Whole numbers among them.
 COUNTS = ("pictures", "missed", "task_targets", "task_found", "task_misses")
 FLAGS = ("head_still",)
 TEXTS = (
-    "warp",
-    "fill",
-    "scene",
-    "effects",
-    "lens",
-    "headset",
-    "gpu",
-    "gl",
-    "source",
-    "hmdwarp",
-    "size",
-    "ended_by",
+    "warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by",
     "task_times_s",
-)
+)  # fmt: skip
 NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
 
@@ -71,7 +36,7 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
     session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
     from where it was first; head_still: session/task_score.py; ended_by: "time", or who
-    ended a trial that is shown until somebody is done, "" for one that was not seen to its end;
+    ended a trial that is shown until done, "" for one that was not seen to its end;
     task_..: session/task_score.py, of trials with a task.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
@@ -102,7 +67,7 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
         **_middle_and_tail("passes_ms", passes),
         "angular_speed_deg_s_median": _middle(_known(column("angular_speed_deg_s"))),
         "linear_speed_m_s_median": _middle(_known(column("linear_speed_m_s"))),
-        "lost_s": math.fsum(one["away_s"] or 0.0 for one in live["lost"]),
+        "lost_s": math.fsum(loss["away_s"] or 0.0 for loss in live["lost"]),
         "tracking_lost_share": sum(live["notices"].values()) / pictures,
     }
     return {**NOTHING, **numbers, **_texts(summary)}

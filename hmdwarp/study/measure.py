@@ -63,10 +63,10 @@ def measure_study(
     Errors: InputError where there is nothing to measure; MachineError while a session runs.
     """
     contents = store.contents(pilot=options.pilot)
-    showings = [each for each in contents.showings if each.complete and each.trial]
+    showings = [showing for showing in contents.showings if showing.complete and showing.trial]
     if not showings:
         raise InputError(f"{store.folder}: no trial was shown to its end: there is nothing to measure")
-    sessions = {each.id: each for each in contents.sessions}
+    sessions = {session.id: session for session in contents.sessions}
     known, refreshes, cases = 0, [], []
     left_out: list[str] = []
     failed: list[Failure] = []

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hmdwarp.display.openxr.binding import load_binding
+from hmdwarp.display.openxr.diagnosis import load_binding
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.geometry import Pose
 
@@ -23,11 +23,10 @@ except MachineError as lacking:
 import xr
 
 from hmdwarp.display import DisplayOptions, Lost
-from hmdwarp.display.openxr.calls import Calls
-from hmdwarp.display.openxr.eyes import RuntimeEyes
 from hmdwarp.display.openxr.graphics import VARIABLE, check_requirements, kinds
+from hmdwarp.display.openxr.runtime import Calls
 from hmdwarp.display.openxr.swapchain import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
-from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, _world
+from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, RuntimeEyes, _world
 from hmdwarp.poses import Origin
 
 BOTH = frozenset({"XR_KHR_opengl_enable", "XR_MNDX_egl_enable"})

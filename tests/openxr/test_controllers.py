@@ -12,7 +12,7 @@ import pytest
 from hmdwarp.display import CONTROLS, Command, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.actions import Actions
-from hmdwarp.display.openxr.openxr_session import State
+from hmdwarp.display.openxr.runtime import State
 from hmdwarp.geometry import Pose
 from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs import CONTROLLERS, MessagePanel, QuestionDialog

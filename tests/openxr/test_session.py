@@ -18,9 +18,8 @@ from hmdwarp.colour import picture_from_linear
 from hmdwarp.display import Closed, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
 from hmdwarp.display.openxr import openxr_head as head_module
-from hmdwarp.display.openxr.calls import Calls
-from hmdwarp.display.openxr.projection_layer import NEAR_M
-from hmdwarp.display.openxr.swapchain import Swapchain
+from hmdwarp.display.openxr.runtime import Calls
+from hmdwarp.display.openxr.swapchain import NEAR_M, Swapchain
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import download, flip_rows

@@ -79,7 +79,7 @@ def test_every_session_ends_as_its_person_does(study):
     assert "Fast motion sickness" in next(one.why for one in study.contents.sessions if one.status == "sick")
 
 
-def test_who_leaves_makes_room_for_the_next(study):
+def test_a_dropout_frees_the_order(study):
     """Twelve begin four orders; each is held by as many who stay as any other, but for one."""
     held = [sum(one.row == row and one.status == "complete" for one in study.contents.sessions) for row in range(4)]
     assert max(held) - min(held) <= 1
@@ -97,7 +97,7 @@ def test_the_store_has_what_was_answered_and_nothing_else(study):
     assert any(one.kind == "pause" for one in study.contents.events)  # and somebody a pause
 
 
-def test_what_was_shown_is_what_was_planned(study):
+def test_trials_show_their_planned_condition(study):
     shown = [one for one in study.contents.showings if one.complete and one.trial]
     assert len({(one.session, one.trial) for one in shown}) == sum(study.cohort().trials)
     for one in shown:
@@ -159,7 +159,7 @@ def test_the_export_reads_back(study):
     assert values[0] == values[1]
 
 
-def test_what_predicts_is_told_of_one_study_and_of_several(study, tmp_path):
+def test_prediction_takes_one_study_or_several(study, tmp_path):
     """Two stores of the same sessions, of a copy of the study under another name."""
     copy = tmp_path / "copy.toml"
     copy.write_text(study.file.read_text(encoding="utf-8"), encoding="utf-8")
@@ -194,7 +194,7 @@ def test_codes_are_in_nothing_that_is_passed_on(study):
         assert not set(re.split(r"[,\t\n]", table.read_text())) & set(CODES)
 
 
-def test_of_who_withdraws_nothing_is_left(study, tmp_path):
+def test_a_withdrawal_leaves_nothing(study, tmp_path):
     """Neither in the store nor in a new export.
 
     The code stays, as a mark that it is not used again.

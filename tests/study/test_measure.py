@@ -102,7 +102,7 @@ def test_a_condition_shows_each_strategy(tmp_path):
         for name in strategies.names()
     ]
     with shown(tmp_path, head + "".join(conditions)) as store:
-        found = measure_study(store, OPTIONS)
+        found = measure_study(store, attrs.evolve(OPTIONS, every=9))
         assert (found.measured, found.left_out) == (len(strategies.names()), ())
         measured = {one.condition: one.measured for one in store.contents().showings if one.complete}
     assert set(measured) == set(strategies.names())
@@ -155,7 +155,7 @@ def test_both_showings_of_a_trial_are_measured_and_each_has_its_own_figures(tmp_
         assert sorted(found) == [("late", False), *[("reference", True)] * 3]
 
 
-def test_what_is_known_is_not_measured_again_unless_otherwise_or_asked_for(store):
+def test_known_trials_are_measured_again_only_on_request(store):
     measure_study(store, OPTIONS)
     before = [one.measured for one in store.contents().showings]
     found = measure_study(store, OPTIONS)
@@ -166,7 +166,7 @@ def test_what_is_known_is_not_measured_again_unless_otherwise_or_asked_for(store
     assert measure_study(store, attrs.evolve(OPTIONS, size=(48, 60), again=True)).measured == 3
 
 
-def test_broken_off_it_goes_on_at_the_next_trial(store):
+def test_an_aborted_measurement_resumes_at_the_next_trial(store):
     class Stop(BaseException):
         pass
 
@@ -189,7 +189,7 @@ def test_a_cluster_measures_the_same(store):
     assert [one.measured for one in store.contents().showings] == there
 
 
-def test_a_trace_that_is_gone_or_wrong_is_told_and_the_others_go_on(store):
+def test_a_missing_or_wrong_trace_is_reported_and_the_others_measured(store):
     first, second, *_ = [one for one in store.contents().showings if one.complete]
     (store.traces / first.trace).unlink()
     (store.traces / second.trace).write_text("nothing\n", encoding="utf-8")
@@ -198,7 +198,7 @@ def test_a_trace_that_is_gone_or_wrong_is_told_and_the_others_go_on(store):
     assert "recording is gone" in found.left_out[0] and second.trace in found.left_out[1]
 
 
-def test_nothing_to_measure_is_told(store):
+def test_nothing_to_measure_is_an_error(store):
     with pytest.raises(InputError, match="nothing to measure"):
         measure_study(store, attrs.evolve(OPTIONS, pilot=True))
 
@@ -241,7 +241,7 @@ def test_the_head_is_where_and_when_it_was_recorded(tmp_path):
         assert setup.schedule.first_ns == 0 and np.abs(setup.track.position_m[:, 0]).max() < 10
 
 
-def test_one_of_each_is_said_in_the_singular():
+def test_counts_of_one_are_singular():
     assert Measurements(1, 1, (), 1).describe() == [
         "1 showing measured at 1 refresh, both eyes of each, 1 was measured before"
     ]
@@ -259,7 +259,7 @@ def test_without_the_package_rating_says_how_to_get_it(store):
 
 @with_cvvdp
 @quiet
-def test_what_is_rated_too_is_a_column_and_is_known(store):
+def test_a_jod_rating_is_a_column_and_is_not_repeated(store):
     measure_study(store, OPTIONS)
     plain = {one.id: one.measured for one in store.contents().showings if one.complete}
     said: list[str] = []

@@ -72,7 +72,7 @@ def test_how_many_to_invite():
     assert people_for(12, 0.001) is None
 
 
-def test_what_is_significant_is_what_the_analysis_says():
+def test_simulated_significance_equals_the_analysis():
     """Twenty studies, both families of the thesis, through ratings and tables as study analyse
     takes them.
     """
@@ -318,12 +318,12 @@ def test_a_model_of_one_scale_plans_that_scale(two_scales, tmp_path):
         ({"scale": "acr"}, "--scale acr"),
     ],
 )
-def test_what_is_asked_wrongly_is_told(asked, says, tmp_path):
+def test_wrong_options_are_refused(asked, says, tmp_path):
     with pytest.raises(InputError, match=re.escape(says)):
         command(study="quick", out=tmp_path / "out", **{"n": "6..40", **asked})
     assert not (tmp_path / "out").exists()
 
 
-def test_of_a_wrong_question_the_command_says_one_line(tmp_path):
+def test_the_command_refuses_a_wrong_option_in_one_line(tmp_path):
     done = hmdwarp("study", "power", "quick", "--out", tmp_path / "out", "--n", "many")
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "--n many" in done.stderr

@@ -98,7 +98,7 @@ def test_power_is_that_of_the_sign_test_and_without_an_effect_its_level(scale, j
 
 
 @pytest.mark.parametrize(("scale", "repeats"), [("preference", 2), ("preference_or_tie", 1)])
-def test_what_is_significant_is_what_the_analysis_says(scale, repeats):
+def test_simulated_significance_equals_the_analysis(scale, repeats):
     design = design_of(scale, repeats=repeats)
     text = MODEL.format(scale=scale, noise=1.0, taste=0.5, threshold=TIE)
     model = model_from_text(text, "test")

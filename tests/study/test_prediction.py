@@ -174,7 +174,7 @@ def test_the_best_measure_of_a_made_up_study_is_found(seed):
     assert sentences(found)[0].startswith("Flicker predicts the ratings best")
 
 
-def test_two_that_are_equally_good_are_not_told_apart():
+def test_equally_good_measures_stay_undecided():
     """At the nominal rate.
 
     Of 60 studies with two equal measures one is declared the best in 5 of 100, so in 9 or fewer
@@ -194,21 +194,21 @@ def test_two_that_are_equally_good_are_not_told_apart():
     assert claimed <= 9
 
 
-def test_measures_that_move_together_are_told_as_such():
+def test_correlated_measures_are_named():
     found = few(made_up(2, {FLIP: 0.5, FLICKER: 0.0, AGE: 0.0}, together=0.99))
     assert all(set(one.alike) == {other.title for other in found.measures} - {one.title} for one in found.measures)
     text = " ".join(sentences(found))
     assert "is undecided" in text and "ratings cannot separate them" in text and "move together" in text
 
 
-def test_what_is_skipped_says_what_it_needs_and_what_there_is():
+def test_a_skipped_prediction_says_what_it_lacks():
     said = sentences(few(made_up(1, {FLIP: 0.5}, people=2)))[0]
     assert said.startswith(f"Skipped: which metric predicts the ratings (needs {LEAST_PEOPLE} people with ")
     assert said.endswith("each, found 2).")
 
 
 @pytest.mark.slow(8)
-def test_of_noise_nothing_is_claimed():
+def test_noise_supports_no_claim():
     """13 measures that have nothing to do with the grades.
 
     A claim in at most 5 of 100 studies, so in 8 or fewer of 60 with p > 0.99.
@@ -265,7 +265,7 @@ def test_the_same_rows_give_the_same_numbers():
     assert few(rows, seed=1).measures[0].low != few(rows, seed=2).measures[0].low
 
 
-def test_what_cannot_be_looked_at_is_named_with_its_reason():
+def test_untestable_measures_are_named_with_their_reason():
     rows = made_up(3, {FLIP: 0.5, HOLES: 0.2})
     for k, one in enumerate(rows):
         one["actual_missed_share"] = 0.0

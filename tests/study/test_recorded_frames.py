@@ -79,7 +79,7 @@ def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
         ("[[condition]]", '[task]\nkind = "targets"\ncount = 2\nseed = 1\n[[condition]]', "holds no targets"),
     ],
 )
-def test_what_cannot_be_shown_is_refused_in_the_plan(plan, old, new, told):
+def test_unshowable_frames_are_refused_in_the_plan(plan, old, new, told):
     plan.write_text(PLAN.replace(old, new, 1), encoding="utf-8")
     with pytest.raises(InputError, match=told):
         load_design(str(plan))

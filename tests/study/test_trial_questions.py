@@ -36,7 +36,7 @@ def study(tmp_path):
     return file, model, tmp_path
 
 
-def test_they_are_asked_stored_and_exported_by_trial_and_are_no_ratings(study):
+def test_questions_after_trials_are_stored_and_exported_and_are_no_ratings(study):
     file, model, folder = study
     tiny.ran(*tiny.session(file, model, "P1", "--quiet"))
     tiny.ran("study", "export", file, "--out", folder / "made", "--simulated", "--quiet")

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from commands import hmdwarp
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = (sys.executable, "-m", "hmdwarp")
 PATIENCE_S = 120  # against hanging; nothing here takes a tenth of it on an idle machine
@@ -91,15 +93,8 @@ again = {again}
 median_s = 0.1
 """
 
-
-USUAL = {
-    "missing": 0.05,
-    "dropout": 0.0,
-    "pause": 0.1,
-    "again": 0.1,
-    "sickening": 0.02,
-    "easily_sick": 0.5,
-}  # nobody leaves
+# Nobody leaves.
+USUAL = {"missing": 0.05, "dropout": 0.0, "pause": 0.1, "again": 0.1, "sickening": 0.02, "easily_sick": 0.5}
 
 
 def write(folder: Path, **people: float) -> tuple[Path, Path]:
@@ -116,14 +111,13 @@ def session(study: Path, model: Path, code: str, *more: str) -> list[str]:
     return ["study", "run", str(study), "--participant", code, "--simulate", str(model), *display, *more]
 
 
-def program(*arguments: object, **how: object) -> subprocess.CompletedProcess[str]:
-    """The real command; what it says, and its exit status."""
-    command = [*PROGRAM, *map(str, arguments)]
-    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=PATIENCE_S, cwd=ROOT, **how)
+def program(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """Run the command in this process; what it says, and its exit status."""
+    return hmdwarp(*arguments)
 
 
 def ran(*arguments: object) -> str:
-    """The same of one that must do what it is asked; its standard output."""
-    done = program(*arguments)
+    """Run a command that must do what it is asked; its standard output."""
+    done = hmdwarp(*arguments)
     assert done.returncode == 0, f"{arguments}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout

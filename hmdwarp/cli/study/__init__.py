@@ -5,11 +5,11 @@ from __future__ import annotations
 import typer
 
 from .._help import Group
-from . import analyse, export, init, measure, merge, plan, power, predict, run, withdraw
+from . import analyse, export, measure, merge, plan, power, predict, run, withdraw
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 
-app.command("init")(init.init)
+app.command("init")(plan.init)
 app.command("plan")(plan.plan)
 app.command("run")(run.run)
 app.command("measure")(measure.measure)

@@ -114,9 +114,9 @@ def _print(data: dict[str, Any]) -> None:
             for sentence in part["order_sentences"]:
                 paragraph(sentence)
         _print_comparisons(screen, scale)
-        for one in [*scale["copied"], *scale["claims"]]:
+        for finding in [*scale["copied"], *scale["claims"]]:
             typer.echo()
-            paragraph(one["sentence"])
+            paragraph(finding["sentence"])
         for sentence in (scale["prediction"] or {}).get("sentences", ()):
             typer.echo()
             paragraph(sentence)

@@ -44,9 +44,9 @@ def merge(said: Said) -> None:
         if site in sites:
             raise InputError(f"site '{site}' is given twice: expected one folder for each")
         sites[site] = path_of(folder, "STORE")
-    for one in run(sites, options.out):
+    for rows in run(sites, options.out):
         if not said["quiet"]:
-            amounts = (counted(one.participants, "participant"), counted(one.sessions, "session"))
-            typer.echo(f"{one.site}: {', '.join(amounts)}, {counted(one.answers, 'answer')}")
+            amounts = (counted(rows.participants, "participant"), counted(rows.sessions, "session"))
+            typer.echo(f"{rows.site}: {', '.join(amounts)}, {counted(rows.answers, 'answer')}")
     if not said["quiet"]:
         typer.echo(f"store: {options.out}")

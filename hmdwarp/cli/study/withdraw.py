@@ -29,23 +29,21 @@ class WithdrawOptions(Declared):
 def withdraw(said: Said) -> None:
     """Erase all ratings, events and head traces of a participant; the code stays reserved."""
     from ...errors import InputError
-    from ...study.store import Store
-    from ...study.withdraw import BEYOND, finish_interrupted, holdings
-    from ...study.withdraw import withdraw as go
+    from ...study.store import BEYOND, Store
 
     options = WithdrawOptions.of(said)
     code = options.code
     folder, name = _where(options)
     with Store(folder, study=name, say=typer.echo) as opened:
-        if not options.yes and not finish_interrupted(opened, code):
+        if not options.yes and not opened.finish_withdrawal(code):
             if not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
-            found = holdings(opened, code)
+            found = opened.holdings(code)
             typer.echo(f"{folder} holds of participant {found.code}: {found.describe()}.")
             if not typer.confirm("Erase it for good?"):
                 typer.echo("Nothing was erased.")
                 return
-        erased = go(opened, code)
+        erased = opened.withdraw(code)
         known, amount = (code, "the rest of it") if erased is None else (erased.code, erased.describe())
     typer.echo(
         f"Participant {known} has withdrawn; erased: {amount}. The code stays marked, and their order is free. {BEYOND}"

@@ -14,10 +14,8 @@ import xr
 from ...errors import MachineError
 from .. import Command
 from ..controls import Control
-from .button_repeat import ButtonRepeat
-from .calls import Calls
-from .instance import Instance
-from .profiles import AXES, BUTTONS, HANDS, PROFILES
+from .controllers import AXES, BUTTONS, HANDS, PROFILES, ButtonRepeat
+from .runtime import Calls, Instance
 
 if TYPE_CHECKING:
 

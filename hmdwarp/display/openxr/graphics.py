@@ -13,9 +13,8 @@ import xr
 from ...errors import InputError, MachineError
 from ...gpu.context import WANTED, Gpu, create_context
 from ..controls import CONTROLS, Control
-from .calls import Calls
 from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
-from .instance import Instance
+from .runtime import Calls, Instance
 
 if TYPE_CHECKING:
     from .mirror_window import Mirror

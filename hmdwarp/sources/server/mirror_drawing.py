@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...frames import EyeImage
 from ...geometry import Fov, Mirror, Pose, View
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
-from ...gpu.scopes import drawing_into
+from ...gpu.context import drawing_into
 from ...scenes import Mesh, SceneMirror
 from .moving import Place
 from .parts import DrawContext

@@ -9,8 +9,7 @@ import moderngl
 
 from ...geometry import View
 from ...geometry.cube import FACES, face_views
-from ...gpu.context import Gpu
-from ...gpu.scopes import drawing_into
+from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Draw
 from ...scenes import Scene
 from .lighting import Indirect, Lighting

@@ -97,7 +97,7 @@ def _checked(claim: Claim, rows: Sequence[Mapping[str, Any]], ratings: Ratings, 
         return found | {"follows": None, "why_not": f"nobody rated both '{row['baseline']}' and '{row['condition']}'"}
 
     def is_near(value: float) -> bool:
-        return abs(value - found["difference"]) <= claim.step + _LEAST
+        return bool(abs(value - found["difference"]) <= claim.step + _LEAST)
 
     if is_near(row["mean"]):
         return found | {"follows": True}
@@ -110,8 +110,8 @@ def _no_comparison(claim: Claim, ratings: Ratings) -> str:
     if claim.latency_ms is None:
         return f"'{claim.baseline}' and '{claim.better}' are not compared"
     settings = [ratings.settings(claim.part, name) for name in ratings.conditions(claim.part)]
-    known = sorted({one["latency_ms"] for one in settings if "latency_ms" in one})
-    latencies = ", ".join(f"{one:g}" for one in known)
+    known = sorted({setting["latency_ms"] for setting in settings if "latency_ms" in setting})
+    latencies = ", ".join(f"{latency_ms:g}" for latency_ms in known)
     return f"nothing was rated at {claim.latency_ms:g} ms: the latencies are {latencies} ms"
 
 

@@ -57,7 +57,7 @@ def compared(
             table = ratings.table(comparison.part, scale).without((without or {}).get(comparison.part, set()))
             if {comparison.baseline, comparison.better} <= set(table.conditions):
                 rows.append(_compared(table, ratings.scale_info[scale], family.name, comparison, resampling))
-    _correct(rows)
+    correct(rows, over_all=True)
     return rows
 
 
@@ -122,14 +122,14 @@ def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, flo
     return (shift.shift, None, None, None) if level < _LEAST_LEVEL else (shift.shift, shift.low, shift.high, level)
 
 
-def _correct(rows: list[dict[str, Any]]) -> None:
-    """Put Holm's p into each row.
+def correct(rows: list[dict[str, Any]], *, over_all: bool = False) -> None:
+    """Put Holm's p into each row, corrected within its family; over_all: over all rows as well.
 
     A planned comparison without ratings has none, and counts with p = 1: leaving it out would
     favour the rest.
     """
     groups = [[row for row in rows if row["family"] == name] for name in dict.fromkeys(row["family"] for row in rows)]
-    for group, key in [*((group, "holm") for group in groups), (rows, "holm_all")]:
+    for group, key in [*((group, "holm") for group in groups), *([(rows, "holm_all")] if over_all else [])]:
         for row, p in zip(group, holm([1.0 if row["p"] is None else row["p"] for row in group]), strict=True):
             row[key] = None if row["p"] is None else p
             row[f"{key}_of"] = len(group)
@@ -173,15 +173,15 @@ def _requested(text: str, name: str, ratings: Ratings) -> list[Family]:
             f"--family '{text}': expected pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
         )
     found = []
-    for one in parts:
-        known = ratings.conditions(one)
-        here = [Comparison(one, a, b) for a, b in pairs if a in known and b in known]
+    for part in parts:
+        known = ratings.conditions(part)
+        here = [Comparison(part, a, b) for a, b in pairs if a in known and b in known]
         if here:
-            found.append(Family(f"{one}: {name}" if one else name, tuple(here)))
+            found.append(Family(f"{part}: {name}" if part else name, tuple(here)))
     named = {(c.baseline, c.better) for family in found for c in family.comparisons}
     for pair in pairs:
         if pair not in named:
-            names = "; ".join(dict.fromkeys(name for one in parts for name in ratings.conditions(one)))
+            names = "; ".join(dict.fromkeys(name for part in parts for name in ratings.conditions(part)))
             raise InputError(
                 f"--family '{text}': no part has both '{pair[0]}' and '{pair[1]}': the conditions are {names}"
             )
@@ -192,7 +192,7 @@ def _default_pairs(ratings: Ratings, part: str) -> tuple[list[tuple[str, str]], 
     names = ratings.conditions(part)
     settings = {name: ratings.settings(part, name) for name in names}
 
-    def rest(name: str) -> tuple:
+    def rest(name: str) -> tuple[Any, ...]:
         return tuple(sorted((key, str(value)) for key, value in settings[name].items() if key not in ("warp", "fill")))
 
     bare = [name for name in names if settings[name].get("warp") == "none" and "latency_ms" in settings[name]]

@@ -17,17 +17,8 @@ _MOST_BYTES = 200_000_000
 # Names of the columns for each role; the first name that the table has counts.
 ROLES: Mapping[str, tuple[str, ...]] = {
     "participant": (
-        "participant",
-        "participant_id",
-        "ppid",
-        "sub",
-        "subject",
-        "subject_id",
-        "person",
-        "observer",
-        "user",
-        "vp",
-        "id",
+        *("participant", "participant_id", "ppid", "sub", "subject", "subject_id", "person", "observer", "user"),
+        *("vp", "id"),
     ),
     "rating": ("rating", "value", "score", "grade", "response", "answer", "vote", "mos"),
     "condition": ("condition", "cond", "treatment", "stimulus"),

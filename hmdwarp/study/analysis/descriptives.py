@@ -149,12 +149,18 @@ def missing_rows(ratings: Ratings, scale: str) -> list[dict[str, Any]]:
 
 def session_counts(ratings: Ratings) -> dict[str, Any]:
     """Return how sessions ended: counts, and the sessions that are not complete."""
-    counts = Counter(one.status for one in ratings.sessions)
+    counts = Counter(session.status for session in ratings.sessions)
     cut = [
-        {"participant": one.participant, "part": one.part, "session": one.number, "status": one.status, "why": one.why}
-        | {"rated": one.rated, "of": one.planned}
-        for one in ratings.sessions
-        if one.status != "complete"
+        {
+            "participant": session.participant,
+            "part": session.part,
+            "session": session.number,
+            "status": session.status,
+            "why": session.why,
+        }
+        | {"rated": session.rated, "of": session.planned}
+        for session in ratings.sessions
+        if session.status != "complete"
     ]
     return {"counts": dict(sorted(counts.items())), "cut": cut}
 
@@ -162,14 +168,14 @@ def session_counts(ratings: Ratings) -> dict[str, Any]:
 def sickness_rows(ratings: Ratings, known: Callable[[str], Scale | None]) -> list[dict[str, Any]]:
     """Return for each sickness scale and trial the number, median and worst of the answers."""
     out = []
-    for name in dict.fromkeys(one.scale for one in ratings.survey):
+    for name in dict.fromkeys(answer.scale for answer in ratings.survey):
         scale = known(name)
         if scale is None or scale.kind == QUESTIONNAIRE:
             continue
         by_trial: dict[int, list[float]] = {}
-        for one in ratings.survey:
-            if one.scale == name and one.value is not None:
-                by_trial.setdefault(one.trial, []).append(one.value)
+        for answer in ratings.survey:
+            if answer.scale == name and answer.value is not None:
+                by_trial.setdefault(answer.trial, []).append(answer.value)
         worst = max if scale.low_is_good else min
         trials = [
             {"trial": trial, "n": len(values), "median": float(np.median(values)), "worst": float(worst(values))}
@@ -234,7 +240,7 @@ def _questionnaires(
     ratings: Ratings, known: Callable[[str], Scale | None]
 ) -> Iterator[tuple[Scale, dict[str, Sheets]]]:
     """Yield each questionnaire about a session, with the scores by when it was answered."""
-    for name in dict.fromkeys(one.scale for one in ratings.survey):
+    for name in dict.fromkeys(answer.scale for answer in ratings.survey):
         scale = known(name)
         if scale is None or scale.kind != QUESTIONNAIRE:
             continue
@@ -246,9 +252,9 @@ def _questionnaires(
 
 def _scores(answers: tuple[SurveyAnswer, ...], scale: Scale, phase: str) -> Sheets:
     sheets: Sheets = {}
-    for one in answers:
-        if one.scale == scale.name and one.phase == phase:
-            sheets.setdefault((one.participant, one.session), {})[one.item] = one.value
+    for answer in answers:
+        if answer.scale == scale.name and answer.phase == phase:
+            sheets.setdefault((answer.participant, answer.session), {})[answer.item] = answer.value
     return {who: scored(scale, sheet) for who, sheet in sheets.items()}
 
 
@@ -306,7 +312,9 @@ def _dummies(names: Sequence[str]) -> NDArray[np.float64]:
     return np.array([[float(name == level) for level in levels] for name in names])
 
 
-def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) -> dict[str, Any]:
+def _effect(
+    values: NDArray[np.float64], blocks: dict[str, NDArray[np.float64]], name: str, other: str
+) -> dict[str, Any]:
     """Estimate one effect; the other one leaves the model where the two are confounded."""
     effect = blocks[name]
     rest = blocks["base"] if not _adds(blocks["base"], blocks[other]) else np.hstack([blocks["base"], blocks[other]])
@@ -335,9 +343,9 @@ def _effect(values: NDArray, blocks: dict[str, NDArray], name: str, other: str) 
     return found
 
 
-def _adds(base: NDArray, block: NDArray) -> bool:
+def _adds(base: NDArray[np.float64], block: NDArray[np.float64]) -> bool:
     return block.shape[1] > 0 and _rank(np.hstack([base, block])) > _rank(base)
 
 
-def _rank(matrix: NDArray) -> int:
+def _rank(matrix: NDArray[np.float64]) -> int:
     return int(np.linalg.matrix_rank(matrix)) if matrix.shape[1] else 0

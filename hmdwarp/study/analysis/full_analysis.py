@@ -40,7 +40,7 @@ SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
 
 
-def analysis_folder(folder: str | os.PathLike, *, force: bool = False) -> OutputFolder:
+def analysis_folder(folder: str | os.PathLike[str], *, force: bool = False) -> OutputFolder:
     """Return the folder to write an analysis to; made before the work, it checks the place.
 
     Errors: InputError or MachineError for a place that cannot be written.
@@ -91,7 +91,7 @@ def analyse(
         "notes": list(ratings.notes),
         "participants": len(
             {(row.part, row.participant) for row in ratings.rows}
-            | {(one.part, one.participant) for one in ratings.preferences}
+            | {(preference.part, preference.participant) for preference in ratings.preferences}
         ),
         "ratings": sum(row.value is not None for row in rated),
         "missing": sum(row.value is None for row in rated),

@@ -15,14 +15,13 @@ from ..scales import FIRST, NEITHER
 from ..statistics import (
     JOD_SPREAD,
     Scores,
-    holm,
     jod_scores,
     left_out_scores,
     resampled_interval,
     resampled_scores,
     wilcoxon_exact,
 )
-from .comparisons import Resampling
+from .comparisons import Resampling, correct
 from .ratings import Preference, Ratings
 
 RESAMPLES = 2000  # the ends of an interval are then known to a tenth of its width
@@ -36,7 +35,7 @@ def preference_results(ratings: Ratings, families: Sequence[Family], resampling:
     comparison's "p" is of the exact Wilcoxon test of each person's choices for less those against
     it, where the two were shown together.
     """
-    asked = dict.fromkeys((one.part, one.scale) for one in ratings.preferences)
+    asked = dict.fromkeys((preference.part, preference.scale) for preference in ratings.preferences)
     return [_of_part(ratings, part, scale, families, resampling) for part, scale in asked]
 
 
@@ -49,10 +48,10 @@ class _Counts:
     ties: np.ndarray | None  # (people, n, n); None where there could be none
 
     @classmethod
-    def of(cls, said: Sequence[Preference], names: tuple[str, ...], allows_ties: bool) -> _Counts:
+    def of(cls, answers: Sequence[Preference], names: tuple[str, ...], allows_ties: bool) -> _Counts:
         by_person: dict[str, list[Preference]] = {}
-        for one in said:
-            by_person.setdefault(one.participant, []).append(one)
+        for preference in answers:
+            by_person.setdefault(preference.participant, []).append(preference)
         tables = [
             tables_of(names, [((p.first, p.second), p.answer) for p in of if p.answer is not None], allows_ties=True)
             for of in by_person.values()
@@ -89,34 +88,34 @@ class _Estimates:
 def _of_part(
     ratings: Ratings, part: str, scale: str, families: Sequence[Family], resampling: Resampling
 ) -> dict[str, Any]:
-    said = [one for one in ratings.preferences if (one.part, one.scale) == (part, scale)]
-    given = [one for one in said if one.answer is not None]
+    planned = [preference for preference in ratings.preferences if (preference.part, preference.scale) == (part, scale)]
+    given = [preference for preference in planned if preference.answer is not None]
     found: dict[str, Any] = {
         "part": part,
         "scale": scale,
-        "people": len({one.participant for one in given}),
+        "people": len({preference.participant for preference in given}),
         "answers": len(given),
-        "ties": sum(one.answer == NEITHER for one in given),
-        "first": sum(one.answer == FIRST for one in given),
-        "missing": len(said) - len(given),
+        "ties": sum(preference.answer == NEITHER for preference in given),
+        "first": sum(preference.answer == FIRST for preference in given),
+        "missing": len(planned) - len(given),
         "threshold": None,
         "conditions": [],
         "comparisons": [],
     }
     if not given:
         return found | {"sentences": ["No pair was compared."]}
-    counts = _Counts.of(given, ratings.conditions(part), bool(said[0].allows_ties))
+    counts = _Counts.of(given, ratings.conditions(part), bool(planned[0].allows_ties))
     estimates = counts.estimated(resampling)
-    zero = counts.names.index(said[0].reference) if said[0].reference in counts.names else None
+    zero = counts.names.index(planned[0].reference) if planned[0].reference in counts.names else None
     found["threshold"] = float(estimates.scores.threshold) if counts.ties is not None else None
     found["conditions"] = [_condition(counts, k, zero, estimates) for k in range(len(counts.names))]
     found["comparisons"] = [
-        _comparison(counts, family.name, one, estimates)
+        _comparison(counts, family.name, comparison, estimates)
         for family in families
-        for one in family.comparisons
-        if one.part == part and {one.baseline, one.better} <= set(counts.names)
+        for comparison in family.comparisons
+        if comparison.part == part and {comparison.baseline, comparison.better} <= set(counts.names)
     ]
-    _correct(found["comparisons"])
+    correct(found["comparisons"])
     for row in found["comparisons"]:
         row["sentence"] = _of_comparison(row)
     return found | {"sentences": [*(row["sentence"] for row in found["comparisons"]), _of_places(found)]}
@@ -160,13 +159,6 @@ def _comparison(counts: _Counts, family: str, comparison: Comparison, estimates:
 def _share(jod: float | None) -> float | None:
     """Return the share of forced choices for a condition that is better by so much."""
     return None if jod is None else float(ndtr(jod / JOD_SPREAD))
-
-
-def _correct(rows: list[dict[str, Any]]) -> None:
-    for name in dict.fromkeys(row["family"] for row in rows):
-        group = [row for row in rows if row["family"] == name]
-        for row, p in zip(group, holm([1.0 if row["p"] is None else row["p"] for row in group]), strict=True):
-            row |= {"holm": None if row["p"] is None else p, "holm_of": len(group)}
 
 
 def _of_comparison(row: Mapping[str, Any]) -> str:

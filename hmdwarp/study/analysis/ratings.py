@@ -121,7 +121,7 @@ class Ratings:
 
     def parts(self) -> tuple[str, ...]:
         """Return the parts in the order of the plan, else of appearance."""
-        rated, compared = (row.part for row in self.rows), (one.part for one in self.preferences)
+        rated, compared = (row.part for row in self.rows), (preference.part for preference in self.preferences)
         return _in_order(dict.fromkeys((*rated, *compared)), tuple(self.planned))
 
     def rated_scales(self) -> tuple[str, ...]:
@@ -140,7 +140,12 @@ class Ratings:
         (latency), else in order of appearance.
         """
         names = dict.fromkeys(row.condition for row in self.rows if row.part == part)
-        names |= dict.fromkeys(name for one in self.preferences if one.part == part for name in (one.first, one.second))
+        names |= dict.fromkeys(
+            name
+            for preference in self.preferences
+            if preference.part == part
+            for name in (preference.first, preference.second)
+        )
         by_settings = sorted(names, key=lambda name: _place_of(self.settings(part, name)))
         return _in_order(by_settings, self.planned.get(part, ()))
 
@@ -150,7 +155,9 @@ class Ratings:
 
     def references(self, part: str) -> tuple[str, ...]:
         """Return the names of a part's hidden references."""
-        compared = (one.reference for one in self.preferences if one.part == part and one.reference)
+        compared = (
+            preference.reference for preference in self.preferences if preference.part == part and preference.reference
+        )
         rated = (row.condition for row in self.rows if row.part == part and row.reference)
         return tuple(dict.fromkeys((*rated, *compared)))
 

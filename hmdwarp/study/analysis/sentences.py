@@ -122,7 +122,7 @@ def _of_effect(name: str, row: Row, scale: ScaleInfo) -> str:
 def of_copied(row: Row) -> str:
     """Describe rows that two parts share."""
     first, second = row["parts"]
-    doubles = listed([f"{one['second']} = {one['first']}" for one in row["rows"]])
+    doubles = listed([f"{pair['second']} = {pair['first']}" for pair in row["rows"]])
     chance = (
         f"Drawn independently, that many would occur in {100 * row['by_chance']:.2g} % of studies; within the parts "
         f"{row['within']} of {row['within_of']} pairs of people are equal."
@@ -130,15 +130,14 @@ def of_copied(row: Row) -> str:
     if row["by_chance"] <= ALPHA:
         verdict = (
             "Such rows were most likely copied, or come from the same people: the parts are not independent, and "
-            "are not "
-            "pooled here."
+            "are not pooled here."
         )
     else:
         verdict = "That is no sign of copying; the parts are not pooled here."
     return (
         f"In {row['people']} of {row['of']} rows of {second} the ratings of the {len(row['conditions'])} "
-        "conditions that "
-        f"both parts have equal those of a row of {first} ({second} = {first}: {doubles}). {chance} {verdict}"
+        f"conditions that both parts have equal those of a row of {first} ({second} = {first}: {doubles}). "
+        f"{chance} {verdict}"
     )
 
 
@@ -170,13 +169,13 @@ def of_reference(row: Row | None) -> str:
         return "Without a hidden reference the ratings do not show who judged with care."
     if not row["rated"]:
         return "The hidden reference was not rated."
-    said = [f"{_reference_votes(row)} the median of their other ratings."]
+    texts = [f"{_reference_votes(row)} the median of their other ratings."]
     if row["flat"]:
-        said.append(f"{row['flat']} of them gave everything the same rating, which shows nothing.")
+        texts.append(f"{row['flat']} of them gave everything the same rating, which shows nothing.")
     if row["missed"]:
-        said.append(f"Worse: {listed(row['missed'])}.")
-        said.append("Their ratings are kept; the comparisons without them are listed as well.")
-    return " ".join(said)
+        texts.append(f"Worse: {listed(row['missed'])}.")
+        texts.append("Their ratings are kept; the comparisons without them are listed as well.")
+    return " ".join(texts)
 
 
 def _reference_votes(row: Row) -> str:

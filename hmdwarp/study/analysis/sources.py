@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,8 @@ import attrs
 
 from ...errors import InputError
 from ...report import counted
-from ..design import ONLY_PART, SHIPPED, Ask, Design, Show, Step, every_scale, load_design, steps_of
-from ..export import declined, long_rows, no_sessions, of_origin, plan_of, unconsented
+from ..design import ONLY_PART, SHIPPED, Ask, Design, Show, every_scale, load_design
+from ..export import SessionData, declined, long_rows, no_sessions, of_origin, sessions_of, unconsented
 from ..scales import PREFERENCE, RATING
 from ..store import (
     COMPLETE,
@@ -26,7 +26,6 @@ from ..store import (
     Answer,
     Contents,
     Session,
-    Showing,
     Store,
     folder_to_read,
     store_folder,
@@ -56,35 +55,44 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
     Missing ratings are included, with the reason. Errors: InputError where there are no sessions.
     """
     kept = of_origin(contents, origin)
-    sessions = kept.sessions
-    if not sessions:
+    if not kept.sessions:
         raise InputError(no_sessions(contents, origin, "analyse"))
-    latest = _latest(kept.answers)
     rows: list[Rating] = []
     survey: list[SurveyAnswer] = []
     preferences: list[Preference] = []
     summaries: list[SessionSummary] = []
-    for session in sessions:
-        plan = plan_of(session, design)
-        answers = latest.get(session.id, {})
-        of_session = _ratings(session, plan, answers)
-        rows += of_session + _task_scores(session, plan, kept.showings)
-        preferred = _preferences(session, plan, answers)
+    for data in sessions_of(kept, design):
+        session = data.session
+        who = (session.sub, session.part, session.number)
+        rated = [_rating(data, ask) for ask in data.asks.values() if ask.phase == "trial" and ask.scale.kind == RATING]
+        preferred = [_preference(data, ask) for ask in data.asks.values() if ask.scale.kind == PREFERENCE]
+        rows += rated + _task_scores(data)
         preferences += preferred
-        judged = {scale.name for scale in plan.scales if scale.kind in (RATING, PREFERENCE)}
-        survey += [_survey_answer(session, one) for one in answers.values() if one.scale not in judged]
+        judged = {scale.name for scale in data.plan.scales if scale.kind in (RATING, PREFERENCE)}
+        survey += [
+            SurveyAnswer(
+                session.sub,
+                session.part,
+                session.number,
+                answer.phase,
+                answer.trial,
+                answer.scale,
+                answer.item,
+                answer.value,
+            )
+            for *_, answer in data.answers.values()
+            if answer.scale not in judged
+        ]
         trials = sum(len(names) for names in session.order)
-        rated = {row.place for row in of_session if row.value is not None}
-        rated |= {one.place for one in preferred if one.answer is not None}
-        summaries.append(
-            SessionSummary(session.sub, session.part, session.number, session.status, session.why, len(rated), trials)
-        )
+        done = {row.place for row in rated if row.value is not None}
+        done |= {preference.place for preference in preferred if preference.answer is not None}
+        summaries.append(SessionSummary(*who, session.status, session.why, len(done), trials))
     found = Ratings(
         rows=tuple(rows),
         scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING}
         | (TASK_MEASURES if design.task is not None else {}),
         families=design.families,
-        planned={part.name: tuple(one.name for one in part.conditions) for part in design.parts},
+        planned={part.name: tuple(condition.name for condition in part.conditions) for part in design.parts},
         origin=origin,
         source=f"the store of '{contents.name}'",
         title=design.title,
@@ -92,7 +100,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         survey=tuple(survey),
         preferences=tuple(preferences),
         scales={scale.name: scale for scale in every_scale(design)},
-        notes=tuple(_notes(contents, sessions, design, origin)),
+        notes=tuple(_notes(contents, kept.sessions, design, origin)),
         long=tuple(long_rows(kept, design)),
     )
     return _without_part(found) if [part.name for part in design.parts] == [ONLY_PART] else found
@@ -101,77 +109,40 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
 def _without_part(ratings: Ratings) -> Ratings:
     """Drop the part's name where the plan has only one part and does not name it."""
     families = tuple(
-        attrs.evolve(one, comparisons=tuple(attrs.evolve(c, part="") for c in one.comparisons))
-        for one in ratings.families
+        attrs.evolve(family, comparisons=tuple(attrs.evolve(c, part="") for c in family.comparisons))
+        for family in ratings.families
     )
-    return attrs.evolve(
-        ratings,
-        families=families,
-        planned={"": ratings.planned[ONLY_PART]},
-        rows=tuple(attrs.evolve(one, part="") for one in ratings.rows),
-        sessions=tuple(attrs.evolve(one, part="") for one in ratings.sessions),
-        survey=tuple(attrs.evolve(one, part="") for one in ratings.survey),
-        preferences=tuple(attrs.evolve(one, part="") for one in ratings.preferences),
+    without: dict[str, Any] = {
+        name: tuple(attrs.evolve(row, part="") for row in getattr(ratings, name))
+        for name in ("rows", "sessions", "survey", "preferences")
+    }
+    return attrs.evolve(ratings, families=families, planned={"": ratings.planned[ONLY_PART]}, **without)
+
+
+def _rating(data: SessionData, ask: Ask) -> Rating:
+    answer = data.last(ask)
+    value = None if answer is None else answer.value
+    return _row(data, data.shows[ask.about], ask.scale.name, value, _why_missing(data.session, answer))
+
+
+def _preference(data: SessionData, ask: Ask) -> Preference:
+    session, second, answer = data.session, data.shows[ask.about], data.last(ask)
+    return Preference(
+        participant=session.sub,
+        part=session.part,
+        scale=ask.scale.name,
+        first=data.shows[second.after].condition.name,
+        second=second.condition.name,
+        answer=None if answer is None else answer.value,
+        allows_ties=ask.scale.allows_ties,
+        reference=next(
+            (condition.name for condition in data.plan.part(session.part).conditions if condition.reference), ""
+        ),
+        why_missing=_why_missing(session, answer),
+        repeat=second.repeat,
+        place=ask.trial,
+        session=session.number,
     )
-
-
-def _latest(answers: Iterable[Answer]) -> dict[int, dict[str, Answer]]:
-    """Return the last revision of each answer, by session and key."""
-    found: dict[int, dict[str, Answer]] = {}
-    for one in answers:
-        of = found.setdefault(one.session, {})
-        if one.key not in of or of[one.key].revision < one.revision:
-            of[one.key] = one
-    return found
-
-
-def _ratings(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Rating]:
-    names = {scale.name for scale in plan.scales if scale.kind == RATING}
-    steps = steps_of(plan, session.order, session.part)
-    judged = _judged(steps)
-    return [
-        _rating(session, judged[ask.trial], _before(judged, ask.trial), ask, answers.get(ask.key))
-        for ask in steps
-        if isinstance(ask, Ask) and ask.phase == "trial" and ask.scale.name in names
-    ]
-
-
-def _judged(steps: Sequence[Step]) -> dict[int, Show]:
-    """Return the showing that the questions of each trial are about, by trial: its last one."""
-    return {step.trial: step for step in steps if isinstance(step, Show) and step.trial}
-
-
-def _before(judged: Mapping[int, Show], trial: int) -> str:
-    """Return the condition that was judged before a trial; "" for the first."""
-    return judged[trial - 1].condition.name if trial - 1 in judged else ""
-
-
-def _preferences(session: Session, plan: Design, answers: Mapping[str, Answer]) -> list[Preference]:
-    steps = steps_of(plan, session.order, session.part)
-    shows = {step.key: step for step in steps if isinstance(step, Show)}
-    references = [one.name for one in plan.part(session.part).conditions if one.reference]
-    found: list[Preference] = []
-    for ask in steps:
-        if not isinstance(ask, Ask) or ask.scale.kind != PREFERENCE:
-            continue
-        second, answer = shows[ask.about], answers.get(ask.key)
-        found.append(
-            Preference(
-                participant=session.sub,
-                part=session.part,
-                scale=ask.scale.name,
-                first=shows[second.after].condition.name,
-                second=second.condition.name,
-                answer=None if answer is None else answer.value,
-                allows_ties=ask.scale.allows_ties,
-                reference=next(iter(references), ""),
-                why_missing=_why_missing(session, answer),
-                repeat=second.repeat,
-                place=ask.trial,
-                session=session.number,
-            )
-        )
-    return found
 
 
 def _why_missing(session: Session, answer: Answer | None) -> str:
@@ -181,32 +152,24 @@ def _why_missing(session: Session, answer: Answer | None) -> str:
     return "" if answer.value is not None else "the participant could not say"
 
 
-def _task_scores(session: Session, plan: Design, showings: Iterable[Showing]) -> list[Rating]:
+def _task_scores(data: SessionData) -> list[Rating]:
     """Return the scores of a session's task, of the last complete showing of each trial."""
-    seen = {one.key: one.actual for one in showings if one.session == session.id and one.complete}
+    seen = {showing.key: showing.actual for showing in data.showings.values() if showing.complete}
     rows: list[Rating] = []
-    judged = _judged(steps_of(plan, session.order, session.part))
-    for trial, show in judged.items():
-        if show.task is None:
-            continue
-        actual = seen.get(show.key)
-        why = _WHY[session.status] if actual is None else "no target was found"
-        before = _before(judged, trial)
-        for name in TASK_MEASURES:
-            rows.append(_row(session, show, before, name, None if actual is None else actual.get(name), why))
+    for show in data.judged.values():
+        if show.task is not None:
+            actual = seen.get(show.key)
+            why = _WHY[data.session.status] if actual is None else "no target was found"
+            rows += [_row(data, show, name, (actual or {}).get(name), why) for name in TASK_MEASURES]
     return rows
 
 
-def _rating(session: Session, show: Show, before: str, ask: Ask, answer: Answer | None) -> Rating:
-    value = None if answer is None else answer.value
-    return _row(session, show, before, ask.scale.name, value, _why_missing(session, answer))
-
-
-def _row(session: Session, show: Show, before: str, scale: str, value: float | None, why: str) -> Rating:
+def _row(data: SessionData, show: Show, scale: str, value: float | None, why: str) -> Rating:
     """Return a value. why: it is missing, where it is None."""
+    settings = show.condition.settings
     return Rating(
-        participant=session.sub,
-        part=session.part,
+        participant=data.session.sub,
+        part=data.session.part,
         condition=show.condition.name,
         scale=scale,
         value=value,
@@ -214,19 +177,11 @@ def _row(session: Session, show: Show, before: str, scale: str, value: float | N
         reference=show.condition.reference,
         repeat=show.repeat,
         place=show.trial,
-        previous=before,
-        session=session.number,
-        settings=_settings(show.condition.settings),
+        previous=data.previous(show) or "",
+        session=data.session.number,
+        # Tables have the unit in the name.
+        settings={"latency_ms" if name == "latency" else name: value for name, value in settings.items()},
     )
-
-
-def _settings(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Put the unit into the name, as tables have it."""
-    return {"latency_ms" if name == "latency" else name: value for name, value in settings.items()}
-
-
-def _survey_answer(session: Session, one: Answer) -> SurveyAnswer:
-    return SurveyAnswer(session.sub, session.part, session.number, one.phase, one.trial, one.scale, one.item, one.value)
 
 
 def _notes(contents: Contents, sessions: Sequence[Session], design: Design, origin: str) -> Iterable[str]:
@@ -272,7 +227,7 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
     published = SHIPPED / f"{name}_ratings.csv"
     if store is None and published.is_file() and not (store_folder(design, None, origin) / DATABASE).exists():
         known = attrs.evolve(
-            options, scale=options.scale or next(one.name for one in design.scales if one.kind == RATING)
+            options, scale=options.scale or next(scale.name for scale in design.scales if scale.kind == RATING)
         )
         return attrs.evolve(from_csv(published, known), title=design.title)
     with Store(folder_to_read(design, store, origin), study=design.name) as data:
@@ -295,5 +250,5 @@ def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> t
     return None, ""
 
 
-def _values(ratings: Ratings) -> set[tuple]:
+def _values(ratings: Ratings) -> set[tuple[Any, ...]]:
     return {(row.part, row.participant, row.condition, row.value) for row in ratings.rows}

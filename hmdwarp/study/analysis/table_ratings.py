@@ -36,7 +36,7 @@ def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  
     field is a missing rating. Several ratings of one participant of one condition are repeats. A
     decimal comma is read as such where no value has a point.
 
-    Errors: InputError naming the file, the line, what was found and what was wanted.
+    Errors: InputError naming the file, the line, what was found and what was expected.
     """
     lines, header = lines_of(path, options.columns)
     lines, origin, notes = _of_one_origin(lines, path, options.origin)
@@ -58,7 +58,7 @@ def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  
 
 def _of_one_origin(lines: list[Line], path: Path, wanted: str) -> tuple[list[Line], str, list[str]]:
     there = Counter(line.fields.get("origin") or "person" for line in lines)
-    origin = wanted or next((one for one in _ORIGINS if there[one]), next(iter(there)))
+    origin = wanted or next((whose for whose in _ORIGINS if there[whose]), next(iter(there)))
     if not there[origin]:
         raise InputError(f"{path}: no ratings of origin '{origin}': there are {', '.join(sorted(there))}")
     notes = (
@@ -122,15 +122,15 @@ def _scale_info(
 def _low_is_good(own: list[tuple[Line, float | None]], path: Path) -> bool | None:
     """Return what the table says of the scale's direction, None where it says nothing."""
     words = {"true": True, "1": True, "false": False, "0": False}
-    said = [(words[text], line) for line, _ in own if (text := line.fields.get("low_is_good", "").lower()) in words]
-    for low, line in said:
-        if low != said[0][0]:
-            first, text = said[0][1], line.fields["low_is_good"]
+    stated = [(words[text], line) for line, _ in own if (text := line.fields.get("low_is_good", "").lower()) in words]
+    for low, line in stated:
+        if low != stated[0][0]:
+            first, text = stated[0][1], line.fields["low_is_good"]
             raise InputError(
                 f"{path}:{line.number}: low_is_good '{text}', and '{first.fields['low_is_good']}' in line "
                 f"{first.number}: expected one direction for all ratings on a scale"
             )
-    return said[0][0] if said else None
+    return stated[0][0] if stated else None
 
 
 def _check_range(own: list[tuple[Line, float | None]], scale: Scale, path: Path) -> None:

@@ -24,8 +24,7 @@ from typing import Self
 from ...display import Command
 from ...errors import MachineError
 from ._base import ConsoleState
-from .line_console import LineConsole
-from .message_socket import LINES_KEPT, LONGEST_LINE, CommandQueue, MessageSocket, PeerGone
+from .message_socket import LINES_KEPT, LONGEST_LINE, MessageSocket, PeerGone, ProgramConsole
 
 LOOPBACK = "127.0.0.1"
 TOKEN_BYTES = 24  # of the address: who does not know it gets "404: Not Found"
@@ -36,20 +35,19 @@ CODE = (
 )
 
 
-class BrowserConsole:
+class BrowserConsole(ProgramConsole):
     """Console in a browser; one page at a time, the newest.
 
     A LineConsole replaces a server that dies, and the session goes on.
     Errors, on entering: MachineError where no socket can be made.
     """
 
+    what = "the console in the browser"
+
     def __init__(self, title: str) -> None:
-        self._title = title
-        self._state = ConsoleState(heading=title)
-        self._queue = CommandQueue(self._state)
+        super().__init__(title)
         self._journal: deque[tuple[str, float]] = deque(maxlen=LINES_KEPT)  # lines, and when they were said
         self._page: MessageSocket | None = None
-        self._lines: LineConsole | None = None
         self.address = ""
 
     def __enter__(self) -> Self:
@@ -78,20 +76,14 @@ class BrowserConsole:
         print(f"console: open {self.address} in a browser on this machine", file=sys.stderr, flush=True)
         return self
 
-    def __exit__(self, *_: object) -> None:
-        if self._lines is not None:
-            self._lines.__exit__()
-        else:
-            self._end()
-
     def tell(self, state: ConsoleState) -> None:
         """Show a new state."""
         self._state = state
         self._queue.tell(state)
-        if self._lines is None and self.server.poll() is not None:
-            self._continue_with_lines()
         if self._lines is not None:
             self._lines.tell(state)
+        elif self.server.poll() is not None:
+            self._continue_with_lines()
         elif self._page is not None:
             try:
                 self._page.send_state(state)
@@ -143,13 +135,6 @@ class BrowserConsole:
             self._page.leave()
             self._page.close()
             self._page = None
-
-    def _continue_with_lines(self) -> None:
-        """Replace a server that ended."""
-        status = self._end()
-        why = f"the console in the browser ended (exit status {status}); the session goes on"
-        self._lines = LineConsole(self._title, why)
-        self._lines.__enter__()
 
     def _end(self) -> int:
         """End page and server. Returns the exit status of the server."""

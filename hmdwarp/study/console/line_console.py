@@ -29,7 +29,7 @@ class LineConsole:
     def __init__(self, title: str, why: str = "", *, quiet: bool = False) -> None:
         self._quiet = quiet  # whether only the answers to commands are written
         self._state = ConsoleState(heading=title)
-        self._told = ConsoleState()
+        self._shown = ConsoleState()
         self._why = why  # said first
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None ends the thread
         self._thread = threading.Thread(target=self._write_on, name="console", daemon=True)
@@ -53,9 +53,9 @@ class LineConsole:
     def tell(self, state: ConsoleState) -> None:
         """Say what is new."""
         self._state = state
-        for line in news(self._told, state):
+        for line in news(self._shown, state):
             self.say(line)
-        self._told = state
+        self._shown = state
 
     def say(self, text: str) -> None:
         """Write a line, unless the console is quiet."""

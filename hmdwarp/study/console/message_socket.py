@@ -17,6 +17,7 @@ from typing import Any
 from ...display import Command
 from ._base import ConsoleState
 from .console_commands import Subject, is_bound, subject_of
+from .line_console import LineConsole
 
 PACKET = 1 << 16
 LONGEST_LINE = 2000
@@ -95,11 +96,11 @@ class CommandQueue:
         self._state = state
         self._free: deque[Command] = deque()
         self._bound: deque[tuple[str, object, Subject]] = deque()
-        self._told = True  # since a bound one was returned: only then is the next one's subject known
+        self._is_current = True  # since a bound one was returned: only then is the next one's subject known
 
     def tell(self, state: ConsoleState) -> None:
         """Take note of a new state."""
-        self._state, self._told = state, True
+        self._state, self._is_current = state, True
 
     def receive(self, messages: MessageSocket) -> None:
         """Take what the program sent. Errors: PeerGone."""
@@ -124,10 +125,39 @@ class CommandQueue:
 
         A second answer to the same question must not become an answer to the next one.
         """
-        while self._bound and self._told:
+        while self._bound and self._is_current:
             name, value, subject = self._bound.popleft()
             if subject != subject_of(self._state):
                 messages.send("say", f"{name!r} came too late and was dropped: that question is over")
             else:
                 self._free.append(Command(name, value))
-                self._told = False
+                self._is_current = False
+
+
+class ProgramConsole:
+    """Console whose screen is another program; plain lines replace one that ends."""
+
+    what = ""  # the program, in messages
+
+    def __init__(self, title: str) -> None:
+        self._title = title
+        self._state = ConsoleState(heading=title)
+        self._queue = CommandQueue(self._state)
+        self._lines: LineConsole | None = None
+
+    def __exit__(self, *_: object) -> None:
+        if self._lines is not None:
+            self._lines.__exit__()
+        else:
+            self._end()
+
+    def _end(self) -> int:
+        """End the program. Returns its exit status."""
+        raise NotImplementedError
+
+    def _continue_with_lines(self) -> LineConsole:
+        """Replace a program that ended."""
+        why = f"{self.what} ended (exit status {self._end()}); the session goes on"
+        self._lines = LineConsole(self._title, why).__enter__()
+        self._lines.tell(self._state)
+        return self._lines

@@ -65,7 +65,7 @@ class Scene:
 
     state: ConsoleState
     entry: KeyEntry
-    heard_s: float = 0.0  # since the state came
+    age_s: float = 0.0  # since the state came
     width: int = 80
     styles: Mapping[str, str] = attrs.field(factory=lambda: COLOURED)
 
@@ -108,9 +108,9 @@ class Scene:
 
     def _notice(self) -> Text:
         state = self.state
-        if self.heard_s >= STALE_S and state.phase not in ("", "over"):
+        if self.age_s >= STALE_S and state.phase not in ("", "over"):
             why = "the pictures stand still, or the program is busy"
-            return Text.assemble(" ", (f" NO NEWS FOR {clock(self.heard_s)}: {why} ", self.styles["loud"]))
+            return Text.assemble(" ", (f" NO NEWS FOR {clock(self.age_s)}: {why} ", self.styles["loud"]))
         notice = plain(state.notice)
         return Text.assemble(" ", (f" {notice.upper()} ", self.styles["loud"])) if notice else Text()
 

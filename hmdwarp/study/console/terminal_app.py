@@ -107,7 +107,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self.left_well = False  # whether the session told it to leave
         self._messages = messages
         self._state, self._entry = ConsoleState(), KeyEntry()
-        self._heard_s = 0.0  # when the newest state came
+        self._state_s = 0.0  # when the newest state came
         self._drawn: dict[str, Text] = {}  # by part
         self._drawn_s = 0.0  # when they were drawn; 0 once something is new
 
@@ -139,8 +139,8 @@ class ConsoleApp(App[None], inherit_bindings=False):
     def on_mount(self) -> None:
         """Start to listen to the session, and to draw what is new."""
         loop = asyncio.get_running_loop()
-        self._heard_s = loop.time()
-        loop.add_reader(self._messages.fileno(), self._hear)
+        self._state_s = loop.time()
+        loop.add_reader(self._messages.fileno(), self._take_messages)
         self.set_interval(REDRAW_S, self._redraw)
 
     def on_resize(self, event: events.Resize) -> None:
@@ -169,11 +169,11 @@ class ConsoleApp(App[None], inherit_bindings=False):
             with contextlib.suppress(PeerGone):
                 self._messages.send("command", *entered)
 
-    def _hear(self) -> None:
+    def _take_messages(self) -> None:
         try:
             for kind, *content in self._messages.received():
                 if kind == "state":
-                    self._state, self._heard_s = content[0], asyncio.get_running_loop().time()
+                    self._state, self._state_s = content[0], asyncio.get_running_loop().time()
                     self._drawn_s = 0.0
                 elif kind == "say":
                     self._note(*content)
@@ -206,8 +206,8 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self._entry.follow(self._state)
         self.screen.set_class(self._entry.mode == "help", "help")
         styles = PLAIN if self.no_color else COLOURED
-        heard_s = self._drawn_s - self._heard_s
-        parts = Scene(self._state, self._entry, heard_s, self.size.width, styles).parts()
+        age_s = self._drawn_s - self._state_s
+        parts = Scene(self._state, self._entry, age_s, self.size.width, styles).parts()
         self.screen.set_class(bool(parts["line"]), "typing")
         for name, text in parts.items():
             if self._drawn.get(name) != text:
@@ -232,7 +232,7 @@ class TerminalApp(ConsoleApp):
         """Start to listen to what is printed; ConsoleApp's own on_mount runs too."""
         loop = asyncio.get_running_loop()
         self._raw_modes = termios.tcgetattr(0)
-        loop.add_reader(self._printed_fd, self._hear_printed)
+        loop.add_reader(self._printed_fd, self._take_printed)
         loop.add_signal_handler(signal.SIGCONT, self._come_back)
 
     def action_interrupt(self, name: str) -> None:
@@ -240,7 +240,7 @@ class TerminalApp(ConsoleApp):
         if os.getppid() == self._session_pid:
             os.kill(self._session_pid, signal.Signals[name])
 
-    def _hear_printed(self) -> None:
+    def _take_printed(self) -> None:
         for piece in pieces(self._printed_fd):
             for line in self.printed.feed(piece):
                 if line.strip():

@@ -26,7 +26,7 @@ from ...resources import install_line
 from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
 from .browser_console import BrowserConsole
 from .line_console import LineConsole
-from .message_socket import LONGEST_LINE, CommandQueue, MessageSocket, PeerGone
+from .message_socket import LONGEST_LINE, MessageSocket, PeerGone, ProgramConsole
 from .output_capture import OutputCapture
 
 LEAVING_S = 3.0  # for the console to restore the terminal
@@ -40,17 +40,13 @@ CODE = (
 RESTORE = b"\x1b[0m\x1b[?2004l\x1b[?1004l\x1b[?2048l\x1b[?1049l\x1b[?25h\x1b[?7h"
 
 
-class TerminalConsole:
+class TerminalConsole(ProgramConsole):
     """Full-screen console; stdin and stdout must be a terminal.
 
     A LineConsole replaces a console program that dies, and the session goes on.
     """
 
-    def __init__(self, title: str) -> None:
-        self._title = title
-        self._state = ConsoleState(heading=title)
-        self._queue = CommandQueue(self._state)
-        self._lines: LineConsole | None = None
+    what = "the full-screen console"
 
     def __enter__(self) -> Self:
         self._modes = termios.tcgetattr(0)
@@ -75,13 +71,6 @@ class TerminalConsole:
         self.tell(self._state)
         return self
 
-    def __exit__(self, *_: object) -> None:
-        if self._lines is not None:
-            self._lines.__exit__()
-            return
-        self.messages.leave()
-        self._end()
-
     def tell(self, state: ConsoleState) -> None:
         """Show a new state."""
         self._state = state
@@ -102,8 +91,7 @@ class TerminalConsole:
             try:
                 self.messages.send("say", text[:LONGEST_LINE])
             except PeerGone:
-                self._continue_with_lines()
-                self.say(text)
+                self._continue_with_lines().say(text)
 
     def commands(self) -> Sequence[Command]:
         """Return the commands since the last call."""
@@ -116,16 +104,9 @@ class TerminalConsole:
         taken = self._queue.taken()
         return [*taken, *more] if taken else more
 
-    def _continue_with_lines(self) -> None:
-        """Replace a console program that ended, whatever it left of the terminal."""
-        status = self._end()
-        why = f"the full-screen console ended (exit status {status}); the session goes on"
-        self._lines = LineConsole(self._title, why)
-        self._lines.__enter__()
-        self._lines.tell(self._state)
-
     def _end(self) -> int:
-        """Take the terminal back. Returns the exit status of the console program."""
+        """Take the terminal back, whatever was left of it. Returns the program's exit status."""
+        self.messages.leave()
         self._capture.end()
         try:
             status = self.program.wait(LEAVING_S)

@@ -1,5 +1,4 @@
 from ._sections import open_picture as open_picture
-from .as_json import design_as_json as design_as_json
 from .condition_settings import DISPLAY as DISPLAY
 from .condition_settings import FILES as FILES
 from .condition_settings import KINDS as KINDS
@@ -52,6 +51,15 @@ from .outline import least_participants as least_participants
 from .outline import notes as notes
 from .outline import reading_s as reading_s
 from .outline import session_phases as session_phases
+from .plan_text import MOST_ORDERS as MOST_ORDERS
+from .plan_text import balance_rows as balance_rows
+from .plan_text import condition_rows as condition_rows
+from .plan_text import design_as_json as design_as_json
+from .plan_text import family_text as family_text
+from .plan_text import head_rows as head_rows
+from .plan_text import order_rows as order_rows
+from .plan_text import scale_text as scale_text
+from .plan_text import session_rows as session_rows
 from .read import SHIPPED as SHIPPED
 from .read import design_from_text as design_from_text
 from .read import load_design as load_design

@@ -111,12 +111,12 @@ class Checker:
         if self._common is not None:
             keys += [(self._common, key, value) for key, value in _all_of(self._common).items() if key not in own]
         words = [word.replace("-", "_") for word in ([named] if named else re.findall(r"[\w-]+", says))]
-        blamed = [one for one in keys if one[1].replace("-", "_") in words]
+        blamed = [found for found in keys if found[1].replace("-", "_") in words]
         if blamed:
-            inside, key, _ = min(blamed, key=lambda one: words.index(one[1].replace("-", "_")))
+            inside, key, _ = min(blamed, key=lambda found: words.index(found[1].replace("-", "_")))
             return KeyFault(f"{who}: {says}", (*inside.path, key))
         quoted = re.findall(r"'([^']+)'", says)
-        paths = ((*inside.path, key) for inside, key, value in keys if any(one in str(value) for one in quoted))
+        paths = ((*inside.path, key) for inside, key, value in keys if any(text in str(value) for text in quoted))
         return KeyFault(f"{who}: {says}", next(paths, table.path))
 
 
@@ -129,7 +129,7 @@ def name_of(table: Table, used: Sequence[str]) -> str:
     name = table.text("name")
     if not NAME.fullmatch(name):
         raise table.fault("name", f"is {quoted(name)}: {NAME_WANTED}")
-    if name.lower() in [one.lower() for one in used]:
+    if name.lower() in [other.lower() for other in used]:
         raise table.fault("name", f"is {name!r} a second time: expected a name that differs in more than case")
     return name
 
@@ -219,7 +219,7 @@ def _combined_name(table: Table, chosen: Mapping[str, object], used: Sequence[st
     name = "-".join([*([table.text("name")] if "name" in table else []), *words])
     if not NAME.fullmatch(name):
         raise table.fault(next(iter(chosen)), f"makes a condition {quoted(name)}: {NAME_WANTED}")
-    if name.lower() in [one.lower() for one in used]:
+    if name.lower() in [other.lower() for other in used]:
         raise table.fault(
             next(iter(chosen)), f"makes a second condition {name!r}: expected values, or a name, that tell them apart"
         )
@@ -260,7 +260,7 @@ def _comparisons(table: Table, part: Part) -> tuple[Comparison, ...]:
     known = [condition.name for condition in part.conditions]
     made: list[Comparison] = []
     for baseline, better, fault in (*_compare(table, known, part), *_pairs(table, known, part)):
-        if baseline == better or {baseline, better} in [{one.baseline, one.better} for one in made]:
+        if baseline == better or {baseline, better} in [{other.baseline, other.better} for other in made]:
             why = "a condition beside itself" if baseline == better else "the same pair a second time"
             raise fault(f"has '{better}' over '{baseline}': {why}; expected each comparison once")
         made.append(Comparison(part.name, baseline, better))

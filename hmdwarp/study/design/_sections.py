@@ -49,7 +49,7 @@ def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = Fa
             raise table.fault(
                 key, f"has '{name}', a {PREFERENCE}, which is about a pair: it belongs in [trial]", number
             )
-        if scale.name in [one.name for one in made]:
+        if scale.name in [scale.name for scale in made]:
             raise table.fault(key, f"has '{scale.name}' twice: expected each scale once", number)
         made.append(scale)
     if not made and not questionnaires:
@@ -94,10 +94,10 @@ def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
 
 def length_of(trial: Table) -> tuple[float, bool]:
     """Return how long a trial is at most, and whether the participant ends it."""
-    said = trial.raw("seconds") if "seconds" in trial else None
-    if isinstance(said, str):
-        if said != UNTIL_DONE:
-            raise trial.fault("seconds", f'is {quoted(said)}: expected a finite number, or "{UNTIL_DONE}"')
+    seconds = trial.raw("seconds") if "seconds" in trial else None
+    if isinstance(seconds, str):
+        if seconds != UNTIL_DONE:
+            raise trial.fault("seconds", f'is {quoted(seconds)}: expected a finite number, or "{UNTIL_DONE}"')
         return trial.within("longest", 0, 3600, LONGEST_S, above=True), True
     if "longest" in trial:
         raise trial.fault("longest", f'belongs to seconds = "{UNTIL_DONE}": leave it out beside a number')
@@ -127,7 +127,7 @@ def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | No
     table = data.table("task")
     table.word("kind", TASKS)
     names = table.texts("conditions", ())
-    known = [one.name for part in parts for one in part.conditions]
+    known = [condition.name for part in parts for condition in part.conditions]
     for number, name in enumerate(names):
         if name not in known:
             raise table.fault("conditions", f"has '{name}': expected some of {', '.join(known)}", number)

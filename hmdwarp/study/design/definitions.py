@@ -34,7 +34,7 @@ class Part:
 
     def condition(self, name: str) -> Condition:
         """Return the condition of that name. Errors: StopIteration."""
-        return next(one for one in self.conditions if one.name == name)
+        return next(condition for condition in self.conditions if condition.name == name)
 
 
 @attrs.frozen
@@ -132,7 +132,7 @@ class Design:
 
     def part(self, name: str) -> Part:
         """Return the part of that name. Errors: StopIteration."""
-        return next(one for one in self.parts if one.name == name)
+        return next(part for part in self.parts if part.name == name)
 
 
 def every_scale(design: Design) -> tuple[Scale, ...]:

@@ -48,15 +48,15 @@ def every_pair(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def tables_of(
-    names: Sequence[str], said: Iterable[tuple[Pair, float]], *, allows_ties: bool
+    names: Sequence[str], answers: Iterable[tuple[Pair, float]], *, allows_ties: bool
 ) -> tuple[Table, Table | None]:
     """Count answers about pairs, as jod_scores takes them.
 
-    said: pairs as they were shown, with an answer, FIRST, SECOND or NEITHER, each.
+    answers: pairs as they were shown, with an answer, FIRST, SECOND or NEITHER, each.
     """
     place = {name: number for number, name in enumerate(names)}
     wins, ties = np.zeros((2, len(names), len(names)))
-    for (first, second), answer in said:
+    for (first, second), answer in answers:
         a, b = place[first], place[second]
         if answer == NEITHER:
             ties[a, b] += 1
@@ -114,7 +114,7 @@ def _widest_tree(weights: Table, among_equals: Callable[[int, int], int]) -> lis
         if group[a] != group[b]:
             tree.append((a, b))
             old, new = group[b], group[a]
-            group = [new if one == old else one for one in group]
+            group = [new if number == old else number for number in group]
     return tree
 
 
@@ -136,7 +136,7 @@ def williams(n: int) -> tuple[tuple[int, ...], ...]:
     if n < 1:
         raise InputError(f"a Williams design of {n} conditions: expected 1 or more")
     first = _zigzag(n)
-    rows = [tuple((one + shift) % n for one in first) for shift in range(n)]
+    rows = [tuple((number + shift) % n for number in first) for shift in range(n)]
     if n % 2 and n > 1:
         rows += [row[::-1] for row in rows]
     return tuple(rows)
@@ -176,7 +176,7 @@ def rows_for(design: Design, part: str) -> tuple[Order, ...]:
 
 def presented(design: Design, part: str) -> tuple[str, ...]:
     """Return what a repeat shows: the names of the part's conditions, or of its pairs."""
-    names = tuple(one.name for one in design.part(part).conditions)
+    names = tuple(condition.name for condition in design.part(part).conditions)
     return every_pair(names) if design.shows == PAIR else names
 
 
@@ -211,7 +211,7 @@ def _rows_of(square: tuple[tuple[int, ...], ...], row: int, shifts: Sequence[int
     n = len(names)
     half, place = divmod(row, n)
     rows = [square[half * n + (place + (-shift if half else shift)) % n] for shift in shifts]
-    return tuple(tuple(names[number] for number in one) for one in rows)
+    return tuple(tuple(names[number] for number in row) for row in rows)
 
 
 def _seam_shifts(n: int, repeats: int) -> tuple[int, ...]:

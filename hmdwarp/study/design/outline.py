@@ -137,7 +137,7 @@ def balance(orders: Sequence[Order], names: Sequence[str]) -> Balance:
     rows = [row for order in orders for row in order]
     places = Counter((place, name) for row in rows for place, name in enumerate(row))
     pairs = Counter(pair for row in rows for pair in zip(row, row[1:], strict=False))
-    seams = Counter((one[-1], other[0]) for order in orders for one, other in zip(order, order[1:], strict=False))
+    seams = Counter((before[-1], after[0]) for order in orders for before, after in zip(order, order[1:], strict=False))
     unequal = [(a, b) for a in names for b in names if a != b]
     return Balance(
         len(orders),
@@ -198,7 +198,7 @@ def _of_order(design: Design) -> list[str]:
 
 def _of_part(design: Design, part: Part) -> list[str]:
     out = []
-    reference = next((one for one in part.conditions if one.reference), None)
+    reference = next((condition for condition in part.conditions if condition.reference), None)
     if reference is None:
         out.append(
             f"part {part.name}: no condition is a hidden reference (reference = true): nothing shows how each "
@@ -213,22 +213,22 @@ def _of_part(design: Design, part: Part) -> list[str]:
         out.append(
             f"part {part.name}: the reference '{reference.name}' is warped; a reference usually has warp = \"none\""
         )
-    for number, one in enumerate(part.conditions):
-        same = [other.name for other in part.conditions[:number] if other.settings == one.settings]
+    for number, condition in enumerate(part.conditions):
+        same = [other.name for other in part.conditions[:number] if other.settings == condition.settings]
         if same:
             out.append(
-                f"part {part.name}: '{one.name}' has the settings of '{same[0]}'; repeats in [trial] shows the "
+                f"part {part.name}: '{condition.name}' has the settings of '{same[0]}'; repeats in [trial] shows the "
                 "same again"
             )
-        latency_s = float(one.settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
+        latency_s = float(condition.settings.get("latency", 200.0)) * 1e-3  # type: ignore[arg-type]
         if latency_s * 3 > design.seconds:
             out.append(
-                f"part {part.name}: '{one.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: that is "
-                "little time to see it"
+                f"part {part.name}: '{condition.name}' is {latency_s:g} s late, shown for {design.seconds:g} s: that "
+                "is little time to see it"
             )
-        if one.settings.get("fused") or one.settings.get("lens", "auto") not in ("auto", "none"):
+        if condition.settings.get("fused") or condition.settings.get("lens", "auto") not in ("auto", "none"):
             out.append(
-                f"part {part.name}: '{one.name}' applies a lens, which a headset's runtime does by itself: it "
+                f"part {part.name}: '{condition.name}' applies a lens, which a headset's runtime does by itself: it "
                 "works only in a window"
             )
     compared = {c.part for family in design.families for c in family.comparisons}
@@ -254,7 +254,7 @@ def _of_people(design: Design) -> list[str]:
     if design.consent is None:
         out.append("there is no [consent] text to agree to")
     for part in design.parts:
-        minutes = sum(one.seconds for one in session_phases(design, part.name)) / 60
+        minutes = sum(phase.seconds for phase in session_phases(design, part.name)) / 60
         if minutes > 45:
             shorter = ", several sessions, or a shorter longest" if design.until_done else " or several sessions"
             out.append(

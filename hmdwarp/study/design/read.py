@@ -38,7 +38,7 @@ def load_design(name_or_path: str, *, checked: bool = True) -> Design:
 
     checked: try every condition's settings as far as possible without a display, which takes a
     second for a large scene.
-    Errors: InputError that names file and line, what was found and what was wanted.
+    Errors: InputError that names file and line, what was found and what was expected.
     """
     path = _path_of(name_or_path)
     return design_from_text(

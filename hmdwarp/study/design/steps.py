@@ -88,7 +88,9 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
         steps += _sickness(design, "practice", 0, "practice")
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
-        steps += _trial(design, trial, [conditions.condition(one) for one in _shown(design, conditions, name)], repeat)
+        steps += _trial(
+            design, trial, [conditions.condition(shown_name) for shown_name in _shown(design, conditions, name)], repeat
+        )
         if design.breaks.every and trial % design.breaks.every == 0 and trial < len(shown):
             steps.append(Pause(f"break/{trial // design.breaks.every}", design.breaks.seconds))
     steps += [ask for scale in design.after for ask in _asks(scale, "after", "after")]
@@ -99,7 +101,10 @@ def _shown(design: Design, part: Part, name: str) -> tuple[str, ...]:
     """Return the names of the conditions that a trial shows, in order. name: of it in the order."""
     if design.shows == PAIR:
         return pair_of(name)
-    return (*(one.name for one in part.conditions if one.reference and design.shows == REFERENCE_FIRST), name)
+    return (
+        *(condition.name for condition in part.conditions if condition.reference and design.shows == REFERENCE_FIRST),
+        name,
+    )
 
 
 def _trial(design: Design, trial: int, conditions: list[Condition], repeat: int) -> list[Step]:

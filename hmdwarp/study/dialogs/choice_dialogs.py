@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 from ...display import Command
@@ -32,6 +32,9 @@ FIRST: Choices = ((ON, "next page"),)
 BETWEEN: Choices = ((BACK, "page before"), (ON, "next page"))
 
 
+CONTROLS_OF_BUTTONS = frozenset({"left", "right", "up", "down", "confirm", "point", "press"})
+
+
 class ButtonPicker:
     """One of several buttons, while it is being chosen."""
 
@@ -43,16 +46,26 @@ class ButtonPicker:
 
     def handle(self, command: Command) -> bool:
         """Carry out the command. Returns whether it was one for buttons."""
-        action = self._ACTIONS.get(command.control)
-        if action is not None and not self.picked:
-            action(self, command.value)
-        return action is not None
+        if self.picked and command.control in CONTROLS_OF_BUTTONS:
+            return True
+        match command.control:
+            case "left" | "up":
+                self._step(-1)
+            case "right" | "down":
+                self._step(1)
+            case "confirm":
+                self.picked = "" if self.marked is None else self.choices[self.marked][0]
+            case "point":
+                if name := self._button_at(command.value):
+                    self.marked = [choice for choice, _ in self.choices].index(name)
+            case "press":
+                self.picked = self._button_at(command.value)
+            case _:
+                return False
+        return True
 
-    def _back(self, _: object) -> None:
-        self._step(-1)
-
-    def _on(self, _: object) -> None:
-        self._step(1)
+    def _button_at(self, place: Any) -> str:
+        return self._panel().button_at(*place)
 
     def _step(self, steps: int) -> None:
         """Mark another button; a held key stops at the end instead of starting over.
@@ -62,28 +75,6 @@ class ButtonPicker:
         last = len(self.choices) - 1
         first = last if steps > 0 else 0
         self.marked = first if self.marked is None else min(max(self.marked + steps, 0), last)
-
-    def _confirm(self, _: object) -> None:
-        if self.marked is not None:
-            self.picked = self.choices[self.marked][0]
-
-    def _point(self, place: tuple[float, float]) -> None:
-        name = self._panel().button_at(*place)
-        if name:
-            self.marked = [one for one, _ in self.choices].index(name)
-
-    def _press(self, place: tuple[float, float]) -> None:
-        self.picked = self._panel().button_at(*place)
-
-    _ACTIONS: ClassVar[Mapping[str, Callable[[ButtonPicker, Any], None]]] = {
-        "left": _back,
-        "right": _on,
-        "up": _back,
-        "down": _on,
-        "confirm": _confirm,
-        "point": _point,
-        "press": _press,
-    }
 
 
 class MenuDialog:
@@ -278,7 +269,7 @@ class BreakDialog:
 MOST_LETTERS = 400  # what a panel shows at once
 NONE = "none"
 CHOICES = ((NONE, "no answer"), (DONE, "done"))
-ROOM = 3  # lines, so that the panel does not grow at the first ones
+LEAST_LINES = 3  # so that the panel does not grow at the first ones
 
 
 class TextDialog:
@@ -303,7 +294,7 @@ class TextDialog:
             marked=self._picker.marked,
             hint=f"{'keyboard: type · ' if typed else ''}{self._hints.confirm}: confirm · {self._hints.menu}: menu",
             note=self._note,
-            least_lines=ROOM,
+            least_lines=LEAST_LINES,
             takes_text=typed,
         )
 

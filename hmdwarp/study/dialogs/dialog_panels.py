@@ -1,4 +1,4 @@
-"""Panels that dialogs show over the picture, as display.Plate; equal panels look the same."""
+"""Panels that dialogs show over the picture, as display.TextPanel; equal panels look the same."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class MessagePanel:
 
     def _text_height(self) -> int:
         if self.picture:
-            return picture_light(self.picture).shape[0]
+            return int(picture_light(self.picture).shape[0])
         return height_of(max(len(self.lines), self.least_lines), TEXT)
 
     def _buttons(self) -> tuple[Button, ...]:

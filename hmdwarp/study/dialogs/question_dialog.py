@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
-from typing import Any, ClassVar
+from typing import Any
 
 from ...display import Command
 from ..console import Question
@@ -70,6 +70,7 @@ def _starts(least: float, most: float, step: float) -> frozenset[str]:
     return frozenset(text[:n] for text in texts for n in range(1, len(text) + 1))
 
 
+ACTIONS = frozenset({"left", "right", "up", "down", "digit", "erase", "point", "press", "confirm", "skip", "answer"})
 NOTED_S = 5.0  # how long a note stays
 
 
@@ -121,22 +122,36 @@ class QuestionDialog:
     def handle(self, commands: Sequence[Command]) -> None:
         """Carry out the commands; unknown ones do nothing, nor does any after the confirmation."""
         for command in commands:
-            action = self._ACTIONS.get(command.control)
-            if action is not None and not self.confirmed:
+            if command.control in ACTIONS and not self.confirmed:
                 self._note = ""
-                action(self, command.value)
+                self._carry_out(command.control, command.value)
 
-    def _left(self, _: object) -> None:
-        self._step(-1)
-
-    def _right(self, _: object) -> None:
-        self._step(1)
-
-    def _up(self, _: object) -> None:
-        self._step(-1 if layout_of(self._form).downwards else 1)
-
-    def _down(self, _: object) -> None:
-        self._step(1 if layout_of(self._form).downwards else -1)
+    def _carry_out(self, control: str, value: Any) -> None:
+        upwards = -1 if layout_of(self._form).downwards else 1
+        match control:
+            case "left" | "right":
+                self._step(1 if control == "right" else -1)
+            case "up" | "down":
+                self._step(upwards if control == "up" else -upwards)
+            case "digit":
+                self._skipping = False
+                self._type(typed_on(self._scale, self._typed, str(value)))
+            case "erase":  # the last digit; a marker that was not typed goes as a whole
+                if not self._skipping:
+                    self._type(self._typed[:-1])
+                self._skipping = False
+            case "point":
+                self._point(value)
+            case "press":
+                self._press(value)
+            case "confirm":
+                self._confirm()
+            case "skip":  # at the second command, or after a confirmation
+                if self._skipping:
+                    self._leave()
+                self._skipping = True
+            case "answer":
+                self._answer(value)
 
     def _step(self, steps: int) -> None:
         """Move the marker; the first step puts it in the middle, or takes a skip back.
@@ -151,17 +166,6 @@ class QuestionDialog:
             self._set(middle(self._scale, upper=steps > 0))
         else:
             self._set(moved(self._scale, self.value, steps))
-
-    def _digit(self, value: object) -> None:
-        self._skipping = False
-        self._type(typed_on(self._scale, self._typed, str(value)))
-
-    def _erase(self, _: object) -> None:
-        """Erase the last digit; a marker that was not typed goes as a whole."""
-        if self._skipping:
-            self._skipping = False
-        else:
-            self._type(self._typed[:-1])
 
     def _type(self, typed: str) -> None:
         self._typed = typed
@@ -189,7 +193,7 @@ class QuestionDialog:
         elif value is not None:
             self._take(value)
 
-    def _confirm(self, _: object) -> None:
+    def _confirm(self) -> None:
         if self._skipping:
             self._leave()
         elif self.value is not None:
@@ -198,12 +202,6 @@ class QuestionDialog:
             self._refuse(self._typed)
         else:
             self._say(f"Choose an answer first: {self._hints.choose}")
-
-    def _skip(self, _: object) -> None:
-        """Leave the question unanswered at the second command, or after a confirmation."""
-        if self._skipping:
-            self._leave()
-        self._skipping = True
 
     def _answer(self, value: object) -> None:
         """Take a number of the scale at once; None is "cannot say"."""
@@ -230,20 +228,6 @@ class QuestionDialog:
 
     def _say(self, note: str) -> None:
         self._note, self._note_until_s = note, self._now_s() + NOTED_S
-
-    _ACTIONS: ClassVar[Mapping[str, Callable[[QuestionDialog, Any], None]]] = {
-        "left": _left,
-        "right": _right,
-        "up": _up,
-        "down": _down,
-        "digit": _digit,
-        "erase": _erase,
-        "point": _point,
-        "press": _press,
-        "confirm": _confirm,
-        "skip": _skip,
-        "answer": _answer,
-    }
 
 
 def _form_of(ask: Ask) -> ScaleForm:

@@ -112,7 +112,7 @@ class LineLayout:
         self._line = HUGE + 34
         self._numbers = self._line + 14
         below = self._numbers + height_of(1, SMALL) + 4
-        rows = [max((len(one.lines) for one in placed if one.row == row), default=0) for row in (0, 1)]
+        rows = [max((len(anchor.lines) for anchor in placed if anchor.row == row), default=0) for row in (0, 1)]
         self._rows = (below, below + height_of(rows[0], SMALL) + 4)
         self.height = self._rows[0] + sum(height_of(count, SMALL) + 4 for count in rows if count)
         self._ticks, self._labels = _ticks(form)
@@ -133,9 +133,9 @@ class LineLayout:
             canvas.line(x, y - (9 if long else 5), x, y + (9 if long else 5), FULL if long else DIM)
         for label in self._labels:
             canvas.text(x_of(self._form, label), top + self._numbers, number_text(label), SMALL, DIM, "ma")
-        for one in self._placed:
-            ink = FULL if value is None or one.value == value else DIM
-            canvas.rows(top + self._rows[one.row], one.lines, SMALL, ink, one.x, "ma")
+        for anchor in self._placed:
+            ink = FULL if value is None or anchor.value == value else DIM
+            canvas.rows(top + self._rows[anchor.row], anchor.lines, SMALL, ink, anchor.x, "ma")
         self._marker(canvas, top, value, typed)
 
     def _marker(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
@@ -187,13 +187,13 @@ class ListLayout:
 
     def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
         """Draw the scale, as Layout.draw."""
-        for number, one in enumerate(self._form.values()):
-            y, marked = top + number * ROW, one == value
+        for number, own in enumerate(self._form.values()):
+            y, marked = top + number * ROW, own == value
             if marked:
                 canvas.box(PAD / 2, y, WIDTH - PAD / 2, y + ROW - 2, marked=True)
             ink = FULL if marked or value is None else DIM
-            canvas.text(PAD + 44, y + ROW / 2, number_text(one), TEXT, ink, "rm")
-            canvas.text(PAD + 64, y + ROW / 2, self._fitting(one), TEXT, ink, "lm")
+            canvas.text(PAD + 44, y + ROW / 2, number_text(own), TEXT, ink, "rm")
+            canvas.text(PAD + 64, y + ROW / 2, self._fitting(own), TEXT, ink, "lm")
 
     def _fitting(self, value: float) -> str:
         """Return its words on one line, cut where they do not fit."""

@@ -61,17 +61,19 @@ def write_bids(
 
     contents: of one origin. rows: all answers (answer_rows and score_rows) of all sessions.
     """
-    shows = {one.session.id: one.shows for one in sessions_of(contents, design)}
+    shows = {data.session.id: data.shows for data in sessions_of(contents, design)}
     tree = _Tree(out, contents, design, label_of(design.name), all_scales(contents, design), shows)
     tree.head(readme)
-    count, written = sum(_has_motion(one) for one in contents.showings), 0
+    count, written = sum(_has_motion(showing) for showing in contents.showings), 0
     left_out: list[str] = []
     for session in contents.sessions:
         files = tree.behaviour(
             session, [row for row in rows if (row["participant"], row["session"]) == (session.sub, session.number)]
         )
         tree.events(session)
-        for showing in (one for one in contents.showings if one.session == session.id and _has_motion(one)):
+        for showing in (
+            showing for showing in contents.showings if showing.session == session.id and _has_motion(showing)
+        ):
             try:
                 files.append(tree.motion(session, showing, len(files)))
                 written += 1
@@ -114,7 +116,7 @@ class _Tree:
         # By the random word, so that the order of arrival does not show.
         rows = [{
             "participant_id": f"sub-{sub}",
-            "part": ", ".join(dict.fromkeys(one.part for one in sessions)),
+            "part": ", ".join(dict.fromkeys(session.part for session in sessions)),
             "origin": sessions[-1].origin,
             "sessions": len(sessions),
             "status": sessions[-1].status,
@@ -124,7 +126,7 @@ class _Tree:
 
     def _withdrawn(self) -> dict[str, Any]:
         """Count withdrawn people, whose origin the store no longer knows."""
-        if not self.contents.withdrawn or any(one.origin != PERSON for one in self.contents.sessions):
+        if not self.contents.withdrawn or any(session.origin != PERSON for session in self.contents.sessions):
             return {}
         text = f"{self.contents.withdrawn} withdrew; all their data were erased"
         return {"Withdrawn": {"Description": text, "Count": self.contents.withdrawn}}
@@ -139,7 +141,7 @@ class _Tree:
 
     def events(self, session: Session) -> None:
         """Write the trials of a session, with their times since it began."""
-        shown = (one for one in self.contents.showings if one.session == session.id and one.complete)
+        shown = (showing for showing in self.contents.showings if showing.session == session.id and showing.complete)
         self._events(session, f"beh/{self._stem(session)}", event_rows(session, self.shows[session.id], shown))
 
     def _events(self, session: Session, stem: str, rows: Sequence[Row], columns: Sequence[Column] = EVENTS) -> None:
@@ -226,7 +228,7 @@ def sidecar(columns: Sequence[Column], scales: dict[str, Scale] | None = None) -
         out["scale"]["Levels"] = {name: _about(scale) for name, scale in scales.items()}
         items = {item.key: item.described for scale in scales.values() for item in scale.items}
         out["item"]["Levels"] = items | {
-            one.name: one.title or one.name for scale in scales.values() for one in scale.scores
+            score.name: score.title or score.name for scale in scales.values() for score in scale.scores
         }
     return out
 

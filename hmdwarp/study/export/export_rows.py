@@ -73,14 +73,14 @@ def onset_s(session: Session, showing: Showing) -> float | None:
     back.
     """
     if showing.actual.get("onset_s") is not None:
-        return round(showing.actual["onset_s"], _DIGITS)
+        return float(round(showing.actual["onset_s"], _DIGITS))
     passed = datetime.fromisoformat(showing.started_utc) - datetime.fromisoformat(session.started_utc)
     return None if passed.total_seconds() < 0 else passed.total_seconds()
 
 
 def event_rows(session: Session, shows: Mapping[str, Show], showings: Iterable[Showing]) -> list[Row]:
     """Return a row by EVENTS for each of the showings whose onset is known, in that order."""
-    rows = [_event(shows[one.key], one, onset_s(session, one)) for one in showings]
+    rows = [_event(shows[showing.key], showing, onset_s(session, showing)) for showing in showings]
     return sorted((row for row in rows if row["onset"] is not None), key=lambda row: row["onset"])
 
 
@@ -113,6 +113,20 @@ class SessionData:
     answers: Mapping[str, tuple[Answer, ...]]  # every revision, by key, in order
     showings: Mapping[int, Showing]  # by id
 
+    @property
+    def judged(self) -> dict[int, Show]:
+        """The showing that the questions of each trial are about, by trial: its last one."""
+        return {show.trial: show for show in self.shows.values() if show.trial}
+
+    def previous(self, show: Show) -> str | None:
+        """Return the condition that was judged before a trial; None for the first."""
+        before = self.judged.get(show.trial - 1)
+        return None if before is None else before.condition.name
+
+    def last(self, ask: Ask) -> Answer | None:
+        """Return the answer that counts, None without one."""
+        return self.answers.get(ask.key, (None,))[-1]
+
 
 def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     """Return all sessions, each with the plan that it ran with.
@@ -123,39 +137,31 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     read: dict[str, Design] = {design.text: design}
     for session in contents.sessions:
         if session.plan not in read:
-            read[session.plan] = plan_of(session, design)
+            read[session.plan] = design_from_text(session.plan, design.path, checked=False)
     return tuple(_session_data(contents, design, session, read[session.plan]) for session in contents.sessions)
-
-
-def plan_of(session: Session, design: Design) -> Design:
-    """Return the plan that the session ran with, which may be older than `design`.
-
-    Errors: InputError.
-    """
-    return design if session.plan == design.text else design_from_text(session.plan, design.path, checked=False)
 
 
 def all_scales(contents: Contents, design: Design) -> dict[str, Scale]:
     """Return every scale of the plan and of the sessions, by name. Errors: as sessions_of."""
-    asked = {ask.scale.name: ask.scale for one in sessions_of(contents, design) for ask in one.asks.values()}
+    asked = {ask.scale.name: ask.scale for data in sessions_of(contents, design) for ask in data.asks.values()}
     return {scale.name: scale for scale in every_scale(design)} | asked
 
 
 def of_origin(contents: Contents, origin: str = PERSON) -> Contents:
     """Keep sessions of one origin: people, pilots and programs are never mixed.
 
-    Sessions without consent are left out: nobody took part in them. The others come in the order of
+    Sessions without consent are left out: they have no participant. The others come in the order of
     the random words, so that the order of arrival does not show.
     """
-    chosen = (one for one in contents.sessions if one.origin == origin and one.consented)
-    sessions = tuple(sorted(chosen, key=lambda one: (one.sub, one.number)))
-    ids = {one.id for one in sessions}
+    chosen = (session for session in contents.sessions if session.origin == origin and session.consented)
+    sessions = tuple(sorted(chosen, key=lambda session: (session.sub, session.number)))
+    ids = {session.id for session in sessions}
     return attrs.evolve(
         contents,
         sessions=sessions,
-        answers=tuple(one for one in contents.answers if one.session in ids),
-        showings=tuple(one for one in contents.showings if one.session in ids),
-        events=tuple(one for one in contents.events if one.session in ids),
+        answers=tuple(answer for answer in contents.answers if answer.session in ids),
+        showings=tuple(showing for showing in contents.showings if showing.session in ids),
+        events=tuple(event for event in contents.events if event.session in ids),
     )
 
 
@@ -171,9 +177,11 @@ def unconsented(contents: Contents, origin: str = PERSON) -> int:
 
 def _without_consent(contents: Contents, origin: str, *, declined: bool = False) -> set[str]:
     """Return who took no part. declined: only those who refused the consent."""
-    of_them = [one for one in contents.sessions if one.origin == origin]
-    some = {one.sub for one in of_them if not one.consented and (one.status == DECLINED or not declined)}
-    return some - {one.sub for one in of_them if one.consented}
+    of_them = [session for session in contents.sessions if session.origin == origin]
+    some = {
+        session.sub for session in of_them if not session.consented and (session.status == DECLINED or not declined)
+    }
+    return some - {session.sub for session in of_them if session.consented}
 
 
 def long_rows(contents: Contents, design: Design) -> list[Row]:
@@ -188,9 +196,7 @@ def long_rows(contents: Contents, design: Design) -> list[Row]:
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
     """Return rows as long_rows, for every question of a session, with its `phase` and `kind`."""
     return [
-        _row(design, data, ask, _last(data, ask))
-        for data in sessions_of(contents, design)
-        for ask in data.asks.values()
+        _row(design, data, ask, data.last(ask)) for data in sessions_of(contents, design) for ask in data.asks.values()
     ]
 
 
@@ -211,7 +217,7 @@ def pair_rows(contents: Contents, design: Design) -> list[tuple[Row, Show, Show]
         for ask in data.asks.values():
             if ask.scale.kind == PREFERENCE:
                 second = data.shows[ask.about]
-                found.append((_row(design, data, ask, _last(data, ask)), data.shows[second.after], second))
+                found.append((_row(design, data, ask, data.last(ask)), data.shows[second.after], second))
     return found
 
 
@@ -222,7 +228,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
         for phase, scales in (("before", data.plan.before), ("after", data.plan.after)):
             for scale in scales:
                 asked = [ask for ask in data.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
-                last = [(ask, _last(data, ask)) for ask in asked]
+                last = [(ask, data.last(ask)) for ask in asked]
                 values = {ask.item.key: None if answer is None else answer.value for ask, answer in last}
                 base = _row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
                 for name, value in scored(scale, values).items():
@@ -238,12 +244,12 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
     except StopIteration as error:
         raise InputError(
             f"study {design.name}: participant {session.code} saw the part '{session.part}' with conditions that "
-            "this plan lacks: "
-            "use the study file that the sessions ran with"
+            "this plan lacks: use the study file that the sessions ran with"
         ) from error
     answers: dict[str, list[Answer]] = {}
     for answer in sorted(
-        (one for one in contents.answers if one.session == session.id), key=lambda one: (one.revision, one.id)
+        (answer for answer in contents.answers if answer.session == session.id),
+        key=lambda answer: (answer.revision, answer.id),
     ):
         answers.setdefault(answer.key, []).append(answer)
     return SessionData(
@@ -252,12 +258,8 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
         {step.key: step for step in steps if isinstance(step, Ask)},
         {step.key: step for step in steps if isinstance(step, Show)},
         {key: tuple(revisions) for key, revisions in answers.items()},
-        {one.id: one for one in contents.showings if one.session == session.id},
+        {showing.id: showing for showing in contents.showings if showing.session == session.id},
     )
-
-
-def _last(data: SessionData, ask: Ask) -> Answer | None:
-    return data.answers.get(ask.key, (None,))[-1]
 
 
 def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
@@ -316,21 +318,20 @@ def _showing(data: SessionData, ask: Ask, answer: Answer | None) -> Showing | No
     """Return the showing that an answer is about; without an answer the last complete one."""
     if answer is not None and answer.showing is not None:
         return data.showings.get(answer.showing)
-    whole = [one for one in data.showings.values() if one.key == ask.about and one.complete]
+    whole = [showing for showing in data.showings.values() if showing.key == ask.about and showing.complete]
     return whole[-1] if whole else None
 
 
 def _shown(data: SessionData, show: Show | None) -> Row:
     if show is None:
         return {"trial": None, "block": None, "repeat": None, "condition": None, "reference": None, "previous": None}
-    before = {one.trial: one.condition.name for one in data.shows.values() if one.trial}
     return {
         "trial": show.trial,
         "block": show.block,
         "repeat": show.repeat,
         "condition": show.condition.name,
         "reference": show.condition.reference,
-        "previous": before.get(show.trial - 1),
+        "previous": data.previous(show),
         **settings_row(show.condition.settings),
     }
 

@@ -154,8 +154,7 @@ def channels_json() -> dict[str, Any]:
     """Describe the reference frame."""
     text = (
         "world_from_head in the axes of OpenXR: +x right, +y up, +z backward, metres; the quaternion rotates from "
-        "the head's axes "
-        "to the world's. The origin is the display's own."
+        "the head's axes to the world's. The origin is the display's own."
     )
     frame = {"SpatialAxes": "RSP", "RotationRule": "right-hand", "Description": text}
     return {"reference_frame": {"Description": "Axes of the channel", "Levels": {FRAME: frame}}}

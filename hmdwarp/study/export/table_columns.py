@@ -192,7 +192,7 @@ def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> 
     them.
     """
     site, *others = ([name] if any(name in row for row in rows) else [] for name in (_SITE.name, *OTHER_SETTINGS))
-    rated = [one.name for one in RATED_COLUMNS if any(row.get(one.name) is not None for row in rows)]
+    rated = [column.name for column in RATED_COLUMNS if any(row.get(column.name) is not None for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
     names = (*site, *after[:before], *itertools.chain(*others), *more, *after[before:], *rated)
     return tuple(column_of(name) for name in names)

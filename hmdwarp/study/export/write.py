@@ -33,15 +33,8 @@ from .table_columns import Column, columns_for, csv_text, has_parquet, tsv_text,
 
 EXTRA = ("phase", "kind", "text")
 OWNED = (
-    "ratings.*",
-    "sessions/*.csv",
-    "preferences.csv",
-    "sickness.tsv",
-    "questionnaires.tsv",
-    "revisions.tsv",
-    "remarks.csv",
-    "columns.json",
-    "bids/**/*",
+    *("ratings.*", "sessions/*.csv", "preferences.csv", "sickness.tsv", "questionnaires.tsv", "revisions.tsv"),
+    *("remarks.csv", "columns.json", "bids/**/*"),
 )
 REMARKS = (
     Column("participant", "text", "Random word for the participant"),
@@ -181,7 +174,7 @@ def _parquet(
 
 
 def _remarks(folder: OutputFolder, contents: Contents) -> str:
-    people = {one.id: one for one in contents.sessions}
+    people = {session.id: session for session in contents.sessions}
     rows = [
         {
             "participant": people[e.session].sub,
@@ -209,7 +202,7 @@ def _refuse_full(out: Path) -> None:
 
 
 def _counts(contents: Contents, ratings: Sequence[Row], origin: str) -> str:
-    people = len({one.sub for one in contents.sessions})
+    people = len({session.sub for session in contents.sessions})
     rated = sum(row["value"] is not None for row in ratings)
     missing = f", {len(ratings) - rated} missing" if len(ratings) > rated else ""
     whose = _WHOSE[origin][people != 1]
@@ -222,7 +215,7 @@ def no_sessions(contents: Contents, origin: str, verb: str) -> str:
 
     contents: of all origins. verb: what cannot be done without them.
     """
-    there = {one.origin for one in contents.sessions if one.consented} - {origin}
+    there = {session.origin for session in contents.sessions if session.consented} - {origin}
     run = "run one with --pilot" if origin == PILOT else "run one"
     hint = f"{run} first, or check the folder of --store"
     if PERSON in there:
@@ -237,7 +230,9 @@ def no_sessions(contents: Contents, origin: str, verb: str) -> str:
 
 def _readme(design: Design, contents: Contents, ratings: Sequence[Row], origin: str) -> str:
     scales = ", ".join(_scale_text(scale) for scale in design.scales)
-    conditions = "\n".join(f"  {part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts)
+    conditions = "\n".join(
+        f"  {part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in design.parts
+    )
     return f"""{design.title}
 
 Study "{design.name}", exported by hmdwarp {__version__}: {_counts(contents, ratings, origin)}.

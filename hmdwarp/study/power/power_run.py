@@ -41,17 +41,17 @@ def simulate(
     of fewer studies. progress(done, total): in studies. say: gets a sentence.
     Errors: InputError; that of the first case where all of a simulation failed.
     """
-    for each in simulations:
-        each.populations()  # says what is wrong with a model before anything runs
-    cases = [case for each in simulations for case in _cases(each, studies)]
+    for simulation in simulations:
+        simulation.populations()  # says what is wrong with a model before anything runs
+    cases = [case for simulation in simulations for case in _cases(simulation, studies)]
     swept = run_cases(Separate(_run), cases, out, options, progress, say)
-    tallies: dict[str, list[Tally]] = {each.scale.name: [] for each in simulations}
+    tallies: dict[str, list[Tally]] = {simulation.scale.name: [] for simulation in simulations}
     for case, data in swept.results():
         counts = {name: np.asarray(count) for name, count in data.items()}
         tallies[case.what.simulation.scale.name].append(counts)
     if not all(tallies.values()):
         swept.raise_failures()
-    return [power_from(each, tallies[each.scale.name]) for each in simulations], swept
+    return [power_from(simulation, tallies[simulation.scale.name]) for simulation in simulations], swept
 
 
 def _cases(simulation: Simulation, studies: int) -> list[SweepCase]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from scipy.special import ndtr
 
-from ...report import counted, pair_text
+from ...report import OutputFolder, counted, pair_text
+from ...report.study import PowerLine, power_chart
 from ..design import Comparison
 from ..scales import PREFERENCE
 from ..statistics import JOD_SPREAD
@@ -15,26 +17,14 @@ from .planned_models import UNIT
 from .simulation import Power, PowerAt, Proportion, people_for
 
 COLUMNS = (
-    *(
-        "scale",
-        "part",
-        "condition",
-        "baseline",
-        "n",
-        "power",
-        "power_low",
-        "power_high",
-        "power_unlimited",
-        "pairs",
-        "complete",
-    ),
-    *("true_effect", "planned_effect"),
+    *("scale", "part", "condition", "baseline", "n", "power", "power_low", "power_high", "power_unlimited", "pairs"),
+    *("complete", "true_effect", "planned_effect"),
 )
 
 
 def power_rows(power: Power) -> list[dict[str, Any]]:
     """Return a row for each comparison and n, by COLUMNS."""
-    return [_row(power, one, at_n) for one in power.true_effect for at_n in power.at]
+    return [_row(power, comparison, at_n) for comparison in power.true_effect for at_n in power.at]
 
 
 def _row(power: Power, one: Comparison, at_n: PowerAt) -> dict[str, Any]:
@@ -65,7 +55,7 @@ def name_of(one: Comparison, power: Power) -> str:
 
 def sentences(power: Power, target: float) -> list[str]:
     """Describe the power against the target, one fact per sentence."""
-    each = [_enough(power, one, target) for one in power.true_effect]
+    each = [_enough(power, comparison, target) for comparison in power.true_effect]
     return [*each, *_together(power, target), *_invite(power, target), *_limits(power)]
 
 
@@ -121,14 +111,14 @@ def _invite(power: Power, target: float) -> list[str]:
 def _limits(power: Power) -> list[str]:
     """Say where the scale's ends and steps reduce an effect."""
     out = []
-    for one in power.true_effect:
-        planned, true = power.planned[one], power.true_effect[one]
+    for comparison in power.true_effect:
+        planned, true = power.planned[comparison], power.true_effect[comparison]
         if abs(planned - true) > 0.05 * abs(planned) and abs(planned - true) > 0.02:
             last = power.at[-1]
             out.append(
-                f"{name_of(one, power)}: the true mean difference would be {planned:+.2f} on a scale without ends "
-                f"and steps, and is {true:+.2f} on this one; without them it would be found in "
-                f"{last.unlimited[one].value:.0%} of studies with {counted(last.n, 'person')}."
+                f"{name_of(comparison, power)}: the true mean difference would be {planned:+.2f} on a scale without "
+                f"ends and steps, and is {true:+.2f} on this one; without them it would be found in "
+                f"{last.unlimited[comparison].value:.0%} of studies with {counted(last.n, 'person')}."
             )
     return out
 
@@ -148,9 +138,34 @@ def power_data(powers: Sequence[Power], target: float) -> dict[str, Any]:
                 "scale": power.scale.name,
                 "complete_share": power.complete_share,
                 "rows": power_rows(power),
-                "all_found": [{"n": one.n, "power": one.all_found.value} for one in power.at],
+                "all_found": [{"n": at_n.n, "power": at_n.all_found.value} for at_n in power.at],
                 "sentences": sentences(power, target),
             }
             for power in powers
         ],
     }
+
+
+def power_folder(folder: Path, *, force: bool = False) -> OutputFolder:
+    """Return the folder to write a power simulation to. Errors: as OutputFolder."""
+    return OutputFolder(folder, owned=("power.csv", "power.png"), last="power.json", force=force)
+
+
+def write_power(folder: OutputFolder, powers: Sequence[Power], target: float) -> None:
+    """Write power.csv, power.png and power.json. powers: of one study, on each of its scales."""
+    folder.write_csv("power.csv", [row for power in powers for row in power_rows(power)], COLUMNS)
+    lines = [
+        PowerLine(
+            name=(f"{power.scale.name}: " if len(powers) > 1 else "") + name_of(comparison, power),
+            power=[at_n.found[comparison].value for at_n in power.at],
+            low=[at_n.found[comparison].low for at_n in power.at],
+            high=[at_n.found[comparison].high for at_n in power.at],
+            unlimited=[at_n.unlimited[comparison].value for at_n in power.at],
+        )
+        for power in powers
+        for comparison in power.true_effect
+    ]
+    first = powers[0]
+    unlimited = {"unlimited": "if people said by how much"} if first.scale.kind == PREFERENCE else {}
+    power_chart(folder.path("power.png"), [at_n.n for at_n in first.at], lines, target, first.design.title, **unlimited)
+    folder.write_json("power.json", power_data(powers, target))

@@ -109,11 +109,11 @@ class Power:
         Of the comparison; without one, of each comparison by itself.
         """
         reached = None
-        for one in reversed(self.at):
-            shares = one.found.values() if comparison is None else (one.found[comparison],)
+        for at_n in reversed(self.at):
+            shares = at_n.found.values() if comparison is None else (at_n.found[comparison],)
             if min(share.value for share in shares) < target:
                 break
-            reached = one
+            reached = at_n
         return reached
 
 
@@ -142,7 +142,7 @@ class Simulation:
         """
         # Means that rehearse any plan alike say nothing about this one.
         model = attrs.evolve(self.model, others=None)
-        parts = dict.fromkeys(one.part for one in self.comparisons)
+        parts = dict.fromkeys(comparison.part for comparison in self.comparisons)
         return {part: Population(model, self.design, part, [self.scale.name]) for part in parts}
 
 
@@ -193,8 +193,14 @@ def power_from(simulation: Simulation, tallies: Sequence[Tally]) -> Power:
         seed=simulation.seed,
         balanced=int(np.lcm.reduce([population.balanced for population in populations.values()])),
         complete_share=int(total["finished"]) / int(total["people"]),
-        true_effect={one: expected_difference(populations[one.part], scale, one) for one in comparisons},
-        planned={one: expected_difference(populations[one.part], scale, one, latent=True) for one in comparisons},
+        true_effect={
+            comparison: expected_difference(populations[comparison.part], scale, comparison)
+            for comparison in comparisons
+        },
+        planned={
+            comparison: expected_difference(populations[comparison.part], scale, comparison, latent=True)
+            for comparison in comparisons
+        },
     )
 
 
@@ -205,7 +211,7 @@ def expected_difference(population: Population, scale: Scale, comparison: Compar
     """
     if scale.kind == PREFERENCE:
         return expected_jod(population, scale, comparison)
-    names = [one.name for one in population.part.conditions]
+    names = [condition.name for condition in population.part.conditions]
     rated = population.expected(scale.name, latent=latent)
     out = float(rated[names.index(comparison.baseline)] - rated[names.index(comparison.better)])
     return out if scale.low_is_good else -out
@@ -221,7 +227,7 @@ def differences(
     if scale.kind == PREFERENCE:
         return choice_differences(cohort, scale, comparison, latent=latent, people=people)
     rated = cohort.per_condition(scale.name, latent=latent, people=people)
-    names = [one.name for one in cohort.part.conditions]
+    names = [condition.name for condition in cohort.part.conditions]
     out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
     return (out if scale.low_is_good else -out)[~np.isnan(out)]
 
@@ -234,9 +240,9 @@ def significant(design: Design, found: dict[Comparison, Floats], alpha: float) -
     ps = {one: wilcoxon_exact(values).p for one, values in found.items()}
     out = dict.fromkeys(found, True)
     for family in design.families:
-        adjusted = holm([ps[one] for one in family.comparisons])
-        for one, p in zip(family.comparisons, adjusted, strict=True):
-            out[one] &= p <= alpha
+        adjusted = holm([ps[comparison] for comparison in family.comparisons])
+        for comparison, p in zip(family.comparisons, adjusted, strict=True):
+            out[comparison] &= p <= alpha
     return out
 
 
@@ -251,12 +257,14 @@ def _count(tally: Tally, k: int, simulation: Simulation, cohorts: dict[str, Coho
     people, comparisons = slice(simulation.ns[k]), simulation.comparisons
     for latent, name in ((False, "found"), (True, "unlimited")):
         rated = {
-            one: differences(cohorts[one.part], simulation.scale, one, latent=latent, people=people)
-            for one in comparisons
+            comparison: differences(
+                cohorts[comparison.part], simulation.scale, comparison, latent=latent, people=people
+            )
+            for comparison in comparisons
         }
         found = significant(simulation.design, rated, simulation.alpha)
-        tally[name][k] += [found[one] for one in comparisons]
+        tally[name][k] += [found[comparison] for comparison in comparisons]
         if not latent:
             tally["all_found"][k] += all(found.values())
-            tally["pairs"][k] += [len(rated[one]) for one in comparisons]
+            tally["pairs"][k] += [len(rated[comparison]) for comparison in comparisons]
     tally["complete"][k] += sum(cohort.why[people].count("complete") for cohort in cohorts.values())

@@ -111,7 +111,7 @@ class Prediction:
     @property
     def candidates(self) -> tuple[MeasureResult, ...]:
         """The best measure, and those that may be as good."""
-        return tuple(one for one in self.measures if one is self.measures[0] or one.behind_p > ALPHA)
+        return tuple(measure for measure in self.measures if measure is self.measures[0] or measure.behind_p > ALPHA)
 
     @property
     def sure(self) -> bool:
@@ -304,4 +304,4 @@ def _together(x: Array) -> Array:
     """Return the within-person correlations (m, m) of the measures with one another."""
     cross = x.T @ x
     size = np.sqrt(np.diag(cross))
-    return cross / np.outer(size, size)
+    return np.asarray(cross / np.outer(size, size))

@@ -22,7 +22,7 @@ def pooled(studies: Mapping[str, Sequence[Row]], scale: str = "") -> tuple[str, 
     Errors: InputError for a study without ratings on it, and where it has another good end.
     """
     scales = {name: tuple(dict.fromkeys(row["scale"] for row in rows)) for name, rows in studies.items()}
-    common = [one for one in next(iter(scales.values()), ()) if all(one in found for found in scales.values())]
+    common = [name for name in next(iter(scales.values()), ()) if all(name in found for found in scales.values())]
     chosen = scale or next(iter(common), "")
     lacking = [
         f"'{name}' ({listed(found) if found else 'nothing'})" for name, found in scales.items() if chosen not in found
@@ -55,7 +55,9 @@ def prediction_data(rows: Sequence[Mapping[str, Any]], scale: str) -> dict[str, 
         return None
     return {
         "sentences": sentences(found),
-        "measures": [{key: _plain(value) for key, value in attrs.asdict(one).items()} for one in found.measures],
+        "measures": [
+            {key: _plain(value) for key, value in attrs.asdict(measure).items()} for measure in found.measures
+        ],
         "left_out": [list(pair) for pair in found.left_out],
         "choice": {
             "skill": found.choice_skill,
@@ -65,7 +67,7 @@ def prediction_data(rows: Sequence[Mapping[str, Any]], scale: str) -> dict[str, 
         },
         "resamples": found.resamples,
         "seed": found.seed,
-        "points": {one.name: _points(rows, scale, one.name) for one in found.measures[:_CHARTS]},
+        "points": {measure.name: _points(rows, scale, measure.name) for measure in found.measures[:_CHARTS]},
     }
 
 
@@ -110,9 +112,8 @@ def _winner(found: Prediction) -> str:
         return f"{best}: {how}, the best in {first.best:.0%} of the resamples; {people}."
     return (
         f"Which metric predicts best is undecided: {first.title} comes first with {how}, but "
-        f"{listed([one.title for one in rest])} may be as good (p = {max(one.behind_p for one in rest):.2f} and "
-        "less, by "
-        f"flipping people's signs); {people}."
+        f"{listed([other.title for other in rest])} may be as good (p = {max(other.behind_p for other in rest):.2f} "
+        f"and less, by flipping people's signs); {people}."
     )
 
 
@@ -125,8 +126,7 @@ def _strength(found: Prediction) -> str:
     )
     return (
         f"Predicting a person's ratings from their own mean is off by {found.rmse_of_mean:.2f}; with {first.title} "
-        "and the "
-        f"slope of the others it is {first.rmse:.2f}, which {helps}."
+        f"and the slope of the others it is {first.rmse:.2f}, which {helps}."
     )
 
 
@@ -163,18 +163,17 @@ def _conditions(found: Prediction) -> str:
 def _alike(found: Prediction) -> list[str]:
     """Name measures that move together, each group once."""
     groups: list[set[str]] = []
-    for one in found.measures:
-        group = {one.title, *one.alike}
+    for measure in found.measures:
+        group = {measure.title, *measure.alike}
         if len(group) > 1 and not any(group <= other for other in groups):
             groups = [other for other in groups if not other <= group] + [group]
-    order = [one.title for one in found.measures]
+    order = [measure.title for measure in found.measures]
     out = [
         f"In these conditions {listed(sorted(group, key=order.index))} move together (within-person correlation "
-        "0.95 and "
-        "more): ratings cannot separate them."
+        "0.95 and more): ratings cannot separate them."
         for group in groups
     ]
-    age = next((one for one in found.measures if one.name == "actual_latency_ms_median"), None)
+    age = next((measure for measure in found.measures if measure.name == "actual_latency_ms_median"), None)
     if age is not None and found.measures[0] is not age and age in found.candidates:
         out.append("The age of the frame may predict as well: an apparent effect of the picture may be one of latency.")
     return out

@@ -83,7 +83,7 @@ def sign_flips(people: int, draws: int, rng: np.random.Generator) -> Array:
 
 def shares_of_people(sums: Sums) -> Array:
     """Return what each person adds to each measure's correlation: (people, m), summing to it."""
-    return sums.xy / np.sqrt(sums.xx.sum(axis=0) * sums.yy.sum())
+    return np.asarray(sums.xy / np.sqrt(sums.xx.sum(axis=0) * sums.yy.sum()))
 
 
 def p_of_any(shares: Array, flips: Array) -> Array:
@@ -94,7 +94,7 @@ def p_of_any(shares: Array, flips: Array) -> Array:
     testing all measures.
     """
     largest = np.abs(flips @ shares).max(axis=1)
-    return (largest[:, None] >= np.abs(shares.sum(axis=0)) - 1e-12).mean(axis=0)
+    return np.asarray((largest[:, None] >= np.abs(shares.sum(axis=0)) - 1e-12).mean(axis=0))
 
 
 def p_of_behind(shares: Array, best: int, flips: Array) -> Array:
@@ -104,7 +104,7 @@ def p_of_behind(shares: Array, best: int, flips: Array) -> Array:
     """
     turned = shares * np.where(shares.sum(axis=0) < 0, -1.0, 1.0)
     ahead = turned[:, [best]] - turned
-    return (np.abs(flips @ ahead) >= np.abs(ahead.sum(axis=0)) - 1e-12).mean(axis=0)
+    return np.asarray((np.abs(flips @ ahead) >= np.abs(ahead.sum(axis=0)) - 1e-12).mean(axis=0))
 
 
 def skill_of_left_out_people(sums: Sums, drawn: Array) -> tuple[Array, Array, Array, Array]:
@@ -122,7 +122,7 @@ def skill_of_choice(sums: Sums, drawn: Array) -> tuple[float, float, float, NDAr
     """Predict each person by the measure that predicts best among all others: nested.
 
     For each person the others choose the measure, by leaving out each of them in turn, and give its
-    slope. So nobody's ratings take part in the choice that is tested on them, as they do in the
+    slope. So no one's ratings take part in the choice that is tested on them, as they do in the
     skill of the measure that came first.
 
     Return (skill, low, high, chosen): as skill_of_left_out_people, and for each person the index of
@@ -131,7 +131,8 @@ def skill_of_choice(sums: Sums, drawn: Array) -> tuple[float, float, float, NDAr
     """
     everybody = np.arange(sums.people)
     chosen = np.array(
-        [np.argmin(_errors_of_left_out(sums.only(everybody != one)).sum(axis=0)) for one in everybody], dtype=np.intp
+        [np.argmin(_errors_of_left_out(sums.only(everybody != person)).sum(axis=0)) for person in everybody],
+        dtype=np.intp,
     )
     error = _errors_of_left_out(sums)[everybody, chosen]
     skill, low, high = _skill(sums, error[:, None], drawn)
@@ -159,7 +160,7 @@ def skill_of_left_out_conditions(x: Array, y: Array, who: NDArray[np.intp], cond
     NaN where no condition can be left out. x: (n, m), y: (n,), not centred.
     """
     names = list(dict.fromkeys(conditions))
-    which = np.array([names.index(one) for one in conditions])
+    which = np.array([names.index(condition) for condition in conditions])
     error, alone = np.zeros(x.shape[1]), 0.0
     for left_out in range(len(names)):
         known, left = which != left_out, which == left_out

@@ -55,7 +55,7 @@ class Population:
     def __init__(self, model: Model, design: Design, part: str, scales: Sequence[str] | None = None) -> None:
         self.model, self.design, self.part = model, design, design.part(part)
         self._rows = rows_for(design, part)
-        self._names = {one.name: number for number, one in enumerate(self.part.conditions)}
+        self._names = {condition.name: number for number, condition in enumerate(self.part.conditions)}
         self._trials = trials_of(design, part)
         self._orders = np.array([self._flat(row) for row in self._rows])
         self._ratings = {
@@ -84,7 +84,9 @@ class Population:
         """
         drawn = _Draws.of(self, persons, seed, study)
         trials, why, sickness = self._ends(drawn)
-        shown = self._orders[self._allotted(why)] if orders is None else np.array([self._flat(one) for one in orders])
+        shown = (
+            self._orders[self._allotted(why)] if orders is None else np.array([self._flat(order) for order in orders])
+        )
         first, order = np.moveaxis(shown, -1, 0)
         over = np.arange(order.shape[1]) >= trials[:, None]
         answers, latent = {}, {}
@@ -95,8 +97,8 @@ class Population:
             felt = self._preferred(drawn, number, first, order) if is_choice else self._felt(drawn, number, order)
             none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
             latent[scale.name] = np.where(none, np.nan, felt)
-            said = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
-            answers[scale.name] = np.where(none, np.nan, said)
+            answered = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
+            answers[scale.name] = np.where(none, np.nan, answered)
         return Cohort(self.part, order, first, trials, why, answers, latent, sickness, drawn.susceptible)
 
     def expected(self, scale: str, *, latent: bool = False) -> Floats:
@@ -109,7 +111,7 @@ class Population:
         rating, means = self._ratings[scale], self._means[scale][orders]
         at = rating.latent_mean(means, _before(means), np.arange(means.shape[1]))
         if not latent:
-            answers = next(one for one in self.design.scales if one.name == scale)
+            answers = next(asked for asked in self.design.scales if asked.name == scale)
             values, where = np.unique(at, return_inverse=True)
             on = np.array([mean_on_scale(float(value), rating.latent_sd, answers) for value in values])
             at = on[where].reshape(at.shape)
@@ -142,10 +144,10 @@ class Population:
             taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
             return means[order] + rating.condition_sd * normal(taste)
 
-        return at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number])
+        return np.asarray(at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number]))
 
     def _choice(self, felt: Floats, scale: Scale) -> Floats:
-        """Return the answers to a preference: below the threshold neither, if that may be said."""
+        """Return the answers to a preference: neither below the threshold, where allowed."""
         chosen = np.where(felt > 0, SECOND, FIRST)
         threshold = self._ratings[scale.name].threshold
         return np.where(np.abs(felt) < threshold, NEITHER, chosen) if scale.allows_ties else chosen

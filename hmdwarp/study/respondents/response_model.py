@@ -80,7 +80,8 @@ class RatingModel:
         own = self.means.get(part.name)
         table = own if isinstance(own, Mapping) else self.means
         found = {
-            one.name: table.get(one.name, self.reference if one.reference else self.mean) for one in part.conditions
+            condition.name: table.get(condition.name, self.reference if condition.reference else self.mean)
+            for condition in part.conditions
         }
         lacking = [name for name, mean in found.items() if not isinstance(mean, float)]
         if lacking:
@@ -104,7 +105,7 @@ class RatingModel:
     def latent_mean(self, mean: ArrayLike, before: ArrayLike, place: ArrayLike) -> Floats:
         """Compute the expected value of `latent` over all people and showings."""
         mean = np.asarray(mean, float)
-        return mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+        return np.asarray(mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean))
 
     @property
     def latent_sd(self) -> float:
@@ -212,7 +213,7 @@ class Model:
 
 def normal(uniform: ArrayLike) -> Floats:
     """Turn uniform draws in [0, 1) into standard normal ones."""
-    return ndtri(np.maximum(uniform, TINY))
+    return np.asarray(ndtri(np.maximum(uniform, TINY)))
 
 
 def on_scale(latent: ArrayLike, scale: Scale) -> Floats:

@@ -1,4 +1,4 @@
-"""Respondents of a session: nobody, or a simulated participant who sends people's commands."""
+"""Respondents of a session: none, or a simulated participant who sends people's commands."""
 
 from __future__ import annotations
 

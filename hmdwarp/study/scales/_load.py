@@ -189,11 +189,11 @@ def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
     if "items" in table:
         return Score(name, _item_numbers(table, items), weight=weight, title=table.line("title"))
     of = table.texts("of")
-    for one in of:
-        if one not in before:
+    for other in of:
+        if other not in before:
             raise table.fault(
                 "of",
-                f"names {one!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
+                f"names {other!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
             )
     return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
 

@@ -53,7 +53,7 @@ class ClosingWords:
         ]
         with suppress(HmdwarpError):  # a full disk may not even be readable
             answers = self._store.answers(session)
-            rated = sum(one.phase == "trial" and one.value is not None for one in answers)
+            rated = sum(answer.phase == "trial" and answer.value is not None for answer in answers)
             count = f"{counted(len(answers), 'answer')}, {rated} of them about trials" if answers else "no answers"
             lines.append(f"stored in {self._store.folder}: {count}")
             lines += self._still(session)
@@ -63,8 +63,12 @@ class ClosingWords:
     def _still(self, session: Session) -> list[str]:
         """Say in how many trials the head hardly moved."""
         shown = self._store.contents(pilot=session.origin == PILOT).showings
-        trials = {one.key: one for one in shown if one.session == session.id and one.complete and one.trial}
-        still = sum(bool(one.actual.get("head_still")) for one in trials.values())
+        trials = {
+            showing.key: showing
+            for showing in shown
+            if showing.session == session.id and showing.complete and showing.trial
+        }
+        still = sum(bool(showing.actual.get("head_still")) for showing in trials.values())
         of = f"{still} of {counted(len(trials), 'trial')}"
         return [f"the head hardly moved in {of}: almost a still picture was rated (head_still)"] if still else []
 

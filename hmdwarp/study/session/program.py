@@ -188,15 +188,15 @@ class _Program:
             markers=self.markers,
         )
         every = self._all_options()
-        scenes = {key: scene_of(one) for key, one in {one.scene_key: one for one in every}.items()}
-        wait_s = first_picture_wait_s([one.total_latency_ms for one in every])
+        scenes = {key: scene_of(options) for key, options in {options.scene_key: options for options in every}.items()}
+        wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, scenes)
         self.words.recording = lambda: trials.recording
         no_pipeline: Any = _NoPipeline(self.live)
         answers = store.answers(session)
         asks = {step.key: step for step in steps if isinstance(step, Ask)}
-        last = max(answers, key=lambda one: one.id, default=None)
-        showings = {one.id: one for one in store.contents(pilot=session.origin == PILOT).showings}
+        last = max(answers, key=lambda answer: answer.id, default=None)
+        showings = {showing.id: showing for showing in store.contents(pilot=session.origin == PILOT).showings}
         return SessionRunner(
             context,
             trials,
@@ -205,7 +205,7 @@ class _Program:
             hints_for(display.name, follows_trace=bool(self.options.trace)),
             resumed=self.options.resume,
             answered=asks.get(last.key) if last is not None else None,
-            about={one.key: showings[one.showing] for one in answers if one.showing is not None},
+            about={answer.key: showings[answer.showing] for answer in answers if answer.showing is not None},
         )
 
     def _options_of(self, step: Show) -> LiveOptions:
@@ -214,7 +214,7 @@ class _Program:
     def _all_options(self) -> list[LiveOptions]:
         """Return the options of everything that is shown."""
         practice = [self.design.practice] if self.design.practice is not None else []
-        return [live_options(one.settings) for one in (*self.design.part(self.part).conditions, *practice)]
+        return [live_options(condition.settings) for condition in (*self.design.part(self.part).conditions, *practice)]
 
 
 @attrs.frozen

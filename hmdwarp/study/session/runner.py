@@ -66,8 +66,8 @@ def why_sick(rule: Sickness | None, answers: Iterable[Answer]) -> str:
     """
     if rule is None:
         return ""
-    asked = [one for one in counting(answers).values() if one.scale == rule.scale.name and one.phase != AFTER]
-    given = [one.value for one in asked if one.value is not None]
+    asked = [found for found in counting(answers).values() if found.scale == rule.scale.name and found.phase != AFTER]
+    given = [answer.value for answer in asked if answer.value is not None]
     if not given:
         return ""
     first, last = given[0], given[-1]
@@ -91,7 +91,7 @@ class Over(Exception):  # noqa: N818 (nothing went wrong)
 
     @property
     def status(self) -> str:
-        return self.args[0]
+        return str(self.args[0])
 
 
 class Interrupted(Exception):  # noqa: N818 (nothing went wrong)
@@ -227,7 +227,7 @@ class SessionRunner:
         self._answer(step)
 
     def _show_of(self, key: str) -> Show:
-        shown = next(one for one in self.context.steps if one.key == key)
+        shown = next(step for step in self.context.steps if step.key == key)
         assert isinstance(shown, Show)
         return shown
 
@@ -248,12 +248,12 @@ class SessionRunner:
         context.mark("answer", step, at_ns, **about, revision=answer.revision)
         context.done.add(step.key)
         self.answered = step
-        said = step.scale.words_for(step.item, answer.value, answer.text) or (
+        text = step.scale.words_for(step.item, answer.value, answer.text) or (
             "left unanswered" if answer.value is None else f"{answer.value:g}"
         )
         name = step_name(step, context.steps)
         where = f"{name}, {step.scale.title}" if step.about else name
-        context.say(f"{where}: {said}" + (" (answered again)" if answer.revision > 1 else ""))
+        context.say(f"{where}: {text}" + (" (answered again)" if answer.revision > 1 else ""))
         rule = context.design.sickness
         if rule is not None and step.scale.name == rule.scale.name:
             self._end_if_sick()

@@ -44,9 +44,9 @@ class CommandSources:
         late, self.late = self.late, []
         return [
             *late,
-            *((PARTICIPANT, one) for one in commands),
-            *((EXPERIMENTER, one) for one in self.console.commands()),
-            *((RESPONDENT, one) for one in self.respondent.commands(step, shown, elapsed_s)),
+            *((PARTICIPANT, command) for command in commands),
+            *((EXPERIMENTER, command) for command in self.console.commands()),
+            *((RESPONDENT, command) for command in self.respondent.commands(step, shown, elapsed_s)),
         ]
 
 
@@ -68,7 +68,7 @@ class SessionContext:
     head: PoseSample | None = None  # as it was last seen, None before
     before_s: float = 0.0  # from the session's start to that of this run of the program
     _begun_ns: int = attrs.field(init=False)
-    _told_ns: int | None = None  # when the console got its last state
+    _state_ns: int | None = None  # when the console got its last state
 
     def __attrs_post_init__(self) -> None:
         self._begun_ns = self.display.now_ns()
@@ -119,7 +119,7 @@ class SessionContext:
 
     def begin_step(self, step: Step) -> None:
         """Set the title of the window; the console gets a state at the next refresh."""
-        self._told_ns = None
+        self._state_ns = None
         self.display.show_status(Status(heading=self.title(step)))
 
     def tell(self, step: Step, describe: Callable[[], Mapping[str, Any]], *, looks: bool = True) -> None:
@@ -130,9 +130,9 @@ class SessionContext:
         Errors: Lost.
         """
         now_ns = self.display.now_ns()
-        if self._told_ns is not None and now_ns - self._told_ns < TELL_NS:
+        if self._state_ns is not None and now_ns - self._state_ns < TELL_NS:
             return
-        self._told_ns = now_ns
+        self._state_ns = now_ns
         if looks:
             self.head = self.display.source.head_at(now_ns)
         self.sources.console.tell(self._state(step, describe()))
@@ -143,7 +143,7 @@ class SessionContext:
         return ConsoleState(
             heading=f"study {self.design.name}, participant {session.code}, session {session.number}{origin}",
             step=step_name(step, self.steps),
-            done=len(self.done.intersection(one.key for one in self.steps)) / max(len(self.steps), 1),
+            done=len(self.done.intersection(step.key for step in self.steps)) / max(len(self.steps), 1),
             elapsed_s=self.elapsed_s,
             position_m=None if head is None else _triple(head.pose.position_m),
             angles_deg=None if head is None else head_angles_deg(head.pose),

@@ -76,13 +76,13 @@ class StepHandler(FrameHandler):
             if command.control == REMARK:
                 context.remark(by, command, self.step)
             elif not self.over():
-                self.hear(by, command)
+                self.receive(by, command)
             else:
-                self._hear_late(by, command)
+                self._receive_late(by, command)
         context.tell(self._named, self.describe, looks=not self.pictures)
         return False
 
-    def _hear_late(self, by: str, command: Command) -> None:
+    def _receive_late(self, by: str, command: Command) -> None:
         """Keep a command that came after the end; a closed menu does not open again."""
         if command.control == BREAK:
             self.context.plan_break(by, self.step)
@@ -91,7 +91,7 @@ class StepHandler(FrameHandler):
         ):
             self.context.sources.late.append((by, command))
 
-    def hear(self, by: str, command: Command) -> None:
+    def receive(self, by: str, command: Command) -> None:
         """Carry out a command that came during the step."""
         if command.control in INTERRUPTS:
             self.interrupt, self.by = INTERRUPTS[command.control], by
@@ -204,10 +204,10 @@ class BreakHandler(DialogHandler[BreakDialog]):
         left_s = max(0.0, (until_ns - context.display.now_ns()) * 1e-9)
         super().__init__(context, pause, BreakDialog(left_s, context.now_s, hints_for(context.display.name)))
 
-    def hear(self, by: str, command: Command) -> None:
+    def receive(self, by: str, command: Command) -> None:
         """Ignore a request for a break within a break."""
         if command.control != BREAK:
-            super().hear(by, command)
+            super().receive(by, command)
 
     def describe(self) -> Mapping[str, Any]:
         """Return the phase and the time left."""
@@ -222,7 +222,7 @@ class MenuHandler(DialogHandler[MenuDialog]):
     def __init__(self, context: SessionContext, pause: Pause, offered: Sequence[str], during: Step) -> None:
         super().__init__(context, pause, MenuDialog(offered, hints_for(context.display.name)), during)
 
-    def hear(self, by: str, command: Command) -> None:
+    def receive(self, by: str, command: Command) -> None:
         """Pass every command to the menu; the choice is in the journal before it has effect."""
         if command.control != "pause":
             self.take(by, command)
@@ -287,7 +287,7 @@ class PanelHandler(FrameHandler):
 
     def handle(self, commands: Sequence[Command]) -> bool:
         """Tell the console; no command does anything but close it, where it may be."""
-        self._is_closed = self._may_close and any(one.control in CONFIRMS for one in commands)
+        self._is_closed = self._may_close and any(command.control in CONFIRMS for command in commands)
         self._context.tell(self._step, lambda: {"phase": self._phase})
         return False
 

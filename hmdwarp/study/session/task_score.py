@@ -93,7 +93,7 @@ class TaskScore:
     def _off_deg(self, head: Pose) -> NDArray[np.float64]:
         ahead = -np.array(head.rotation_matrix)[:, 2]
         ways = self.places_m - np.array(head.position_m)
-        return np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1)))
+        return np.asarray(np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1))))
 
     def figures(self, seen_s: float) -> dict[str, Any]:
         """Return the figures of study/actual.py. seen_s: since the first picture."""
@@ -105,7 +105,7 @@ class TaskScore:
             "task_misses": self.misses,
             "task_target_s": spent_s / found if found else None,
             "task_turned_deg": self.turned_deg,
-            "task_times_s": " ".join(f"{one:.3f}" for one in self.times_s),
+            "task_times_s": " ".join(f"{time_s:.3f}" for time_s in self.times_s),
         }
 
 

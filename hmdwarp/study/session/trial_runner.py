@@ -25,7 +25,7 @@ from .task_score import HeadRange, TaskScore
 from .wording import number_panel
 
 BY = "hmdwarp study"
-TIME, FOUND = "time", "targets"  # ended a trial, where nobody did
+TIME, FOUND = "time", "targets"  # ended a trial, where no one did
 # Least time of black with the number, before frames get under way: eyes rest, and building a
 # pipeline seldom takes longer.
 LEAD_S = 1.0
@@ -87,7 +87,7 @@ class TrialHandler(StepHandler):
         return 0.0 if instant_ns is None else (self.context.display.now_ns() - instant_ns) * 1e-9
 
     def finished(self) -> bool:
-        """Return whether the trial's seconds are over, or somebody ended it."""
+        """Return whether the trial's seconds are over, or someone ended it."""
         if self.step.until_done and self.score is not None and self.score.is_over:
             return True
         return self._is_done or (self._first_ns is not None and self.seen_s >= self.step.seconds)

@@ -69,7 +69,7 @@ def bca_shares(below: ArrayLike, jackknifed: NDArray[np.float64], level: float =
     spread = (pulls**2).sum(axis=0) ** 1.5
     acceleration = np.divide((pulls**3).sum(axis=0), 6 * spread, out=np.zeros_like(spread), where=spread > 0)
     tails = [bias + ndtri(tail) for tail in ((1 - level) / 2, (1 + level) / 2)]
-    return ndtr([bias + tail / (1 - acceleration * tail) for tail in tails])
+    return np.asarray(ndtr([bias + tail / (1 - acceleration * tail) for tail in tails]))
 
 
 def _ends(values: NDArray[np.float64], seed: int, resamples: int, level: float) -> tuple[float, float]:
@@ -99,8 +99,8 @@ def _all_resamples(
     where the values lie on no common grid.
     """
     n, largest = len(values), np.abs(values).max()
-    parts = [Fraction(float(one)).limit_denominator(_FINEST) for one in values]
-    if any(abs(float(part) - one) > 10.0**-_DIGITS * largest for part, one in zip(parts, values, strict=True)):
+    parts = [Fraction(float(value)).limit_denominator(_FINEST) for value in values]
+    if any(abs(float(part) - value) > 10.0**-_DIGITS * largest for part, value in zip(parts, values, strict=True)):
         return None
     if (grid := math.lcm(*(part.denominator for part in parts))) > _MOST_SUMS:
         return None

@@ -147,7 +147,7 @@ _of_few, _of_many = functools.lru_cache(maxsize=4096)(_upper_tails), functools.l
 
 
 def _tail(doubled_ranks: tuple[int, ...], at_least: int) -> float:
-    return (_of_few if len(doubled_ranks) <= _FEW else _of_many)(doubled_ranks)[at_least]
+    return float((_of_few if len(doubled_ranks) <= _FEW else _of_many)(doubled_ranks)[at_least])
 
 
 class Friedman(NamedTuple):

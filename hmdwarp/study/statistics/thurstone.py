@@ -2,7 +2,7 @@
 
 A difference of 1 JOD means that 75 % of answers prefer the better one. Scores are those of maximum
 likelihood, with a wide prior that keeps them finite where everybody agrees; where "no difference"
-may be said, it has a threshold that is estimated beside the scores.
+may be answered, it has a threshold that is estimated beside the scores.
 Source: Perez-Ortiz and Mantiuk 2017, A practical guide and software for analysing pairwise
 comparison experiments, arXiv 1712.03686 (Case V, the unit, resampling people); their prior of
 distances is replaced by a normal one of scores, which leaves one maximum. Glenn and David 1960,
@@ -40,7 +40,7 @@ class Scores:
 def jod_scores(wins: Array, ties: Array | None = None) -> Scores:
     """Scale comparisons. wins: (.., n, n), how often the row was preferred to the column.
 
-    ties: (.., n, n), symmetric; None where nobody could say "no difference".
+    ties: (.., n, n), symmetric; None where "no difference" could not be answered.
     """
     shape, n = np.shape(wins)[:-2], np.shape(wins)[-1]
     at = _highest(_likelihood(wins, ties), n)
@@ -69,7 +69,7 @@ class _Likelihood:
             with np.errstate(divide="ignore", invalid="ignore"):
                 found += (self.tied * np.log(_between(d, t))).sum(axis=1) + HALF_TIE * np.log(at[:, -1])
             found = np.where(at[:, -1] > 0, found, -np.inf)
-        return found - (at**2).sum(axis=1) / (2 * self._prior)
+        return np.asarray(found - (at**2).sum(axis=1) / (2 * self._prior))
 
     def derivatives(self, at: Array) -> tuple[Array, Array]:
         """Return gradient (batch, m) and Hessian (batch, m, m)."""
@@ -119,7 +119,7 @@ def _likelihood(wins: Array, ties: Array | None) -> _Likelihood:
 
 
 def _density(x: Array) -> Array:
-    return np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi)
+    return np.asarray(np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi))
 
 
 def _slopes(x: Array) -> tuple[Array, Array]:
@@ -131,7 +131,7 @@ def _slopes(x: Array) -> tuple[Array, Array]:
 def _between(d: Array, t: Array) -> Array:
     """Return how likely a difference d is called none: in the tail, where both are small, exact."""
     far = np.abs(d)
-    return np.maximum(ndtr(t - far) - ndtr(-t - far), 1e-300)
+    return np.asarray(np.maximum(ndtr(t - far) - ndtr(-t - far), 1e-300))
 
 
 def _highest(of: _Likelihood, n: int) -> Array:
@@ -206,7 +206,7 @@ def expected_information(wins: Array, ties: Array | None = None) -> Array:
     nodes, weights = np.polynomial.hermite_e.hermegauss(30)
     weights = weights / weights.sum()
     chosen = ndtr(mean[:, None, None] - mean[None, :, None] + spread[:, :, None] * nodes)
-    return _entropy(chosen @ weights) - _entropy(chosen) @ weights
+    return np.asarray(_entropy(chosen @ weights) - _entropy(chosen) @ weights)
 
 
 def with_expected(wins: Array, ties: Array | None, pairs: Sequence[tuple[int, int]]) -> Array:
@@ -235,4 +235,4 @@ def _of_differences(covariance: Array) -> Array:
 
 
 def _entropy(p: Array) -> Array:
-    return (entr(p) + entr(1 - p)) / np.log(2)
+    return np.asarray((entr(p) + entr(1 - p)) / np.log(2))

@@ -1,3 +1,5 @@
+from .erasing import BEYOND as BEYOND
+from .erasing import Holdings as Holdings
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder

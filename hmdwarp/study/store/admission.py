@@ -63,7 +63,7 @@ def participant_for(db: sqlite3.Connection, code: str, part: str, origin: str, n
         raise InputError(f"participant {code} is a {was} here, not a {origin}: take another code")
     if not new_session:
         raise InputError(_already(db, code, part))
-    return id_
+    return int(id_)
 
 
 def check_first(code: str, new_session: bool) -> None:
@@ -114,14 +114,14 @@ def is_taken(db: sqlite3.Connection, code: str) -> bool:
 
 def _already(db: sqlite3.Connection, code: str, part: str) -> str:
     sessions = queries.sessions_of(db, code)
-    resumable = any(one.part == part and one.status == INTERRUPTED for one in sessions)
+    resumable = any(session.part == part and session.status == INTERRUPTED for session in sessions)
     resume = "--resume resumes it, " if resumable else ""
     known = f"participant {code} is known here ({_listed(sessions)})"
     return f"{known}: {resume}--new-session begins another one; a different participant needs a different code"
 
 
 def _listed(sessions: Sequence[Session]) -> str:
-    return ", ".join(f"session {one.number} of part '{one.part}' {one.status}" for one in sessions)
+    return ", ".join(f"session {session.number} of part '{session.part}' {session.status}" for session in sessions)
 
 
 def _new_participant(db: sqlite3.Connection, code: str, origin: str) -> int:
@@ -144,11 +144,11 @@ def allotted(db: sqlite3.Connection, design: Design, part: str, origin: str) -> 
 
 def _adaptive(db: sqlite3.Connection, design: Design, part: str, origin: str) -> tuple[int, Order]:
     """Return the pairs that tell most after all answers of this origin; the row counts sessions."""
-    names = [one.name for one in design.part(part).conditions]
-    scale = next(one for one in design.scales if one.kind == PREFERENCE)
-    said = _preferences(db, part, origin, scale)
-    wins, ties = tables_of(names, said, allows_ties=scale.allows_ties)
-    shown_first, _ = tables_of(names, [(pair, FIRST) for pair, _ in said], allows_ties=False)
+    names = [condition.name for condition in design.part(part).conditions]
+    scale = next(scale for scale in design.scales if scale.kind == PREFERENCE)
+    answers = _preferences(db, part, origin, scale)
+    wins, ties = tables_of(names, answers, allows_ties=scale.allows_ties)
+    shown_first, _ = tables_of(names, [(pair, FIRST) for pair, _ in answers], allows_ties=False)
     row = db.execute(
         """SELECT count(*) FROM session s JOIN participant p ON p.id = s.participant
           WHERE s.part = ? AND p.origin = ?""",
@@ -199,7 +199,7 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
         if (
             not different
             and design.order != ADAPTIVE
-            and (row >= len(rows) or [list(one) for one in rows[row]] != from_json(names))
+            and (row >= len(rows) or [list(names_) for names_ in rows[row]] != from_json(names))
         ):
             different = ["the orders"]
         if different:
@@ -278,13 +278,13 @@ def to_resume(db: sqlite3.Connection, code: str, part: str | None) -> Session:
     sessions = queries.sessions_of(db, code)
     if not sessions:
         raise InputError(f"participant {code} is not known here: leave out --resume, or check the code")
-    open_ = [one for one in sessions if one.status == INTERRUPTED and part in (None, one.part)]
+    open_ = [session for session in sessions if session.status == INTERRUPTED and part in (None, session.part)]
     if not open_:
         raise InputError(
             f"participant {code} has no interrupted session to resume ({_listed(sessions)}): --new-session begins "
             "another"
         )
-    parts = sorted({one.part for one in open_})
+    parts = sorted({session.part for session in open_})
     if len(parts) > 1:
         raise InputError(
             f"participant {code} has interrupted sessions of several parts ({', '.join(parts)}): choose one with "
@@ -298,7 +298,7 @@ def chosen_part(design: Design, part: str | None) -> str:
 
     Errors: InputError for a part that the plan lacks, or where one of several must be named.
     """
-    names = [one.name for one in design.parts]
+    names = [part.name for part in design.parts]
     if part is None and len(names) == 1:
         return names[0]
     if part is None or part not in names:

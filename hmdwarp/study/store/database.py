@@ -24,12 +24,12 @@ _TEXTS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
     (
         "SQLITE_IOERR",
         MachineError,
-        f"the disk fails or a quota is used up ({{said}}); {KEPT}: resume with a copy on another disk (--store)",
+        f"the disk fails or a quota is used up ({{error}}); {KEPT}: resume with a copy on another disk (--store)",
     ),
     (
         "SQLITE_CANTOPEN",
         MachineError,
-        "it cannot be opened ({said}): check that the folder exists and is writable",
+        "it cannot be opened ({error}): check that the folder exists and is writable",
     ),
     ("SQLITE_BUSY", MachineError, "another program holds it: close programs that read the study's data, and try again"),
     (
@@ -42,7 +42,7 @@ _TEXTS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
         InputError,
         "it is no database: it is damaged, or another file; keep it as it is and use an earlier copy",
     ),
-    ("SQLITE_CORRUPT", InputError, f"it is damaged ({{said}}): {RECOVER}"),
+    ("SQLITE_CORRUPT", InputError, f"it is damaged ({{error}}): {RECOVER}"),
 )
 
 
@@ -53,7 +53,7 @@ def store_error(error: sqlite3.Error, path: Path) -> HmdwarpError:
         name = "SQLITE_FULL"  # the shared memory beside the log reports it so
     for begins, kind, words in _TEXTS:
         if name.startswith(begins):
-            return kind(f"{path}: {words.format(said=error)}")
+            return kind(f"{path}: {words.format(error=error)}")
     return HmdwarpError(f"{path}: {error} ({name or type(error).__name__})")
 
 
@@ -254,7 +254,7 @@ def _reader(path: Path, how: str) -> sqlite3.Connection | None:
 
 def _is_empty(db: sqlite3.Connection) -> bool:
     """Return whether a program died while it created the database."""
-    return db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
+    return bool(db.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0)
 
 
 def _connect(path: Path, how: str) -> sqlite3.Connection:
@@ -267,7 +267,7 @@ def _frozen(path: Path) -> str:
     Data that are still in the WAL would be missed.
     """
     beside = [path.with_name(path.name + end) for end in ("-wal", "-journal")]
-    if any(one.is_file() and one.stat().st_size for one in beside):
+    if any(path.is_file() and path.stat().st_size for path in beside):
         raise MachineError(
             f"{path.parent}: its last session was cut off, and the folder is not writable: copy the folder and "
             "read the copy"

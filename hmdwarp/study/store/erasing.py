@@ -1,9 +1,11 @@
 """Erases a participant: rows, traces, and the bytes they took; an interrupted erasure resumes.
 
 A mark comes first (from then on the participant is no longer read), the traces next, the rows and
-the mark in one transaction, the bytes of the file last. Beyond reach are copies that a flash disk
-keeps in retired blocks, snapshots and journals of a file system, backups, and earlier exports.
-A promise of erasure must cover these too.
+the mark in one transaction, the bytes of the file last. Erased are answers, showings with their
+figures, events with remarks, sessions, the random word and the head traces. The code stays, so that
+it is never reused, and the order becomes free. Beyond reach are earlier exports, reports and
+backups, snapshots and journals of a file system, and blocks that a flash disk retired: disk
+encryption covers the last two. A promise of erasure must cover these too.
 """
 
 from __future__ import annotations
@@ -13,13 +15,38 @@ import sqlite3
 from contextlib import suppress
 from pathlib import Path
 
+import attrs
+
 from ...errors import HmdwarpError, InputError, MachineError
-from ...report import sync
+from ...report import counted, sync
 from .admission import check_code
 from .database import transaction, translated
 from .folders import DATABASE, TRACES
 
+BEYOND = "Earlier exports, reports, copies and backups still hold these data: delete them by hand."
 _CHUNK = 1 << 20
+
+
+@attrs.frozen
+class Holdings:
+    """Amount of a participant's data."""
+
+    code: str  # as first written
+    sessions: int
+    answers: int  # every revision, to questionnaires too
+    showings: int
+    events: int
+    traces: int
+    bytes: int  # of the traces
+
+    def describe(self) -> str:
+        """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
+        names = {
+            name: counted(getattr(self, name), name[:-1]) for name in ("sessions", "answers", "showings", "events")
+        }
+        names["answers"] += " (revisions included)" if self.answers else ""
+        text = ", ".join([*names.values(), counted(self.traces, "head trace")])
+        return f"{text} ({self.bytes / 1e6:.1f} MB)" if self.traces else text
 
 
 def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
@@ -44,7 +71,7 @@ def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
     found = db.execute("SELECT id, sub FROM participant WHERE code = ?", (code,)).fetchone()
     if found is None:
         raise InputError(f"participant {code} is not known here: see whether the code is right")
-    return found
+    return (int(found[0]), str(found[1]))
 
 
 def finish_erasing(db: sqlite3.Connection, folder: Path) -> list[str]:

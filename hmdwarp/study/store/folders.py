@@ -63,9 +63,9 @@ class Lock:
     def _holder(self) -> str:
         """Return "since 14:03 on 2026-01-31, process 123 on HOST"; "" where it is not known."""
         with suppress(OSError, ValueError, KeyError, TypeError):
-            said = json.loads(os.pread(self._file, 4096, 0))
-            since = datetime.fromisoformat(said["since"]).strftime("%H:%M on %Y-%m-%d")
-            return f"since {since}, process {said['pid']} on {said['host']}"
+            holder = json.loads(os.pread(self._file, 4096, 0))
+            since = datetime.fromisoformat(holder["since"]).strftime("%H:%M on %Y-%m-%d")
+            return f"since {since}, process {holder['pid']} on {holder['host']}"
         return ""
 
     def close(self) -> None:
@@ -120,14 +120,14 @@ def folder_to_read(design: Design, folder: Path | None, origin: str) -> Path:
     found = store_folder(design, folder, origin)
     if (found / DATABASE).exists():
         return found
-    others = {one: store_folder(design, None, one) for one in ORIGINS if folder is None and one != origin}
+    others = {whose: store_folder(design, None, whose) for whose in ORIGINS if folder is None and whose != origin}
     there = [
-        f"{at} is read {'without --' + origin if one == PERSON else 'with --' + one}"
-        for one, at in others.items()
+        f"{at} is read {'without --' + origin if whose == PERSON else 'with --' + whose}"
+        for whose, at in others.items()
         if (at / DATABASE).exists()
     ]
     whose = "" if origin == PERSON else f", {origin},"
-    hint = "".join(f"; {one}" for one in there)
+    hint = "".join(f"; {text}" for text in there)
     raise InputError(
         f"{found}: there are no data{whose} of '{design.name}' yet: run sessions first, or name their folder with "
         f"--store{hint}"
@@ -172,7 +172,7 @@ def check_place(folder: Path) -> None:
     """
     if folder.is_dir():
         _check_ours(folder)
-    above = next(one for one in (folder, *folder.absolute().parents) if one.exists())
+    above = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
         raise InputError(
             f"{folder}: cannot be created ({above} is not writable): choose another folder for the study's data "
@@ -181,7 +181,7 @@ def check_place(folder: Path) -> None:
 
 
 def _check_ours(folder: Path) -> None:
-    others = sorted(one.name for one in folder.iterdir() if one.name not in _OURS)
+    others = sorted(path.name for path in folder.iterdir() if path.name not in _OURS)
     if others and not (folder / DATABASE).exists():
         raise InputError(
             f"{folder}: holds something else ({others[0]}): a study's data need a folder of their own (--store)"

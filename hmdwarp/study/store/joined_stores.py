@@ -20,6 +20,7 @@ import attrs
 from ...errors import InputError
 from ...resources import __version__
 from . import database, queries
+from .admission import insert
 from .database import transaction, translated
 from .folders import DATABASE, TRACES, check_place, make_folders
 from .records import PILOT, from_json, to_json
@@ -187,10 +188,7 @@ class _Copy:
         ids: Ids = {}
         for row in self._source.execute(f"SELECT * FROM {table} {where} ORDER BY id"):
             values = {name: row[name] for name in row.keys() if name != "id"} | changed(row)  # noqa: SIM118
-            statement = f"INSERT INTO {table} ({', '.join(values)}) VALUES ({', '.join('?' * len(values))})"
-            new = self._into.execute(statement, tuple(values.values())).lastrowid
-            assert new is not None
-            ids[row["id"]] = new
+            ids[row["id"]] = insert(self._into, table, **values)
         return ids
 
     def _participant(self, row: sqlite3.Row) -> Row:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from pathlib import Path
+from typing import Any
 
 from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json
 
@@ -30,20 +31,20 @@ _SHOWING = """SELECT id, session, key, trial, repeat, condition, presentation, c
 _EVENT = "SELECT id, session, kind, key, at_utc, mono_ns, data FROM event"
 
 
-def _session_of(row: tuple) -> Session:
+def _session_of(row: tuple[Any, ...]) -> Session:
     fields = list(row)
     fields[6] = tuple(tuple(repeat) for repeat in from_json(fields[6]))
     fields[-2:] = from_json(fields[-2]), bool(fields[-1])
     return Session(*fields)
 
 
-def _showing_of(row: tuple) -> Showing:
+def _showing_of(row: tuple[Any, ...]) -> Showing:
     *values, complete, settings, trace, actual, measured, started = row
     fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), from_json(measured), started]
     return Showing(*fields)
 
 
-def _event_of(row: tuple) -> Event:
+def _event_of(row: tuple[Any, ...]) -> Event:
     fields = [*row[:-1], from_json(row[-1])]
     return Event(*fields)
 
@@ -116,12 +117,12 @@ def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
 
 def study_name(db: sqlite3.Connection) -> str:
     """Return the name of the study."""
-    return db.execute("SELECT name FROM study").fetchone()[0]
+    return str(db.execute("SELECT name FROM study").fetchone()[0])
 
 
 def code_of(db: sqlite3.Connection, participant: int) -> str:
     """Return a participant's code as it was first written; searches ignore case."""
-    return db.execute("SELECT code FROM participant WHERE id = ?", (participant,)).fetchone()[0]
+    return str(db.execute("SELECT code FROM participant WHERE id = ?", (participant,)).fetchone()[0])
 
 
 def counts(db: sqlite3.Connection, participant: int) -> dict[str, int]:

@@ -33,9 +33,9 @@ def _plain(value: Any) -> Any:
     if hasattr(value, "tolist"):  # NumPy's
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {clean(str(key)): _plain(one) for key, one in value.items()}
+        return {clean(str(key)): _plain(held) for key, held in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
-        return [_plain(one) for one in value]
+        return [_plain(held) for held in value]
     if isinstance(value, str | Path):
         return clean(str(value))
     if isinstance(value, float):
@@ -143,4 +143,4 @@ class Contents:
 
     def session(self, id_: int) -> Session:
         """Return the session of that id. Errors: StopIteration."""
-        return next(one for one in self.sessions if one.id == id_)
+        return next(session for session in self.sessions if session.id == id_)

@@ -22,18 +22,18 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
     """
     folder = f"{Path(design.path).parent.absolute()}{os.sep}"
     return {
-        "conditions": [_condition(one, folder) for one in design.part(part).conditions],
+        "conditions": [_condition(condition, folder) for condition in design.part(part).conditions],
         "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
         "repeats": design.repeats,
         "order": design.order,
         "seed": design.seed,
-        "scales": [_scale(one) for one in design.scales],
+        "scales": [_scale(scale) for scale in design.scales],
         "practice": None
         if design.practice is None
         else [_condition(design.practice, folder), float(design.practice_seconds)],
         "sickness": _sickness(design),
-        "before": [_scale(one) for one in design.before],
-        "after": [_scale(one) for one in design.after],
+        "before": [_scale(scale) for scale in design.before],
+        "after": [_scale(scale) for scale in design.after],
         **_shows(design),
         **_task(design),
     }
@@ -92,7 +92,7 @@ def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list
 
 
 def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
-    was, is_ = ({one["name"]: one for one in side} for side in (before, now))
+    was, is_ = ({condition["name"]: condition for condition in side} for side in (before, now))
     words = [f"'{name}' is new" for name in is_ if name not in was] + [
         f"'{name}' is gone" for name in was if name not in is_
     ]

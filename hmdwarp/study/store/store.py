@@ -22,7 +22,7 @@ from typing import Any
 from ..design import Ask, Design, Show
 from . import admission, queries
 from .database import translated
-from .erasing import erase, known
+from .erasing import Holdings, erase, known
 from .folders import check_place, sync_trace, trace_name
 from .records import (
     DECLINED,
@@ -37,14 +37,14 @@ from .records import (
     clean,
     to_json,
 )
-from .store_connection import Clock, Connection, MachineClock
+from .store_connection import Clock, MachineClock, StoreConnection
 
 
 class _Undone(Exception):  # noqa: N818 (no error: rolls a transaction back)
     """Rolls back a transaction that was only a trial."""
 
 
-class Store:
+class Store(StoreConnection):
     """Data of one study in a folder; a context manager.
 
     It opens for reading, which needs no lock; the first call that writes takes the lock until the
@@ -65,23 +65,7 @@ class Store:
         create: create it when the first session begins; a refused session leaves no folder behind.
         study: name that the store must have; None for any. say: receives notes for the user.
         """
-        self._connection = Connection(Path(folder), create, study, say, clock or MachineClock())
-        self.folder, self.traces = self._connection.folder, self._connection.traces
-
-    def __enter__(self) -> Store:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Free lock and database. May be called twice. A session without an end may be resumed."""
-        self._connection.close()
-
-    @property
-    def name(self) -> str:
-        """Name of the study; "" for an empty store."""
-        return self._connection.name
+        super().__init__(Path(folder), create, study, say, clock or MachineClock())
 
     # --- sessions ---
 
@@ -103,20 +87,20 @@ class Store:
         that of earlier sessions (admission.check_plan).
         """
         part = admission.chosen_part(design, part)
-        if not self._connection.name:
+        if not self.name:
             admission.check_first(code, new_session)  # before a folder is created
-        self._connection.lock(design.name)
-        with self._connection.write() as db:
+        self._take_lock(design.name)
+        with self._write() as db:
             participant = admission.participant_for(db, code, part, origin, new_session)
             mended = admission.check_plan(db, design, part, origin)
-            now = self._connection.now()
+            now = self._now()
             id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
             session = queries.session(db, id_)
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
-            self._connection.event(session, "begin", data=data)
+            self._event(session, "begin", data=data)
             session = queries.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
-            self._connection.say(
+            self._say(
                 "the study's file changed since the last session, but not what it shows and asks; both texts are kept"
             )
         return session
@@ -127,26 +111,26 @@ class Store:
         A missing store is not created.
         """
         part = admission.chosen_part(design, part)
-        if not self._connection.name:
+        if not self.name:
             admission.check_first(code, new_session)
             check_place(self.folder)
             return
-        self._connection.lock(design.name)
-        with suppress(_Undone), self._connection.write() as db:
+        self._take_lock(design.name)
+        with suppress(_Undone), self._write() as db:
             admission.participant_for(db, code, part, origin, new_session)
             admission.check_plan(db, design, part, origin)
             raise _Undone
 
     def would_resume(self, code: str, part: str | None = None) -> Session:
         """Return the session that `resume` would resume. Errors: as resume."""
-        self._connection.lock()
-        with translated(self._connection.path):
-            return admission.to_resume(self._connection.db, code, part)
+        self._take_lock()
+        with translated(self._path):
+            return admission.to_resume(self._db, code, part)
 
     def check_same(self, session: Session, design: Design) -> None:
         """Raise InputError where `design`, read from the session's plan, has a new signature."""
-        with translated(self._connection.path):
-            admission.check_same(self._connection.db, design, session)
+        with translated(self._path):
+            admission.check_same(self._db, design, session)
 
     def resume(self, code: str, part: str | None = None, facts: Mapping[str, Any] | None = None) -> Session:
         """Resume the interrupted session of a participant.
@@ -154,11 +138,11 @@ class Store:
         facts: of this run of the program, kept with the event.
         Errors: InputError where there is none, or several parts have one and none is named.
         """
-        self._connection.lock()
-        with self._connection.write() as db:
+        self._take_lock()
+        with self._write() as db:
             session = admission.to_resume(db, code, part)
             db.execute("UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (RUNNING, session.id))
-            self._connection.event(session, "resume", data=facts or {})
+            self._event(session, "resume", data=facts or {})
             return queries.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
@@ -169,9 +153,9 @@ class Store:
         """
         if status not in STATUSES or status in (RUNNING, UNCONSENTED):
             raise ValueError(f"a session does not end as {status!r}")
-        with self._connection.running(session) as db:
-            self._connection.event(session, "end", data={"status": status, "why": why})
-            now = self._connection.now()
+        with self._running(session) as db:
+            self._event(session, "end", data={"status": status, "why": why})
+            now = self._now()
             db.execute(
                 "UPDATE session SET status = ?, ended_utc = ?, why = ? WHERE id = ?",
                 (STOPPED if status == DECLINED else status, now, clean(why), session.id),
@@ -183,8 +167,8 @@ class Store:
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
         """Record an event. data: as JSON can hold, and NumPy's numbers; NaN becomes null."""
-        with self._connection.running(session):
-            self._connection.event(session, kind, key, data)
+        with self._running(session):
+            self._event(session, kind, key, data)
 
     def finish_step(self, session: Session, key: str) -> None:
         """Record that the participant agreed to a Read, or that a Pause is over."""
@@ -198,16 +182,16 @@ class Store:
         If the program dies from here on, the showing stays, incomplete, with a partial trace.
         recorded: there will be a trace, at traces / showing.trace, a name that is never reused.
         """
-        with self._connection.running(session) as db:
+        with self._running(session) as db:
             query = "SELECT coalesce(max(presentation), 0) + 1 FROM showing WHERE session = ? AND key = ?"
             presentation = db.execute(query, (session.id, step.key)).fetchone()[0]
             trace = self.path_for(session, step, presentation).name if recorded else ""
             id_ = admission.insert(
                 db, "showing", session=session.id, key=step.key, trial=step.trial, repeat=step.repeat,
                 condition=step.condition.name, presentation=presentation, settings=to_json(settings), trace=trace,
-                started_utc=self._connection.now(),
+                started_utc=self._now(),
             )  # fmt: skip
-            self._connection.event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
+            self._event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
             return queries.showing(db, id_)
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
@@ -216,10 +200,10 @@ class Store:
         actual: as study/actual.py.
         """
         trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
-        with self._connection.running(session) as db:
+        with self._running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
-            self._connection.event(session, "shown", showing.key, {"showing": showing.id, "complete": complete})
+            self._event(session, "shown", showing.key, {"showing": showing.id, "complete": complete})
             return queries.showing(db, showing.id)
 
     def shown(
@@ -252,15 +236,15 @@ class Store:
         """
         if value is not None and not math.isfinite(value):
             raise ValueError(f"an answer of {value} to {step.key}")
-        with self._connection.running(session) as db:
+        with self._running(session) as db:
             query = "SELECT coalesce(max(revision), 0) + 1 FROM answer WHERE session = ? AND key = ?"
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
             words = {"text": text} if text else {}
-            self._connection.event(session, "answer", step.key, {"value": value, "revision": revision, **words})
+            self._event(session, "answer", step.key, {"value": value, "revision": revision, **words})
             id_ = admission.insert(
                 db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
                 scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
-                at_utc=self._connection.now(), showing=showing.id if isinstance(showing, Showing) else showing,
+                at_utc=self._now(), showing=showing.id if isinstance(showing, Showing) else showing,
             )  # fmt: skip
             return queries.answer(db, id_)
 
@@ -268,18 +252,18 @@ class Store:
 
     def done(self, session: Session) -> set[str]:
         """Return the keys of answered Asks, complete Shows, and steps of finish_step."""
-        with translated(self._connection.path):
-            return queries.done(self._connection.db, session.id)
+        with translated(self._path):
+            return queries.done(self._db, session.id)
 
     def answers(self, session: Session) -> tuple[Answer, ...]:
         """Return the last answer to each question, in the order of the first answers."""
-        with translated(self._connection.path):
-            return queries.last_answers(self._connection.db, session.id)
+        with translated(self._path):
+            return queries.last_answers(self._db, session.id)
 
     def contents(self, pilot: bool = False) -> Contents:
         """Return all data of one moment: of people (or simulated participants), or of pilots."""
-        with translated(self._connection.path):
-            return queries.contents(self._connection.db, self.folder, pilot)
+        with translated(self._path):
+            return queries.contents(self._db, self.folder, pilot)
 
     def path_for(self, session: Session, step: Show, presentation: int) -> Path:
         """Return the path of a head trace."""
@@ -290,9 +274,9 @@ class Store:
 
         Holds the lock only for this call.
         """
-        locked = self._connection.lock()
+        locked = self._take_lock()
         try:
-            with self._connection.write() as db:
+            with self._write() as db:
                 changed = db.execute(
                     "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
                 ).rowcount
@@ -300,33 +284,36 @@ class Store:
                     raise KeyError(showing_id)
         finally:
             if locked:
-                self._connection.unlock()
+                self._free_lock()
 
-    def lock(self) -> list[str]:
-        """Take the lock; return the codes whose interrupted withdrawal ended then."""
-        self._connection.lock()
-        return self._connection.finished
+    def holdings(self, code: str) -> Holdings:
+        """Return the amount of data to erase.
 
-    def holdings(self, code: str) -> tuple[str, str, dict[str, int]]:
-        """Return a participant's code as first written, the random word, and row counts by table.
-
-        Errors: InputError for an unknown or withdrawn participant.
+        Errors: InputError for an unknown or withdrawn code.
         """
-        with translated(self._connection.path):
-            participant, sub = known(self._connection.db, code)
-            return (
-                queries.code_of(self._connection.db, participant),
-                sub,
-                queries.counts(self._connection.db, participant),
-            )
+        with translated(self._path):
+            participant, sub = known(self._db, code)
+            code, counts = queries.code_of(self._db, participant), queries.counts(self._db, participant)
+        files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
+        return Holdings(code, **counts, traces=len(files), bytes=sum(path.stat().st_size for path in files))
 
-    def withdraw(self, code: str) -> None:
-        """Erase all data of a participant but the code, see study/withdraw.py.
+    def finish_withdrawal(self, code: str) -> bool:
+        """Return whether an interrupted withdrawal of this participant ended just now."""
+        self._take_lock()
+        return code.lower() in [finished.lower() for finished in self._finished]
 
-        Errors: InputError for an unknown code.
+    def withdraw(self, code: str) -> Holdings | None:
+        """Erase all data of a participant but the code, at any time and without a reason.
+
+        Returns what was erased, or None for an interrupted withdrawal. Errors: InputError for an
+        unknown or withdrawn code; MachineError while a session runs, or while a program that reads
+        the study keeps the old bytes alive. The next withdrawal or session then erases the rest.
         """
-        self._connection.lock()
-        erase(self._connection.db, self.folder, code)
+        if self.finish_withdrawal(code):
+            return None
+        erased = self.holdings(code)
+        erase(self._db, self.folder, code)
+        return erased
 
 
 def _consent(design: Design) -> dict[str, str]:

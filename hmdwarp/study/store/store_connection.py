@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 from ...errors import HmdwarpError, InputError
 from ...resources import __version__
@@ -60,21 +60,18 @@ BACK_S = 1.0  # less is the network correcting the clock, and no order depends o
 NOTHING = "holds no data of a study"
 
 
-class Connection:
-    """Connection that Store works on.
-
-    finished: codes whose interrupted withdrawal ended when the lock was taken.
-    """
+class StoreConnection:
+    """Connection of a Store: it opens for reading, and writes under the lock; a context manager."""
 
     def __init__(self, folder: Path, create: bool, study: str | None, say: Callable[[str], None], clock: Clock) -> None:
         """Open for reading. study: name that the store must have; None for any."""
-        self.folder, self.say, self.clock = folder, say, clock
-        self.path, self.traces = folder / DATABASE, folder / TRACES
+        self.folder, self.traces = folder, folder / TRACES
+        self._path, self._say, self._clock = folder / DATABASE, say, clock
         self._create, self._study = create, study
         self._lock: Lock | None = None
-        self.finished: list[str] = []
-        self._db = database.open_to_read(folder)
-        if self._db is None and not create:
+        self._finished: list[str] = []  # codes whose interrupted withdrawal ended when the lock was taken
+        self._open = database.open_to_read(folder)
+        if self._open is None and not create:
             raise InputError(
                 f"{folder}: {NOTHING} (no {DATABASE}): run a session first, or name the folder with --store"
             )
@@ -84,11 +81,17 @@ class Connection:
             self.close()
             raise
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
-        """Free the lock and the database. May be called twice."""
-        if self._db is not None:
-            self._db.close()
-            self._db = None
+        """Free lock and database. May be called twice. A session without an end may be resumed."""
+        if self._open is not None:
+            self._open.close()
+            self._open = None
         if self._lock is not None:
             self._lock.close()
             self._lock = None
@@ -96,16 +99,16 @@ class Connection:
     @property
     def name(self) -> str:
         """Name of the study; "" for an empty store."""
-        return "" if self._db is None else queries.study_name(self._db)
+        return "" if self._open is None else queries.study_name(self._open)
 
     @property
-    def db(self) -> sqlite3.Connection:
+    def _db(self) -> sqlite3.Connection:
         """The database, to read from."""
-        if self._db is None:
+        if self._open is None:
             raise InputError(f"{self.folder}: {NOTHING} yet: run a session first")
-        return self._db
+        return self._open
 
-    def lock(self, study: str | None = None) -> bool:
+    def _take_lock(self, study: str | None = None) -> bool:
         """Take the lock for writing; False where it is held already.
 
         study: name of the study, without which no store is created.
@@ -115,37 +118,37 @@ class Connection:
             return False
         if self._create and study:
             make_folders(self.folder)
-        elif self._db is None:
-            raise InputError(f"{self.folder}: {NOTHING} yet: run a session first")
-        lock = Lock(self.folder, self.clock.utc())
+        else:
+            _ = self._db  # there must be one
+        lock = Lock(self.folder, self._clock.utc())
         try:
             db = database.open_to_write(self.folder, study or "", __version__)
         except BaseException:
             lock.close()
             raise
         self.close()
-        self._db, self._lock = db, lock
+        self._open, self._lock = db, lock
         self._check_name(study)
         self._tidy()
         return True
 
-    def unlock(self) -> None:
+    def _free_lock(self) -> None:
         """Free the lock and go on reading."""
         self.close()
-        self._db = database.open_to_read(self.folder)
+        self._open = database.open_to_read(self.folder)
 
     def _tidy(self) -> None:
         """Mark sessions of dead programs as interrupted, and finish interrupted withdrawals.
 
         The lock excludes other programs: a session that still runs belongs to one that died.
         """
-        self.finished = finish_erasing(self.db, self.folder)
-        for code in self.finished:
-            self.say(f"the withdrawal of participant {code} was interrupted; it is finished now")
-        died = [id_ for (id_,) in self.db.execute("SELECT id FROM session WHERE status = ?", (RUNNING,))]
-        with self.write() as db:
+        self._finished = finish_erasing(self._db, self.folder)
+        for code in self._finished:
+            self._say(f"the withdrawal of participant {code} was interrupted; it is finished now")
+        died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (RUNNING,))]
+        with self._write() as db:
             for id_ in died:
-                self.event(queries.session(db, id_), "interrupted", data={"why": "the program died"})
+                self._event(queries.session(db, id_), "interrupted", data={"why": "the program died"})
                 db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
 
     def _check_name(self, study: str | None) -> None:
@@ -156,19 +159,19 @@ class Connection:
             )
 
     @contextmanager
-    def write(self) -> Iterator[sqlite3.Connection]:
+    def _write(self) -> Iterator[sqlite3.Connection]:
         """Open a transaction; it is on the disk when the block ends."""
         assert self._lock is not None, "writing needs the lock"
-        with transaction(self.db, self.path) as db:
+        with transaction(self._db, self._path) as db:
             yield db
 
     @contextmanager
-    def running(self, session: Session) -> Iterator[sqlite3.Connection]:
+    def _running(self, session: Session) -> Iterator[sqlite3.Connection]:
         """Open a transaction of a running session.
 
         Errors: HmdwarpError, an internal error, where it is over.
         """
-        with self.write() as db:
+        with self._write() as db:
             now = queries.session(db, session.id)
             if now.status != RUNNING:
                 raise HmdwarpError(
@@ -176,22 +179,22 @@ class Connection:
                 )
             yield db
 
-    def now(self) -> str:
+    def _now(self) -> str:
         """Return the time of day as rows hold it."""
-        return text_of(self.clock.utc())
+        return text_of(self._clock.utc())
 
-    def event(self, session: Session, kind: str, key: str = "", data: Mapping[str, Any] | None = None) -> None:
+    def _event(self, session: Session, kind: str, key: str = "", data: Mapping[str, Any] | None = None) -> None:
         """Append to the journal; an event before it notes a clock that was set back."""
-        now, mono_ns = self.now(), self.clock.mono_ns()
-        latest = self.db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
+        now, mono_ns = self._now(), self._clock.mono_ns()
+        latest = self._db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
         insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, ?, ?, ?, ?, ?)"
         if latest is not None and (back_s := seconds_back(latest[0], now)) >= BACK_S:
             # No time of another session: this entry stays when that session's participant
             # withdraws.
             noted = {"before": latest[0], "back_s": back_s} if latest[1] == session.id else {}
-            self.db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json(noted)))
-            self.say(
+            self._db.execute(insert, (session.id, "clock", "", now, mono_ns, to_json(noted)))
+            self._say(
                 f"the machine's clock was set back by {back_s:.0f} s: nothing is lost; the order of the data does "
                 "not depend on it"
             )
-        self.db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))
+        self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))

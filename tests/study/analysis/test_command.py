@@ -7,10 +7,8 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import re
 import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -30,12 +28,7 @@ NASTY = "<script>alert('x')</script> $\\frac{1}{2}$ & \"q\""
 
 
 def command(*arguments: object, folder) -> subprocess.CompletedProcess[str]:
-    """The real one, as typed in a terminal of 80 columns."""
-    program = [sys.executable, "-m", "hmdwarp", "study", "analyse", *map(str, arguments)]
-    environment = os.environ | {"COLUMNS": "80", "PYTHONPATH": os.pathsep.join(map(str, [PUBLISHED.parents[3]]))}
-    return subprocess.run(
-        program, check=False, capture_output=True, text=True, timeout=120, cwd=folder, env=environment
-    )
+    return hmdwarp("study", "analyse", *arguments, folder=folder)
 
 
 def page_of(folder: Path, data: dict, typed: str = "") -> str:
@@ -165,13 +158,13 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("arguments", "told"), WRONG, ids=lambda value: value if isinstance(value, str) else "")
-def test_what_is_wrong_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
+def test_wrong_input_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
     run = hmdwarp("study", "analyse", *arguments, "--out", "out", folder=tmp_path)
     assert run.returncode == 2 and run.stderr.count("\n") == 1 and told in run.stderr, run.stderr
     assert not (tmp_path / "out").exists()
 
 
-def test_a_missing_package_is_told_with_what_brings_it():
+def test_a_missing_package_is_named_with_its_installation():
     with pytest.raises(
         MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"
     ):

@@ -78,7 +78,7 @@ def test_a_trial_shows_the_reference_and_then_the_condition():
         ("seed = 4", 'seed = 4\n[task]\nkind = "targets"\ncount = 3', 'does not go with shows = "reference first"'),
     ],
 )
-def test_what_does_not_go_together_is_refused(found, put, says):
+def test_incompatible_settings_are_refused(found, put, says):
     assert found in STUDY
     with pytest.raises(InputError, match=says):
         design_from_text(STUDY.replace(found, put), "impaired.toml", checked=False)

@@ -44,7 +44,7 @@ def test_rows_without_the_name_of_a_scale_are_not_lost(tmp_path, named):
     assert len(found.rows) == 6 and found.rated_scales() == ("rating", named) and not found.survey
 
 
-def test_a_decimal_comma_is_understood_and_told(tmp_path):
+def test_a_decimal_comma_is_understood_and_noted(tmp_path):
     rows = [row | {"Score": row["Score"].replace(".", ",")} for row in ROWS]
     found = from_csv(written(tmp_path / "german.csv", rows, ";"))
     assert [row.value for row in found.rows] == [4.5, 3.25, None, 6.0]
@@ -63,13 +63,13 @@ def test_missing_has_many_names(tmp_path, missing):
     assert [row.value for row in found.rows] == [4.5, None, 6.0]
 
 
-def test_repeats_are_averaged_and_told(tmp_path):
+def test_repeats_are_averaged_and_noted(tmp_path):
     found = from_csv(written(tmp_path / "table.csv", [ROWS[0], {**ROWS[0], "Score": "5.5", "Trial": "2"}]))
     assert found.table("", "grade").values.tolist() == [[5.0]]
     assert any("more than once" in note for note in found.notes)
 
 
-def test_the_direction_is_asked_for_where_it_could_be_either(tmp_path):
+def test_an_ambiguous_direction_must_be_given(tmp_path):
     path = written(tmp_path / "table.csv", [{**ROWS[0], "Score": "4"}, {**ROWS[1], "Score": "5"}])
     with pytest.raises(InputError, match="--low-is-good, --high-is-good, or --scale"):
         from_csv(path)
@@ -77,7 +77,7 @@ def test_the_direction_is_asked_for_where_it_could_be_either(tmp_path):
     assert from_csv(path, SourceOptions(scale="acr")).scale_info["acr"].sign == -1
 
 
-def test_a_guessed_scale_is_told():
+def test_a_guessed_scale_is_noted():
     assert any("read on the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
 
 
@@ -108,7 +108,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("text", "told"), WRONG)
-def test_what_is_wrong_is_told_with_its_line(tmp_path, text, told):
+def test_wrong_input_is_refused_with_its_line(tmp_path, text, told):
     path = tmp_path / "wrong.csv"
     path.write_text(text)
     with pytest.raises(InputError) as error:
@@ -130,7 +130,7 @@ def test_pilots_and_programs_never_count_with_people(tmp_path):
 
 
 @given(st.binary(max_size=300))
-def test_nothing_but_an_input_error_comes_of_any_bytes(tmp_path_factory, data):
+def test_any_bytes_give_ratings_or_an_input_error(tmp_path_factory, data):
     path = tmp_path_factory.mktemp("bytes") / "any.csv"
     path.write_bytes(b"subject,condition,rating\n" + data)
     try:
@@ -155,7 +155,7 @@ def test_a_scale_with_two_directions_is_refused(tmp_path):
     assert from_csv(path, SourceOptions(low_is_good=True)).scale_info["rating"].low_is_good
 
 
-def test_families_may_be_asked_for():
+def test_families_may_be_requested():
     found = from_csv(PUBLISHED)
     families, _ = families_for(found, ["run 1/none, 200 ms:none, 800 ms"])
     (only,) = families[0].comparisons

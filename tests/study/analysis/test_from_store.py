@@ -125,11 +125,11 @@ def test_every_rating_has_its_place_and_what_came_before(contents, design):
         assert row.reference == (row.condition == "reference")
 
 
-def test_of_a_corrected_answer_the_last_one_counts(contents, design):
+def test_the_last_revision_of_an_answer_counts(contents, design):
     assert all(row.value != 6.0 for row in from_contents(contents, design).rows)
 
 
-def test_what_is_missing_says_why(contents, design):
+def test_a_missing_rating_has_its_reason(contents, design):
     data = analyse(from_contents(contents, design))
     (scale,) = data["scales"]
     reasons = sorted(one["why"] for one in scale["missing"])
@@ -162,7 +162,7 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
         from_contents(contents, design, PILOT)
 
 
-def test_programs_are_taken_only_where_they_are_asked_for(contents, design, tmp_path):
+def test_simulated_sessions_count_only_on_request(contents, design, tmp_path):
     """Nobody reads numbers made up by a program for those of people.
 
     Analysis and export refuse in the same words.
@@ -203,7 +203,7 @@ def test_one_person_is_one_person(contents, design):
     assert all(row["low"] is row["high"] is row["level"] is None for row in data["questionnaires"])
 
 
-def test_who_declines_counts_nowhere(tmp_path, design):
+def test_a_declined_session_counts_nowhere(tmp_path, design):
     """Nor in the export: tables, counts and missing ratings are those of the others."""
     with Store(tmp_path / "data", create=True) as store:
         for code in ("p1", "p2"):
@@ -234,7 +234,7 @@ def test_the_planned_family_is_compared(contents, design):
     assert "all differences are the same" in row["sentence"]  # as the grades were made: no interval, and no NaN
 
 
-def test_who_misses_the_reference_is_named_and_kept(contents, design):
+def test_a_missed_reference_is_named_and_kept(contents, design):
     (part,) = analyse(from_contents(contents, design))["scales"][0]["parts"]
     sub = next(session.sub for session in contents.sessions if session.code == "p4")
     assert part["reference"]["missed"] == [sub]
@@ -243,7 +243,7 @@ def test_who_misses_the_reference_is_named_and_kept(contents, design):
     assert without["n"] == analyse(from_contents(contents, design))["scales"][0]["comparisons"][0]["n"] - 1
 
 
-def test_scales_of_ones_own_are_told_as_the_shipped_ones_are(tmp_path):
+def test_custom_scales_are_reported_like_shipped_ones(tmp_path):
     """A translated questionnaire, a sickness scale of one's own, and a shipped one asked as a scale
     of each trial.
     """
@@ -264,7 +264,7 @@ def test_scales_of_ones_own_are_told_as_the_shipped_ones_are(tmp_path):
     assert [one["measure"]["name"] for one in data["scales"]] == ["grade"]
 
 
-def test_sickness_and_questionnaires_are_told(contents, design):
+def test_sickness_and_questionnaires_are_reported(contents, design):
     data = analyse(from_contents(contents, design))
     (fms,) = data["sickness"]
     assert [one["worst"] for one in fms["trials"] if one["trial"]] == [1.0, 2.0, 3.0]

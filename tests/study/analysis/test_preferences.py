@@ -114,7 +114,7 @@ def test_known_scores_lie_in_their_intervals_at_the_nominal_rate(scale, taste):
     assert all(least <= count <= most for count in held.values()), held
 
 
-def test_what_an_analysis_says():
+def test_an_analysis_states_scores_and_votes():
     design = design_of("preference_or_tie")
     model = model_from_text(MODEL.format(scale="preference_or_tie", noise=1.0, taste=0.2, threshold=0.6), "test")
     ratings = simulated(design, model, 1, people=20)

@@ -83,7 +83,7 @@ def test_exactly_four_figures_of_the_thesis_do_not_follow(whole):
     assert any("nothing was rated at 600 ms: the latencies are 200, 400, 800 ms" in one["sentence"] for one in claims)
 
 
-def test_a_claim_about_conditions_that_nobody_rated_both_says_so(tmp_path):
+def test_a_claim_about_conditions_without_common_raters_says_so(tmp_path):
     table, path = tmp_path / "ratings.csv", tmp_path / "claims.toml"
     table.write_text("person,part,condition,rating\n1,run,late,5.5\n2,run,warped,2\n", encoding="utf-8")
     said = 'title = "the paper"\n[[claim]]\npart = "run"\nbaseline = "late"\nbetter = "warped"\ndifference = 0.4\n'

@@ -40,7 +40,7 @@ def test_positive_means_better_whichever_way_the_scale_goes():
     assert low["differences"] == high["differences"]
 
 
-def test_a_shown_difference_is_said_plainly():
+def test_a_shown_difference_is_stated_plainly():
     said = first(ratings_of({"late": LATE, "warped": WARPED}))["sentence"]
     assert said.startswith("8 of 8 rated 'warped' better than 'late', 0 worse; mean difference +1.56 grades (95 % ")
     assert said.endswith("By the exact test p = .0078: 'warped' was rated better.")
@@ -57,7 +57,7 @@ def test_where_most_rate_alike_the_others_still_say_which_way(late, warped, way)
     assert row["sentence"].endswith(f"'warped' was rated {way}.")
 
 
-def test_more_people_than_the_exact_test_takes_are_told_so():
+def test_too_many_people_for_the_exact_test_are_refused():
     with pytest.raises(
         InputError, match="1001 participants rated both of two conditions: the exact test takes 1000 at most"
     ):
@@ -85,12 +85,12 @@ def test_too_few_people_show_nothing_either_way():
     assert "4 unequal pairs cannot give a p below .125" in said and "nothing either way" in said
 
 
-def test_nobody_rated_both():
+def test_a_pair_without_common_raters_is_stated():
     row = first(ratings_of({"late": [5, None], "warped": [None, 3]}))
     assert row["n"] == 0 and row["holm"] is None and "cannot be compared" in row["sentence"]
 
 
-def test_where_nothing_was_rated_no_order_is_said_to_be_lacking_and_no_p_is_shown():
+def test_unrated_parts_show_no_order_and_no_p():
     ratings = ratings_of({"late": [None, None], "warped": [None, None]})
     data = analyse(attrs.evolve(ratings, rows=tuple(attrs.evolve(row, place=1) for row in ratings.rows)))
     (part,) = data["scales"][0]["parts"]
@@ -116,7 +116,7 @@ def test_an_exact_interval_is_given_where_it_is_sure_of_anything():
     assert (two["shift_low"], two["shift_high"], two["shift_level"]) == (1.0, 2.0, 0.5)
 
 
-def test_a_planned_comparison_that_nobody_rated_counts_in_its_family():
+def test_an_unrated_planned_comparison_counts_in_its_family():
     families = (Family("two", (Comparison("", "late", "warped"), Comparison("", "late", "other"))),)
     ratings = ratings_of({"late": LATE, "warped": WARPED, "other": [None] * 8})
     rows = analyse(attrs.evolve(ratings, families=families))["scales"][0]["comparisons"]
@@ -136,7 +136,7 @@ GRADES = st.lists(st.one_of(st.none(), st.integers(4, 24).map(lambda quarters: q
 
 @settings(max_examples=30)
 @given(GRADES, GRADES, GRADES)
-def test_whatever_people_answer_it_is_json_without_nan(a, b, c):
+def test_any_ratings_give_json_without_nan(a, b, c):
     ratings = attrs.evolve(ratings_of({"late": a, "warped": b, "reference": c}, reference="reference"), families=PAIR)
     json.dumps(analyse(ratings), allow_nan=False)
 
@@ -185,7 +185,7 @@ def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
     assert found["previous"]["f"] == pytest.approx(table.loc["C(before)", "F"], rel=1e-9)
 
 
-def test_what_came_before_is_no_slope_per_trial():
+def test_carry_over_is_no_slope_per_trial():
     """One condition shown four times: before it was nothing, or itself.
 
     One column, but not of numbers.
@@ -203,7 +203,7 @@ def repeated(person: int) -> list[Rating]:
     ]
 
 
-def test_two_effects_that_cannot_be_told_apart_say_so():
+def test_confounded_effects_are_named():
     """Of two conditions shown once each, "second" and "after the other one" are the same trials."""
     random, rows = np.random.default_rng(3), []
     for person in range(12):
@@ -220,7 +220,7 @@ def test_two_effects_that_cannot_be_told_apart_say_so():
     assert said[1].endswith("it changed the ratings; here it is confounded with the place of a trial.")
 
 
-def test_one_order_for_all_cannot_be_told_from_the_conditions():
+def test_one_order_for_all_is_confounded_with_the_conditions():
     rows = [row for row in in_order() if row.participant in ("p0", "p4", "p8", "p12")]  # the square has four rows
     found = order_effects(rows)
     assert "all participants saw them in the same order" in found["place"]["why_not"]
@@ -261,7 +261,7 @@ def test_copied_rows_are_found_and_others_are_not():
     assert found["people"] == 3 and found["by_chance"] < 0.001
 
 
-def test_doubles_of_a_coarse_scale_are_told_to_be_likely():
+def test_equal_rows_on_a_coarse_scale_are_called_likely():
     rows = [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0]] * 3
     made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
     (found,) = copied_rows(Ratings(tuple(r for one in made for r in one.rows), {"grade": GRADE}), "grade", 1)
@@ -289,7 +289,7 @@ def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
         ("title = \n", "claims.toml:1: "),
     ],
 )
-def test_a_wrong_file_of_claims_is_told_with_its_line(tmp_path, text, told):
+def test_a_wrong_file_of_claims_is_refused_with_its_line(tmp_path, text, told):
     path = tmp_path / "claims.toml"
     path.write_text(text)
     with pytest.raises(InputError, match=told.replace(".", r"\.")):
@@ -305,7 +305,7 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
     assert both.rated_scales() == ("grade", "acr")
 
 
-def test_a_reference_that_nobody_rated_is_not_praised():
+def test_an_unrated_reference_is_not_praised():
     assert of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."
 
 

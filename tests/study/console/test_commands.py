@@ -128,7 +128,7 @@ def test_an_answer_half_typed_is_not_one_to_the_next_question():
         assert pressed(entry, STATES["next"], "enter", "y") == []
 
 
-def test_what_came_of_a_key_goes_after_a_while_and_a_line_that_is_typed_stays():
+def test_a_note_expires_and_an_open_line_stays():
     entry = KeyEntry()
     pressed(entry, SHOWING, "x")
     for seconds, there in ((0.0, True), (9.0, True), (10.5, False)):
@@ -140,7 +140,7 @@ def test_what_came_of_a_key_goes_after_a_while_and_a_line_that_is_typed_stays():
     assert entry.mode == "remark" and entry.text == "slipped"
 
 
-def test_what_the_participant_enters_meanwhile_does_not_disturb_the_typing():
+def test_entries_of_the_participant_do_not_disturb_the_typing():
     entry = KeyEntry()
     pressed(entry, ASKING, "4")
     later = attrs.evolve(ASKING, question=attrs.evolve(GRADE, entered=None), elapsed_s=999.0)
@@ -160,7 +160,7 @@ def test_pasting_goes_into_an_open_line_and_never_acts_as_keys():
     st.lists(st.one_of(st.sampled_from(["enter", "escape", "backspace", "clear"]), st.characters()), max_size=40),
     st.data(),
 )
-def test_whatever_is_typed_answers_are_on_the_scale_and_about_what_is_on(keys, data):
+def test_any_typing_gives_answers_on_the_scale_about_the_question(keys, data):
     entry = KeyEntry()
     for key in keys:
         state = data.draw(st.sampled_from(list(STATES.values())))

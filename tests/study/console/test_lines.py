@@ -48,7 +48,7 @@ def test_a_last_line_without_an_end_counts_and_the_end_of_stdin_ends_nothing(tmp
     assert asked == [("pause", None)]
 
 
-def test_without_a_console_nothing_is_said(tmp_path):
+def test_no_console_is_silent(tmp_path):
     asked, said = told(tmp_path, "stop\n", "--console", "none", "--seconds", "0.2")
     assert asked == [] and said == ""
 
@@ -97,7 +97,7 @@ def test_a_console_whose_stdin_is_closed_asks_for_nothing(monkeypatch):
         assert console.commands() == ()
 
 
-def test_a_stderr_that_nobody_reads_blocks_nothing(monkeypatch):
+def test_an_unread_stderr_blocks_nothing(monkeypatch):
     class Broken:
         def write(self, text: str) -> int:
             raise BrokenPipeError

@@ -29,11 +29,11 @@ def text_of(state: ConsoleState, **more) -> str:
     return "\n".join(part.plain for part in Scene(state, KeyEntry(), **more).parts().values())
 
 
-def test_what_is_wrong_is_said():
+def test_problems_are_shown():
     assert "TRACKING LOST" in text_of(STATES["lost"])
     assert Scene(STATES["lost"], KeyEntry()).parts()["loud"].plain == " PILOT "
-    assert "NO NEWS FOR 0:04" in text_of(SHOWING, heard_s=4.0)
-    assert "NO NEWS" not in text_of(STATES["sick"], heard_s=60.0)
+    assert "NO NEWS FOR 0:04" in text_of(SHOWING, age_s=4.0)
+    assert "NO NEWS" not in text_of(STATES["sick"], age_s=60.0)
     assert "SICKNESS 15 OF 20" in text_of(STATES["sick"])
 
 
@@ -42,12 +42,12 @@ def test_the_condition_stands_there_only_where_the_state_has_it():
     assert "condition" not in text_of(SHOWING)
 
 
-def test_nothing_is_left_of_a_break_that_ends_when_somebody_says_so():
+def test_a_break_that_ends_by_a_command_shows_no_time_left():
     assert "left of this step" not in text_of(attrs.evolve(STATES["break"], left_s=0.0))
     assert "0:22 left" in text_of(STATES["break"])
 
 
-def test_of_a_trial_that_the_participant_ends_both_times_are_there():
+def test_a_trial_that_the_participant_ends_shows_both_times():
     assert "0:31 of this step so far, 9:29 left of this step at most" in text_of(
         attrs.evolve(SHOWING, seen_s=31.0, left_s=569.0)
     )
@@ -72,7 +72,7 @@ STATE = st.builds(
 
 @settings(max_examples=60)
 @given(STATE, st.integers(1, 130), st.sampled_from(["keys", "answer", "remark", "help", "stop"]), TEXTS, TEXTS)
-def test_whatever_is_in_it_no_part_moves_the_cursor(state, width, mode, typed, note):
+def test_no_part_moves_the_cursor(state, width, mode, typed, note):
     """A control character would; a line end would push what is below it down."""
     entry = KeyEntry(mode, "".join(c for c in typed if c.isprintable()), note)
     for part in Scene(state, entry, 0.0, width).parts().values():
@@ -119,5 +119,5 @@ def test_texts():
     assert end_of("0123456789", 5) == "…6789"
 
 
-def test_an_answer_so_far_is_said():
+def test_an_answer_so_far_is_shown():
     assert "entered 3.25" in text_of(ASKING) and "nothing entered" in text_of(STATES["next"])

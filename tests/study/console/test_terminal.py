@@ -134,7 +134,7 @@ ASKED = (
 
 
 @pytest.mark.slow(10)
-def test_what_is_looked_for_is_there_in_every_size(log):
+def test_the_essentials_are_shown_in_every_size(log):
     """Sizes follow each other in one window, which is filled anew each time."""
     with played(log, COLUMNS="80", LINES="24") as terminal:  # a shell's own, which must not count
         for size in SIZES:
@@ -157,7 +157,7 @@ def test_what_is_looked_for_is_there_in_every_size(log):
             terminal.until("help, Esc", there=False)
 
 
-def test_what_happened_is_read_to_its_end(log):
+def test_a_long_journal_shows_its_end(log):
     """The end of a line is often what happened; here it does not fit into one row."""
     with played(log, "--do", "say", size=(60, 20)) as terminal:
         do(terminal)
@@ -194,7 +194,7 @@ def console_of(terminal: Terminal) -> int:
     return int(Path(f"/proc/{session}/task/{session}/children").read_text(encoding="ascii").split()[0])
 
 
-def test_what_is_loud_and_what_is_done_stand_out(log):
+def test_warnings_and_progress_stand_out(log):
     with played(log, "--states", "lost") as terminal:
         terminal.until("TRACKING LOST")
         for words in ("TRACKING LOST", "PILOT"):
@@ -240,7 +240,7 @@ def test_ctrl_c_reaches_the_program_and_the_terminal_is_restored(log):
         ("kill", 137, ["--resume"]),
     ],
 )
-def test_however_the_program_ends_the_terminal_is_restored_and_what_was_said_is_to_be_read(log, deed, status, words):
+def test_the_terminal_is_restored_and_messages_printed_after_any_end(log, deed, status, words):
     with played_by_a_shell(log, "--do", deed) as terminal:
         before = terminal.modes()
         do(terminal)
@@ -256,7 +256,7 @@ def test_however_the_program_ends_the_terminal_is_restored_and_what_was_said_is_
 @pytest.mark.parametrize(
     ("deed", "words"), [("print", ["a print in red", "a driver's own words"]), ("warn", ["a warning of a library"])]
 )
-def test_what_is_printed_meanwhile_stands_in_the_journal_and_is_printed_afterwards(log, deed, words):
+def test_prints_appear_in_the_journal_and_after_the_end(log, deed, words):
     with played(log, "--do", deed) as terminal:
         do(terminal)
         for word in words:
@@ -268,7 +268,7 @@ def test_what_is_printed_meanwhile_stands_in_the_journal_and_is_printed_afterwar
         assert all(word.replace(" in red", "") in after for word in words)
 
 
-def test_without_its_screen_the_session_goes_on_with_lines(log):
+def test_a_dead_screen_is_replaced_by_lines(log):
     with played(log, "--do", "kill-screen") as terminal:
         before = terminal.modes()
         do(terminal)
@@ -311,7 +311,7 @@ def test_in_a_terminal_that_cannot_place_text_there_are_lines(log):
         terminal.until("asked for: pause")
 
 
-def test_what_was_typed_for_a_question_that_is_over_is_dropped():
+def test_typing_for_a_finished_question_is_dropped():
     """The participant may have confirmed while the experimenter's Enter was on its way."""
     console = TerminalConsole("a study")
     here, there = (MessageSocket(end) for end in socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET))
@@ -346,7 +346,7 @@ def test_a_second_answer_to_one_question_never_becomes_one_to_the_next():
     there.close()
 
 
-def test_a_screen_that_is_behind_holds_nobody_and_gets_the_newest():
+def test_a_slow_screen_delays_nothing_and_gets_the_newest_state():
     here, there = (MessageSocket(end) for end in socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET))
     for k in range(2000):
         here.send_state(k)

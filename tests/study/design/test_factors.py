@@ -86,7 +86,7 @@ def test_the_plan_prints_them(tmp_path):
         (('fill = "none"\n[[c', 'reference = true\n[[c'), 12, "expected one hidden reference"),
     ],
 )  # fmt: skip
-def test_what_cannot_be_is_refused_with_its_line(change, line, told):
+def test_impossible_combinations_are_refused_with_their_line(change, line, told):
     with pytest.raises(InputError) as error:
         read(change)
     assert f"study.toml:{line}" in str(error.value) or f"line {line}" in str(error.value), error.value

@@ -47,7 +47,7 @@ def test_the_square_of_six_as_published():
     assert " / ".join(" ".join(str(number + 1) for number in row) for row in williams(6)) == published
 
 
-def test_none_is_no_number_of_conditions():
+def test_zero_conditions_are_refused():
     with pytest.raises(InputError, match="0 conditions: expected 1 or more"):
         williams(0)
 
@@ -81,7 +81,7 @@ def test_seams_are_balanced_exactly_where_that_is_possible(n):
     assert len(seams) == n * (n - 1) and len(set(seams.values())) == 1
 
 
-def test_nobody_sees_one_row_again_while_others_are_left_to_see():
+def test_a_row_repeats_only_after_all_others():
     """Of n rows (or n of each half) each participant sees several.
 
     Evenness of the seams comes first, and costs a few.
@@ -140,7 +140,7 @@ def test_one_of_the_least_filled_is_taken(filled, seed):
 
 
 @given(st.integers(1, 14), st.integers(0, 9), st.integers(0, 2**32), st.floats(0, 0.9))
-def test_rows_stay_level_whoever_drops_out(rows, seed, chance, dropping):
+def test_rows_stay_level_after_dropouts(rows, seed, chance, dropping):
     """Counts differ by more than one only where people dropped out of one row.
 
     Those who come next fill just these gaps.
@@ -160,7 +160,7 @@ def test_rows_stay_level_whoever_drops_out(rows, seed, chance, dropping):
     assert len(set(filled)) == 1
 
 
-def test_who_comes_next_gets_no_row_that_can_be_told_from_the_number():
+def test_the_next_row_cannot_be_guessed_from_the_number():
     """The first of a study gets any of the rows, as the seed decides.
 
     Of 600 seeds each of 6 rows gets 100, give or take 4 sd (37).

@@ -130,7 +130,7 @@ def test_with_fewer_people_nothing_can_be_found(comparisons):
         ([("repeats = 2", "repeats = 40")], "minutes are long in a headset"),
     ],
 )
-def test_what_to_think_of(changes, says):
+def test_hints_before_a_study(changes, says):
     assert any(says in note for note in notes(design(*changes)))
 
 

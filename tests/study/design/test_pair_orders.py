@@ -115,7 +115,7 @@ def test_a_trial_shows_both_before_it_asks():
         (("repeats = 1", "repeats = 400"), "makes 3 x 400 trials"),
     ],
 )  # fmt: skip
-def test_what_does_not_go_together_is_refused(change, says):
+def test_incompatible_settings_are_refused(change, says):
     text = TEXT.format(order="williams", repeats=1, latencies=[100, 200, 300])
     assert change[0] in text
     with pytest.raises(InputError, match=says.replace("[", r"\[").replace('"', ".")) as error:

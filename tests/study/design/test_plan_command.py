@@ -30,7 +30,7 @@ def study(tmp_path):
     return path
 
 
-def test_people_are_told_everything_in_80_columns(study):
+def test_the_outline_fits_80_columns(study):
     out = run(study, "--orders")
     lines = out.splitlines()
     assert max(map(len, lines)) <= 80 and not any(line.endswith(" ") for line in lines)
@@ -74,7 +74,7 @@ def test_other_orders(study, order):
     assert (".. and 960 more" in out) == (order == "random")
 
 
-def test_what_is_wrong_ends_with_status_2_and_one_line(study):
+def test_a_wrong_plan_ends_with_status_2_and_one_line(study):
     study.write_text(WHOLE.replace("latency = 200", "latency = -200", 1), encoding="utf-8")
     with pytest.raises(HmdwarpError) as caught:
         run(study)

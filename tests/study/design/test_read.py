@@ -162,7 +162,7 @@ def test_the_thesis_differs_from_how_it_was_only_in_what_its_head_lists():
     assert rows_for(was, "run-1") == ((tuple(f"{how}-{ms}" for how in ("late", "warped") for ms in (200, 400, 800)),),)
 
 
-def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
+def test_files_are_found_next_to_the_study_file(tmp_path, monkeypatch):
     folder = tmp_path / "studies"
     folder.mkdir()
     (folder / "consent.txt").write_text("Read me.\n", encoding="utf-8")
@@ -183,7 +183,7 @@ def test_files_lie_beside_the_study_file(tmp_path, monkeypatch):
     assert design.part("run-2").condition("b").settings["delay_trace"] == str(folder / "delays.csv")
 
 
-def test_what_windows_writes_is_read(tmp_path):
+def test_windows_line_ends_and_bom_are_read(tmp_path):
     path = tmp_path / "study.toml"
     path.write_bytes(b"\xef\xbb\xbf" + WHOLE.replace("\n", "\r\n").encode())
     assert load_design(str(path)).text == WHOLE
@@ -392,7 +392,7 @@ def test_a_plan_names_the_better_condition_and_its_baseline():
 
 
 @pytest.mark.parametrize(("found", "put", "says", "where"), BROKEN, ids=lambda value: str(value)[:40])
-def test_what_is_wrong_is_told_with_its_line(found, put, says, where):
+def test_wrong_input_is_refused_with_its_line(found, put, says, where):
     assert found in WHOLE
     text = WHOLE.replace(found, put, 1)
     line = where if isinstance(where, int) else line_of(text, where or put.splitlines()[0])

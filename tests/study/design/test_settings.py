@@ -68,7 +68,7 @@ def test_a_setting_means_what_the_option_means(monkeypatch, settings, arguments)
     )
 
 
-def test_what_the_run_says_comes_beside(tmp_path):
+def test_options_of_the_run_are_added(tmp_path):
     options = live_options({"latency": 100}, source="offscreen", trace="walk", record=tmp_path / "x.csv", seconds=3)
     assert (options.source, options.trace, options.record, options.seconds) == (
         "offscreen",
@@ -100,7 +100,7 @@ def test_what_the_run_says_comes_beside(tmp_path):
         ({"link-seed": 1, "link_seed": 1}, "link_seed", "link_seed comes twice"),
     ],
 )
-def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
+def test_a_wrong_name_or_kind_is_refused_with_its_key(settings, key, says):
     with pytest.raises(SettingFault) as caught:
         live_options(settings)
     assert caught.value.key == key and says in str(caught.value)
@@ -123,7 +123,7 @@ def test_a_name_or_kind_that_is_wrong_is_told_with_its_key(settings, key, says):
     ],
     ids=str,
 )
-def test_what_would_fail_in_a_session_fails_before_it(settings, says):
+def test_faults_of_a_session_are_found_before_it(settings, says):
     with pytest.raises(InputError) as caught:
         check_settings({"scene": "planes", **settings}, {})
     assert says in str(caught.value)

@@ -41,7 +41,7 @@ def test_steps_and_confirm_choose(steps, chosen):
         assert menu.chosen == chosen  # the last is the end, which is asked for twice
 
 
-def test_the_end_is_asked_for_twice():
+def test_the_end_is_confirmed_twice():
     menu = MenuDialog()
     menu.handle(said("left", *["right"] * 3, "confirm"))
     assert menu.chosen == "" and menu.panel().title == "Stop now?"
@@ -63,7 +63,7 @@ def test_the_mouse_chooses():
 
 
 @pytest.mark.parametrize("name", [CONTINUE, BREAK, AGAIN, STOP])
-def test_the_desk_chooses_at_once_and_escape_goes_on(name):
+def test_the_experimenter_chooses_at_once_and_escape_continues(name):
     menu = MenuDialog()
     menu.handle(said(name))
     assert menu.chosen == name
@@ -72,14 +72,14 @@ def test_the_desk_chooses_at_once_and_escape_goes_on(name):
     assert menu.chosen == CONTINUE
 
 
-def test_what_is_not_offered_is_not_chosen():
+def test_only_offered_choices_can_be_chosen():
     menu = MenuDialog((CONTINUE, STOP))
     menu.handle(said(AGAIN, "right", "right", "left"))
     assert menu.chosen == "" and menu.panel().marked == 0
 
 
 @given(commands)
-def test_whatever_comes_the_menu_knows_what_it_is(sent):
+def test_any_input_leaves_the_menu_consistent(sent):
     menu = MenuDialog()
     for command in sent:
         before = menu.chosen
@@ -88,7 +88,7 @@ def test_whatever_comes_the_menu_knows_what_it_is(sent):
         assert 0 <= menu.panel().marked < len(menu.panel().choices)
 
 
-def test_agreeing_is_chosen_by_nobody_beforehand():
+def test_agreement_is_not_preselected():
     reading = ConsentDialog("A short text.")
     assert reading.panel().marked is None
     reading.handle(said("confirm"))
@@ -141,7 +141,7 @@ def test_a_long_text_is_agreed_to_on_its_last_page_alone():
     assert reading.agreed
 
 
-def test_the_desk_agrees_for_the_participant():
+def test_the_experimenter_agrees_for_the_participant():
     reading = ConsentDialog(LONG)
     reading.handle(said("agree"))
     assert reading.agreed and not reading.refused
@@ -154,7 +154,7 @@ def test_the_console_declines_for_the_participant():
 
 
 @given(commands)
-def test_whatever_comes_nobody_agrees_without_a_word(sent):
+def test_no_input_but_an_agreement_agrees(sent):
     reading = ConsentDialog(LONG)
     for command in sent:
         last_page = "agree" in dict(reading.panel().choices) or reading.panel().title == "End without taking part?"
@@ -183,7 +183,7 @@ def test_a_break_lasts_as_long_as_it_is_to():
     assert resting.over
 
 
-def test_a_pause_without_a_time_is_over_when_somebody_says_so():
+def test_a_pause_without_a_time_ends_by_a_command():
     resting = BreakDialog(0, lambda: 5.0)
     assert not resting.over
     resting.handle(said("continue"))

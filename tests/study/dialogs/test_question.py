@@ -30,7 +30,7 @@ anything = st.one_of(
 
 
 @given(any_scale, st.lists(anything, max_size=40))
-def test_whatever_comes_it_is_an_answer_of_the_scale_or_none(scale, commands):
+def test_any_input_gives_an_answer_of_the_scale_or_none(scale, commands):
     asked, values = asked_of(scale), set(scale.values())
     for command in commands:
         before = (asked.confirmed, asked.skipped, asked.value)
@@ -87,7 +87,7 @@ def test_every_value_can_be_typed(scale, data):
      ("15", 5, "5"), ("9", None, ""),
      ("39", 3, "3"), ("3.3", 3, "3."), ("..", None, ""), ("6.25", 6, "6."), ("0", None, ""), ("12.5", 2.5, "2.5")],
 )  # fmt: skip
-def test_what_is_typed_on_a_scale_of_grades(typed, value, shown):
+def test_typing_on_a_scale_of_grades(typed, value, shown):
     """A digit that leads nowhere begins anew before the point, if it can; else it is not there."""
     asked = asked_of(load_scale("grade"))
     asked.handle(said(*(("digit", key) for key in typed)))
@@ -116,7 +116,7 @@ def test_an_answer_that_is_none_is_refused_in_words(number):
 
 
 @given(any_scale, st.data())
-def test_the_desk_and_respondents_answer_at_once(scale, data):
+def test_console_and_respondents_answer_at_once(scale, data):
     wanted, asked = data.draw(st.sampled_from(scale.values())), asked_of(scale)
     asked.handle(said(("answer", wanted)))
     assert (asked.value, asked.confirmed, asked.skipped) == (wanted, True, False)

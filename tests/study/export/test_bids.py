@@ -63,7 +63,7 @@ def test_a_validator_of_others_takes_every_name(tree):
         assert validator.is_bids(f"/{path.relative_to(tree).as_posix()}"), path
 
 
-def test_what_must_be_there_is(tree):
+def test_required_files_are_there(tree):
     about = loaded(tree / "dataset_description.json")
     assert {"Name", "BIDSVersion", "DatasetType", "GeneratedBy"} <= set(about) and about["GeneratedBy"][0][
         "Name"
@@ -209,7 +209,7 @@ LED = [  # facts of a session; label, name, model
 
 
 @pytest.mark.parametrize(("facts", "wanted"), LED, ids=[wanted[1][:22] for _, wanted in LED])
-def test_what_led_the_head_is_named_and_not_the_emulated_headset(facts, wanted):
+def test_the_tracking_system_is_named_not_the_emulated_headset(facts, wanted):
     assert attrs.astuple(TrackingSystem.of(facts)) == wanted
 
 
@@ -232,7 +232,7 @@ def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, desi
     assert [side["ManufacturersModelName"] for side in sides] == ["n/a", "Index"]
 
 
-def test_a_trace_that_cannot_be_read_is_told_and_the_rest_is_there(store, design, tmp_path):
+def test_an_unreadable_trace_is_reported_and_the_rest_exported(store, design, tmp_path):
     contents = store.contents()
     showings = [one for one in contents.showings if one.trial == 1]
     (store.traces / showings[0].trace).write_text("no trace at all\n", encoding="utf-8")

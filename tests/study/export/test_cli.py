@@ -29,7 +29,7 @@ def test_it_says_what_it_wrote(study, tmp_path):
     assert "3 participants (people) in 3 sessions" in told and "11 recordings of head motion" in told
 
 
-def test_pilots_are_asked_for(study, tmp_path):
+def test_pilots_are_exported_on_request(study, tmp_path):
     assert "1 participant (a pilot, who tried the study out) in 1 session, " in run(
         "export", *study, "--out", tmp_path / "out", "--pilot"
     )
@@ -39,7 +39,7 @@ def test_pilots_are_asked_for(study, tmp_path):
     assert not (tmp_path / "quiet" / "ratings.parquet").exists()
 
 
-def test_a_folder_without_data_is_told(study, tmp_path):
+def test_a_folder_without_data_is_reported(study, tmp_path):
     for command in (("export", "--out", tmp_path / "out"), ("measure",)):
         with pytest.raises(InputError, match="there are no data of 'late-or-warped' yet"):
             run(command[0], study[0], "--store", tmp_path / "nothing", *command[1:])

@@ -97,7 +97,7 @@ def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
     assert (stopped["value"], stopped["why_missing"], stopped["status"]) == (None, "session stopped", "stopped")
 
 
-def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
+def test_a_row_has_its_condition_and_the_one_before(store, design):
     for session in store.contents().sessions:
         rows = [row for row in long_rows(store.contents(), design) if row["participant"] == session.sub]
         names = [row["condition"] for row in rows]
@@ -112,7 +112,7 @@ def test_what_was_shown_and_what_came_before_stand_in_the_row(store, design):
     assert [c.name for c in columns_for(rows)] == [*LONG_COLUMNS[:19], "guard", *LONG_COLUMNS[19:]]
 
 
-def test_how_the_pictures_were_measured_stands_beside_what_was_measured(store, design, tmp_path):
+def test_a_row_says_how_its_pictures_were_measured(store, design, tmp_path):
     showing = next(one for one in store.contents().showings if one.trial)
     store.measured(showing.id, {"flip": 0.25, "refreshes": 5, "every": 10, "size": "48x60"})
     out = export(store.contents(), design, tmp_path / "out").folder
@@ -150,7 +150,7 @@ def test_the_block_of_a_trial_changes_at_each_planned_break(tmp_path):
     assert blocks == {0: 0, 1: 1, 2: 1, 3: 2}
 
 
-def test_a_files_folder_is_not_told(tmp_path):
+def test_only_the_name_of_a_file_is_exported(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
     from hmdwarp.study.export import settings_row
@@ -221,7 +221,7 @@ def test_every_column_is_described(store, design, tmp_path):
         assert row["status"] in told["status"]["Levels"] and row["phase"] in told["phase"]["Levels"]
 
 
-def test_remarks_stay_at_home_unless_asked_for_and_read_back_as_typed(store, design, tmp_path):
+def test_remarks_are_exported_on_request_as_typed(store, design, tmp_path):
     plain = export(store.contents(), design, tmp_path / "plain").folder
     assert all(b"Maria" not in path.read_bytes() for path in plain.rglob("*") if path.is_file())
     told = export(store.contents(), design, tmp_path / "told", ExportOptions(remarks=True)).folder
@@ -258,7 +258,7 @@ def test_an_older_export_is_not_written_over(store, design, tmp_path):
     assert before == {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
 
 
-def test_a_forced_export_leaves_no_file_of_somebody_who_withdrew_since(store, design, tmp_path):
+def test_a_forced_export_removes_files_of_withdrawn_participants(store, design, tmp_path):
     first = store.contents().sessions[0]
     out = export(store.contents(), design, tmp_path / "out").folder
     store.withdraw(first.code)

@@ -11,7 +11,7 @@ def bytes_of(folder):
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-def test_nothing_of_them_is_in_any_byte(store, design, tmp_path):
+def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
     everything = ExportOptions(remarks=True, revisions=True)
     contents = store.contents()
     session = next(one for one in contents.sessions if one.code == "Gamma-3")
@@ -30,7 +30,7 @@ def test_nothing_of_them_is_in_any_byte(store, design, tmp_path):
     assert b'"Count": 1' in after["bids/participants.json"]
 
 
-def test_what_is_left_is_as_without_them(store, design, tmp_path):
+def test_the_rest_is_as_without_the_withdrawn(store, design, tmp_path):
     """But for the count, nothing tells that there was anybody."""
     contents = store.contents()
     gone = next(one for one in contents.sessions if one.code == "Gamma-3")

@@ -31,7 +31,7 @@ def rating(**values):
     return {"grade": attrs.evolve(GRADE, **values)}
 
 
-def test_the_same_seed_gives_the_same_people_whoever_is_with_them():
+def test_the_same_seed_gives_the_same_people_in_any_company():
     few, many = cohort(12), cohort(30)
     np.testing.assert_array_equal(few.answers["grade"], many.answers["grade"][:12])
     assert few.why == many.why[:12]
@@ -82,7 +82,7 @@ def test_shares_of_missing_ratings_and_dropouts():
         assert np.isnan(made.answers["grade"][~went_on, place]).all()
 
 
-def test_orders_stay_balanced_whoever_leaves():
+def test_orders_stay_balanced_after_dropouts():
     made = cohort(200, dropout=0.2)
     stayed = [tuple(order) for order, why in zip(made.order.tolist(), made.why, strict=True) if why == "complete"]
     counts = Counter(stayed)
@@ -135,7 +135,7 @@ def test_made_up_ratings_are_those_of_the_cohort():
     assert all(row.previous == "" for row in found.rows if row.place == 1)
 
 
-def test_somebody_in_a_session_answers_as_in_a_study_without_one():
+def test_a_simulated_session_answers_as_a_simulated_study():
     order = (("late", "reference", "warped", "turned"),)
     model = attrs.evolve(MODEL, dropout=0.0, ratings=rating(missing=0.3))
     made = Population(model, DESIGN, PART).of([77], DESIGN.seed, orders=[order])
@@ -169,7 +169,7 @@ def test_commands_come_once_and_again_where_they_had_no_effect():
     assert visit(somebody, ask) == ["answer"]  # the question comes again, and so does the answer
 
 
-def test_who_wants_a_question_again_says_so_in_the_next_step_once():
+def test_a_repeated_question_is_requested_once_in_the_next_step():
     model = attrs.evolve(MODEL, dropout=0.0, again=1.0, pause=1.0)
     order = (("late", "reference", "warped", "turned"),)
     somebody = Simulated(model, DESIGN, PART, 1, 5, order)
@@ -199,7 +199,7 @@ def test_a_trial_until_done_is_ended_after_a_time_of_its_own():
     assert visit(Simulated(model, DESIGN, PART, 1, 5, order), with_time, seconds=60.0) == []
 
 
-def test_who_has_had_enough_stops_before_the_next_trial():
+def test_a_dropout_stops_before_the_next_trial():
     population = Population(attrs.evolve(MODEL, dropout=0.5, sickness=SicknessModel()), DESIGN, PART)
     made = population.of(range(20), 3)
     person = next(k for k in range(20) if made.trials[k] == 2)

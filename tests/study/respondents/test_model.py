@@ -138,7 +138,7 @@ def test_a_file_is_read_with_its_defaults():
         ('title = "two"', "", 1, "the key title is missing"),
     ],
 )
-def test_what_is_wrong_in_a_file_is_told_with_its_line(was, now, line, says):
+def test_a_wrong_model_is_refused_with_its_line(was, now, line, says):
     with pytest.raises(InputError) as told:
         model_from_text(TEXT.replace(was, now), "people.toml")
     assert str(told.value).startswith(f"people.toml:{line}: ")
@@ -151,7 +151,7 @@ def test_no_text_gives_another_error(text):
         model_from_text(text, "people.toml")
 
 
-def test_what_the_study_needs_and_the_model_lacks_is_named():
+def test_a_lack_of_the_model_is_named():
     design, model = load_design("quick"), model_from_text(TEXT, "people.toml")
     with pytest.raises(
         InputError, match=r"people.toml: \[rating.grade.means\]: no mean for late, turned, warped, reference of part"
@@ -184,7 +184,7 @@ def test_a_shipped_model_that_lacks_a_scale_names_the_remedy_and_no_file_of_the_
         load_model("thesis").rating(load_scale("acr"))
 
 
-def test_a_model_that_is_not_there_is_told():
+def test_an_unknown_model_is_refused():
     with pytest.raises(InputError, match="thesis"):
         load_model("thesiss")
     with pytest.raises(InputError, match="No such file"):

@@ -32,7 +32,7 @@ SSQ = (FOLDER / "ssq.toml").read_text(encoding="utf-8")
 GRADE = (FOLDER / "grade.toml").read_text(encoding="utf-8")
 
 
-def test_what_is_shipped():
+def test_shipped_scales_are_complete():
     assert scale_names() == [
         "acr", "comments", "dcr", "demographics", "fms", "grade", "ipq", "misc", "nasa_tlx", "preference",
         "preference_or_tie", "slider", "ssq", "vrsq",
@@ -131,7 +131,7 @@ def test_an_ipq_against_the_published_table(answers):
     assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
 
 
-def test_who_was_wholly_present_has_the_most_of_every_score():
+def test_full_presence_gives_the_most_of_every_score():
     """The end of each item that means presence, by its words."""
     scale = load_scale("ipq")
     lowest = {"pictures", "attention", "real"}
@@ -180,7 +180,7 @@ def test_a_vrsq_by_hand(answers):
     assert scored(scale, dict(zip([item.key for item in scale.items], answers, strict=True))) == pytest.approx(wanted)
 
 
-def test_what_is_not_answered_leaves_its_scores_empty_and_no_others():
+def test_a_missing_answer_empties_its_own_scores_alone():
     scale = load_scale("ssq")
     answers: dict[str, float | None] = {item.key: 1 for item in scale.items}
     answers["sweating"] = None  # in N alone

@@ -95,7 +95,7 @@ def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
     ]  # a question that was interrupted is asked anew, and nothing is shown for it
 
 
-def test_the_last_question_again_keeps_both_answers_and_goes_on(monkeypatch, gpu, tmp_path):
+def test_a_repeated_question_keeps_both_answers(monkeypatch, gpu, tmp_path):
     grades = iter("5213")
 
     def own(panel):
@@ -199,7 +199,7 @@ def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tm
     assert stop.data["by"] == "participant"
 
 
-def test_who_does_not_agree_sees_nothing(monkeypatch, gpu, tmp_path):
+def test_without_agreement_nothing_is_shown(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
     clicks = {"Before we begin": "refuse", "End without taking part?": "yes"}
     person = Person(
@@ -231,7 +231,7 @@ def test_without_the_consent_a_session_that_the_experimenter_ends_counts_nowhere
     assert any("counted nowhere else: 1." in note for note in ratings.notes)
 
 
-def test_the_experimenter_types_what_is_said_and_leaves_out_what_is_not(monkeypatch, gpu, tmp_path):
+def test_the_experimenter_types_or_skips_spoken_words(monkeypatch, gpu, tmp_path):
     given = iter([Command("answer", 3.25), Command("skip")])
     console = ScriptedConsole(
         lambda state: [command] if state.phase == "asking" and (command := next(given, None)) else ()
@@ -251,7 +251,7 @@ def test_a_remark_is_kept_word_for_word_and_disturbs_nothing(monkeypatch, gpu, t
     assert presentations(path, "trial/2") == [(1, True)]
 
 
-def test_a_break_asked_for_at_the_console_waits_until_the_trial_is_over(monkeypatch, gpu, tmp_path):
+def test_a_requested_break_waits_until_the_trial_is_over(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, console=at_phase("showing", "trial 1 of 2", Command("break")))
     assert ran.session.status == COMPLETE
@@ -286,7 +286,7 @@ def test_the_menu_in_a_break_does_not_make_it_longer(monkeypatch, gpu, tmp_path)
     assert "break" not in dict(menu.choices)
 
 
-def test_what_comes_after_an_answer_does_not_answer_the_next_question(monkeypatch, gpu, tmp_path):
+def test_a_late_command_does_not_answer_the_next_question(monkeypatch, gpu, tmp_path):
     given = iter([[Command("answer", 3.0), Command("answer", 4.0), Command("remark", "twice")]])
     console = ScriptedConsole(lambda state: next(given, ()) if state.phase == "asking" else ())
     path = study(tmp_path)

@@ -79,7 +79,7 @@ def test_people_answer_at_the_window(monkeypatch, gpu, path):
     assert any("x The picture swims." in line for line in ran.console.said)
 
 
-def test_the_experimenter_types_what_is_said(monkeypatch, gpu, path):
+def test_the_experimenter_types_spoken_words(monkeypatch, gpu, path):
     def asks(state):
         if state.question is None:
             return ()
@@ -147,7 +147,7 @@ def test_in_a_headset_the_words_are_said():
         ('answer = "text"', 'answer = "text"\nchoices = ["a", "b"]', "choices"),
     ],
 )
-def test_what_cannot_be_asked_is_refused_with_its_line(tmp_path, found, put, told):
+def test_an_impossible_question_is_refused_with_its_line(tmp_path, found, put, told):
     assert found in FORM
     file = tmp_path / "form.toml"
     file.write_text(FORM.replace(found, put), encoding="utf-8")

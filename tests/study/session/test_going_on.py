@@ -121,7 +121,7 @@ def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
     assert "We go on with trial 1 of 2" in " ".join(again.display.panels[0].lines)
 
 
-def test_a_rating_whose_trial_was_seen_in_another_sitting_is_given_after_seeing_it_again(monkeypatch, gpu, tmp_path):
+def test_a_trial_seen_in_an_earlier_run_is_shown_again_before_its_rating(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
     person = Person(lambda panel: () if getattr(panel, "heading", "") == "trial 1" else None)
     count = 0
@@ -170,7 +170,7 @@ def test_a_display_that_stays_away_ends_it_with_words_and_nothing_lost(monkeypat
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
-def test_an_interruption_that_cannot_be_written_is_told_with_how_to_go_on(monkeypatch, gpu, tmp_path):
+def test_an_unwritable_interruption_says_how_to_resume(monkeypatch, gpu, tmp_path):
     def full(*_):
         raise MachineError("no room is left on the disk")
 
@@ -217,7 +217,7 @@ def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, tmp
     assert actual.actual_of({}, lambda name: 1 / 0) == actual.NOTHING
 
 
-def test_an_interrupted_session_goes_on_with_the_plan_it_began_with(monkeypatch, gpu, tmp_path):
+def test_an_interrupted_session_resumes_with_its_first_plan(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
     run(monkeypatch, gpu, path, at={5: closing()})
     path.write_text(path.read_text(encoding="utf-8").replace("seconds = 0.1", "seconds = 0.3"), encoding="utf-8")
@@ -226,7 +226,7 @@ def test_an_interrupted_session_goes_on_with_the_plan_it_began_with(monkeypatch,
     assert all(one.actual["seconds"] < 0.15 for one in contents(path).showings if one.complete)
 
 
-def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatch, gpu, tmp_path):
+def test_a_session_is_not_resumed_with_a_changed_custom_scale(monkeypatch, gpu, tmp_path):
     """The plan's text is kept, not the file that it names.
 
     Half in quarter steps and half in whole ones would be no session.
@@ -244,7 +244,7 @@ def test_a_scale_of_one_s_own_that_became_another_is_not_gone_on_with(monkeypatc
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
 
 
-def test_what_is_refused_is_refused_before_a_display_is_opened(monkeypatch, gpu, tmp_path):
+def test_refusals_come_before_the_display_opens(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
     assert run(monkeypatch, gpu, path).session.status == COMPLETE
     for options, told in [
@@ -288,7 +288,7 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
         ({"pilot": True}, {}, "give --pilot to resume"),
     ],
 )
-def test_a_session_is_gone_on_with_by_the_same_kind_alone(monkeypatch, gpu, tmp_path, was, now, told):
+def test_a_session_is_resumed_by_its_own_origin_alone(monkeypatch, gpu, tmp_path, was, now, told):
     """Else made-up answers would get into somebody's session."""
     path = study(tmp_path)
     one = {"store": tmp_path / "one"}
@@ -301,7 +301,7 @@ def test_a_session_is_gone_on_with_by_the_same_kind_alone(monkeypatch, gpu, tmp_
         assert store.contents(pilot=bool(was)).sessions[0].status == INTERRUPTED
 
 
-def test_a_code_that_is_drawn_is_told(monkeypatch, gpu, tmp_path):
+def test_a_drawn_code_is_printed(monkeypatch, gpu, tmp_path):
     ran = run(monkeypatch, gpu, study(tmp_path), participant="new")
     assert ran.said[0].startswith(f"participant {ran.session.code}, ")
     assert len(ran.session.code) == 5

@@ -102,7 +102,7 @@ def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
         ('[instructions]\ntext = "a"\npages = 3', "pages"),
     ],
 )
-def test_what_cannot_be_read_is_refused_with_its_line(tmp_path, table, told):
+def test_unreadable_pages_are_refused_with_their_line(tmp_path, table, told):
     made = study(tmp_path)
     (tmp_path / "small.png").write_text("no picture at all", encoding="utf-8")
     made.write_text(f"{made.read_text(encoding='utf-8')}{table}\n", encoding="utf-8")

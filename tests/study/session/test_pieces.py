@@ -59,7 +59,7 @@ def summary(**live) -> dict:
     return {"frames": 3, "live": beside, "effects": ["a", "b"], "size": [4, 5], "machine": machine, **texts}
 
 
-def test_what_was_shown_by_hand():
+def test_figures_of_a_trial_by_hand():
     column = columns(
         age_ms=[100, 110, 150],
         period_ms=[math.nan, 10, 30],
@@ -99,7 +99,7 @@ def test_one_eye_and_one_picture_are_enough():
     )
 
 
-def test_what_nobody_measured_is_nothing_and_no_nan():
+def test_missing_figures_are_none_and_never_nan():
     actual = actual_of({}, columns())
     assert actual == NOTHING
     assert all(actual[name] is None for name in NUMBERS)
@@ -127,7 +127,7 @@ def test_a_simulated_pilot_is_a_pilot():
     assert SessionOptions(study="quick", participant="P1").origin == "person"
 
 
-def test_what_goes_on_is_typed_as_a_shell_takes_it():
+def test_the_resuming_command_is_quoted_for_a_shell():
     options = SessionOptions(study="my study.toml", participant="new", store="data here", new_session=True)
     assert (
         options.command("P7", "main", several=False)
@@ -165,7 +165,7 @@ def test_the_watchdog_s_last_words_tell_the_recording_and_how_to_go_on(monkeypat
     assert said.endswith(f"resume with: hmdwarp study run {path} --participant P1 --resume --source desktop")
 
 
-def test_a_link_that_lets_nothing_through_is_told(monkeypatch, gpu, tmp_path):
+def test_a_link_that_delivers_no_frame_is_an_error(monkeypatch, gpu, tmp_path):
     from hmdwarp.study.session import trial_runner
 
     monkeypatch.setattr(trial_runner, "PATIENCE_S", 0.1)
@@ -205,5 +205,5 @@ def test_a_head_that_hardly_moves_is_flagged(heads, turn_deg, shift_m, still):
     }
 
 
-def test_a_head_that_nobody_saw_is_not_still():
+def test_an_unseen_head_is_not_still():
     assert set(HeadRange().figures().values()) == {None}

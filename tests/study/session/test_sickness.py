@@ -41,11 +41,11 @@ def answers(*values: float | None) -> list[Answer]:
         ((None, 2, 7), None, 5, True),
     ],
 )
-def test_what_the_rule_says(values, stop_at, rise, is_sick):
+def test_the_rule_ends_a_session(values, stop_at, rise, is_sick):
     assert bool(why_sick(Sickness(FMS, stop_at=stop_at, rise=rise), answers(*values))) is is_sick
 
 
-def test_what_is_asked_after_all_trials_ends_nothing():
+def test_answers_after_all_trials_end_nothing():
     rule = Sickness(FMS, stop_at=15)
     afterwards = attrs.evolve(answers(18)[0], key="after/fms/fms", phase="after", trial=0)
     assert not why_sick(rule, [*answers(3), afterwards])
@@ -60,7 +60,7 @@ def test_a_scale_that_counts_downwards_is_turned():
     assert not why_sick(rule, answers(14, 18))
 
 
-def test_without_a_rule_and_with_other_scales_nothing_is_said():
+def test_no_rule_and_other_scales_end_nothing():
     assert why_sick(None, answers(20)) == ""
     assert why_sick(Sickness(FMS, stop_at=1), [attrs.evolve(answers(20)[0], scale="grade")]) == ""
 
@@ -115,7 +115,7 @@ def test_a_slip_at_the_sickness_scale_can_be_corrected(monkeypatch, gpu, tmp_pat
     assert values == [(1, 16.0), (2, 1.0)]
 
 
-def test_who_is_sick_may_leave_everything_out(monkeypatch, gpu, tmp_path):
+def test_a_sick_participant_may_skip_the_last_questions(monkeypatch, gpu, tmp_path):
     path = whole(tmp_path)
     ran = run(monkeypatch, gpu, path,
     feeling("20", own=lambda panel: () if getattr(panel, "title", "") == "We stop here" else None),

@@ -143,7 +143,7 @@ def test_targets_are_part_of_the_picture(monkeypatch, gpu, tmp_path):
     assert actual == {"plainly-late": None, "spun-about": 2}
 
 
-def test_the_score_is_exported_and_analysed_beside_the_rating(monkeypatch, gpu, tmp_path):
+def test_the_score_is_exported_and_analysed_with_the_rating(monkeypatch, gpu, tmp_path):
     path = with_task(tmp_path, more='[[family]]\nname = "f"\npairs = [["plainly-late", "spun-about"]]\n')
     for code in ("P1", "P2"):
         run(monkeypatch, gpu, path, person=Selecting(), participant=code)

@@ -51,7 +51,7 @@ def test_the_participant_ends_a_trial_and_the_panel_before_it_says_how(monkeypat
     assert all(state.seen_s + state.left_s == pytest.approx(LONGEST_S) for state in seen)
 
 
-def test_who_does_not_end_it_sees_it_for_its_longest_time(monkeypatch, gpu, tmp_path):
+def test_an_unended_trial_lasts_its_longest_time(monkeypatch, gpu, tmp_path):
     path = until_done(tmp_path)
     run(monkeypatch, gpu, path)
     for showing in contents(path).showings:
@@ -67,7 +67,7 @@ def test_a_confirmation_ends_no_trial_with_a_time_of_its_own(monkeypatch, gpu, t
         assert showing.actual["seconds"] == pytest.approx(0.1, abs=0.03)
 
 
-def test_the_experimenter_may_end_it_for_somebody_who_says_so(monkeypatch, gpu, tmp_path):
+def test_the_experimenter_may_end_it_on_request(monkeypatch, gpu, tmp_path):
     path = until_done(tmp_path)
     console = ScriptedConsole(lambda state: [Command("continue")] if state.seen_s else [])
     ran = run(monkeypatch, gpu, path, console=console)
@@ -75,7 +75,7 @@ def test_the_experimenter_may_end_it_for_somebody_who_says_so(monkeypatch, gpu, 
     assert {one.actual["ended_by"] for one in contents(path).showings} == {"experimenter"}
 
 
-def test_a_session_cut_off_in_such_a_trial_goes_on_with_it(monkeypatch, gpu, tmp_path):
+def test_a_session_cut_off_in_such_a_trial_resumes_with_it(monkeypatch, gpu, tmp_path):
     path = until_done(tmp_path)
     assert run(monkeypatch, gpu, path, at={6: closing()}).session.status == "interrupted"
     assert run(monkeypatch, gpu, path, person=Decided(), resume=True).session.status == "complete"
@@ -91,7 +91,7 @@ class Looker:
         return (Command("continue"),) if is_over else ()
 
 
-def test_a_respondent_s_end_is_told_from_a_participant_s(monkeypatch, gpu, tmp_path):
+def test_a_respondents_end_differs_from_a_participants(monkeypatch, gpu, tmp_path):
     path = until_done(tmp_path)
     run(monkeypatch, gpu, path, respondent=Looker())
     assert {one.actual["ended_by"] for one in contents(path).showings} == {"simulated"}

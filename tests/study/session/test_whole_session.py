@@ -57,7 +57,7 @@ def test_answers_are_those_that_were_given_about_what_was_shown(one):
     assert all(showing.complete and showing.presentation == 1 for showing in stored.showings)
 
 
-def test_what_was_really_shown_is_what_was_planned(one):
+def test_every_trial_shows_its_planned_condition(one):
     """A frame is shown at the first refresh at or after its latency.
 
     A refresh is shown two periods after it is asked for. So a frame's age lies within one period
@@ -99,7 +99,7 @@ def test_the_participant_learns_how_to_look_before_the_first_trial(one):
     assert "Move the mouse to look around" in " ".join(ready.lines)
 
 
-def test_trials_with_a_head_that_hardly_moved_are_told_of(one):
+def test_trials_with_a_still_head_are_reported(one):
     """A tenth of a second of a walk is next to nothing."""
     path, ran = one
     assert all(showing.actual["head_still"] for showing in contents(path).showings)
@@ -149,7 +149,7 @@ def test_a_pipeline_that_takes_long_to_build_does_not_tell_itself_by_the_wait(mo
     assert waits[0] == pytest.approx(waits[1], abs=PERIOD_MS)
 
 
-def test_nobody_sees_what_is_on(one):
+def test_no_title_or_panel_shows_the_condition(one):
     """Neither names nor settings stand in a title, on a panel or on the console."""
     _, ran = one
     titles = set(ran.display.titles)
@@ -180,7 +180,7 @@ def test_the_console_knows_the_condition_unless_the_plan_hides_it(monkeypatch, g
     )
 
 
-def test_the_console_is_told_what_it_can_show(one):
+def test_the_console_gets_everything_it_shows(one):
     _, ran = one
     states = ran.console.states
     assert {state.phase for state in states} == {"reading", "waiting", "showing", "asking", "break", "over"}
@@ -225,7 +225,7 @@ def test_each_trial_begins_with_the_recording_s_beginning(one):
         assert np.allclose(traces[0].position_m, other.position_m, atol=1e-9)
 
 
-def test_facts_of_the_machine_are_kept_and_name_nobody(one):
+def test_facts_of_the_machine_are_kept_without_personal_names(one):
     import getpass
     import socket
 

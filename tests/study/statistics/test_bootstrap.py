@@ -107,6 +107,6 @@ def test_a_thousand_differences_on_a_fine_grid_have_the_normal_interval():
     )
 
 
-def test_what_is_not_finite_is_refused():
+def test_infinite_input_is_refused():
     with pytest.raises(ValueError, match="finite"):
         bca([1.0, np.inf])

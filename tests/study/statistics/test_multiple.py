@@ -29,12 +29,12 @@ def test_friedman_is_conovers_with_ties_and_missing_rows_left_out():
     assert found.p == pytest.approx(stats.chi2.sf(found.chi2, 4), rel=1e-12)
 
 
-def test_whoever_agrees_throughout_has_a_w_of_1():
+def test_full_agreement_has_a_w_of_1():
     table = np.array([[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [0.0, 0.5, 9.0]])
     assert kendalls_w(friedman(table)) == pytest.approx(1.0)
 
 
-def test_what_friedman_cannot_say():
+def test_friedman_needs_enough_conditions_and_people():
     assert friedman([[1.0, 2.0], [2.0, 1.0]]) is None  # two conditions are Wilcoxon's
     assert friedman([[1.0, 2.0, 3.0]]) is None
     assert friedman([[2.0, 2.0, 2.0], [3.0, 3.0, 3.0]]).p == 1.0  # where SciPy has 0 / 0

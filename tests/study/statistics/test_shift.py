@@ -64,7 +64,7 @@ def test_it_covers_under_ties_at_least_as_often_as_it_says():
     assert held / 2000 >= 0.95 - 0.015
 
 
-def test_nobody_and_nonsense():
+def test_empty_and_invalid_input_is_handled():
     assert np.isnan(hodges_lehmann([])).all()
     with pytest.raises(ValueError, match="finite"):
         hodges_lehmann([np.nan])

@@ -76,7 +76,7 @@ def test_many_tables_at_once_are_as_one_by_one():
         assert together.threshold[k] == pytest.approx(alone.threshold, abs=1e-8)
 
 
-def test_all_agree_or_nobody_was_asked():
+def test_unanimous_and_missing_answers_give_finite_scores():
     """Unanimous answers have a finite score, and conditions without any lie in the middle."""
     wins = np.zeros((3, 3))
     wins[0, 1] = 1000

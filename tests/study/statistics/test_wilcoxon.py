@@ -111,7 +111,7 @@ def test_the_smallest_p_is_reached_and_not_undercut():
 
 
 @pytest.mark.parametrize("wrong", [[1.0, np.nan], [np.inf], [[1.0, 2.0]]])
-def test_what_is_no_list_of_numbers_is_refused(wrong):
+def test_input_other_than_numbers_is_refused(wrong):
     with pytest.raises(ValueError, match="finite"):
         wilcoxon_exact(wrong)
 

@@ -16,7 +16,6 @@ from hypothesis.stateful import Bundle, RuleBasedStateMachine, consumes, initial
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Store
-from hmdwarp.study.withdraw import holdings, withdraw
 
 from .sessions import asks, begun, shows
 
@@ -156,7 +155,7 @@ class StoreByModel(RuleBasedStateMachine):
         self.store.close()
         self.store = Store(self.folder / "data", create=True)
         if self.store.name:
-            self.store.lock()
+            self.store._take_lock()
         for one in self.told.values():
             one.status = INTERRUPTED if one.status == "running" else one.status
 
@@ -164,13 +163,13 @@ class StoreByModel(RuleBasedStateMachine):
     @rule(code=st.sampled_from(CODES))
     def withdraw(self, code):
         try:
-            held = holdings(self.store, code)
+            held = self.store.holdings(code)
         except InputError:
             assert code in self.withdrawn or not self.of(code)
             return
         mine = self.of(code)
         assert (held.sessions, held.answers) == (len(mine), sum(len(one.answers) for one in mine))
-        assert withdraw(self.store, code) == held
+        assert self.store.withdraw(code) == held
         self.withdrawn.add(code)
         self.told = {id_: one for id_, one in self.told.items() if one.code != code}
 

@@ -321,7 +321,7 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
         begun(store)
 
 
-def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, monkeypatch):
+def test_another_program_in_the_database_is_awaited_then_named(tmp_path, monkeypatch):
     monkeypatch.setattr("hmdwarp.study.store.database.BUSY_S", 0.05)
     with Store(tmp_path / "data", create=True) as store:
         session = begun(store)
@@ -337,7 +337,7 @@ def test_somebody_s_shell_in_the_database_is_waited_for_then_named(tmp_path, mon
 # -------------------------
 
 
-def test_a_clock_set_back_is_told_once_and_changes_no_order(tmp_path):
+def test_a_clock_set_back_is_reported_once_and_changes_no_order(tmp_path):
     said: list[str] = []
     clock = SetClock()
     with Store(tmp_path / "data", create=True, say=said.append, clock=clock) as store:

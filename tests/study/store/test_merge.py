@@ -11,7 +11,6 @@ import pytest
 from hmdwarp.errors import InputError
 from hmdwarp.study.export import long_rows
 from hmdwarp.study.store import COMPLETE, PILOT, SICK, Contents, Store, merge
-from hmdwarp.study.withdraw import withdraw
 from tests.study import tiny
 
 from .sessions import TEXT, begun, design, go_through, whole
@@ -89,7 +88,7 @@ def test_a_merged_store_is_a_store(two, tmp_path):
     taken = {one.row for one in contents(tmp_path / "all").sessions}
     with Store(tmp_path / "all") as store:
         assert begun(store, "P09").row not in taken  # of four orders, those that either site gave are held
-        withdraw(store, "paris-P02")
+        store.withdraw("paris-P02")
     assert "paris-P02" not in [one.code for one in contents(tmp_path / "all").sessions]
     merge({"europe": tmp_path / "all", "asia": site(tmp_path / "c", "P01")}, tmp_path / "more")
     merged = contents(tmp_path / "more")
@@ -100,9 +99,9 @@ def test_a_merged_store_is_a_store(two, tmp_path):
         begun(store, "europe-paris-P02")
 
 
-def test_of_who_withdrew_only_the_code_comes_along(two, tmp_path):
+def test_a_merge_keeps_only_the_code_of_a_withdrawn_participant(two, tmp_path):
     with Store(two["paris"]) as store:
-        withdraw(store, "P01")
+        store.withdraw("P01")
     merge(two, tmp_path / "all")
     merged = contents(tmp_path / "all")
     assert merged.withdrawn == 1 and "paris-P01" not in [one.code for one in merged.sessions]
@@ -117,7 +116,7 @@ def test_pilots_stay_apart_and_may_have_had_any_plan(two, tmp_path):
     assert [one.code for one in contents(tmp_path / "all", pilot=True).sessions] == ["paris-try"]
 
 
-def test_a_session_that_was_cut_off_is_gone_on_with(two, tmp_path):
+def test_a_cut_off_session_is_resumed(two, tmp_path):
     with Store(two["paris"]) as store:
         begun(store, "P03")
     merge(two, tmp_path / "all")
@@ -131,7 +130,7 @@ def refused(sites: dict[str, Path], out: Path) -> str:
     return str(found.value)
 
 
-def test_what_cannot_be_merged_is_told_and_leaves_nothing(two, tmp_path):
+def test_unmergeable_stores_are_refused_and_leave_nothing(two, tmp_path):
     out = tmp_path / "all"
     copy = tmp_path / "copy"
     shutil.copytree(two["berlin"], copy)

@@ -55,7 +55,7 @@ def test_a_known_code_is_refused_with_what_can_be_done(tmp_path, code):
         assert begun(store, code, new_session=True).number == 2
 
 
-def test_a_new_session_of_nobody_is_refused(store):
+def test_a_new_session_of_an_unknown_participant_is_refused(store):
     whole(store, "P01")
     with pytest.raises(InputError, match="P10 is not known here: leave out --new-session"):
         begun(store, "P10", new_session=True)
@@ -70,7 +70,7 @@ def test_a_code_is_of_one_kind(tmp_path, origin):
             begun(store, "P01", origin=other, new_session=True)
 
 
-def test_what_cannot_be_gone_on_with(tmp_path):
+def test_unresumable_sessions_are_refused(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         with pytest.raises(InputError, match="holds no data of a study"):
             store.resume("P01")
@@ -126,7 +126,7 @@ def test_a_plan_that_means_something_else_begins_no_session(store, was, is_, tol
     assert [one.code for one in store.contents().sessions] == ["P01"], "nothing came of the refused one"
 
 
-def test_what_may_be_mended_in_a_plan_is_kept_with_the_session(tmp_path):
+def test_harmless_changes_of_a_plan_are_kept_with_the_session(tmp_path):
     said: list[str] = []
     with Store(tmp_path / "data", create=True, say=said.append) as store:
         whole(store, "P01")
@@ -142,7 +142,7 @@ def test_what_may_be_mended_in_a_plan_is_kept_with_the_session(tmp_path):
         assert store.begin(design(other_part), "one", "P03", "person").plan == other_part
 
 
-def test_an_interrupted_session_goes_on_with_its_own_plan(tmp_path):
+def test_an_interrupted_session_resumes_with_its_own_plan(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         began = begun(store)
     with Store(tmp_path / "data") as store:
@@ -191,7 +191,7 @@ def test_the_text_agreed_to_is_known_by_its_hash(store):
     assert data["consent_sha256"] == hashlib.sha256(b"You may stop at any time.").hexdigest()
 
 
-def test_what_would_be_refused_is_told_before_and_changes_nothing(store, tmp_path):
+def test_a_trial_run_of_begin_refuses_and_changes_nothing(store, tmp_path):
     for code, why in (("Anna Müller", "must not be a name"), ("x" * 40, "must not be a name")):
         with pytest.raises(InputError, match=why):
             store.would_begin(design(), "one", code, "person")
@@ -210,7 +210,7 @@ def test_what_would_be_refused_is_told_before_and_changes_nothing(store, tmp_pat
     assert store.would_resume("P01").id == began.id and store.contents().sessions[0].status == "interrupted"
 
 
-def test_a_place_that_cannot_be_is_told_before(tmp_path):
+def test_an_impossible_place_is_refused_before_the_session(tmp_path):
     (tmp_path / "file").write_text("x")
     (tmp_path / "other").mkdir()
     (tmp_path / "other" / "paper.tex").write_text("x")

@@ -37,7 +37,7 @@ def store(tmp_path):
         yield made
 
 
-def test_a_whole_session_comes_back_as_it_was_told(store, tmp_path):
+def test_a_whole_session_reads_back_as_stored(store, tmp_path):
     session = begun(store, facts={"gpu": "llvmpipe", "seed": 5})
     go_through(store, session, trace="time_ns\n1\n")
     store.record(session, "remark", text="ein Wörtchen")
@@ -62,7 +62,7 @@ def test_a_whole_session_comes_back_as_it_was_told(store, tmp_path):
     assert [one.id for one in found.events] == sorted(one.id for one in found.events)
 
 
-def test_what_is_done_follows_from_what_was_told(store):
+def test_finished_steps_follow_from_the_records(store):
     session = begun(store)
     assert store.done(session) == set()
     expected = set()
@@ -103,7 +103,7 @@ def test_a_trace_that_never_came_to_be_is_not_named(store):
     assert showing.trace == "" and not showing.complete
 
 
-def test_names_of_traces_tell_nobody(store):
+def test_names_of_traces_identify_no_one(store):
     session = begun(store, "P17")
     paths = [store.path_for(session, step, 1).name for step in shows(session)]
     assert len(set(paths)) == len(paths)
@@ -124,7 +124,7 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
     session = begun(store)
     store.answer(session, asks(session)[0], 3, 2.0, "participant")
     with pytest.raises(sqlite3.IntegrityError, match="UNIQUE"):
-        store._connection.db.execute(
+        store._db.execute(
             """INSERT INTO answer
               (session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc)
               SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc
@@ -172,7 +172,7 @@ def test_facts_take_the_numbers_of_numpy_and_no_infinity(store):
         json_.to_json({"what": object()})
 
 
-def test_what_a_terminal_broke_does_not_break_a_session(store):
+def test_broken_terminal_input_does_not_break_a_session(store):
     session = begun(store)
     store.record(session, "remark", text="caf\udce9 \0 \N{GRINNING FACE}", **{"odd \udce9": 1})
     assert store.contents().events[-1].data == {"text": "caf? \0 \N{GRINNING FACE}", "odd ?": 1}
@@ -186,7 +186,7 @@ def decline(store, code: str = "P1") -> Session:
     return store.end(session, DECLINED)
 
 
-def test_who_declines_has_a_status_of_their_own_and_may_still_agree(store):
+def test_declining_is_a_status_and_may_be_revoked(store):
     assert decline(store).status == DECLINED
     with pytest.raises(InputError, match="session 1 of part 'one' declined"):
         begun(store, "P1")
@@ -217,7 +217,7 @@ def test_a_store_of_before_that_status_tells_who_declined(store):
     """Then such a session ended as stopped, with the same journal."""
     session = begun(store, "P1")
     store.record(session, "refused", "consent", by="participant")
-    db = store._connection.db
+    db = store._db
     db.execute("UPDATE session SET status = 'stopped' WHERE id = ?", (session.id,))
     assert store.contents().sessions[0].status == DECLINED
     assert db.execute("SELECT status FROM session").fetchone() == ("stopped",), "older versions read it too"
@@ -239,7 +239,7 @@ def test_orders_are_filled_evenly_and_gaps_first(store):
 
 
 @pytest.mark.parametrize(("status", "holds"), [(COMPLETE, True), (INTERRUPTED, True), (STOPPED, False), (SICK, False)])
-def test_who_holds_an_order(store, status, holds):
+def test_sessions_that_hold_an_order(store, status, holds):
     """The draw follows from what is filled.
 
     Where the order is free again, the next one gets the same.
@@ -305,7 +305,7 @@ def test_simulated_ones_are_kept_from_people(store, tmp_path):
 # -------------------------
 
 
-def test_what_was_measured_is_added_and_lets_go_of_the_lock(tmp_path):
+def test_measured_figures_are_added_and_free_the_lock(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         whole(store, "P01")
     with Store(tmp_path / "data") as store:
@@ -325,14 +325,14 @@ def test_reading_asks_as_few_questions_of_many_sessions_as_of_one(store):
         for k in range(sessions):
             whole(store, f"P{sessions}-{k}")
         asked: list[str] = []
-        store._connection.db.set_trace_callback(asked.append)
+        store._db.set_trace_callback(asked.append)
         store.contents()
-        store._connection.db.set_trace_callback(None)
+        store._db.set_trace_callback(None)
         counts.append(len(asked))
     assert counts[0] == counts[1] < 12
 
 
-def test_a_reader_sees_one_moment_beside_a_writer(store, tmp_path):
+def test_a_reader_sees_one_moment_during_writes(store, tmp_path):
     session = begun(store)
     with Store(tmp_path / "data") as reader:
         for count, step in enumerate(itertools.islice(asks(session), 4), 1):
@@ -352,7 +352,7 @@ def test_another_program_may_read_while_a_session_runs(store, tmp_path):
 # -------------------------
 
 
-def test_data_lie_beside_the_study_s_file(tmp_path, monkeypatch):
+def test_data_lie_next_to_the_study_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert store_folder(design(path="some/late.toml"), None).as_posix() == "some/late-data"
     assert store_folder(design(path="some/late.toml"), tmp_path / "x") == tmp_path / "x"

@@ -16,7 +16,6 @@ import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.study.store import COMPLETE, Store, erasing
-from hmdwarp.study.withdraw import holdings, withdraw
 
 from .killing import Killing
 from .sessions import asks, begun, child, design, go_through, whole
@@ -68,7 +67,7 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
             assert sub.encode() in data and all(mark in data for mark in told_of(number)), (
                 "the test looks for what is there"
             )
-        erased = withdraw(store, "P2")
+        erased = store.withdraw("P2")
         assert "1 session, " in erased.describe() and "5 head traces" in erased.describe()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
@@ -90,11 +89,11 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
 def test_the_tombstone_is_the_code_alone(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         filled(store, range(1))
-        withdraw(store, "p0")
-        assert store._connection.db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
+        store.withdraw("p0")
+        assert store._db.execute("SELECT * FROM withdrawn").fetchall() == [("P0", 1)]
         for table in ("participant", "session", "answer", "showing", "event", "plan"):
-            assert store._connection.db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
-        for again in (lambda: withdraw(store, "P0"), lambda: holdings(store, "P0")):
+            assert store._db.execute(f"SELECT count(*) FROM {table}").fetchone() == (0,)
+        for again in (lambda: store.withdraw("P0"), lambda: store.holdings("P0")):
             with pytest.raises(InputError, match="has withdrawn already"):
                 again()
         with pytest.raises(InputError, match="codes are not reused"):
@@ -102,13 +101,13 @@ def test_the_tombstone_is_the_code_alone(tmp_path):
         with pytest.raises(InputError, match="nothing to resume"):
             store.resume("P0")
         with pytest.raises(InputError, match="P9 is not known here"):
-            withdraw(store, "P9")
+            store.withdraw("P9")
 
 
 def test_the_order_is_free_again_and_no_id_comes_twice(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         first = [whole(store, f"P{k}") for k in range(4)]
-        withdraw(store, "P3")
+        store.withdraw("P3")
         again = begun(store, "P9")
         assert again.row == first[3].row and again.id > first[3].id and again.sub not in [one.sub for one in first]
 
@@ -117,18 +116,18 @@ def test_all_sessions_of_a_participant_go(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         whole(store, "P1")
         store.end(begun(store, "P1", "two", new_session=True), "stopped")
-        assert holdings(store, "P1").sessions == 2
-        withdraw(store, "P1")
+        assert store.holdings("P1").sessions == 2
+        store.withdraw("P1")
         assert store.contents().sessions == ()
 
 
-def test_half_written_and_copied_traces_go_as_well_and_nobody_else_s(tmp_path):
+def test_partial_and_copied_traces_of_the_participant_alone_are_erased(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         (store.traces / f".{subs[0]}_ses-1_trial-9_1.csv.a1b2.part").write_text(POSE)
         (tmp_path / "elsewhere").write_text("mine")
         (store.traces / f"{subs[0]}_link").symlink_to(tmp_path / "elsewhere")
-        withdraw(store, "P0")
+        store.withdraw("P0")
         assert (tmp_path / "elsewhere").read_text() == "mine", "a link is not followed"
         assert not [path.name for path in store.traces.iterdir() if subs[0] in path.name]
         assert len([path for path in store.traces.iterdir() if subs[1] in path.name]) == 5
@@ -141,7 +140,7 @@ def test_traces_are_overwritten_before_they_go(tmp_path):
         trace = next(store.traces.iterdir())
         size = trace.stat().st_size
         (tmp_path / "second").hardlink_to(trace)
-        withdraw(store, "P0")
+        store.withdraw("P0")
         assert (tmp_path / "second").read_bytes() == bytes(size)
 
 
@@ -150,15 +149,15 @@ def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(2))
         with Store(tmp_path / "data") as reader:
-            reader._connection.db.execute("BEGIN")
-            reader._connection.db.execute("SELECT count(*) FROM answer").fetchone()
+            reader._db.execute("BEGIN")
+            reader._db.execute("SELECT count(*) FROM answer").fetchone()
             with pytest.raises(MachineError, match="another program reads"):
-                withdraw(store, "P0")
+                store.withdraw("P0")
             assert [one.code for one in store.contents().sessions] == ["P1"], "nobody reads them any more in any case"
-            reader._connection.db.execute("ROLLBACK")
+            reader._db.execute("ROLLBACK")
     said: list[str] = []
     with Store(tmp_path / "data", say=said.append) as store:
-        assert withdraw(store, "P0") is None
+        assert store.withdraw("P0") is None
         assert "was interrupted" in said[0]
         assert subs[0].encode() not in everything(tmp_path / "data")
 
@@ -168,7 +167,7 @@ def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
         subs = filled(store, range(1))
         (tmp_path / "data" / "traces" / "notes").write_text(f"{subs[0]} was tired")
         with pytest.raises(HmdwarpError, match="notes: still holds"):
-            withdraw(store, "P0")
+            store.withdraw("P0")
 
 
 # --- killed in the middle
@@ -185,8 +184,7 @@ def die(*words):
     if count < 0: os.kill(os.getpid(), 9)
     return real(*words)
 setattr(erasing, name, die)
-from hmdwarp.study.withdraw import withdraw
-with Store(Path(sys.argv[1])) as store: withdraw(store, "P1")
+with Store(Path(sys.argv[1])) as store: store.withdraw("P1")
 """
 
 
@@ -199,7 +197,7 @@ def check_finished(folder, subs) -> None:
         seen = {one.code for one in store.contents().sessions}
         assert {"P0", "P2"} <= seen
         with contextlib.suppress(InputError):
-            withdraw(store, "P1")
+            store.withdraw("P1")
         assert [one.code for one in store.contents().sessions] == ["P0", "P2"] and store.contents().withdrawn == 1
         assert begun(store, "P7").row in range(4)
     data = everything(folder)
@@ -234,9 +232,8 @@ def test_killed_before_each_step(tmp_path, step, count):
 
 
 WITHDRAWS = """
-from hmdwarp.study.withdraw import withdraw
 def job(folder):
-    with Store(folder) as store: withdraw(store, "P1")
+    with Store(folder) as store: store.withdraw("P1")
     told("over")
 """
 

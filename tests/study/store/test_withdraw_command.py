@@ -63,7 +63,7 @@ def test_it_asks_on_a_terminal(study, answer, left, told):
     assert screen.exitstatus == 0 and codes(study) == left
 
 
-def test_without_a_terminal_it_wants_to_be_told(study):
+def test_no_terminal_needs_yes(study):
     done = ran(study, "P01")
     assert done.returncode == 2 and "--yes" in done.stderr and codes(study) == ["P01", "P02"]
 
@@ -87,7 +87,7 @@ def test_pilots_and_simulated_participants_withdraw_from_stores_of_their_own(stu
     assert both.returncode == 2 and "never mixed" in both.stderr
 
 
-def test_a_file_that_became_wrong_keeps_nobody_from_withdrawing(study):
+def test_a_broken_plan_does_not_prevent_withdrawal(study):
     study.write_text("title = ", encoding="utf-8")
     assert ran(study, "P01", "--yes").returncode == 2
     done = ran(study, "P01", "--yes", "--store", study.with_name("late-data"))

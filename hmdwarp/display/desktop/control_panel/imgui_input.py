@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import glfw
 from imgui_bundle import imgui
 
-from ..keys import label
+from ..window_input import label
 
 if TYPE_CHECKING:
-    from ..window_types import WindowHandle
+    from ..window_system import WindowHandle
 
 NOWHERE = (-3.4e38, -3.4e38)  # Dear ImGui's value for an absent mouse
 BUTTONS = 3  # left, right, middle

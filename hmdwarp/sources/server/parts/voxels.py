@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from ....frames import EyeImage
 from ....frames.layers.voxels import MOST_CONES, VoxelLight
 from ....geometry import View
-from ....gpu.context import Gpu
-from ....gpu.scopes import drawing_into
+from ....gpu.context import Gpu, drawing_into
 from ....gpu.shaders import Compute, Uniforms
 from ....gpu.textures import COLOUR, allocate, release_all
 from ....scenes import Scene, VoxelGrid, voxel_surfaces
