@@ -115,14 +115,10 @@ def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
     from hmdwarp.report.bench import pareto_plot_png
 
-    if ready:
-        at_200, *later = read(ready)
-    else:
-        at_200 = hmdwarp("bench", folder / "200", "bench.json")
-        options = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"
-        later = [hmdwarp(f"bench {options}", folder / "later", "bench.json")]
-    rows = [row for data in (at_200, *later) for row in data["rows"]]
-    replace("machine", gpu_tables.machine_line(at_200))
+    runs = {"200": "bench", "later": "bench --latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"}
+    made = read(ready) or [hmdwarp(command, folder / name, "bench.json") for name, command in runs.items()]
+    rows = [row for data in made for row in data["rows"]]
+    replace("machine", gpu_tables.machine_line(made[0]))
     replace("warps", warps_table([row for row in rows if row["latency_ms"] == 200]))
     replace("warps later", later_table([row for row in rows if row["latency_ms"] > 200]))
     pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
@@ -227,19 +223,11 @@ def thesis(folder: Path, *ready: str, marker: str = "thesis again") -> None:
     """Run the experiments of the thesis; what several runs have is taken from the last."""
     from hmdwarp.report import summary_markdown
 
-    found = read(ready) if ready else [hmdwarp("thesis", folder / "thesis", "results.json")]
-    replace(marker, summary_markdown(found))
-
-
-def gpu(_: Path, *ready: str) -> None:
-    """Write docs/gpu.md from gpu.json of `make bench-gpu`, one for each GPU."""
-    for data in read(ready):
-        gpu_tables.file_section(data)
+    replace(marker, summary_markdown(read(ready) or [hmdwarp("thesis", folder / "thesis", "results.json")]))
 
 
 def live_cost(folder: Path) -> None:
-    """Measure the loop outside OpenGL and the garbage collector; needs an idle machine."""
-    # Status 1: the limit is exceeded, which the table says.
+    """Measure the loop outside OpenGL and the garbage collector; status 1: above its limit."""
     parts = [run(f"tests/bench_live.py {gc}", folder, statuses=(0, 1), COLUMNS="110") for gc in ("", "--gc")]
     replace("live-cost", "\n\n".join(f"```text\n{part}\n```" for part in parts))
 
@@ -309,8 +297,8 @@ OWN: Mapping[str, Callable[..., None]] = {
     "layouts": lists_of_tests,
     "pictures": pictures,
     "readme": readme,
-    # From files of runs on a machine with a GPU.
-    "gpu": gpu,
+    # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.
+    "gpu": lambda _, *ready: [gpu_tables.file_section(data) for data in read(ready)],
     "thesis-gpu": lambda folder, *ready: thesis(folder, *ready, marker="thesis gpu"),
 }
 
