@@ -33,7 +33,8 @@ from hmdwarp.study.export import (
 )
 from hmdwarp.study.store import PILOT, SIMULATED, Store
 
-from .conftest import NASTY, TEXT, Day, sit
+from ..made_up import LATE_OR_WARPED as TEXT
+from .conftest import NASTY, Day, sit
 from .reading import read_table
 
 VALUES = {
