@@ -233,7 +233,7 @@ def region_sums(
     truth: NDArray[Any],
     coverage: NDArray[Any],
     truth_inverse_depth: NDArray[Any],
-    flip_map: NDArray,
+    flip_map: NDArray[Any],
 ) -> dict[str, dict[str, float]]:
     """Return the SUMS of one picture by region.
 
