@@ -88,17 +88,17 @@ class _Costs:
 
     ranges: list[NDArray[Any]]  # the places of each label, the one it has first
     own: Array  # (p)
-    beside: Array  # (p, p), 0 between places of one label
+    pairwise: Array  # (p, p), 0 between places of one label
 
     @classmethod
     def of(cls, choices: list[_Places]) -> _Costs:
         ends = np.cumsum([len(choice.cost) for choice in choices])
         ranges = np.split(np.arange(ends[-1]), ends[:-1])
         placed = [np.concatenate([getattr(choice, part) for choice in choices]) for part in ("boxes", "starts", "tips")]
-        beside = np.concatenate([choice.quarrels(*placed) for choice in choices])
+        pairwise = np.concatenate([choice.quarrels(*placed) for choice in choices])
         for own in ranges:
-            beside[np.ix_(own, own)] = 0
-        return cls(ranges, np.concatenate([choice.cost for choice in choices]), beside)
+            pairwise[np.ix_(own, own)] = 0
+        return cls(ranges, np.concatenate([choice.cost for choice in choices]), pairwise)
 
     def is_bad(self) -> bool:
         """Return whether any label's first place is worth an exchange."""
@@ -122,16 +122,16 @@ class _Costs:
 
     def _of(self, chosen: NDArray[Any]) -> Array:
         """Return what each label's place costs beside the others'."""
-        costs: Array = self.own[chosen] + self.beside[np.ix_(chosen, chosen)].sum(axis=1)
+        costs: Array = self.own[chosen] + self.pairwise[np.ix_(chosen, chosen)].sum(axis=1)
         return costs
 
     def _with_room(self, chosen: NDArray[Any], label: int, place: int) -> NDArray[Any]:
         """Return the places after a label has moved to one, and those in its way have moved on."""
         trial = chosen.copy()
         trial[label] = place
-        for other in np.flatnonzero(self.beside[place, trial]):
+        for other in np.flatnonzero(self.pairwise[place, trial]):
             own, rest = self.ranges[other], np.delete(trial, other)
-            trial[other] = own[np.argmin(self.own[own] + self.beside[np.ix_(own, rest)].sum(axis=1))]
+            trial[other] = own[np.argmin(self.own[own] + self.pairwise[np.ix_(own, rest)].sum(axis=1))]
         return trial
 
 

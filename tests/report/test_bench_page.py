@@ -88,7 +88,7 @@ def test_the_tables_can_be_read_without_seeing_them(text):
     assert page.tags.count("h1") == 1 and 'lang="en"' in text
 
 
-def test_nothing_is_fetched(text):
+def test_the_page_fetches_no_file(text):
     page = Page(text)
     addresses = [
         v
@@ -127,7 +127,7 @@ def everything_nasty(value, nasty: str):
     "nasty",
     ["<script>alert(1)</script></code></style><i>", '" onload="x $x_1$ {{ 7*7 }} --> ]]> &amp; 漢字 '],
 )
-def test_what_the_input_holds_is_text_not_markup(nasty):
+def test_texts_of_the_input_are_escaped(nasty):
     rows = [a_row(warp, fill, notes=["odd"]) for warp in ("none", "forward") for fill in ("none", "interpolate")]
     data = everything_nasty(a_bench(rows=rows, grid=along_x(), notes=["a note"]), nasty)
     data["rows"][0] = {**data["rows"][0], "effects": [nasty]}
@@ -179,7 +179,7 @@ def test_a_budget_that_nothing_beats_and_other_forms_of_settings():
     )
 
 
-def test_what_was_not_measured_in_every_case_says_where():
+def test_sections_measured_once_say_where():
     found = " ".join(Page(render_bench_page(a_bench(rows=[a_row()], grid=along_x()))).text.split())
     assert "Measured once: scene room, 400x400, left eye." in found
     assert "Measured once: scene room, look-around, 200 ms, 1280x800, lens radial, left eye." in found

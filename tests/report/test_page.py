@@ -119,7 +119,7 @@ def test_a_client_that_misses_has_a_tile_and_a_chart():
     assert "Refreshes Missed refreshes % 25.0 50.0 Most missed in a row 3 3" in both.text  # the table
 
 
-def test_nothing_is_fetched(text):
+def test_the_page_fetches_no_file(text):
     """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
     page = Page(text)
     addresses = [
@@ -132,7 +132,7 @@ def test_nothing_is_fetched(text):
     assert set(re.findall(r"url\(([^)]{0,3})", text)) <= {"#" + c + d for c in "p" for d in "0123456789abcdef"}
 
 
-def test_what_the_user_typed_is_text_not_markup():
+def test_texts_of_the_user_are_escaped():
     text = render(
         command="</code><script>alert(1)</script>",
         notes=["<b>bold</b>"],
