@@ -28,7 +28,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test check check-lint check-format check-types check-shaders test-openxr test-kill test-soak bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test test-quick check check-lint check-format check-types check-shaders test-openxr test-kill test-soak bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -44,6 +44,9 @@ replay: setup  ## the main job: replay a recorded head 200 ms late and report on
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
 	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS)
+
+test-quick: setup  ## one case of each test of the quick parts: about a minute
+	@.venv/bin/python -m pytest --quick -q $(PYTEST_OPTIONS)
 
 check: check-lint check-format check-types check-shaders  ## what pre-commit runs: ruff, its format, mypy, all shaders
 

@@ -12,11 +12,21 @@ import attrs
 import needs
 import properties  # noqa: F401 (loads the profile of Hypothesis before any test is read)
 import pytest
+from progress import Progress
 
 # Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
 # Set before any library with OpenMP is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 USUALLY_SLOW_S = 10.0  # of a test that is marked slow without a number
+# What `make test-quick` runs: what needs no other process, and of the GPU's passes the contracts.
+QUICK = (
+    "client/classes", "client/test_contract", "client/test_forward.py", "client/test_iterative.py",
+    "client/test_plan", "client/test_pyramid.py", "client/test_variants.py", "experiments/bench/test_cases.py",
+    "frames/", "geometry/", "gpu/test_shader_files.py", "hard_cases/", "headsets/", "link/", "metrics/", "options/",
+    "pipeline/auto", "poses/", "sources/server/test_projection.py", "sources/server/test_visibility.py",
+    "study/design/", "study/scales/", "study/statistics/", "test_colour.py", "test_glossary.py", "test_house.py",
+    "test_public.py", "test_registry.py",
+)  # fmt: skip
 DEVELOPMENT_TRACES = Path(__file__).resolve().parents[2] / "shared" / "traces"
 
 
@@ -67,8 +77,13 @@ def real_traces() -> Path:
     return DEVELOPMENT_TRACES
 
 
-def pytest_configure() -> None:
-    """Take signals as under a terminal.
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--quick", action="store_true", help="Run one case of each test of the quick parts: see QUICK.")
+
+
+@pytest.hookimpl(trylast=True)  # the terminal is there by then
+def pytest_configure(config: pytest.Config) -> None:
+    """Show progress, and take signals as under a terminal.
 
     Under nohup, or in the background of a script, they are ignored, and so they would be in every
     program that a test starts and then interrupts.
@@ -76,9 +91,11 @@ def pytest_configure() -> None:
     for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):
         if signal.getsignal(number) is signal.SIG_IGN:
             signal.signal(number, usual)
+    if not hasattr(config, "workerinput") and config.pluginmanager.has_plugin("terminalreporter"):
+        config.pluginmanager.register(Progress(config), "progress-of-tests")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Run slow tests first, the longest first of all: at the end none keeps one worker busy alone.
 
     Many of them wait more than they work, and the quick ones of the other worker fill that time.
@@ -89,6 +106,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         return -(slow.args[0] if slow.args else USUALLY_SLOW_S) if slow is not None else 0.0
 
     items.sort(key=order)
+    if config.option.quick:
+        chosen = _quick(items)
+        config.hook.pytest_deselected(items=[item for item in items if item not in chosen])
+        items[:] = chosen
+
+
+def _quick(items: list[pytest.Item]) -> list[pytest.Item]:
+    """Return the first case of each test of the quick parts that is not marked slow."""
+    root = Path(__file__).parent
+    first: dict[tuple[Path, str], pytest.Item] = {}
+    for item in items:
+        name = item.path.relative_to(root).as_posix()
+        if name.startswith(QUICK) and item.get_closest_marker("slow") is None:
+            first.setdefault((item.path, item.name.partition("[")[0]), item)
+    return list(first.values())
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

@@ -39,6 +39,7 @@ LISTED = {
     "test-soak": "runs for an hour; tests/feed has short runs over the same relay",
     "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
     "test": "is the suite itself",
+    "test-quick": "is a part of the suite",
     "test-openxr": "needs root and apt, and builds 1.4 GB; where they are there it runs as part of the suite",
     "check": "is the four below",
     "check-lint": "tests/test_checks.py runs it",

@@ -43,6 +43,11 @@ class Root(Group):
 
     loaded: ClassVar[dict[str, Any]] = {}
 
+    def __init__(self, **about: Any) -> None:
+        super().__init__(**about)
+        # Names, for what an unknown one may mean.
+        self.commands = dict.fromkeys(COMMANDS)  # type: ignore[assignment]
+
     def list_commands(self, ctx: Any) -> list[str]:
         """Return all names, in the order of help."""
         return list(COMMANDS)

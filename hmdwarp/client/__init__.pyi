@@ -11,8 +11,9 @@ from .compensator import EyeResult as EyeResult
 from .compensator import Stages as Stages
 from .drawn_scenes import ReducedModel as ReducedModel
 from .drawn_scenes import WholeScene as WholeScene
-from .history import History as History
+from .inputs import History as History
 from .inputs import PassInputs as PassInputs
+from .inputs import ShownPicture as ShownPicture
 from .plan import CLIENT_DEPTH as CLIENT_DEPTH
 from .plan import CLIENT_MODEL as CLIENT_MODEL
 from .plan import PANEL as PANEL
@@ -24,8 +25,6 @@ from .plan import PlannedEffect as PlannedEffect
 from .plan import Step as Step
 from .plan import build_plan as build_plan
 from .plan import needs_of as needs_of
-from .shown_picture import ShownPicture as ShownPicture
-from .variants import Choice as Choice
 from .variants import every_baseline as every_baseline
 from .variants import every_fill as every_fill
 from .variants import every_warp as every_warp

@@ -15,7 +15,7 @@ from ..scenes import Mesh, Pieces, Scene, pieces_of
 from ..sources.server import ArrivingLight, SceneBuffers, Server, Target
 from .client_scene import ClientScene, Store, receiver_of
 from .drawn_scenes import weight_of
-from .shown_picture import ShownPicture
+from .inputs import ShownPicture
 
 
 @receiver_of("scene_update")

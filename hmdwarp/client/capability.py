@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..errors import PlanError, listed
 from ..frames.layers import layers
 from ..options import Choice
+from .classes import Client
 from .plan import CLIENT_DEPTH, CLIENT_MODEL, CLIENT_SOFT_BODIES, Plan
-
-if TYPE_CHECKING:
-    from .classes import Client
 
 
 def scene_drawn(plan: Plan) -> str:

@@ -7,19 +7,16 @@ shown pixel gets it from the same rendered pixels as its colour, with the same c
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import attrs
 import moderngl
 
 from ..frames import EyeImage, Needs, Surface
 from ..geometry import WarpMap
+from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, Canvas, allocate
-
-if TYPE_CHECKING:
-    from ..gpu.context import Gpu
-    from .inputs import PassInputs
-    from .warps import Warp
+from .inputs import PassInputs
+from .warps import Warp
 
 PictureOf = Callable[[EyeImage], moderngl.Texture]
 
@@ -65,12 +62,12 @@ def images_read(needs: Needs) -> int:
 
     Includes the newest.
     """
-    return 1 + needs.others.count + needs.get("views", 0)
+    return 1 + needs.others.count + int(needs.get("views", 0))
 
 
 def pictures_read(needs: Needs) -> int:
     """Return how many pictures with depth a warp with these needs reads for one eye, at most."""
-    return (1 + needs.get("peeled", 0)) * images_read(needs)
+    return (1 + int(needs.get("peeled", 0))) * images_read(needs)
 
 
 class ShownDepth:

@@ -14,9 +14,8 @@ from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
 from .effects import RenderedPass, ShownPass, Tools
-from .inputs import PassInputs
+from .inputs import PassInputs, ShownPicture
 from .plan import SHOWN_DEPTH, Plan
-from .shown_picture import ShownPicture
 from .warps import Output
 
 Stages = Sequence[tuple[str, float]]

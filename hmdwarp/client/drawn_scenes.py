@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import attrs
 import moderngl
 
 from ..geometry import View
-from ..gpu.context import Gpu
-from ..gpu.scopes import drawing_into
+from ..gpu.context import Gpu, drawing_into
 from ..gpu.textures import SCALAR, allocate
 from ..scenes import Pieces, Scene, partial_scene, reduced, unlit, with_lamps_stopped
 from ..sources.server import (
@@ -24,7 +24,7 @@ from ..sources.server import (
     moving_parts,
 )
 from .client_scene import ClientScene, Store
-from .shown_picture import ShownPicture
+from .inputs import ShownPicture
 
 Size = tuple[int, int]
 
@@ -183,3 +183,13 @@ def whole_weight(scene: Scene, share: float = 1.0, texture: float = 1.0) -> dict
     """
     packed = dict.fromkeys(("start_up_bytes", "first_picture_bytes", "arrived_bytes"), Pieces(scene).whole_bytes)
     return {"share": share, "texture": texture, **weight_of(scene), **packed}
+
+
+def share_of(default: float) -> float:
+    """Return a setting that is more than 0 and at most 1."""
+    return attrs.field(default=default, validator=_check_share)
+
+
+def _check_share(_: object, field: attrs.Attribute[float], value: float) -> None:
+    if not 0 < value <= 1:
+        raise ValueError(f"{field.name} is {value:g}: expected more than 0 and at most 1")

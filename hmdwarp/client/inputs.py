@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections import deque
+from collections.abc import Callable
 
 import attrs
+import moderngl
 
-from ..frames import EyeImage
+from ..frames import EyeImage, Frame
 from ..geometry import View
-
-if TYPE_CHECKING:
-    import moderngl
+from ..gpu.textures import Canvas
 
 
 @attrs.frozen(eq=False)
@@ -53,3 +53,50 @@ class PassInputs:
     def at_once(self) -> PassInputs:
         """Return the inputs for passes that cannot follow the scan-out: all rows at its middle."""
         return self if self.shown_last is None else attrs.evolve(self, shown=self.middle, shown_last=None)
+
+
+@attrs.frozen(eq=False)
+class ShownPicture:
+    """The shown picture."""
+
+    # rgba16f, linear, coverage in alpha.
+    colour: Canvas
+    # r32f of the same size, 1/m in the shown view, -1 where unknown (a hole, or a filled pixel
+    # without depth); None where no pass of the plan reads it.
+    inverse_depth: moderngl.Texture | None = None
+
+    @property
+    def depth(self) -> moderngl.Texture:
+        """The inverse depth, for passes that read or write it: their plan makes it."""
+        assert self.inverse_depth is not None
+        return self.inverse_depth
+
+
+class History:
+    """Keep up to `keep` older frames, at least `spacing_ns` apart.
+
+    All others go to `discard` at once.
+    """
+
+    def __init__(self, keep: int, spacing_ns: int, discard: Callable[[Frame], None]) -> None:
+        self._keep, self._spacing_ns, self._discard = keep, spacing_ns, discard
+        self._held: deque[Frame] = deque()
+
+    @property
+    def frames(self) -> tuple[Frame, ...]:
+        """The frames kept, newest first."""
+        return tuple(self._held)
+
+    def offer(self, frame: Frame) -> None:
+        """Take a frame that a newer one has replaced."""
+        if self._keep == 0 or (self._held and frame.drawn_ns - self._held[0].drawn_ns < self._spacing_ns):
+            self._discard(frame)
+            return
+        self._held.appendleft(frame)
+        if len(self._held) > self._keep:
+            self._discard(self._held.pop())
+
+    def close(self) -> None:
+        """Pass all kept frames to `discard`."""
+        while self._held:
+            self._discard(self._held.pop())

@@ -14,10 +14,11 @@ import attrs
 from ..errors import InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import layers, readable_names
+from ..options import Choice
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
-from .variants import CONVERGED, Choice, fill_text, parse_fills, parse_indirect, parse_warp
+from .variants import CONVERGED, fill_text, parse_fills, parse_indirect, parse_warp
 from .warps import Warp
 
 # Layers of every frame, layers that the client makes itself, and pictures that passes hand on.

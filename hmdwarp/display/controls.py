@@ -23,7 +23,7 @@ class Control:
     span: tuple[float, float] = (0.0, 0.0)  # smallest and largest value of a number
     also: tuple[str, ...] = ()  # further keys
     value: object = None  # value of the command, where several keys are one control
-    buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/profiles.py
+    buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/controllers.py
     written: str = ""  # how the help writes its keys, "" for their names
     # available only while a text panel lies over the picture: other pictures must stay free of text
     needs_text_panel: bool = False

@@ -16,7 +16,7 @@ from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.pose_source import LoopedSource
 from . import Command, DisplayOptions, Label, Status, Tick
-from .desktop.window_views import SwitchableView
+from .desktop.layout import SwitchableView
 from .present import Presenter
 
 if TYPE_CHECKING:

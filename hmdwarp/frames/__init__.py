@@ -9,8 +9,7 @@ from .layers.ids import BodyIds
 from .layers.others import Others
 from .layers.reflection import Mirrored, Reflection
 from .layers.transparent import Transparent
-from .needs import Needs
-from .weight import frame_bytes, video_pixels
+from .needs import Needs, frame_bytes, video_pixels
 
 __all__ = [
     "BodyIds",

@@ -9,13 +9,13 @@ import attrs
 
 from ..geometry import View
 from .layers import Layer, layers
+from .needs import Needs
 
 if TYPE_CHECKING:
     import moderngl
 
     from ..gpu.timers import Lap
     from ..poses import PoseSample
-    from .needs import Needs
 
 
 @attrs.frozen(eq=False)

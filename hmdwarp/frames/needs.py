@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
-from .layers import layers
+from .layers import PIXEL_BYTES, EyeSizes, layers
 from .layers.others import Others
 
 
@@ -46,7 +46,8 @@ class Needs(Mapping[str, Any]):
     @property
     def others(self) -> Others:
         """The other eye's picture and the older frames that the client keeps."""
-        return self.get("others", Others())
+        others: Others = self.get("others", Others())
+        return others
 
     def serve(self, needed: Needs) -> bool:
         """Return whether frames drawn for these needs suit a plan that needs `needed`."""
@@ -56,3 +57,33 @@ class Needs(Mapping[str, Any]):
 def _serves(name: str, carried: Needs, needed: Needs) -> bool:
     layer = layers.get(name)
     return layer.serves(carried.get(name, layer.nothing), needed.get(name, layer.nothing))
+
+
+def frame_bytes(
+    needs: Needs, sizes: EyeSizes, reads: Collection[str] | None = None, *, eyes: int = 2
+) -> dict[str, int]:
+    """Return the bytes of each needed layer of a frame, by readable name.
+
+    reads: readable names; colour and inverse depth count only if they are among them, None for
+    both.
+    """
+    found = {}
+    for layer in sorted(layers, key=lambda one: not one.always):
+        name = layer.readable()
+        amount = (reads is None or name in reads) if layer.always else needs.get(layer.name)
+        if amount and (count := layer.bytes(amount, sizes)):
+            found[name] = count if layer.per_frame else eyes * count
+    return found
+
+
+def video_pixels(weights: Mapping[str, int]) -> int:
+    """Return the pixels of video that a frame takes to decode, of all eyes.
+
+    weights: as frame_bytes returns them. Layers that are no pictures count nothing.
+    """
+    known = {layer.readable(): layer.formats for layer in layers if layer.formats}
+    return sum(
+        weight * len(known[name]) // sum(PIXEL_BYTES[one] for one in known[name])
+        for name, weight in weights.items()
+        if name in known
+    )

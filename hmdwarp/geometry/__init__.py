@@ -3,15 +3,13 @@
 This package does not depend on the rest of the program. Conventions: docs/conventions.md.
 """
 
-from .cube import cube_size, face_views
+from .cube import cube_size, face_views, wide_fov, wide_size, wide_view
 from .depth import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres, metres_from_inverse_depth
 from .guard_band import GuardBand
 from .mirror import Mirror
-from .pose import Pose
-from .rigid import RigidState
+from .pose import Pose, RigidState
 from .view import Eyes, Fov, Guard, View, guarded_eyes
 from .warp_map import WarpMap
-from .wide import wide_fov, wide_size, wide_view
 
 __all__ = [
     "DepthLayer",

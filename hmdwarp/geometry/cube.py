@@ -1,21 +1,11 @@
-"""Six square views around an eye, laid side by side in one picture: a cube map without seams.
-
-The faces turn with their eye. One face is n x n pixels: an inner square of (n - 2) x (n - 2) that
-spans exactly 90 degrees, and a border of one pixel, so that a bilinear look anywhere in the inner
-square stays within the face. The picture is 3n wide and 2n high, row 0 at the bottom:
-
-    row 1:  down  (-y)   back   (+z)   up     (+y)
-    row 0:  left  (-x)   front  (-z)   right  (+x)
-
-Source: Greene 1986, Environment Mapping and Other Applications of World Projections; OpenGL 4.3
-specification, 8.13 (seams).
-"""
+"""Pictures around the eye: everything in a cube, and a wide view in one picture."""
 
 from __future__ import annotations
 
 import math
 
 import attrs
+import numpy as np
 
 from .pose import Pose
 from .view import Fov, View
@@ -50,7 +40,7 @@ def inner_size(fov: Fov, size: tuple[int, int]) -> int:
     Density counts in pixels per tangent: looking along a face, no detail of the picture is lost.
     """
     left, right, down, up = fov.tangents
-    return max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6))
+    return int(max(1, math.ceil(2 * max(size[0] / (right - left), size[1] / (up - down)) - 1e-6)))
 
 
 def cube_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
@@ -67,3 +57,32 @@ def face_views(view: View, side: int) -> tuple[View, ...]:
     edge = side / (side - 2)
     fov = Fov.from_tangents((-edge, edge, -edge, edge))
     return tuple(View(view.pose @ Pose(orientation_xyzw=face.eye_from_face), fov) for face in FACES)
+
+
+# Full angles. A plane's pixels grow with the square of the tangent: 160 degrees would double them,
+# for ten degrees.
+ACROSS, UPRIGHT = math.radians(150), math.radians(140)
+# Times fewer pixels per tangent than the shown picture. Away from the axis a plane is sampled 1 /
+# cos^2 times as densely as on it, four times at 60 degrees. So where the usual picture of 90 to 110
+# degrees ends, a quarter of the density is half of what that picture has in its middle.
+COARSER = 4
+
+
+def wide_fov(fov: Fov) -> Fov:
+    """Return 150 x 140 degrees around the eye's own field of view, or that where it is wider."""
+    across, upright = math.tan(ACROSS / 2), math.tan(UPRIGHT / 2)
+    left, right, down, up = fov.tangents
+    return Fov.from_tangents((min(left, -across), max(right, across), min(down, -upright), max(up, upright)))
+
+
+def wide_size(fov: Fov, size: tuple[int, int]) -> tuple[int, int]:
+    """Return (w, h) of the wide view of an eye whose shown picture is (w, h) pixels of `fov`."""
+    own, wide = fov.tangents, wide_fov(fov).tangents
+    per_tangent = np.array(size) / (own[1::2] - own[::2]) / COARSER
+    across, upright = np.ceil((wide[1::2] - wide[::2]) * per_tangent - 1e-6).astype(int).tolist()
+    return max(1, across), max(1, upright)
+
+
+def wide_view(view: View) -> View:
+    """Return the same eye with the wide field of view."""
+    return attrs.evolve(view, fov=wide_fov(view.fov))

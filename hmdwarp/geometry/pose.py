@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
 
 from ..errors import InputError
-
-if TYPE_CHECKING:
-    from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
 
 Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
@@ -208,3 +205,25 @@ def _made(position: Vector, turn: Quaternion) -> Pose:
     _set(pose, "_unit", _normalised(x, y, z, w))
     _set(pose, "_matrix", None)
     return pose
+
+
+@attrs.frozen(eq=False)
+class RigidState:
+    """world_from_body at one instant, and its motion in world axes."""
+
+    pose: Pose
+    # of the body's origin
+    velocity_m_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    # about that origin, right-handed around its direction
+    angular_velocity_rad_s: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    # of the origin; gravity for thrown bodies
+    acceleration_m_s2: NDArray[np.float64] = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+
+    def after(self, age_ns: int) -> Pose:
+        """Return world_from_body `age_ns` later, at constant acceleration and angular velocity."""
+        from scipy.spatial.transform import Rotation
+
+        seconds = age_ns * 1e-9
+        position = self.pose.position_m + seconds * (self.velocity_m_s + 0.5 * seconds * self.acceleration_m_s2)
+        turned = Rotation.from_rotvec(self.angular_velocity_rad_s * seconds) * self.pose.rotation
+        return Pose(position, turned.as_quat())

@@ -65,7 +65,7 @@ class WarpMap:
         off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
         # 1e-9 px over the widest picture a GPU takes: what rounding leaves of two equal poses, far
         # below any real motion.
-        return max(map(abs, off)) <= 1e-9
+        return bool(max(map(abs, off)) <= 1e-9)
 
 
 @lru_cache(maxsize=64)  # a few fields of view and sizes, needed at every frame

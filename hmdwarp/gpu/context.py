@@ -189,3 +189,18 @@ def _make_current(gpu: Gpu | None) -> None:
     if gpu is not None:
         gpu.gl.__enter__()
     _thread.gpu = gpu
+
+
+def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) -> moderngl.Scope:
+    """Return a scope that draws into `framebuffer` with only these flags on.
+
+    flags: moderngl's; None leaves them unchanged. The same framebuffer and flags give the same
+    scope: a context with gc_mode "context_gc" keeps a part of each scope ever made, which in a loop
+    is a leak.
+    """
+    if framebuffer.extra is None:
+        framebuffer.extra = {}
+    made = framebuffer.extra
+    if flags not in made:
+        made[flags] = framebuffer.ctx.scope(framebuffer, flags)
+    return made[flags]

@@ -83,7 +83,8 @@ def devices() -> list[Device]:
 
 def _file(egl: _Egl, handle: int) -> str:
     try:
-        return egl.call("eglQueryDeviceStringEXT", ctypes.c_char_p, handle, ctypes.c_int32(_DRM_FILE)).decode()
+        file: bytes = egl.call("eglQueryDeviceStringEXT", ctypes.c_char_p, handle, ctypes.c_int32(_DRM_FILE))
+        return file.decode()
     except OSError:  # a software renderer has none
         return ""
 
@@ -209,7 +210,7 @@ def renderer_of(device: Device, version: int) -> str:
         gl = _on(device, version)
     except OSError as error:
         return f"no OpenGL {version / 100:.1f} ({error})"
-    name = gl.info["GL_RENDERER"]
+    name = str(gl.info["GL_RENDERER"])
     gl.__exit__(None, None, None)
     gl.release()
     _make_current(before)

@@ -6,7 +6,7 @@ row.
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -93,7 +93,7 @@ def check_size(gl: moderngl.Context, size: tuple[int, int]) -> None:
         raise InputError(f"picture size {size[0]}x{size[1]}: expected 1 to {limit} on each side (this GPU's limit)")
 
 
-def upload(texture: moderngl.Texture, image: NDArray) -> None:
+def upload(texture: moderngl.Texture, image: NDArray[Any]) -> None:
     """Write a top-row-first (h, w[, c]) array into a texture of the same size.
 
     c = 3 gets alpha 1 (255 in bytes).
@@ -111,13 +111,13 @@ def upload(texture: moderngl.Texture, image: NDArray) -> None:
     texture.write(np.ascontiguousarray(flip_rows(image), dtype=dtype), alignment=1)
 
 
-def download(texture: moderngl.Texture) -> NDArray:
+def download(texture: moderngl.Texture) -> NDArray[Any]:
     """Return the texture as a top-row-first (h, w, c) or (h, w) array of its own type."""
     dtype = _NUMPY[texture.dtype]
     array = np.frombuffer(texture.read(alignment=1), dtype).reshape(texture.height, texture.width, texture.components)
     return flip_rows(array[..., 0] if texture.components == 1 else array)
 
 
-def flip_rows(image: NDArray) -> NDArray:
+def flip_rows(image: NDArray[Any]) -> NDArray[Any]:
     """Turn top row first into bottom row first, or back. No other module flips rows."""
     return image[::-1]

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import attrs
+import numpy as np
 
 from ..errors import InputError
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @attrs.frozen

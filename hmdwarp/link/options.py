@@ -17,7 +17,7 @@ from .delays.constant import ConstantDelay
 from .link import Link
 from .loss import GilbertElliott
 from .overload import Overload
-from .stage_times import StageTimes, parse_response
+from .response import StageTimes, parse_response
 
 ALL, CHANGES = "all", "changes"
 DROP, RESOLUTION = "drop", "resolution"
@@ -228,7 +228,7 @@ class LinkOptions(Declared):
         receive: Callable[[Any], bool] | None = None,
         decoding: Callable[[Any], int] = lambda frame: 0,
         settled: Callable[[Any, bool, int], None] = lambda frame, arrived, heard_ns: None,
-    ) -> Link:
+    ) -> Link[Any]:
         """Return a new link through this network; see `Link` for the callbacks.
 
         Errors: as `check`.

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import attrs
+import numpy as np
 
 from ..registry import Registry
-from .figure import Figure
-from .metric_inputs import Input
+from .job import Input, Measurement, QualityJob, QualityResult, region_sums
 
-if TYPE_CHECKING:
-    from .job import Measurement
+
+@attrs.frozen
+class Figure:
+    """The label, unit and rounding of one number."""
+
+    name: str  # its key in a summary
+    label: str
+    unit: str
+    digits: int
+    scale: float = 1.0  # turns the stored number into `unit`
+
+    def text(self, value: float | None) -> str:
+        """Return the rounded number, or a dash where nothing was measured."""
+        return "–" if value is None else f"{value * self.scale:.{self.digits}f}"
 
 
 @attrs.frozen(kw_only=True)
@@ -86,3 +97,17 @@ PRIMARY = "flip"
 def metrics_in_order() -> tuple[Metric, ...]:
     """Return all metrics in the order of files, tables and pages."""
     return tuple(sorted(metrics, key=lambda metric: metric.order))
+
+
+def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
+    """Return all figures of one job; the same job gives the same bits in any process."""
+    now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
+    values = {
+        metric.name: metric.compute(measurement) if metric.needs in there else None for metric in metrics_in_order()
+    }
+    flip_map = measurement.flip[1]
+    error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
+    regions = None
+    if job.regions:
+        regions = region_sums(now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map)
+    return QualityResult(values, error_map, regions)

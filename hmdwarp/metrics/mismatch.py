@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
-from .grid import pixel_centres, row_blocks
+from .picture_pairs import pixel_centres, row_blocks
 
 # The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a
 # surface slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth.

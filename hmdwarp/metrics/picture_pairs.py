@@ -1,8 +1,13 @@
-"""Pairs of pictures of one type and size: (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1."""
+"""Pairs of pictures of one type and size, (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1.
+
+FLIP and sharpness of a pair; block means, which tell whether two are the same; pixel centres.
+"""
 
 from __future__ import annotations
 
+import base64
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -39,3 +44,121 @@ def error_image(shown: NDArray[Any], truth: NDArray[Any]) -> NDArray[np.float32]
 def db_of(mean_square: float) -> float:
     """Return a mean squared error, 0..1, in dB, at most 100 dB."""
     return min(PSNR_CAP_DB, -10 * math.log10(mean_square)) if mean_square else PSNR_CAP_DB
+
+
+# 32 rows keep float64 temporaries of a 2064x2208 eye under 10 MB, and every matrix product below
+# OpenBLAS's threading threshold: with threads its last bits could depend on the load of the
+# machine.
+_ROWS = 32
+
+
+def row_blocks(height: int) -> Iterator[slice]:
+    """Yield slices of rows that together are 0..height."""
+    return (slice(start, min(start + _ROWS, height)) for start in range(0, height, _ROWS))
+
+
+def pixel_centres(rows: slice, width: int) -> NDArray[np.float64]:
+    """Return the pixel coordinates x, y of the centres: (rows, width, 2), bottom row first."""
+    x = np.arange(width) + 0.5
+    y = np.arange(rows.start, rows.stop) + 0.5
+    return np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
+
+
+def flip(shown: NDArray[Any], truth: NDArray[Any], pixels_per_degree: float) -> tuple[float, NDArray[np.float32]]:
+    """Return the mean LDR-FLIP error, 0..1, and its (h, w) map.
+
+    shown, truth: (h, w, 3), as check_pair takes them. pixels_per_degree: of the display that shows
+    the picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would
+    blur fine error away.
+    Errors: InputError if it is not positive, and for pictures that cannot be compared.
+    Source: Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images;
+    flip-evaluator's implementation, which takes RGB in this order and, with inputsRGB=True,
+    sRGB-encoded values.
+    """
+    from flip_evaluator import evaluate
+
+    check_pair(shown, truth)
+    if not (pixels_per_degree > 0 and math.isfinite(pixels_per_degree)):
+        raise InputError(f"{pixels_per_degree} pixels per degree: expected a positive number, the headset's")
+    scale = np.float32(255 if shown.dtype == np.uint8 else 1)
+    reference, test = (np.ascontiguousarray(p, dtype=np.float32) / scale for p in (truth, shown))
+    parameters = {"ppd": float(pixels_per_degree)}
+    error, _, _ = evaluate(
+        reference, test, "LDR", inputsRGB=True, applyMagma=False, computeMeanError=False, parameters=parameters
+    )
+    error = error[..., 0]
+    return float(error.mean(dtype=np.float64)), error
+
+
+def sharpness(shown: NDArray[Any], truth: NDArray[Any], where: NDArray[Any] | None = None) -> float | None:
+    """Return 1 for a picture as sharp as the truth, less where it is blurred, more where sharpened.
+
+    It is the slope of the regression of the picture's fine detail on the truth's, over all pixels
+    and channels. Detail is what a 3x3 binomial blur removes. Noise, jagged edges and other detail
+    that the truth lacks does not correlate with it and adds nothing (it would, to a ratio of
+    energies). Detail in the wrong place is lost detail.
+
+    shown, truth: (h, w, 3), as check_pair takes them. where: (h, w), pixels that count (other than
+    0); their neighbours must count too, so that the rim of a hole is not taken for detail. None
+    where the truth has no detail. Errors: InputError for sizes that differ.
+    """
+    check_pair(shown, truth)
+    if where is not None and where.shape != shown.shape[:2]:
+        raise InputError(f"the mask is {where.shape}, the picture {shown.shape[:2]}: expected the same (h, w)")
+    detail, true_detail = _detail(shown), _detail(truth)
+    if where is not None:
+        inner = _inner(np.asarray(where) != 0)
+        detail, true_detail = detail[inner], true_detail[inner]
+    energy = float((true_detail * true_detail).sum())
+    return float((detail * true_detail).sum()) / energy if energy else None
+
+
+def _detail(picture: NDArray[Any]) -> NDArray[np.float64]:
+    from scipy.ndimage import correlate1d
+
+    values = picture.astype(np.float64)
+    blurred = values
+    for axis in (0, 1):
+        blurred = correlate1d(blurred, [0.25, 0.5, 0.25], axis=axis, mode="nearest")
+    return values - blurred
+
+
+def _inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    from scipy.ndimage import binary_erosion
+
+    inner: NDArray[np.bool_] = binary_erosion(mask, np.ones((3, 3)), border_value=1)
+    return inner
+
+
+BLOCKS = 8  # on each side of a picture
+# Levels of 255 by which the means of two correct drivers may differ. Rounding to a byte is one. A
+# sampler with weights of 8 bits is off by 1/256 of what it mixes, on two axes: two levels, if that
+# is black and white everywhere. A pixel may show the other side of an edge that passes within
+# 1/256 of a pixel of its centre: two levels more, if an edge from black to white crosses each.
+BOUND = 5.0
+_STEPS = 256
+
+
+def block_means(picture: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Return the mean levels of BLOCKS x BLOCKS parts of a picture (h, w, 3), each of 3 channels.
+
+    A picture smaller than that has a part for each pixel.
+    """
+    rows, columns = (np.linspace(0, side, min(BLOCKS, side) + 1).astype(int) for side in picture.shape[:2])
+    sums = np.add.reduceat(np.add.reduceat(picture, rows[:-1], axis=0, dtype=np.int64), columns[:-1], axis=1)
+    means: NDArray[np.float64] = sums / (np.diff(rows)[:, None, None] * np.diff(columns)[None, :, None])
+    return means
+
+
+def blocks_text(blocks: NDArray[np.float64]) -> str:
+    """Return the means as text, to 1/256 of a level: base64 of 16-bit numbers, low byte first."""
+    return base64.b64encode(np.round(blocks * _STEPS).astype("<u2").tobytes()).decode()
+
+
+def blocks_apart(first: str, second: str) -> float:
+    """Return the largest difference of two pictures' means, in levels; inf for other sizes.
+
+    first, second: as blocks_text. Errors: ValueError for what is none.
+    """
+    one, other = (np.frombuffer(base64.b64decode(text), "<u2").astype(np.float64) for text in (first, second))
+    return float(np.abs(one - other).max(initial=0.0) / _STEPS) if one.shape == other.shape else math.inf

@@ -1,9 +1,4 @@
-"""Measurement of pictures in other processes: SSIM and FLIP take a second a frame.
-
-Alternatives tried: multiprocessing and loky. Spawned children of multiprocessing import the user's
-main script again. Those of loky (3.7) survive, at 200 MB each, when this process is killed. Neither
-is faster, and neither repeats the work of a killed child.
-"""
+"""Measurement of pictures in other processes, and the worst of them."""
 
 from __future__ import annotations
 
@@ -23,9 +18,55 @@ from typing import Any
 import attrs
 
 from ..errors import HmdwarpError, MachineError
-from .figures_of import measure
 from .job import QualityJob, QualityResult
-from .worst import Kept, WorstKeeper
+from .metric import PRIMARY, measure
+
+
+@attrs.frozen(eq=False)
+class Kept:
+    """A picture to keep, with its figures."""
+
+    key: Any  # the key it was submitted under
+    job: QualityJob
+    result: QualityResult
+
+    @property
+    def rank(self) -> tuple[float, Any]:
+        """Sort key: larger is worse. Of two equals the one with the larger key counts as worse."""
+        return self.result.values[PRIMARY] or 0.0, self.key
+
+
+class WorstKeeper:
+    """The `count` pictures with the largest FLIP error, at most one from each bucket.
+
+    A bucket is a second of the trace, say.
+
+    The order in which pictures are offered does not matter. A bucket's worst is dropped only when
+    `count` other buckets are worse still, and those can only get worse. A picture whose bucket is
+    None is never kept.
+    """
+
+    def __init__(self, count: int, bucket: Callable[[Any], Hashable]) -> None:
+        self.count, self._bucket = count, bucket
+        self._best: dict[Hashable, Kept] = {}
+
+    def offer(self, kept: Kept) -> None:
+        """Keep a picture if it is among the worst so far."""
+        if self.count == 0:
+            return
+        bucket = self._bucket(kept.key)
+        if bucket is None:
+            return
+        if bucket in self._best and self._best[bucket].rank >= kept.rank:
+            return
+        self._best[bucket] = kept
+        if len(self._best) > self.count:
+            del self._best[min(self._best, key=lambda b: self._best[b].rank)]
+
+    def kept(self) -> list[Kept]:
+        """Return the kept pictures, the worst first."""
+        return sorted(self._best.values(), key=lambda k: k.rank, reverse=True)
+
 
 _BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"
 _ENVIRONMENT = {
@@ -278,7 +319,7 @@ class _Worker:
             # The late picture is only for reports and stays here.
             pickle.dump(attrs.evolve(job, rendered_picture=None), self._process.stdin, protocol=5)
             self._process.stdin.flush()
-            answer = pickle.load(self._process.stdout)
+            answer: QualityResult | Exception = pickle.load(self._process.stdout)
         except (OSError, EOFError, pickle.UnpicklingError, ValueError) as error:
             raise HmdwarpError(self._obituary()) from error
         if isinstance(answer, Exception):

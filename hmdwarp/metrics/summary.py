@@ -1,4 +1,4 @@
-"""Aggregation of one row per frame and eye into the few figures of summary.json."""
+"""Figures over time: aggregation into summary.json, and how sure a mean is."""
 
 from __future__ import annotations
 
@@ -7,17 +7,109 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import HmdwarpError
 from .metric import metrics_in_order
-from .spread import at_instants, interval_of_mean
+
+LEAST_INSTANTS = 6  # make three blocks of two; fewer have no interval
+LEVEL = 0.95
+
+Interval = tuple[float, float]
+Array = NDArray[np.float64]
+
+
+def interval_of_mean(values: ArrayLike) -> Interval | None:
+    """Return the interval of the mean of a figure at instants in their order, None for too few.
+
+    By a moving-block bootstrap: blocks of neighbours are drawn, and a series wraps around at its
+    end so that all instants count alike. The deviation of a mean of so many resamples has a closed
+    form, so nothing is drawn. Student's t makes up for few blocks.
+    Source: Kuensch 1989 (moving blocks); Politis and Romano 1992 (circular ones).
+    """
+    series = np.asarray(values, dtype=np.float64)
+    count = len(series)
+    if count < LEAST_INSTANTS:
+        return None
+    from scipy.special import stdtrit
+
+    length, mean = block_length(series), float(series.mean())
+    around = np.concatenate([series, series[: length - 1]]) - mean
+    blocks = np.convolve(around, np.full(length, 1 / length), "valid")
+    freedom = count / length - 1
+    half = float(stdtrit(freedom, (1 + LEVEL) / 2) * math.sqrt((blocks @ blocks) / count / freedom))
+    return mean - half, mean + half
+
+
+def block_length(values: ArrayLike) -> int:
+    """Return how many neighbours to draw at once: as many as their likeness calls for.
+
+    At least the cube root of their number, for few instants show little of it; at most a third.
+    Source: Politis and White 2004, Automatic block-length selection for the dependent bootstrap,
+    section 3.2, with the constant for circular blocks as corrected by Patton, Politis and White
+    2009.
+    """
+    series = np.asarray(values, dtype=np.float64)
+    count: int = len(series)
+    apart = series - series.mean()
+    alike = np.array([apart[: count - lag] @ apart[lag:] for lag in range(count)]) / count
+    root: float = count ** (1 / 3)
+    least, most = math.ceil(root), max(1, count // 3)
+    if alike[0] <= 0:
+        return min(least, most)
+    small = np.abs(alike) < 2 * math.sqrt(math.log10(count) / count) * alike[0]
+    run = max(5, math.ceil(math.log10(count)))
+    last = next(lag for lag in range(count) if small[lag + 1 : lag + 1 + run].all())
+    lags = np.arange(1, min(2 * max(last, 1), count - 1) + 1)
+    weights = np.clip(2 * (1 - lags / (2 * max(last, 1))), 0, 1)
+    slope = 2 * float(weights * lags @ alike[lags])
+    spectrum = float(alike[0] + 2 * weights @ alike[lags])
+    if spectrum <= 0:
+        return min(least, most)
+    wanted: float = (1.5 * (slope / spectrum) ** 2 * count) ** (1 / 3)
+    return min(max(math.ceil(wanted), least), most)
+
+
+def at_instants(rows: Iterable[Mapping[str, Any]], name: str) -> dict[int, float]:
+    """Return a figure by refresh, in order of time: the mean of what was measured of its eyes.
+
+    rows: keyed by the columns of frames.csv; one without a frame is left out.
+    """
+    found: dict[int, list[float]] = {}
+    for row in rows:
+        if row.get(name) is not None and "frame" in row:
+            found.setdefault(row["frame"], []).append(float(row[name]))
+    return {frame: math.fsum(values) / len(values) for frame, values in sorted(found.items())}
+
+
+def difference(
+    first: Sequence[Mapping[str, Any]], second: Sequence[Mapping[str, Any]], name: str
+) -> dict[str, float | list[float] | None]:
+    """Return {mean, interval} of first - second over the instants at which both were measured."""
+    apart = _apart(at_instants(first, name), at_instants(second, name))
+    interval = interval_of_mean(apart)
+    return {"mean": math.fsum(apart) / len(apart) if apart else None, "interval": interval and list(interval)}
+
+
+def differ(first: Mapping[Any, float], second: Mapping[Any, float]) -> bool:
+    """Return whether the difference of two figures by instant holds, as excludes_zero has it."""
+    return excludes_zero(interval_of_mean(_apart(first, second)))
+
+
+def excludes_zero(interval: Sequence[float] | None) -> bool:
+    """Return whether a difference holds: it has an interval, and that is all on one side of 0."""
+    return interval is not None and (interval[0] > 0 or interval[1] < 0)
+
+
+def _apart(first: Mapping[Any, float], second: Mapping[Any, float]) -> list[float]:
+    return [value - second[at] for at, value in first.items() if at in second]
+
 
 STAGES = ("warp", "fill", "effects", "lens", "total")
 QUALITY = tuple(metric.name for metric in metrics_in_order())
 
 
-def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
+def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     """Return the `time_ms`, `quality` and `measured` entries of summary.json.
 
     rows: keyed by the columns of frames.csv.
@@ -38,7 +130,7 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict]:
     return found
 
 
-def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> dict[str, dict]:
+def aggregate_columns(columns: Mapping[str, Sequence[float] | NDArray[np.float64]]) -> dict[str, dict[str, Any]]:
     """Aggregate whole columns that hold only measured values; a missing column was not measured.
 
     Errors: as aggregate.

@@ -22,7 +22,7 @@ def main() -> None:
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     os.nice(_NICENESS)
 
-    from .figures_of import measure
+    from .metric import measure
 
     # A parent that is gone (EOFError, BrokenPipeError) needs no more results.
     with contextlib.suppress(EOFError, BrokenPipeError):

@@ -12,7 +12,7 @@ import attrs
 from ..client import ClientScene
 from ..client.classes import load_client
 from ..client.compensator import Compensator
-from ..client.history import History
+from ..client.inputs import History
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import EyeSizes, Frame, Needs, frame_bytes, video_pixels

@@ -12,7 +12,7 @@ from .changes import SEEN_PX
 
 if TYPE_CHECKING:
     from ..client.compensator import Compensator, EyeResult
-    from ..client.history import History
+    from ..client.inputs import History
     from ..client.plan import Plan
     from ..frames import EyeImage, Frame, Needs
     from ..geometry import Eyes, View

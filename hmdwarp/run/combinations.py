@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 import attrs
 
-from ..client.history import History
+from ..client.inputs import History
 from ..client.plan import Plan
 from ..client.strategies import has_own_link
 from ..frames import Needs

@@ -14,9 +14,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.client import Choice, parse_warp
+from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import Warp, warps
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.options import Choice
 
 
 def fields_of(warp: type[Warp]) -> list[tuple[str, typing.Any, typing.Any]]:

@@ -19,7 +19,7 @@ from client.test_multi import HALF_FLOAT, WALL, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.frames import Needs, frame_bytes
 from hmdwarp.geometry import Fov, Pose, View, wide_fov, wide_size, wide_view
-from hmdwarp.geometry.wide import COARSER
+from hmdwarp.geometry.cube import COARSER
 from hmdwarp.gpu import SCALAR, Canvas, allocate
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import eye_sizes

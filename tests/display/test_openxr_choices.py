@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hmdwarp.display.openxr.binding import load_binding
+from hmdwarp.display.openxr.diagnosis import load_binding
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
 from hmdwarp.geometry import Pose
 
@@ -23,11 +23,10 @@ except MachineError as lacking:
 import xr
 
 from hmdwarp.display import DisplayOptions, Lost
-from hmdwarp.display.openxr.calls import Calls
-from hmdwarp.display.openxr.eyes import RuntimeEyes
 from hmdwarp.display.openxr.graphics import VARIABLE, check_requirements, kinds
+from hmdwarp.display.openxr.runtime import Calls
 from hmdwarp.display.openxr.swapchain import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
-from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, _world
+from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, RuntimeEyes, _world
 from hmdwarp.poses import Origin
 
 BOTH = frozenset({"XR_KHR_opengl_enable", "XR_MNDX_egl_enable"})
@@ -93,7 +92,7 @@ def answering(result: int) -> Calls:
 
 
 @pytest.mark.parametrize(("result", "lost"), [(-13, True), (-17, True), (-2, True), (-3, False), (-987654321, False)])
-def test_what_goes_wrong_in_the_middle_is_a_loss_or_a_lack(result, lost):
+def test_failures_in_a_session_are_losses_or_lacks(result, lost):
     calls = answering(result)
     calls.stage = "running"
     with pytest.raises(MachineError) as raised:
@@ -103,7 +102,7 @@ def test_what_goes_wrong_in_the_middle_is_a_loss_or_a_lack(result, lost):
 
 
 @pytest.mark.parametrize("result", [-1, -37])  # VALIDATION_FAILURE, CALL_ORDER_INVALID
-def test_what_no_caller_should_get_is_a_fault_of_ours(result):
+def test_results_of_wrong_calls_are_internal_errors(result):
     calls = answering(result)
     calls.stage = "running"
     with pytest.raises(HmdwarpError, match="xrEndFrame") as raised:

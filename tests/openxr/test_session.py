@@ -18,9 +18,8 @@ from hmdwarp.colour import picture_from_linear
 from hmdwarp.display import Closed, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
 from hmdwarp.display.openxr import openxr_head as head_module
-from hmdwarp.display.openxr.calls import Calls
-from hmdwarp.display.openxr.projection_layer import NEAR_M
-from hmdwarp.display.openxr.swapchain import Swapchain
+from hmdwarp.display.openxr.runtime import Calls
+from hmdwarp.display.openxr.swapchain import NEAR_M, Swapchain
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import download, flip_rows
@@ -217,7 +216,7 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
     assert next(pictures, None) is None
 
 
-def test_nothing_is_handed_over_where_nothing_would_be_seen(display, monkeypatch):
+def test_invisible_pictures_are_not_handed_over(display, monkeypatch):
     handed_over = HandedOver(monkeypatch)
     display.wait()
     display.show(None)

@@ -57,7 +57,7 @@ def test_a_second_instance_in_one_process(monado, here):
 
 def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch):
     """Monado's first frame is not to be rendered."""
-    from hmdwarp.display.openxr.frame_calls import FrameCalls
+    from hmdwarp.display.openxr.runtime import FrameCalls
 
     seen, ended = [], FrameCalls.end
 

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import moderngl
 
+from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, allocate, release_all, tiles
-
-if TYPE_CHECKING:
-    from ...gpu.context import Gpu
 
 
 class Closing:

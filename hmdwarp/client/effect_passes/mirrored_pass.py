@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import moderngl
 import numpy as np
 
+from ...frames import EyeImage
 from ...geometry import View, WarpMap
+from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, allocate, release_all, tiles
 from ..effects import RenderedPass
+from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
-
-if TYPE_CHECKING:
-    from ...frames import EyeImage
-    from ...gpu.shaders import Compute
-    from ..inputs import PassInputs
 
 PICTURES = 4  # the rendered one and three more: as many as the shaders' vectors hold
 PLANES = 16  # depths that are tried behind a surface, equally far apart in inverse depth

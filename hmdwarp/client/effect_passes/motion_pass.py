@@ -5,26 +5,22 @@ The view stays the one the picture was rendered for.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import attrs
 import moderngl
 import numpy as np
 
 from ...errors import InputError, MachineError
+from ...frames import EyeImage
 from ...geometry import Pose, RigidState, View, WarpMap
-from ...gpu.scopes import drawing_into
+from ...gpu.context import Gpu, drawing_into
+from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
 from ..effects import RenderedPass
+from ..inputs import PassInputs
 from ..warp_kinds import steepest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from ...frames import EyeImage
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Compute
-    from ..inputs import PassInputs
 
 # Deforming things swing: limbs and cloth return about once in SWING_S. After a latency L a swing
 # has moved about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /

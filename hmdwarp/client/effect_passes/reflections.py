@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 import attrs
 import moderngl
 
 from ...errors import PlanError
+from ...frames import EyeImage
 from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ..carry import as_image
 from ..effects import ShownPass
+from ..inputs import PassInputs, ShownPicture
 from ..warps import Output
 from ..warps.iterative import Iterative
 from .closing import Closing
-
-if TYPE_CHECKING:
-    from ...frames import EyeImage
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 GLOSSY = "glossy_reflections"
 
@@ -72,9 +69,10 @@ class Reflections(ShownPass):
         self._closing.run(self._surface.texture)
         self._draw(inputs, picture, into)
 
-    def _surface_of(self, image: EyeImage, free) -> moderngl.Texture:
+    def _surface_of(self, image: EyeImage, free: Iterator[moderngl.Texture]) -> moderngl.Texture:
         if "reflection" in image:
-            return image["reflection"].surface
+            surface: moderngl.Texture = image["reflection"].surface
+            return surface
         into = next(free)
         image.colour.bind_to_image(0, read=True, write=False)
         into.bind_to_image(1, read=False, write=True)

@@ -4,8 +4,7 @@ An effect's file says which meshes call for it, which layers frames carry for it
 compensates it.
 """
 
-from ._base import Effect, EffectPass, RenderedPass, ShownPass, Tools
-from ._registry import EffectRegistry
+from ._base import Effect, EffectPass, EffectRegistry, RenderedPass, ShownPass, Tools
 
 effects = EffectRegistry("effect", __name__)
 

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable, Collection, Iterable
+from typing import ClassVar
 
 import attrs
 
+from ...errors import InputError
 from ...frames import Needs
-
-if TYPE_CHECKING:
-    from ...gpu.context import Gpu
-    from ...gpu.textures import Canvas
-    from ...scenes import Mesh, Scene
-    from ..carry import Carry
-    from ..client_scene import ClientScene
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
+from ...gpu.context import Gpu
+from ...gpu.textures import Canvas
+from ...registry import Registry, unknown_name
+from ...scenes import Mesh, Scene
+from ..carry import Carry
+from ..client_scene import ClientScene
+from ..inputs import PassInputs, ShownPicture
 
 
 @attrs.frozen
@@ -132,3 +131,55 @@ class ShownPass(EffectPass):
     @abstractmethod
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         """Write the whole shown picture with the effect into `into`."""
+
+
+AUTO, NONE, FORBID = "auto", "none", "no-"
+
+
+class EffectRegistry(Registry[Effect]):
+    """Effects by name, with an order in which lists show them."""
+
+    def of(self, scene: Scene) -> tuple[str, ...]:
+        """Return the names of the effects that a scene calls for."""
+        return self.ordered(one.name for one in self if not one.by_name_only and _occurs(one, scene))
+
+    def selected(self, text: str, declared: Collection[str], scene: Scene | None = None) -> tuple[str, ...]:
+        """Return the names of the effects that a run compensates: `declared`, changed by `text`.
+
+        text: "auto" changes nothing, "none" forbids all. Else names separated by commas, each
+        forced, or forbidden by a leading "no-". Forcing an effect without content costs its pass
+        and changes no picture; what only a name asks for is left out in a `scene` without content.
+        Errors: UnknownNameError for a name; InputError for one that is both forced and forbidden.
+        """
+        forced, forbidden = self._told(text)
+        idle = {name for name in forced if self.get(name).by_name_only and not _occurs(self.get(name), scene)}
+        return self.ordered({*declared, *forced} - forbidden - idle)
+
+    def forced(self, text: str) -> frozenset[str]:
+        """Return the names that `text` forces. text, errors: as `selected`."""
+        return frozenset(self._told(text)[0])
+
+    def _told(self, text: str) -> tuple[set[str], set[str]]:
+        """Return the names that are forced and those that are forbidden."""
+        known = self.names()
+        forced, forbidden = set[str](), set[str]()
+        for word in filter(None, (part.strip() for part in text.split(","))):
+            name = word.removeprefix(FORBID)
+            if word == NONE:
+                forbidden.update(known)
+            elif name in known:
+                (forced if name == word else forbidden).add(name)
+            elif word != AUTO:
+                raise unknown_name("effect", name, [*known, *(f"{FORBID}{one}" for one in known), AUTO, NONE])
+        if both := self.ordered(forced & forbidden):
+            raise InputError(f"--effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
+        return forced, forbidden
+
+    def ordered(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return the names in the order of their effects."""
+        return tuple(sorted(names, key=lambda name: self.get(name).order))
+
+
+def _occurs(effect: Effect, scene: Scene | None) -> bool:
+    """Return whether some mesh has the effect; True where the scene is not known."""
+    return scene is None or any(effect.applies(scene, mesh) for mesh in scene.meshes)

@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...frames import Needs
 from ...gpu.textures import Canvas
 from ..drawn_scenes import ReducedModel
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 from . import effects
 from ._base import Effect, ShownPass
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 
 class LightPass(ShownPass):

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...frames import Needs
+from ...gpu.textures import Canvas
+from ..inputs import PassInputs, ShownPicture
 from . import effects
 from ._base import Effect, ShownPass
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 
 class OverlayPass(ShownPass):

@@ -12,7 +12,7 @@ import numpy as np
 from ...frames import EyeImage, Needs
 from ...geometry import View
 from ...geometry.mirror import tangents_of_pixels
-from ...gpu.scopes import drawing_into
+from ...gpu.context import drawing_into
 from ...gpu.shaders import Draw
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ...scenes import Scene, unlit
@@ -21,8 +21,7 @@ from ..client_scene import ClientScene, Store
 from ..drawn_scenes import whole_weight
 from ..fill_parts import NEAR, OFF_PLANE, BlockLights
 from ..fills.relight import MODEL_WEIGHT, RelightSettings
-from ..inputs import PassInputs
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 from . import effects
 from ._base import Effect, ShownPass
 
@@ -161,7 +160,7 @@ class SoftBodiesPass(ShownPass):
         self._late = inputs.rendered
         return attrs.evolve(inputs, rendered=self._without(inputs.rendered, next(free)), others=others)
 
-    def _without(self, image: EyeImage, left: list) -> EyeImage:
+    def _without(self, image: EyeImage, left: list[moderngl.Texture]) -> EyeImage:
         assert self._bodies is not None, "a plan that reads client.soft_bodies is for a client with geometry"
         self._bodies.draw(image.view, image.drawn_ns, self._then)
         self.gpu.barrier()

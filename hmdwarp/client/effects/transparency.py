@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 
 from ...frames import Needs
+from ...gpu.textures import Canvas
 from ...scenes import is_cutout
 from ..carry import as_image
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import GatherWarp, Seeds
 from ..warps.iterative import IterativeSettings
 from . import effects
 from ._base import Effect, ShownPass
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 # The shown depth of a warp that runs twice for it has been through two half floats: each rounds by
 # 2^-11 of it (truncation makes things farther away). A sheet that lies on a surface must not

@@ -10,10 +10,19 @@ from .block_lights import (
     BlockLights,
     sample_offsets,
 )
-from .hole_filler import HoleFiller
-from .hole_pieces import HolePieces
-from .keeper import BYTES_PER_PIXEL, Keeper, Slot, seeds_for
-from .keyframes import Keyframe, covered, is_new, most_redundant, most_useful, overlapping
+from .hole_pieces import HoleFiller, HolePieces
+from .keeper import (
+    BYTES_PER_PIXEL,
+    Keeper,
+    Keyframe,
+    Slot,
+    covered,
+    is_new,
+    most_redundant,
+    most_useful,
+    overlapping,
+    seeds_for,
+)
 
 __all__ = [
     "BLOCK",

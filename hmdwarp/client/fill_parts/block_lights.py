@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry import View
 from ...geometry.mirror import tangents_of_pixels
+from ...gpu.context import Gpu
 from ...gpu.textures import allocate, release_all, tiles
-
-if TYPE_CHECKING:
-    from ...geometry import View
-    from ...gpu.context import Gpu
 
 BLOCK = 8  # pixels, as in shaders/lib/relight.glsl
 LIGHT = (4, "f4")  # rgba32f, PARTS texels a block

@@ -10,8 +10,7 @@ from ...gpu.context import Gpu
 from ...options import NoSettings
 from ..client_scene import ClientScene
 from ..drawn_scenes import DrawnModel, ReducedModel
-from ..inputs import PassInputs
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 
 
 class Fill(ABC):

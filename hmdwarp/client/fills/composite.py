@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import attrs
 import numpy as np
@@ -12,12 +12,9 @@ from ...geometry import View, WarpMap
 from ...geometry.mirror import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..fill_parts import HolePieces
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 OFFSETS = 4096  # random places to choose from; a power of two
 MOST_SAMPLES = 256

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 _HEADER_BYTES = 32  # three work-group counts and one spare, then the mean
 

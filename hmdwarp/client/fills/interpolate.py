@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import attrs
 
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 WORKERS = 1 << 14  # invocations that share the list of holes
 

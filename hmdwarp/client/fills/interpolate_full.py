@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 import moderngl
 import numpy as np
 
 from ...gpu.textures import COLOUR, allocate, release_all
 from ..fill_parts import HolePieces
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
 from .interpolate import minimum_count
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 MOST_REACH = 1024
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
 from ...errors import InputError
+from ...geometry import View
 from ...gpu.textures import release_all
 from ..fill_parts import (
     BYTES_PER_PIXEL,
@@ -21,14 +22,10 @@ from ..fill_parts import (
     overlapping,
     seeds_for,
 )
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import DepthPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ...geometry import View
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 MOST_FRAMES = 64
 CELL = 2  # side, in shown pixels, of squares that share first guesses, which come from every second pixel
@@ -142,7 +139,7 @@ class Memory(Fill):
 
     @classmethod
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
-        return min(settings.frames * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
+        return min(int(settings.frames) * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import attrs
 
-from ..settings import share_of
+from ..drawn_scenes import share_of
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 SHARE = 0.2  # of the scene's triangles, of every fill with a client's model
 

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 import moderngl
 
+from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, allocate, release_all, tiles
 from ..fill_parts import HolePieces
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Compute
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 DEPTH_AND_HOLES = (4, "f4")  # rgba32f
 # Up to texels of 2^LOCAL_LEVELS pixels, the farthest surface is preferred if it makes up

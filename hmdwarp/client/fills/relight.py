@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import attrs
 
 from ...geometry.mirror import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
+from ..drawn_scenes import share_of
 from ..fill_parts import NEAR, OFF_PLANE, BlockLights
-from ..settings import share_of
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
 from .model import SHARE
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 WORKERS = 1 << 14  # invocations that share the list of holes
 # Weight of the model's own light, by the light that the model is drawn with. Best by FLIP is 0.03

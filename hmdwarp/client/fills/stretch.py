@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 
 from ...geometry import WarpMap
 from ...gpu.textures import COLOUR, allocate
 from ..fill_parts import HolePieces
+from ..inputs import PassInputs, ShownPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 LEAST_PARALLAX = 0.25  # pixels at 1 m; below this no hole is a pixel wide unless an object is nearer than 25 cm
 _FILLED, _WARPED, _WARPED_DEPTH, _FILLED_DEPTH, _STREAKS = range(5)  # image units

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...frames import Needs
-from ...geometry.wide import COARSER
+from ...geometry.cube import COARSER
 from ..fill_parts import HoleFiller
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import DepthPicture
 from . import fills
 from ._base import Fill
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
-    from ..shown_picture import ShownPicture
 
 
 @fills.register

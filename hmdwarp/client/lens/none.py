@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ...geometry import Fov
 from ...gpu.textures import Canvas
-from . import lenses
-from ._base import LensPass
+from . import LensPass, lenses
 
 
 @lenses.register

@@ -8,8 +8,7 @@ from ...errors import InputError
 from ...geometry import Fov
 from ...gpu.textures import Canvas
 from ...headsets import COLOURS, RadialLens
-from . import bind_texels, lenses
-from ._base import LensPass
+from . import LensPass, bind_texels, lenses
 
 
 @lenses.register

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
-from . import strategies
-from ._base import Strategy
+from . import Strategy, strategies
 
 _DEPTH = "rendered.inverse_depth"
 

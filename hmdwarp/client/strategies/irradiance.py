@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from . import strategies
-from ._base import Strategy
+from . import Strategy, strategies
 
 
 @strategies.register

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...errors import InputError
-from . import strategies
-from ._base import Strategy
+from . import Strategy, strategies
 
 CLIENTS = ("none", "rotation")
 

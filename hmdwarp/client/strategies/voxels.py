@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import strategies
-from ._base import Strategy
+from . import Strategy, strategies
 
 
 @strategies.register

@@ -2,15 +2,19 @@
 
 from .client_drawing import ClientDrawing
 from .composite import CompositeWarp, DepthPicture
-from .gather import GatherSettings, GatherWarp, bind_rendered_colour
-from .grid_mesh import GridMesh
-from .guesses import DepthGuesses, no_pieces, piece_list
-from .homography import HomographyWarp
-from .mesh import MeshWarp, steepest
-from .plane import PlaneWarp
+from .gather import (
+    DEPTH_FLOOR,
+    DEPTH_TOLERANCE,
+    GatherSettings,
+    GatherWarp,
+    HomographyWarp,
+    PlaneWarp,
+    bind_rendered_colour,
+    depth_limits,
+)
+from .guesses import DepthGuesses, Seeds, no_pieces, piece_list
+from .mesh import GridMesh, MeshWarp, steepest
 from .scatter import OrderedScatter, ScatterWarp, check_room
-from .seeds import Seeds
-from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE, depth_limits
 
 __all__ = [
     "DEPTH_FLOOR",

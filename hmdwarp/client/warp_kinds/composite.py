@@ -6,22 +6,19 @@ The shown rays are intersected with one picture after the other; the best hit st
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import attrs
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.textures import allocate, release_all
+from ...gpu.shaders import Compute
+from ...gpu.textures import Canvas, allocate, release_all
+from ..inputs import PassInputs
 from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE
 from .guesses import PIECE_ROWS, DepthGuesses, piece_list
 from .scatter import check_room
-from .tolerance import DEPTH_FLOOR, DEPTH_TOLERANCE
-
-if TYPE_CHECKING:
-    from ...gpu.shaders import Compute
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 _COLOUR = 1  # texture unit
 _RESULT, _BEST, _DEPTH = 0, 1, 2  # image units; from 3 on they are the warp's own

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import moderngl
 
 from ...errors import InputError
 from ...geometry import WarpMap
+from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
+from ...gpu.textures import Canvas
+from ..inputs import PassInputs
 from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
-
-if TYPE_CHECKING:
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Compute
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 SHOWN_COLOUR, RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_DEPTH = range(4)  # image units
 _UNITS = {

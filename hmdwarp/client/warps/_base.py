@@ -4,24 +4,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import attrs
+import moderngl
 
 from ...frames import Needs
-from ...gpu.textures import SCALAR, allocate
+from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
+from ...gpu.textures import SCALAR, Canvas, allocate
 from ...options import NoSettings
-
-if TYPE_CHECKING:
-    import moderngl
-
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Compute
-    from ...gpu.textures import Canvas
-    from ...scenes import Scene
-    from ..client_scene import ClientScene
-    from ..inputs import PassInputs
-    from ..lens import LensPass
+from ...scenes import Scene
+from ..client_scene import ClientScene
+from ..inputs import PassInputs
+from ..lens import LensPass
 
 # Bytes of one pixel: rgba16f colour, r32f inverse depth, 32-bit key.
 COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES = 8, 4, 4

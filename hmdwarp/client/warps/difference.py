@@ -12,10 +12,8 @@ from ...frames import Needs
 from ...frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
 from ...geometry import View, WarpMap
 from ...gpu.textures import SCALAR, Canvas, allocate
-from ..drawn_scenes import WholeScene
-from ..inputs import PassInputs
-from ..settings import share_of
-from ..shown_picture import ShownPicture
+from ..drawn_scenes import WholeScene, share_of
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE
 from . import warps
 from ._base import Warp

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -11,13 +11,11 @@ from ...errors import PlanError
 from ...frames import Needs
 from ...geometry import Pose, View, WarpMap
 from ...geometry.cube import face_views
+from ...gpu.textures import Canvas
 from ...options import NoSettings
+from ..inputs import PassInputs
 from ..warp_kinds import GatherWarp
 from . import warps
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 _EYE_FROM_HOMOGENEOUS = np.diag([1.0, 1.0, -1.0])  # the tangent point (x, y, 1) lies at (x, y, -1)
 
@@ -52,7 +50,8 @@ class Environment(GatherWarp):
         return WarpMap(turn.as_matrix() @ _EYE_FROM_HOMOGENEOUS @ tangent_from_pixel, np.zeros(3))
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:
-        return inputs.rendered["cube"]
+        cube: moderngl.Texture = inputs.rendered["cube"]
+        return cube
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
         cube = inputs.rendered["cube"]

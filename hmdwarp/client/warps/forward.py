@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import attrs
 
 from ...errors import InputError, MachineError
+from ...geometry import WarpMap
+from ...gpu.context import Gpu
+from ...gpu.shaders import Compute
+from ...gpu.textures import Canvas
+from ..inputs import PassInputs
 from ..warp_kinds import ScatterWarp, check_room
 from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
-
-if TYPE_CHECKING:
-    from ...geometry import WarpMap
-    from ...gpu.context import Gpu
-    from ...gpu.shaders import Compute
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import WarpMap
+from ..inputs import PassInputs
 from ..warp_kinds import OrderedScatter
 from . import warps
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 # Pixels from the picture's middle beyond which an epipole counts as this far in its direction: rows
 # of the largest picture then turn by at most 2^14 / 2^20 rad against the true lines, a pixel in 64,

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ..inputs import PassInputs
 from ..warp_kinds import OrderedScatter
 from . import warps
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 
 @warps.register

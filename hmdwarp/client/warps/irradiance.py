@@ -13,8 +13,7 @@ from ...gpu.textures import Canvas
 from ...sources.server import Indirect
 from ..client_scene import ClientScene, Store
 from ..drawn_scenes import Surfaces, whole_weight
-from ..inputs import PassInputs
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import ClientDrawing
 from . import warps
 

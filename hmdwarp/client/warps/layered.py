@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
 from ...errors import PlanError
 from ...frames import Needs
+from ..inputs import PassInputs
 from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 MOST_LAYERS = 4
 

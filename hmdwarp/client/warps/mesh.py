@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import attrs
 
+from ...gpu.textures import Canvas
+from ..inputs import PassInputs
 from ..warp_kinds import GridMesh, MeshWarp
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 STEEPEST_DEG = 85.0
 MOST_VERTICES = 1024  # a side: a vertex's index times the picture's side stays below 2^24
@@ -99,4 +97,4 @@ class Mesh(MeshWarp):
         # Seven depths for each vertex, or its own alone; the shown colour and depth as those of a
         # whole mesh; of the rendered colour what is shown.
         depths = (7 if settings.ring else 1) * settings.grid**2
-        return depths * DEPTH_BYTES + shown_pixels * (3 * COLOUR_BYTES + 3 * DEPTH_BYTES)
+        return int(depths) * DEPTH_BYTES + shown_pixels * (3 * COLOUR_BYTES + 3 * DEPTH_BYTES)

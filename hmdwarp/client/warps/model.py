@@ -13,10 +13,8 @@ from ...frames.layers.scene_update import Delivery
 from ...gpu.textures import Canvas
 from ..arriving_scene import ArrivingScene
 from ..client_scene import ClientScene
-from ..drawn_scenes import WholeScene
-from ..inputs import PassInputs
-from ..settings import share_of
-from ..shown_picture import ShownPicture
+from ..drawn_scenes import WholeScene, share_of
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import ClientDrawing
 from . import warps
 

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import attrs
 import numpy as np
 
 from ...frames import Needs, Others
 from ...geometry import WarpMap
+from ..inputs import PassInputs
 from ..warp_kinds import CompositeWarp, DepthPicture
 from . import warps
-
-if TYPE_CHECKING:
-    from ..inputs import PassInputs
 
 MOST_FRAMES, MOST_VIEWS = 8, 4
 _CHOSEN = "rendered.views"

@@ -13,16 +13,14 @@ from ...frames import Needs
 from ...frames.layers.photons import PhotonMap
 from ...frames.photon_bundles import LEAST_BUDGET, PHOTON_BYTES, BundleRoom, Cube, unpacked
 from ...geometry import View
-from ...gpu.context import Gpu
-from ...gpu.scopes import drawing_into
+from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Inputs, Uniforms
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ...scenes import Scene, kernel_factors, lamps_at, light_keys, transport_of
 from ...sources.server import Indirect
 from ..client_scene import ClientScene, Store, receiver_of
 from ..drawn_scenes import Surfaces, whole_weight
-from ..inputs import PassInputs
-from ..shown_picture import ShownPicture
+from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import ClientDrawing
 from . import warps
 

@@ -37,7 +37,7 @@ class Rotation(HomographyWarp):
 
     @property
     def clamps(self) -> bool:
-        return self.settings.edge == "clamp"
+        return bool(self.settings.edge == "clamp")
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         return super().map_between(

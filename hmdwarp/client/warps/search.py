@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from ...gpu.textures import tiles
+from ...gpu.textures import Canvas, tiles
+from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
 BOUND_BYTES = 8

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from ...geometry import Fov
+from ..inputs import PassInputs
 from ..warp_kinds import PlaneWarp
 from . import warps
-
-if TYPE_CHECKING:
-    from ...geometry import Fov
-    from ..inputs import PassInputs
 
 
 @warps.register

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ...geometry import WarpMap
+from ...gpu.textures import Canvas
+from ..inputs import PassInputs
 from ..warp_kinds import ScatterWarp, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..inputs import PassInputs
 
 
 @attrs.frozen

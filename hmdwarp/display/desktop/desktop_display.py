@@ -18,10 +18,10 @@ from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Tick
 from ..status import Status
 from .control_panel import column_width
-from .opening import start
+from .layout import SwitchableView
 from .pacing import Pacer
 from .window import Window
-from .window_views import SwitchableView
+from .window_system import start
 
 if TYPE_CHECKING:
     from .. import Picture
@@ -47,11 +47,10 @@ class DesktopDisplay(SwitchableView):
     def _open(self, options: DisplayOptions, closers: ExitStack) -> None:
         glfw = start()  # before the modules that import glfw: it chooses the library of X11 or Wayland
         from ..present import Presenter
-        from .keys import Keys
-        from .painter import Painter
-        from .screen_monitor import ScreenMonitor
-        from .status_views import NO_PANEL, StatusViews
+        from .pacing import ScreenMonitor
+        from .painter import NO_PANEL, Painter, StatusViews
         from .window_commands import WindowCommands
+        from .window_input import Keys
 
         has_panel = options.control_panel and any(one.name == "panel" and one.of_display for one in options.controls)
         self._window = Window(

@@ -15,12 +15,10 @@ import moderngl
 from ...errors import MachineError
 from ...gpu.context import WANTED
 from .layout import Size, window_size
-from .opening import last_error
-from .screens import mode_of, screen_of, screen_text
-from .x_connection import XConnection
+from .window_system import XConnection, last_error, mode_of, screen_of, screen_text
 
 if TYPE_CHECKING:
-    from .window_types import VideoMode, WindowHandle
+    from .window_system import VideoMode, WindowHandle
 
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 _NO_ERROR = 0  # GL_NO_ERROR

@@ -6,12 +6,10 @@ from collections.abc import Callable, Iterable
 
 from ...poses.walker import Walker
 from .. import Command
-from .keys import Keys
 from .pacing import Pacer
-from .painter import Painter
-from .status_views import NO_PANEL, StatusViews
+from .painter import NO_PANEL, Painter, StatusViews
 from .window import Window
-from .window_input import WindowInput
+from .window_input import Keys, WindowInput
 
 
 class WindowCommands:

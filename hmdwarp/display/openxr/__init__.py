@@ -28,7 +28,7 @@ def __getattr__(name: str) -> Any:
     """Load the binding. Errors: MachineError if it does not load."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .binding import load_binding
+    from .diagnosis import load_binding
 
     load_binding()
     if name == "OpenXrHead":

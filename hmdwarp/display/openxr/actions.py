@@ -14,10 +14,8 @@ import xr
 from ...errors import MachineError
 from .. import Command
 from ..controls import Control
-from .button_repeat import ButtonRepeat
-from .calls import Calls
-from .instance import Instance
-from .profiles import AXES, BUTTONS, HANDS, PROFILES
+from .controllers import AXES, BUTTONS, HANDS, PROFILES, ButtonRepeat
+from .runtime import Calls, Instance
 
 if TYPE_CHECKING:
 
@@ -82,7 +80,7 @@ class Actions:
                 self.refused.append(profile)
 
     def _path(self, instance: Instance, text: str) -> int:
-        return self._calls.call_once(xr.string_to_path, instance.handle, text)
+        return int(self._calls.call_once(xr.string_to_path, instance.handle, text))
 
     def sync(self, now_ns: int) -> None:
         """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""

@@ -13,15 +13,10 @@ from ...errors import HmdwarpError, InputError, MachineError
 from .. import Closed
 from ..controls import Control
 from .actions import Actions, open_actions
-from .calls import Calls
-from .eyes import COUNT, RuntimeEyes
-from .frame_calls import FrameCalls
 from .graphics import Graphics, check_requirements
-from .instance import DEPTH_EXTENSION, WITH_PICTURES, Instance, open_instance
-from .openxr_session import Session
-from .projection_layer import Projection
-from .swapchain import Swapchain, colour_format, depth_format
-from .tracking import HeadTracker, Spaces
+from .runtime import DEPTH_EXTENSION, WITH_PICTURES, Calls, FrameCalls, Instance, Session, open_instance
+from .swapchain import Projection, Swapchain, colour_format, depth_format
+from .tracking import COUNT, HeadTracker, RuntimeEyes, Spaces
 
 READY_S = 5.0  # for a new session to become ready; runtimes take fractions of a second
 IDLE_S = 0.01  # between two polls of a session that is not running

@@ -1,11 +1,14 @@
-"""Diagnosis of a headset that shows nothing, for the display and the doctor."""
+"""Why OpenXR does not work, and what to do; the late import of its binding."""
 
 from __future__ import annotations
 
 import json
+import os
 import platform
 from collections.abc import Mapping
 from pathlib import Path
+
+from ...errors import MachineError
 
 RUNTIME_LABEL = "the OpenXR runtime"  # named in plans as what corrects the lens and reads depth
 INSTALL = "Debian, Ubuntu: sudo apt-get install"
@@ -128,3 +131,16 @@ def manifest_text(environ: Mapping[str, str]) -> str:
 
 def _one_line(text: object) -> str:
     return " ".join(str(text or "").split())
+
+
+def load_binding() -> None:
+    """Import pyopenxr. Errors: MachineError with the reason.
+
+    Without libGL the import raises AttributeError, with a foreign loader OSError: catch everything.
+    """
+    os.environ.setdefault("XR_LOADER_DEBUG", "none")  # else the loader prints five lines on what our own error says
+    try:
+        import xr  # noqa: F401
+    except Exception as error:
+        words, remedy = diagnose("binding", type(error).__name__, error)
+        raise MachineError(f"{words}: {remedy}") from error

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 from .. import Closed, Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
-from ..desktop.keys import Keys, label, token
-from ..desktop.opening import start
 from ..desktop.window import Window
+from ..desktop.window_input import Keys, label, token
+from ..desktop.window_system import start
 from ..present import fitted
 
 if TYPE_CHECKING:

@@ -17,15 +17,12 @@ from ...geometry import View
 from .. import Command, DisplayOptions, Label, Status, Tick
 from ..notice import Notice
 from ..present import Presenter
-from .calls import Calls
 from .connection import IDLE_S, Connected, Connection, connect
 from .diagnosis import RUNTIME_LABEL
-from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
-from .instance import Instance
-from .projection_layer import NEAR_M
-from .swapchain import Swapchain
-from .tracking import HeadTracker
+from .runtime import Calls, Instance
+from .swapchain import NEAR_M, Swapchain
+from .tracking import HeadTracker, RuntimeEyes
 
 if TYPE_CHECKING:
     from .. import EyePicture, Picture
@@ -164,7 +161,8 @@ class OpenXrDisplay(Connected):
                 self._opened().presenter.depth(inverse_depth, depth.acquire(), NEAR_M)
                 depth.release()
             pictures.layer.fill(eye, view, inverse_depth is not None)
-        return pictures.layer.struct
+        struct: ctypes.Structure = pictures.layer.struct
+        return struct
 
     def _draw_colour(self, colour: Swapchain, result: EyePicture | None, view: View, notice: Notice | None) -> None:
         self._opened().presenter.show(

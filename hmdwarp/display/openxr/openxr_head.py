@@ -14,13 +14,19 @@ import xr
 from ...errors import MachineError
 from ...poses import PoseSample
 from .. import Closed
-from .calls import Calls
 from .connection import IDLE_S, READY_S, Connected, connect
-from .eyes import RuntimeEyes
 from .graphics import Graphics, open_graphics
-from .instance import HEADLESS_EXTENSION, RATE_EXTENSION, WITHOUT_PICTURES, Instance, offered_extensions, open_instance
-from .openxr_session import Session
-from .tracking import HeadTracker, Spaces
+from .runtime import (
+    HEADLESS_EXTENSION,
+    RATE_EXTENSION,
+    WITHOUT_PICTURES,
+    Calls,
+    Instance,
+    Session,
+    offered_extensions,
+    open_instance,
+)
+from .tracking import HeadTracker, RuntimeEyes, Spaces
 
 DEFAULT_HZ = 90.0  # the rate of most headsets
 

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...client.compensator import Compensator
-from ...client.history import History
-from ...client.inputs import PassInputs
+from ...client.inputs import History, PassInputs
 from ...client.lens import lenses
 from ...client.plan import needs_of
 from ...colour import picture_from_linear

@@ -13,7 +13,7 @@ from ...gpu import flip_rows
 
 Picture = NDArray[Any]
 # Two depths nearer than this are one surface: what a grazing surface changes by within a pixel, see
-# metrics.regions.
+# metrics.region_of.
 RELATIVE_STEP, LEAST_STEP = 0.02, 0.002
 
 

@@ -148,7 +148,7 @@ class Layer:
     @classmethod
     def serves(cls, carried: Any, needed: Any) -> bool:
         """Return whether frames that carry `carried` suit passes that need `needed`."""
-        return carried == needed
+        return bool(carried == needed)
 
     @classmethod
     def only(cls, data: Any, amount: Any) -> Any:
@@ -192,7 +192,7 @@ def _bytes_of(content: Any) -> int:
     """Return the bytes of a texture or array."""
     if hasattr(content, "nbytes"):
         return int(content.nbytes)
-    return content.width * content.height * content.components * int(content.dtype[1:])
+    return int(content.width * content.height * content.components * int(content.dtype[1:]))
 
 
 class Wanted(Protocol):

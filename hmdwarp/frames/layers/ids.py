@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry import Pose, RigidState
 from . import Layer, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     import moderngl
-    from numpy.typing import NDArray
 
 _BODY_NUMBERS = 16
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from . import EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     import moderngl
 
 

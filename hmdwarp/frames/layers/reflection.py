@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import enum
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry import Mirror
 from . import BRIGHT_VIDEO, DEPTH, PIXEL_BYTES, VECTORS, Layer, Surface, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     import moderngl
-    from numpy.typing import NDArray
-
 
 _MIRROR_NUMBERS = 11
 

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
+from numpy.typing import NDArray
 
 from . import Layer, Surface, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
     import moderngl
-    from numpy.typing import NDArray
 
 
 @attrs.frozen(eq=False)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from ..frame import EyeImage
 from . import Layer, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     import moderngl
-
-    from ..frame import EyeImage
 
 
 @layers.register

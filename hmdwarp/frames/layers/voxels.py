@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import attrs
 
 from ...errors import InputError
+from ...scenes import Scene
 from . import EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     import moderngl
-
-    from ...scenes import Scene
 
 SIZES = (8, 16, 32, 64, 128, 256)
 MOST_CONES = 32

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from ...geometry.wide import wide_size
+from ...geometry.cube import wide_size
+from ..frame import EyeImage
 from . import OWN, EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
     import moderngl
-
-    from ..frame import EyeImage
 
 
 @layers.register

@@ -11,11 +11,8 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .codecs import Codec, codecs
 from .coding import check_quality
-from .holes import covered
-from .packed_layers import pack, unpack
-from .packet import Packet, from_two_parts, two_parts
-from .stream import ColourDecoder, ColourEncoder
-from .transfer import bytes_from_light, light_from_bytes, stops_of
+from .packed_layers import bytes_from_light, covered, light_from_bytes, pack, stops_of, unpack
+from .stream import ColourDecoder, ColourEncoder, Packet, from_two_parts, two_parts
 
 # See two_parts. The fields: powers of 2 beyond 1, the light of uncovered pixels as half floats; the
 # parts: coverage and video.

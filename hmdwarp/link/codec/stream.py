@@ -1,25 +1,68 @@
-"""One stream of pictures through a video codec, by PyAV.
-
-A picture in, its bytes out at once; and back.
-
-Colour: 8-bit 4:2:0 (of each 2x2 pixels the mean chroma goes in), the matrix and primaries of
-BT.709, limited range (luma 16 to 235): which every hardware decoder supports. Both ends state this
-instead of trusting defaults, which differ between programs. The values are sRGB-encoded, and the
-stream is tagged so.
-"""
+"""Packets of coded data, and the video codecs behind them, frame by frame."""
 
 from __future__ import annotations
 
+import struct
+import zlib
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import Codec
-from .undecodable import Undecodable
+
+
+class Undecodable(Exception):
+    """A frame that cannot be decoded, because it is damaged or a frame it refers to is missing.
+
+    No fault of program or user: such frames are counted.
+    """
+
+
+_CHECKED_FROM = 4  # what comes before is the checksum
+
+
+@attrs.frozen
+class Packet:
+    """One picture on the network."""
+
+    # 0 for the first of its stream.
+    number: int
+    # Whether it can be decoded without those before it.
+    key: bool
+    data: bytes = attrs.field(repr=lambda data: f"<{len(data)} bytes>")
+
+    @property
+    def size_bytes(self) -> int:
+        """The size of all of it."""
+        return len(self.data)
+
+
+def two_parts(header: struct.Struct, fields: tuple[Any, ...], first: bytes, second: bytes) -> bytes:
+    """Return data of two parts after a header.
+
+    header: CRC-32 of everything after it (a video decoder conceals what is damaged), the fields,
+    and the bytes of the first part.
+    """
+    data = header.pack(0, *fields, len(first))[_CHECKED_FROM:] + first + second
+    return zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
+
+
+def from_two_parts(header: struct.Struct, data: bytes, what: str) -> tuple[list[Any], bytes, bytes]:
+    """Return fields and parts of what `two_parts` made. Errors: Undecodable, naming what it is."""
+    try:
+        checksum, *fields, length = header.unpack_from(data)
+    except struct.error as error:
+        raise Undecodable(f"damaged {what} ({error})") from error
+    if zlib.crc32(data[_CHECKED_FROM:]) != checksum:
+        raise Undecodable(f"damaged {what} (its checksum is wrong)")
+    start = header.size + length
+    return fields, data[header.size : start], data[start:]
+
 
 _BT709, _SRGB, _LIMITED = 1, 13, 1  # FFmpeg's numbers: matrix and primaries, transfer, range
 _SMALLEST = 64  # x265 rejects pictures smaller than a block

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import attrs
+import numpy as np
 
 from ...errors import InputError
 from . import DelayModel, delay_models
-
-if TYPE_CHECKING:
-    import numpy as np
 
 
 @delay_models.register

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
-from ..grid import pixel_centres, row_blocks
+from ..job import Input
 from ..metric import Metric, metrics
-from ..metric_inputs import Input
+from ..picture_pairs import pixel_centres, row_blocks
 
 
 def border_share(

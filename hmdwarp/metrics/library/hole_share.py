@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..job import Input
 from ..metric import Metric, metrics
-from ..metric_inputs import Input
 
 
 def hole_share(coverage: NDArray[Any]) -> float:

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from replays import small
 
-from hmdwarp.client import Choice, parse_fills
+from hmdwarp.client import parse_fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.experiments.bench import BenchOptions, cases_of, combinations_of
@@ -23,6 +23,7 @@ from hmdwarp.experiments.bench.cases import (
     warps_of,
 )
 from hmdwarp.frames import Needs, Others
+from hmdwarp.options import Choice
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.run import Combination, set_up_replay
 from hmdwarp.run.combinations import batches, frames_used, instants_of

@@ -12,7 +12,7 @@ from ....resources import install_line
 from ...controls import CONTROLS, Control
 
 if TYPE_CHECKING:
-    from ..window_types import WindowHandle
+    from ..window_system import WindowHandle
     from .panel import ControlPanel
 
 PANEL_REMEDY = install_line("panel")

@@ -16,7 +16,7 @@ import moderngl
 import numpy as np
 from imgui_bundle import imgui
 
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.shaders import ShaderLibrary
 
 CORNER = np.dtype([("position_px", "<f4", 2), ("ink_uv", "<f4", 2), ("tint", "u1", 4)])  # ImDrawVert

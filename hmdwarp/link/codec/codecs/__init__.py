@@ -2,8 +2,59 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Literal
+
+import attrs
+
+from ....errors import MachineError
 from ....registry import Registry
-from ._base import Codec, require
+
+
+@attrs.frozen
+class Codec:
+    """A video codec."""
+
+    name: str
+    summary: str
+    # FFmpeg's names, "" for a codec that does nothing.
+    encoder: str = ""
+    decoder: str = ""
+    # The default constant-quality setting.
+    crf: int = 0
+    # Fixed, because the slices, and so the bytes, depend on it.
+    threads: int = 1
+    # Of the encoder, besides quality.
+    options: Mapping[str, str] = attrs.field(factory=dict)
+
+    @property
+    def is_none(self) -> bool:
+        """Whether nothing is coded: frames arrive as they were drawn."""
+        return not self.encoder
+
+    def check(self) -> None:
+        """Check that it runs here. Errors: MachineError if PyAV lacks its encoder or decoder."""
+        if not self.is_none:
+            require(f"codec '{self.name}'", self.encoder, "w")
+            require(f"codec '{self.name}'", self.decoder, "r")
+
+
+def require(what: str, name: str, mode: Literal["r", "w"]) -> None:
+    """Check for FFmpeg's encoder ("w") or decoder ("r") `name`, which `what` needs.
+
+    Errors: MachineError if this PyAV lacks it.
+    """
+    import av
+
+    try:
+        av.Codec(name, mode)
+    except (ValueError, av.FFmpegError) as error:
+        raise MachineError(
+            f"PyAV {av.__version__} was built without the {'encoder' if mode == 'w' else 'decoder'} "
+            f"'{name}', which {what} needs: "
+            "install PyAV from its wheel (pip install av), or use codec 'none'"
+        ) from error
+
 
 codecs: Registry[Codec] = Registry("codec", __name__)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....geometry import Pose, View
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....gpu.textures import release_all
 from ....scenes import Mesh

@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ....frames import BodyIds, EyeImage
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....gpu.textures import COLOUR, NUMBER
 from ..moving import DeformingMesh, Moving, MovingBody

@@ -6,7 +6,7 @@ import moderngl
 
 from ....frames import EyeImage
 from ....geometry import View
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....scenes import Scene
 from . import parts
 from ._base import DrawContext, Drawing, Part

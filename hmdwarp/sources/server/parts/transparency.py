@@ -5,7 +5,7 @@ from __future__ import annotations
 import moderngl
 
 from ....frames import EyeImage, Surface, Transparent
-from ....gpu.scopes import drawing_into
+from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....scenes import Scene, is_cutout
 from ..passes import SAME_SURFACE

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from ....frames import EyeImage
 from ....frames.layers.voxels import MOST_CONES, VoxelLight
 from ....geometry import View
-from ....gpu.context import Gpu
-from ....gpu.scopes import drawing_into
+from ....gpu.context import Gpu, drawing_into
 from ....gpu.shaders import Compute, Uniforms
 from ....gpu.textures import COLOUR, allocate, release_all
 from ....scenes import Scene, VoxelGrid, voxel_surfaces
@@ -298,14 +297,5 @@ class VoxelPasses(ScenePasses):
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
         return VoxelPasses(self._lit_by, self._near, self, peel=True, moving=moving)
 
-    def draw_into(
-        self,
-        view: View,
-        framebuffer: moderngl.Framebuffer,
-        viewport: Viewport | None,
-        time_ns: int = 0,
-        **uniforms: object,
-    ) -> None:
-        whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
-        self._near.use(self._surface.uniforms, view, whole, time_ns)
-        super().draw_into(view, framebuffer, viewport, time_ns, **uniforms)
+    def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
+        self._near.use(self._surface.uniforms, view, viewport, time_ns)

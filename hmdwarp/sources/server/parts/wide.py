@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 
 from ....frames import EyeImage, Needs
-from ....geometry.wide import wide_size, wide_view
+from ....geometry.cube import wide_size, wide_view
 from . import parts
 from ._base import Drawing, Part
 

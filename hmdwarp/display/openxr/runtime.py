@@ -1,0 +1,290 @@
+"""The runtime: calls into it, its instance, a session, and the calls of a frame."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import time
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, suppress
+from typing import Any
+
+import attrs
+import xr
+from xr import raw_functions
+
+from ...errors import HmdwarpError, MachineError
+from ...resources import __version__
+from .. import Closed, Lost
+from .diagnosis import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, LOST, diagnose, manifest_text, missing_extensions
+
+# Results that only a caller who violates the specification gets.
+_WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "TimeInvalid", "ValidationFailure")
+
+
+class Calls:
+    """Calls into one runtime.
+
+    stage: progress on the way to a picture, as in diagnosis.STAGES. name: the runtime's, for
+    messages.
+    """
+
+    def __init__(self, watching: Callable[[str], AbstractContextManager[object]]) -> None:
+        self._watching = watching
+        self._functions: dict[str, Any] = {}
+        self.begin()
+
+    def begin(self) -> None:
+        """Reset the stage."""
+        self.stage, self.name = "runtime", "the runtime"
+
+    def call_once(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a pyopenxr function that is used once.
+
+        Errors: MachineError; Lost during a session.
+        """
+        call = "xr" + function.__name__.title().replace("_", "")
+        try:
+            with self._watching(call):
+                return function(*arguments)
+        except xr.XrException as error:
+            raise self._error(call, type(error).__name__, str(error)) from error
+
+    def __call__(self, call: str, *arguments: Any) -> int:
+        """Call a loader function by its C name, at every refresh: 2 us instead of 10.
+
+        Returns its result, 0 or above. Errors: as call_once.
+        """
+        function = self._functions.get(call) or self._load(call)
+        with self._watching(call):
+            result: int = function(*arguments)
+        if result < 0:
+            raise self._error(call, _name_of(result), "")
+        return result
+
+    def _load(self, call: str) -> Any:
+        """Return a function pointer of our own.
+
+        pyopenxr's wraps every result in an enum, and fails on results that it does not know.
+        """
+        function = raw_functions.openxr_loader_library[call]
+        function.restype, function.argtypes = ctypes.c_int, getattr(raw_functions, call).argtypes
+        self._functions[call] = function
+        return function
+
+    def _error(self, call: str, name: str, message: str) -> Exception:
+        if name.removesuffix("Error") in _WRONG:
+            return HmdwarpError(
+                f"{call}: {name}{f' ({message})' if message else ''}, which no call of ours should get from {self.name}"
+            )
+        detail = f"{call}{f', {message}' if message else ''}"
+        words, remedy = diagnose(self.stage, name, detail, self.name, manifest_text(os.environ))
+        lost = self.stage == "running" and name in LOST
+        return Lost(words) if lost else MachineError(f"{words}: {remedy}")
+
+
+def _name_of(result: int) -> str:
+    try:
+        return type(xr.check_result(xr.Result(result))).__name__
+    except ValueError:
+        return f"result {result}"
+
+
+DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
+FLOOR_EXTENSION = "XR_EXT_local_floor"
+HEADLESS_EXTENSION = "XR_MND_headless"
+RATE_EXTENSION = "XR_FB_display_refresh_rate"
+WITH_PICTURES = (GLX_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION)
+WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION, RATE_EXTENSION)
+NS = 1_000_000_000
+
+
+def offered_extensions(calls: Calls) -> list[str]:
+    """Return the runtime's extensions. Errors: MachineError where there is no runtime."""
+    calls.begin()
+    return sorted(_text(entry.extension_name) for entry in calls.call_once(xr.enumerate_instance_extension_properties))
+
+
+@attrs.define(eq=False)
+class Instance:
+    """A connection to the runtime."""
+
+    handle: xr.Instance
+    system: int
+    extensions: frozenset[str]  # the enabled ones
+    about: dict[str, str]  # runtime, runtime_version, headset
+    _convert: Callable[..., int]  # xrConvertTimespecTimeToTimeKHR
+    _timespec: xr.timespec
+    _time: ctypes.c_int64
+
+    def offset_ns(self) -> int:
+        """Return runtime clock minus CLOCK_MONOTONIC.
+
+        Measured at every refresh: a runtime's clock may drift, and a restarted runtime may have
+        another.
+        """
+        now_ns = time.monotonic_ns()
+        self._timespec.tv_sec, self._timespec.tv_nsec = divmod(now_ns, NS)
+        if self._convert(self.handle, ctypes.byref(self._timespec), ctypes.byref(self._time)) < 0:
+            return 0
+        return self._time.value - now_ns
+
+    def destroy(self) -> None:
+        """Destroy it in any state."""
+        with suppress(Exception):
+            xr.destroy_instance(self.handle)
+
+
+def open_instance(calls: Calls, wanted: Sequence[str]) -> Instance:
+    """Connect to the runtime's service and find the headset.
+
+    wanted: extensions to enable if offered.
+    Errors: MachineError naming what is missing.
+    """
+    offered = offered_extensions(calls)
+    words, remedy = missing_extensions(calls.name, offered, pictures=HEADLESS_EXTENSION not in wanted)
+    if words:
+        raise MachineError(f"{words}: {remedy}")
+    on = [name for name in wanted if name in offered]
+    calls.stage = "instance"
+    application = xr.ApplicationInfo(
+        application_name="hmdwarp", engine_name=f"hmdwarp {__version__}", api_version=xr.Version(1, 0, 0)
+    )
+    handle = calls.call_once(
+        xr.create_instance, xr.InstanceCreateInfo(application_info=application, enabled_extension_names=on)
+    )
+    try:
+        return _described(calls, handle, frozenset(on))
+    except BaseException:
+        xr.destroy_instance(handle)
+        raise
+
+
+def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instance:
+    properties = calls.call_once(xr.get_instance_properties, handle)
+    runtime, version = _text(properties.runtime_name), str(xr.Version(properties.runtime_version))
+    calls.stage, calls.name = (
+        "headset",
+        runtime if version in runtime else f"{runtime} {version}",
+    )  # Monado's name includes it
+    system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
+    headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
+    pointer = calls.call_once(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
+    convert = ctypes.cast(pointer, xr.PFN_xrConvertTimespecTimeToTimeKHR)
+    calls.stage = "session"
+    about = {"runtime": runtime, "runtime_version": version, "headset": headset}
+    return Instance(handle, system, on, about, convert, xr.timespec(), ctypes.c_int64())
+
+
+def _text(value: bytes | str) -> str:
+    return value.decode(errors="replace") if isinstance(value, bytes) else str(value)
+
+
+State = xr.SessionState
+_BUFFER = xr.StructureType.EVENT_DATA_BUFFER.value
+_STATE_CHANGED = xr.StructureType.EVENT_DATA_SESSION_STATE_CHANGED.value
+_INSTANCE_LOSS = xr.StructureType.EVENT_DATA_INSTANCE_LOSS_PENDING.value
+_NO_EVENT = xr.Result.EVENT_UNAVAILABLE.value
+_STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
+
+
+class Session:
+    """An OpenXR session.
+
+    binding: the graphics to draw with; None for a session without pictures. It is kept referenced,
+    because the runtime may read it again.
+    Source: OpenXR 1.1 specification, Session Lifecycle.
+    """
+
+    def __init__(self, calls: Calls, instance: Instance, binding: ctypes.Structure | None) -> None:
+        self._calls, self._instance, self._binding = calls, instance, binding
+        self.state = State.UNKNOWN  # the newest one
+        self.running = False  # between xrBeginSession and xrEndSession
+        pointer = None if binding is None else ctypes.cast(ctypes.pointer(binding), ctypes.c_void_p)
+        self.handle = calls.call_once(
+            xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
+        )
+        self._event = xr.EventDataBuffer()
+        self._changed = ctypes.cast(
+            ctypes.pointer(self._event), ctypes.POINTER(xr.EventDataSessionStateChanged)
+        ).contents
+
+    def poll(self) -> None:
+        """Process all events of the runtime. Errors: Closed; Lost."""
+        event, pointer = self._event, ctypes.byref(self._event)
+        while True:
+            event._type, event._next = _BUFFER, None
+            if self._calls("xrPollEvent", self._instance.handle, pointer) == _NO_EVENT:
+                return
+            if event._type == _STATE_CHANGED:
+                self._enter(State(self._changed._state))
+            elif event._type == _INSTANCE_LOSS:
+                raise Lost(f"{self._calls.name} is about to end")
+
+    def _enter(self, state: xr.SessionState) -> None:
+        self.state = state
+        if state == State.READY:
+            self._calls.call_once(xr.begin_session, self.handle, xr.SessionBeginInfo(_STEREO))
+            self.running = True
+        elif state == State.STOPPING:
+            self.running = False
+            self._calls.call_once(xr.end_session, self.handle)
+        elif state == State.LOSS_PENDING:
+            raise Lost(f"{self._calls.name} is losing the headset")
+        elif state == State.EXITING:
+            raise Closed(f"{self._calls.name} ended the session")
+
+    def destroy(self) -> None:
+        """Destroy it in any state; frames must have been ended."""
+        with suppress(Exception):  # of a lost session; destroying is allowed all the same
+            xr.destroy_session(self.handle)
+
+
+_LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
+
+
+class FrameCalls:
+    """Frame calls of one session. state: result of the last xrWaitFrame.
+
+    blend_mode: how the picture blends with the surroundings. A frame counts as waited for from
+    before xrWaitFrame until after xrBeginFrame, and as open until after xrEndFrame, because Ctrl-C
+    may come between any call and the next line. Beginning or ending a frame that is not open is
+    refused and harmless.
+    """
+
+    def __init__(self, calls: Calls, session: xr.Session, blend_mode: int) -> None:
+        self._calls, self._session = calls, session
+        self.state = xr.FrameState()
+        self._state_pointer = ctypes.byref(self.state)
+        self._waited = self._open = False
+        self._layers = (_LAYER * 1)()
+        self._end = xr.FrameEndInfo(environment_blend_mode=xr.EnvironmentBlendMode(blend_mode))
+        self._end_pointer = ctypes.byref(self._end)
+
+    def begin(self) -> None:
+        """Wait until it is time for the next frame, and begin it. Errors: Lost."""
+        self.abandon()
+        self._waited = self._open = True
+        self._calls("xrWaitFrame", self._session, None, self._state_pointer)
+        self._calls("xrBeginFrame", self._session, None)
+        self._waited = False
+
+    def end(self, layer: ctypes.Structure | None = None) -> None:
+        """Submit the frame, with this layer or with none. Errors: Lost."""
+        end = self._end
+        end.display_time, end.layer_count = self.state.predicted_display_time, 0
+        if layer is not None:
+            self._layers[0] = ctypes.cast(ctypes.pointer(layer), _LAYER)
+            end.layer_count, end._layers = 1, self._layers
+        self._calls("xrEndFrame", self._session, self._end_pointer)
+        self._open = False
+
+    def abandon(self) -> None:
+        """End an open frame, empty; never raises."""
+        if self._waited:
+            with suppress(Exception):
+                self._calls("xrBeginFrame", self._session, None)
+        if self._open:
+            with suppress(Exception):
+                self.end()
+        self._waited = self._open = False
