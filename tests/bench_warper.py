@@ -46,14 +46,14 @@ def milliseconds(calls: list[Callable[[], object]], gpu: Gpu, rounds: int) -> li
     return [median(one) for one in took]
 
 
-def measured(size: tuple[int, int], rounds: int) -> list[float]:
+def measured(size: tuple[int, int], rounds: int, gpu: Gpu) -> list[float]:
     """Return the milliseconds of each of WAYS."""
     wide, high = size
     rng = np.random.default_rng(0)
     colour, depth_m = rng.integers(0, 255, (high, wide, 3), np.uint8), np.full((high, wide), 2.0)
     fov = Fov.symmetric(1.2, 0.95)
     late, now = (View(Pose((x, 0, 0)), fov) for x in (0.0, 0.03))
-    with Gpu() as gpu, Warper(size, gpu=gpu) as warper:
+    with Warper(size, gpu=gpu) as warper:
         passes = Compensator(gpu, warper.plan, None, size, size)
         own = allocate(gpu.gl, size, COLOUR), allocate(gpu.gl, size, SCALAR)
         upload(own[0], rng.random((high, wide, 4), np.float32)), upload(own[1], np.full((high, wide), 0.5, np.float32))
@@ -68,13 +68,16 @@ def measured(size: tuple[int, int], rounds: int) -> list[float]:
         ]
         found = milliseconds(calls, gpu, rounds)
         passes.close()
+        for texture in (*own, *other):
+            texture.release()
         return found
 
 
 def main() -> None:
     """Print a table."""
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    columns = [measured(size, rounds) for size in SIZES]
+    with Gpu() as gpu:
+        columns = [measured(size, rounds, gpu) for size in SIZES]
     print(f"Milliseconds of the calling thread, `iterative` with `pyramid`, medians of {rounds} turns, llvmpipe.\n")
     heads = "".join(f" {wide}x{high} | beyond the passes |" for wide, high in SIZES)
     print(f"| call |{heads}\n| --- |{' ---: | ---: |' * len(SIZES)}")

@@ -19,7 +19,7 @@ from ..frames.layers.reflection import Reflection, Reflections
 from ..frames.layers.transparent import Transparent
 from ..geometry import Mirror, RigidState
 from ..gpu.context import Gpu
-from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, upload
+from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, upload
 from .picture_arrays import NO_DEPTH, PictureArrays, checked_picture
 from .usable import LAYERS
 
@@ -33,26 +33,19 @@ class HeldLayer(ABC):
 
     # What the caller passes, in words.
     expected: ClassVar[str]
+    # Its textures; of a layer with an amount, those of one.
+    kinds: ClassVar[tuple[tuple[int, str], ...]] = (COLOUR,)
+    has_amount: ClassVar[bool] = False
     # Whether it has the size of the result instead of the picture's.
     is_shown: ClassVar[bool] = False
 
     def __init__(self, gpu: Gpu, size: Size, amount: Any) -> None:
-        self._gpu, self._size, self._amount = gpu, size, amount
-        self._made: list[moderngl.Texture] = []
-        self.prepare()
-
-    @abstractmethod
-    def prepare(self) -> None:
-        """Allocate its textures."""
+        self._size, self._amount = size, amount if self.has_amount else 1
+        self.textures = [allocate(gpu.gl, size, kind) for kind in self.kinds * self._amount]
 
     @abstractmethod
     def hold(self, value: Any) -> Any:
         """Take arrays over, and return what passes read. Errors: InputError."""
-
-    def texture(self, kind: tuple[int, str]) -> moderngl.Texture:
-        """Return a new texture that is freed with the layer."""
-        self._made.append(allocate(self._gpu.gl, self._size, kind))
-        return self._made[-1]
 
     def array(self, name: str, value: ArrayLike, channels: int | None) -> Array:
         """Return finite numbers of the layer's size. Errors: InputError."""
@@ -85,30 +78,24 @@ class HeldLayer(ABC):
 
     def close(self) -> None:
         """Free the textures."""
-        for texture in self._made:
-            texture.release()
+        release_all(*self.textures)
 
 
 class _Velocity(HeldLayer):
     expected = "(h, w, 3) m/s along the eye's axes, 0 for what stands still"
 
-    def prepare(self) -> None:
-        self._texture = self.texture(COLOUR)
-
     def hold(self, value: Any) -> moderngl.Texture:
         velocity = self.array("layer 'velocity'", value, 3)
         moves = (velocity != 0).any(axis=2, keepdims=True)
-        upload(self._texture, np.concatenate([velocity, moves], axis=2).astype(np.float32))
-        return self._texture
+        upload(self.textures[0], np.concatenate([velocity, moves], axis=2).astype(np.float32))
+        return self.textures[0]
 
 
 class _Ids(HeldLayer):
     expected = (
         "(numbers, bodies): (h, w) whole numbers, 0 for what stands still, n for bodies[n - 1], each a RigidState"
     )
-
-    def prepare(self) -> None:
-        self._texture = self.texture(NUMBER)
+    kinds = (NUMBER,)
 
     def hold(self, value: Any) -> BodyIds:
         numbers, bodies = self.parts("ids", value, 2)
@@ -122,39 +109,35 @@ class _Ids(HeldLayer):
                 f"numbers of layer 'ids' are {numbers.dtype}, {numbers.min()} to {numbers.max()}: expected whole "
                 f"numbers of 0 to {len(bodies)}, as there are {len(bodies)} bodies"
             )
-        upload(self._texture, numbers.astype(np.uint16))
-        return BodyIds(self._texture, bodies)
+        upload(self.textures[0], numbers.astype(np.uint16))
+        return BodyIds(self.textures[0], bodies)
 
 
 class _Overlay(HeldLayer):
     expected = "(h, w, 4) of the result's size, uint8 sRGB or float linear light, alpha its share of the pixel"
     is_shown = True
 
-    def prepare(self) -> None:
-        self._texture = self.texture(COLOUR)
-
     def hold(self, value: Any) -> moderngl.Texture:
         pixels = self.array("layer 'overlay'", value, 4)
         is_bytes = pixels.dtype == np.uint8
         light = linear_from_srgb(pixels[..., :3]) if is_bytes else pixels[..., :3]
         alpha = self.share("alpha of layer 'overlay'", pixels[..., 3:] / (255 if is_bytes else 1))
-        upload(self._texture, np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
-        return self._texture
+        upload(self.textures[0], np.concatenate([light * alpha, alpha], axis=2).astype(np.float32))
+        return self.textures[0]
 
 
 class _Peeled(HeldLayer):
     expected = "[(colour, depth_m), ..]: the surfaces behind the picture, nearest first, as colour and depth_m"
-
-    def prepare(self) -> None:
-        self._surfaces = [Surface(self.texture(COLOUR), self.texture(SCALAR)) for _ in range(self._amount)]
+    kinds = (COLOUR, SCALAR)
+    has_amount = True
 
     def hold(self, value: Any) -> tuple[Surface, ...]:
         passed = self.parts("peeled", value, self._amount)
-        for number, (surface, one) in enumerate(zip(self._surfaces, passed, strict=True)):
+        for number, one in enumerate(passed):
             picture = self.picture(f"surface {number} of layer 'peeled'", *self.parts("peeled", one, 2))
-            for texture, array in zip(surface.textures(), picture.arrays(), strict=True):
+            for texture, array in zip(self.textures[2 * number :], picture.arrays(), strict=False):
                 upload(texture, array)
-        return tuple(self._surfaces)
+        return tuple(map(Surface, self.textures[::2], self.textures[1::2]))
 
 
 class _Transparent(HeldLayer):
@@ -162,10 +145,7 @@ class _Transparent(HeldLayer):
         "(light, depth_m, passing): (h, w, 3) linear light that it adds, (h, w) metres with 0 where there is none, and "
         "(h, w, 3) the share of the light behind that passes"
     )
-
-    def prepare(self) -> None:
-        self._veil = Surface(self.texture(COLOUR), self.texture(SCALAR))
-        self._passing = self.texture(COLOUR)
+    kinds = (COLOUR, SCALAR, COLOUR)
 
     def hold(self, value: Any) -> Transparent:
         light, depth_m, passing = self.parts("transparent", value, 3)
@@ -182,10 +162,10 @@ class _Transparent(HeldLayer):
         with np.errstate(divide="ignore"):
             inverse = np.where(there, 1 / depth, NO_DEPTH)
         covered = there[..., None].astype(np.float32)
-        upload(self._veil.colour, np.concatenate([light * covered, covered], axis=2).astype(np.float32))
-        upload(self._veil.inverse_depth, inverse.astype(np.float32))
-        upload(self._passing, np.concatenate([passing, covered], axis=2).astype(np.float32))
-        return Transparent(self._veil, self._passing)
+        added, through = (np.concatenate([one, covered], axis=2) for one in (light * covered, passing))
+        for texture, array in zip(self.textures, (added, inverse, through), strict=True):
+            upload(texture, array.astype(np.float32))
+        return Transparent(Surface(*self.textures[:2]), self.textures[2])
 
 
 class _Reflection(HeldLayer):
@@ -194,10 +174,7 @@ class _Reflection(HeldLayer):
         "light, (h, w, 3) reflectivity straight on with 0 where nothing mirrors and the normal's share along right and "
         "up of the mirror, and a hmdwarp.geometry.Mirror each"
     )
-
-    def prepare(self) -> None:
-        self._seen = Surface(self.texture(COLOUR), self.texture(SCALAR))
-        self._surface = self.texture(COLOUR)
+    kinds = (COLOUR, SCALAR, COLOUR)
 
     def hold(self, value: Any) -> Reflection:
         colour, depth_m, surface, mirrors = self.parts("reflection", value, 4)
@@ -209,7 +186,7 @@ class _Reflection(HeldLayer):
             raise InputError("mirrors of layer 'reflection': expected one hmdwarp.geometry.Mirror or more")
         surface = np.concatenate([surface, np.ones_like(surface[..., :1])], axis=2)  # it covers all of the picture
         pictures = (*picture.arrays(), surface.astype(np.float32))
-        found = Reflection(self._seen, self._surface, mirrors)
+        found = Reflection(Surface(*self.textures[:2]), self.textures[2], mirrors)
         if wrong := Reflections.misfit(pictures, Reflections.numbers(found)):
             raise InputError(f"layer 'reflection': {wrong}")
         for texture, array in zip(Reflections.textures(found), pictures, strict=True):

@@ -53,13 +53,11 @@ class TraceOptions(Declared):
     )
     # See `reading.axes.parse_axes`.
     up: str | None = option(
-        None,
-        "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3).",
+        None, "What is up in the file: an axis (y, z, -z); right,up,forward (x,z,y); or a direction (0.04,0.95,0.3)."
     )
     # See `reading.axes.parse_axes`.
     axes: str | None = option(
-        None,
-        "Axes of the file: a preset (hmdwarp list axes), world=right,up,forward head=right,up,forward, or auto.",
+        None, "Axes of the file: a preset (hmdwarp list axes), world=right,up,forward head=right,up,forward, or auto."
     )
     # Metres per unit.
     scale: float | None = option(

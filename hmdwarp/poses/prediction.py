@@ -84,7 +84,7 @@ def signed_lead(missed: Array, moved: Array, still: float) -> Array:
     at_rest = length < still
     along = np.einsum("ij,ij->i", missed, moved) / np.where(at_rest, 1.0, length)
     # From rest to rest: what is left of the error once the head's own jitter is taken off.
-    return np.where(at_rest, np.linalg.norm(missed + moved, axis=-1), along)
+    return np.asarray(np.where(at_rest, np.linalg.norm(missed + moved, axis=-1), along))
 
 
 def _errors(missed: Array, moved: Array, still: float) -> PredictionErrors:

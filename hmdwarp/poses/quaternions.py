@@ -32,7 +32,7 @@ def multiply(a: Array, b: Array) -> Array:
 
 def conjugate(q: Array) -> Array:
     """Return the inverse rotation."""
-    return q * np.array([-1.0, -1.0, -1.0, 1.0])
+    return np.asarray(q * np.array([-1.0, -1.0, -1.0, 1.0]))
 
 
 def angle_between(a: Array, b: Array) -> Array:
@@ -43,7 +43,7 @@ def angle_between(a: Array, b: Array) -> Array:
     of Roundoff, section 12), applied to unit quaternions, whose angle is half that of the rotation.
     """
     apart, together = np.linalg.norm(a - b, axis=-1), np.linalg.norm(a + b, axis=-1)
-    return 4 * np.arctan2(np.minimum(apart, together), np.maximum(apart, together))
+    return np.asarray(4 * np.arctan2(np.minimum(apart, together), np.maximum(apart, together)))
 
 
 def from_rotation_vector(v: Array) -> Array:

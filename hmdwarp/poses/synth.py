@@ -195,7 +195,7 @@ def _sway(rng: random.Random, t: Array, size: float = 1.0) -> Array:
     sway = np.stack(
         [_sines(rng, t, 0.012, 0.1, 0.9), _sines(rng, t, 0.003, 0.2, 0.6), _sines(rng, t, 0.022, 0.1, 0.9)], axis=1
     )
-    return size * sway + np.array([0.0, EYE_HEIGHT_M, 0.0]) - NECK_TO_EYES_M
+    return np.asarray(size * sway + np.array([0.0, EYE_HEIGHT_M, 0.0]) - NECK_TO_EYES_M)
 
 
 def _wander(rng: random.Random, seconds: float, span: float, speed: tuple[float, float]) -> list[Shift]:

@@ -123,7 +123,9 @@ def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.in
     """Return where neither end lies within a gap, and no gap or jump lies between."""
     if len(track) < 2:
         return np.zeros(len(start_ns), bool)
-    return (track.run_of(start_ns) == track.run_of(end_ns)) & (track.sample_many(end_ns).origin != Origin.HELD)
+    return np.asarray(
+        (track.run_of(start_ns) == track.run_of(end_ns)) & (track.sample_many(end_ns).origin != Origin.HELD)
+    )
 
 
 def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tuple[float, ...]:

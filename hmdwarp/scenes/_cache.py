@@ -9,6 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Collection, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,7 @@ def cache_folder() -> Path:
     return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home is no error)
 
 
-def read_arrays(path: Path, names: Collection[str]) -> list[NDArray] | None:
+def read_arrays(path: Path, names: Collection[str]) -> list[NDArray[Any]] | None:
     """Return the named arrays of what write_arrays stored; None for a file that lacks them.
 
     One that is missing, damaged or cut off is no error.
@@ -38,7 +39,7 @@ def read_arrays(path: Path, names: Collection[str]) -> list[NDArray] | None:
         return None
 
 
-def write_arrays(path: Path, arrays: Mapping[str, NDArray]) -> None:
+def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Write a file that gets its name only when whole: another run may read at the same time.
 
     Errors: OSError for a folder that cannot be written.

@@ -10,6 +10,7 @@ Metrics (position, light and uv in one quadric, section 3).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -74,7 +75,7 @@ def soup_of(meshes: Sequence[Mesh]) -> tuple[Soup, Indices]:
 
 def double_areas(corners: Array) -> Array:
     """Return twice the areas of (m, 3, 3) triangles."""
-    return np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return np.asarray(np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1))
 
 
 def _moves_with(meshes: Sequence[Mesh], index: int) -> int:
@@ -83,7 +84,7 @@ def _moves_with(meshes: Sequence[Mesh], index: int) -> int:
     return mesh.body if mesh.deformation is None else -1 - index
 
 
-def _distinct_rows(*columns: NDArray) -> tuple[Indices, Indices]:
+def _distinct_rows(*columns: NDArray[Any]) -> tuple[Indices, Indices]:
     """Return the first index of each distinct row, and for each row which distinct one it is."""
     table = np.concatenate([np.asarray(c, np.float32).reshape(len(c), -1) for c in columns], axis=1)
     table = table + np.float32(0)  # -0 is 0
@@ -140,11 +141,11 @@ def _is_seam(soup: Soup, edges: Indices) -> Mask:
     _, edge, sides = np.unique(low * count + high, return_inverse=True, return_counts=True)
     wedges = np.sort(edges[:, 3:], axis=1)
     _, smooth, same = np.unique(wedges[:, 0] * len(soup.places) + wedges[:, 1], return_inverse=True, return_counts=True)
-    return (sides[edge.reshape(-1)] != 2) | (same[smooth.reshape(-1)] != 2)
+    return np.asarray((sides[edge.reshape(-1)] != 2) | (same[smooth.reshape(-1)] != 2))
 
 
 def _unit(vectors: Array) -> Array:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30)
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-30))
 
 
 # Share of the possible collapses that may go in a round, or dear ones would go while cheap ones
@@ -238,7 +239,7 @@ def _costed(soup: Soup, u: Indices, v: Indices, first: Indices, wedge_from: Indi
 
 def _quadric_at(quadrics: Array, places: Array) -> Array:
     at = np.concatenate([places, np.ones((len(places), 1))], axis=1)
-    return np.maximum(np.einsum("ij,ij->i", np.einsum("ijk,ik->ij", quadrics, at), at), 0)
+    return np.asarray(np.maximum(np.einsum("ij,ij->i", np.einsum("ijk,ik->ij", quadrics, at), at), 0))
 
 
 @attrs.frozen(eq=False)

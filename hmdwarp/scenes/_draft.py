@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -84,11 +85,11 @@ class Draft:
 def _light_on(normals: Array, double_sided: bool) -> Array:
     """Return (n,) a plain light on unit normals; a single sheet is lit from both sides."""
     if double_sided:
-        return 0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT)
-    return 0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0)
+        return np.asarray(0.45 + 0.25 * normals[:, 1] + 0.5 * np.abs(normals @ _KEY_LIGHT))
+    return np.asarray(0.42 + 0.18 * normals[:, 1] + 0.55 * np.maximum(normals @ _KEY_LIGHT, 0))
 
 
-def normals_of(vertices: Array, faces: NDArray) -> Array:
+def normals_of(vertices: Array, faces: NDArray[Any]) -> Array:
     """Return area-weighted unit vertex normals; +y where a vertex has no triangle of any area."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     across = np.cross(b - a, c - a)

@@ -45,7 +45,9 @@ class GltfFile:
     path: Path
     header: dict[str, Any]  # the JSON
     buffers: tuple[bytes, ...]  # the bytes of each buffer
-    unpacked: dict[int, NDArray] = attrs.field(factory=dict)  # numbers of accessors that came compressed, by accessor
+    unpacked: dict[int, NDArray[Any]] = attrs.field(
+        factory=dict
+    )  # numbers of accessors that came compressed, by accessor
 
     @classmethod
     def read(cls, path: Path) -> GltfFile:
@@ -123,7 +125,7 @@ class GltfFile:
             raise self.error(f"{user} uses number {index!r} of {len(found)} {kind}; export it again")
         return found[index]
 
-    def numbers(self, index: object, user: str, columns: int | None = None) -> NDArray:
+    def numbers(self, index: object, user: str, columns: int | None = None) -> NDArray[Any]:
         """Return the (n, columns) numbers of an accessor as they are stored.
 
         Normalised integers come as float64 of -1..1 or 0..1.
@@ -148,7 +150,7 @@ class GltfFile:
             return np.maximum(rows / np.iinfo(rows.dtype).max, -1.0)
         return rows
 
-    def _rows(self, place: dict, kind: int, shape: tuple[int, int], user: str) -> NDArray:
+    def _rows(self, place: dict[str, Any], kind: int, shape: tuple[int, int], user: str) -> NDArray[Any]:
         """Return an array of a component type; place: what has its buffer view and offset."""
         number, (count, width) = np.dtype(_NUMBERS[kind]).newbyteorder("<"), shape
         if "bufferView" not in place:
@@ -158,10 +160,10 @@ class GltfFile:
         start, stride = self._place(view, place, number.itemsize * width, user)
         if count and start + stride * (count - 1) + number.itemsize * width > len(binary):
             raise self.error(f"{user} reaches beyond the file's {len(binary)} bytes; it is cut off or damaged")
-        rows: NDArray = np.ndarray(shape, number, binary, start, (stride, number.itemsize))
+        rows: NDArray[Any] = np.ndarray(shape, number, binary, start, (stride, number.itemsize))
         return rows.copy()
 
-    def _replaced(self, rows: NDArray, accessor: dict, user: str) -> NDArray:
+    def _replaced(self, rows: NDArray[Any], accessor: dict[str, Any], user: str) -> NDArray[Any]:
         """Return the rows with those of a sparse accessor in their places."""
         try:
             sparse, count = accessor["sparse"], int(accessor["sparse"]["count"])
@@ -175,13 +177,13 @@ class GltfFile:
             ) from error
         return out
 
-    def _buffer_of(self, view: dict, user: str) -> bytes:
+    def _buffer_of(self, view: dict[str, Any], user: str) -> bytes:
         index = view.get("buffer", 0)
         if not isinstance(index, int) or not 0 <= index < len(self.buffers):
             raise self.error(f"{user} lies in buffer {index!r} of {len(self.buffers)}; export it again")
         return self.buffers[index]
 
-    def _place(self, view: dict, place: dict, size: int, user: str) -> tuple[int, int]:
+    def _place(self, view: dict[str, Any], place: dict[str, Any], size: int, user: str) -> tuple[int, int]:
         """Return offset and stride of elements of `size` bytes."""
         start, stride = view.get("byteOffset", 0), view.get("byteStride", size)
         offset = place.get("byteOffset", 0)
@@ -189,7 +191,7 @@ class GltfFile:
             raise self.error(f"{user}: a buffer view with offset {start}, stride {stride} for elements of {size} bytes")
         return start + offset, stride
 
-    def view(self, view: dict) -> bytes:
+    def view(self, view: dict[str, Any]) -> bytes:
         """Return the bytes of a buffer view."""
         start, length = view.get("byteOffset", 0), view.get("byteLength", 0)
         return self._buffer_of(view, "a buffer view")[start : start + length]
@@ -231,7 +233,7 @@ def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     return header
 
 
-def is_mirror(material: dict) -> bool:
+def is_mirror(material: dict[str, Any]) -> bool:
     """Return whether a material is polished metal (0.95 or more, rough 0.05 or less) all over."""
     surface = material.get("pbrMetallicRoughness") or {}
     if "metallicRoughnessTexture" in surface:

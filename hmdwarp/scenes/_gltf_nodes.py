@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -53,7 +54,7 @@ class Curve:
         return _slerp(start, end, share, length)
 
     def _value(self, key: int) -> Array:
-        return self.values[key] if self.kind != "CUBICSPLINE" else self.values[key, 1]
+        return np.asarray(self.values[key] if self.kind != "CUBICSPLINE" else self.values[key, 1])
 
     def _on_spline(self, key: int, t: float, length: float) -> tuple[Array, Array]:
         start, out = self.values[key, 1], self.values[key, 2] * length
@@ -105,7 +106,7 @@ class Nodes:
         self.period_s = float(max(ends, default=0.0))
 
     @staticmethod
-    def _playing(animations: list[dict], names: list[str], wanted: str | None, notes: Notes) -> list[int]:
+    def _playing(animations: list[dict[str, Any]], names: list[str], wanted: str | None, notes: Notes) -> list[int]:
         """Return the animations to play. Errors: InputError for one that the file lacks."""
         if wanted is not None and wanted not in names and wanted == NONE:
             return []
@@ -198,7 +199,7 @@ class Nodes:
                     raise self._file.error(f"node {index} is its own ancestor; expected a tree")
         return parents
 
-    def _read_animation(self, animation: dict, name: str, notes: Notes) -> None:
+    def _read_animation(self, animation: dict[str, Any], name: str, notes: Notes) -> None:
         samplers, file = animation.get("samplers", []), self._file
         for channel in animation.get("channels", []):
             target = channel.get("target", {})
@@ -222,7 +223,7 @@ class Nodes:
                 continue
             self.curves.setdefault(node, {})[path] = self._curve(samplers[index], path, f"{name}, {target_name}")
 
-    def _curve(self, sampler: dict, path: str, name: str) -> Curve:
+    def _curve(self, sampler: dict[str, Any], path: str, name: str) -> Curve:
         kind, error = sampler.get("interpolation", "LINEAR"), self._file.error
         if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
@@ -323,7 +324,7 @@ class Driven:
         pairs = zip(self.joints, self.inverse, strict=True)
         matrices = np.array([self.nodes.at(joint, time_ns)[derivative] @ inverse for joint, inverse in pairs])
         blended = np.einsum("nk,nkij->nij", self.weights, matrices[self.which][..., :3, :])
-        return np.einsum("nij,nj->ni", blended[:, :, :3], self.rest) + blended[:, :, 3]
+        return np.asarray(np.einsum("nij,nj->ni", blended[:, :, :3], self.rest) + blended[:, :, 3])
 
     def positions(self, time_ns: int) -> Array:
         """Return (n, 3) metres relative to the scene's origin."""
@@ -346,7 +347,7 @@ def driven_by_node(nodes: Nodes, node: int, rest: Array) -> Driven:
     )
 
 
-def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Array, notes: Notes) -> Driven:
+def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict[str, Any], rest: Array, notes: Notes) -> Driven:
     """Return a primitive under a skin; its weights are scaled to sum 1, with a note if need be.
 
     Errors: SceneError, naming the skin, if joints or weights do not fit.
@@ -361,7 +362,7 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Arra
         raise file.error(f"{name}: a mesh without joints and weights (JOINTS_0, WEIGHTS_0); export it again")
     sets = [k for k in range(4) if f"JOINTS_{k}" in attributes]
 
-    def columns(kind: str) -> NDArray:
+    def columns(kind: str) -> NDArray[Any]:
         return np.concatenate([file.numbers(attributes.get(f"{kind}_{k}"), name, 4) for k in sets], axis=1)
 
     which, weights = columns("JOINTS").astype(np.int64), columns("WEIGHTS").astype(np.float64)
@@ -378,7 +379,7 @@ def skinned(file: GltfFile, nodes: Nodes, skin: int, primitive: dict, rest: Arra
     return Driven(nodes, rest, joints, inverse, which, weights, np.zeros(3))
 
 
-def _inverse_bind_matrices(file: GltfFile, skin: dict, name: str, count: int) -> Array:
+def _inverse_bind_matrices(file: GltfFile, skin: dict[str, Any], name: str, count: int) -> Array:
     """Return (count, 4, 4) joint_from_rest; the identity where the skin lacks them."""
     if "inverseBindMatrices" not in skin:
         return np.tile(np.eye(4), (count, 1, 1))

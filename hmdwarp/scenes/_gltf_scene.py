@@ -21,6 +21,7 @@ from ._notes import Notes
 from .options import numbered
 
 Array = NDArray[np.float64]
+IsClosed = Callable[[Array, NDArray[np.uint32]], bool]
 _REPEAT, _CLAMP = 10497, 33071  # wrapS and wrapT of a sampler
 
 
@@ -37,10 +38,10 @@ class Looks:
 
     def __init__(self, file: GltfFile, notes: Notes) -> None:
         self._file, self._notes = file, notes
-        self._made: dict[tuple, Look | None] = {}
+        self._made: dict[tuple[Any, ...], Look | None] = {}
         self.textures: list[Texture] = []
 
-    def look_of(self, primitive: dict, head_locked: bool) -> Look | None:
+    def look_of(self, primitive: dict[str, Any], head_locked: bool) -> Look | None:
         """Return the look of a primitive; None if it is wholly cut away."""
         key = (primitive.get("material"), head_locked)
         if key not in self._made:
@@ -48,12 +49,12 @@ class Looks:
             self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
         return self._made[key]
 
-    def has_alpha(self, primitive: dict) -> bool:
+    def has_alpha(self, primitive: dict[str, Any]) -> bool:
         """Return whether alpha counts in a primitive's material."""
         number = primitive.get("material")
         return number is not None and self._file.items("materials")[number].get("alphaMode", "OPAQUE") != "OPAQUE"
 
-    def _look(self, gltf: dict, name: str, head_locked: bool) -> Look | None:
+    def _look(self, gltf: dict[str, Any], name: str, head_locked: bool) -> Look | None:
         plain = gltf.get("pbrMetallicRoughness") or {}
         factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
         if factor.shape != (4,) or not np.isfinite(factor).all():
@@ -97,7 +98,7 @@ class Looks:
             raise self._file.error(f"{name}: its KHR_texture_transform is not made of finite numbers; export it again")
         return matrix
 
-    def _material(self, gltf: dict, name: str, blend: _Blend) -> Material:
+    def _material(self, gltf: dict[str, Any], name: str, blend: _Blend) -> Material:
         if blend.head_locked:
             return Material(head_locked=True, opacity=blend.alpha)
         extensions, extras = (gltf.get(key) or {} for key in ("extensions", "extras"))
@@ -119,7 +120,7 @@ class Looks:
             curved=bool(extras.get("curved", False)),
         )
 
-    def _transmission(self, gltf: dict, name: str, glass: dict) -> float:
+    def _transmission(self, gltf: dict[str, Any], name: str, glass: dict[str, Any]) -> float:
         """Return the share of light that passes where the surface covers: none of what is metal.
 
         The blend of alpha is apart from it: what alpha does not cover passes untouched.
@@ -138,7 +139,7 @@ class Looks:
             self._notes.add("a metal transmits no light: what its alpha leaves free passes, nothing else", name)
         return passes * (1 - metal)
 
-    def _reflectivity(self, gltf: dict, name: str, colour: Array) -> float:
+    def _reflectivity(self, gltf: dict[str, Any], name: str, colour: Array) -> float:
         """Return `reflectivity` of the extras, else the base colour of a polished metal."""
         share = (gltf.get("extras") or {}).get("reflectivity")
         if share is None:
@@ -205,7 +206,7 @@ class GltfContent:
         units: Array,
         animation: str | None,
         notes: Notes,
-        is_closed: Callable[[Array, NDArray], bool],
+        is_closed: Callable[[Array, NDArray[Any]], bool],
     ) -> None:
         self.notes = notes
         self.bodies: list[Body] = []
@@ -247,7 +248,7 @@ class GltfContent:
         """Let everything that moves do so where the scene is put."""
         self._nodes.root = world_from_file.matrix() @ self._nodes.root
 
-    def _places(self) -> list[tuple[str, int, dict]]:
+    def _places(self) -> list[tuple[str, int, dict[str, Any]]]:
         """Return name, node and primitive of all triangles that the file shows."""
         found = []
         for index in self._shown_nodes():
@@ -278,7 +279,7 @@ class GltfContent:
             file.item("nodes", root, "a scene")
         return [index for index in range(len(nodes.parents)) if nodes.line(index)[0] in roots]
 
-    def _draft(self, name: str, node: int, primitive: dict) -> Draft | None:
+    def _draft(self, name: str, node: int, primitive: dict[str, Any]) -> Draft | None:
         """Return a primitive's draft; None if it lacks triangles or is wholly cut away."""
         file, user, attributes = self._file, f"mesh '{name}'", primitive["attributes"]
         unpack_draco(file, primitive, user, self.notes)
@@ -315,7 +316,7 @@ class GltfContent:
             draft = attrs.evolve(draft, look=attrs.evolve(look, material=attrs.evolve(look.material, curved=True)))
         return draft
 
-    def _shaped(self, rest: Array, node: dict, primitive: dict, user: str) -> Array:
+    def _shaped(self, rest: Array, node: dict[str, Any], primitive: dict[str, Any], user: str) -> Array:
         """Return the positions with the morph targets at the weights that the file gives them."""
         targets = primitive.get("targets", [])
         mesh = self._file.item("meshes", node["mesh"], user)
@@ -327,7 +328,7 @@ class GltfContent:
                 rest = rest + weight * change
         return rest
 
-    def _placed(self, draft: Draft, node: int, skin: int | None, primitive: dict) -> Draft:
+    def _placed(self, draft: Draft, node: int, skin: int | None, primitive: dict[str, Any]) -> Draft:
         """Return the draft with its vertices where they are at time 0, and how they move."""
         rest, nodes = draft.positions, self._nodes
         if skin is not None:
@@ -350,7 +351,7 @@ class GltfContent:
         return attrs.evolve(draft, body=self._body_numbers[node])
 
 
-def _triangles(file: GltfFile, primitive: dict, user: str, count: int) -> NDArray[np.uint32]:
+def _triangles(file: GltfFile, primitive: dict[str, Any], user: str, count: int) -> NDArray[np.uint32]:
     listed = "indices" in primitive
     indices = file.numbers(primitive["indices"], user, 1)[:, 0].astype(np.int64) if listed else np.arange(count)
     if len(indices) and (indices.max() >= count or indices.min() < 0):
@@ -376,7 +377,7 @@ def _repeated(rest: Array, triangles: NDArray[np.uint32], instances: Array) -> t
     return places.reshape(-1, 3), (faces + first).reshape(-1, 3).astype(np.uint32)
 
 
-def _uv(file: GltfFile, attributes: dict, look: Look, user: str, count: int) -> Array:
+def _uv(file: GltfFile, attributes: dict[str, Any], look: Look, user: str, count: int) -> Array:
     """Return texture coordinates with their origin bottom left; glTF has it top left."""
     if look.texcoords not in attributes:
         return np.zeros((count, 2))
@@ -390,7 +391,7 @@ def _uv(file: GltfFile, attributes: dict, look: Look, user: str, count: int) -> 
     return np.where(np.isfinite(uv), uv * (1, -1) + (0, 1), 0.0)
 
 
-def _vertex_colours(file: GltfFile, attributes: dict, user: str, count: int) -> Array:
+def _vertex_colours(file: GltfFile, attributes: dict[str, Any], user: str, count: int) -> Array:
     """Return (n, 3) or, with alpha, (n, 4) as they are in the file."""
     if "COLOR_0" not in attributes:
         return np.ones((count, 3))
@@ -400,7 +401,7 @@ def _vertex_colours(file: GltfFile, attributes: dict, user: str, count: int) -> 
     return colours
 
 
-def _as_shares(values: NDArray) -> Array:
+def _as_shares(values: NDArray[Any]) -> Array:
     """Return floats; integers count as normalised even where the file omits the flag."""
     return values / np.iinfo(values.dtype).max if values.dtype.kind in "iu" else values.astype(np.float64)
 

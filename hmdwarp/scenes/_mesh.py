@@ -92,9 +92,9 @@ class Deformation(Protocol):
 ALPHA_TOLERANCE, MOST_EDGES = 12, 0.08
 
 
-def _rows(value: ArrayLike, dtype: type, columns: int) -> NDArray:
+def _rows(value: ArrayLike, dtype: type, columns: int) -> NDArray[Any]:
     """Return a read-only (n, columns) array."""
-    array: NDArray = np.ascontiguousarray(value, dtype=dtype)
+    array: NDArray[Any] = np.ascontiguousarray(value, dtype=dtype)
     if array.ndim != 2 or array.shape[1] != columns:
         raise SceneError(f"expected an (n, {columns}) array, found shape {array.shape}")
     array = array.view()
@@ -209,7 +209,7 @@ def chunks_of(mesh: Mesh) -> list[NDArray[np.uint32]]:
     return np.array_split(triangles[order], -(-len(triangles) // CHUNK_TRIANGLES))
 
 
-def morton(points: NDArray) -> NDArray[np.uint64]:
+def morton(points: NDArray[Any]) -> NDArray[np.uint64]:
     """Return the Z-order of points, 10 bits per axis: close in order is close in space."""
     low, high = points.min(axis=0), points.max(axis=0)
     cell = ((points - low) / max(float((high - low).max()), 1e-30) * 1023).astype(np.uint64)

@@ -33,7 +33,7 @@ def drafts_of(path: Path, units: Array, notes: Notes, textures: list[Texture]) -
     return [_draft(part, f"{path.stem}-{i}", units, textures, notes) for i, part in enumerate(parts)]
 
 
-def is_closed(positions: Array, triangles: NDArray) -> bool:
+def is_closed(positions: Array, triangles: NDArray[Any]) -> bool:
     """Return whether it may be culled from behind; an open surface may be seen from both sides."""
     import trimesh
 

@@ -173,7 +173,7 @@ def _turned(ways: Array, normals: Array) -> Array:
     b = x * y * a
     right = np.stack([1 + sign * x * x * a, sign * b, -sign * x], axis=1)
     up = np.stack([b, sign + y * y * a, -y], axis=1)
-    return ways[:, :1] * right + ways[:, 1:2] * up + ways[:, 2:] * normals
+    return np.asarray(ways[:, :1] * right + ways[:, 1:2] * up + ways[:, 2:] * normals)
 
 
 @lru_cache(maxsize=4)
@@ -195,7 +195,7 @@ def _nets(bundles: int, paths: int) -> NDArray[np.float32]:
     halvings = bundles.bit_length() - 1
     across, up = 1 << (halvings + 1) // 2, 1 << halvings // 2
     part = (points[:, 0] * across).astype(int) * up + (points[:, 1] * up).astype(int)
-    return points[np.argsort(part, kind="stable")].reshape(bundles, paths, _NUMBERS)
+    return np.asarray(points[np.argsort(part, kind="stable")].reshape(bundles, paths, _NUMBERS))
 
 
 def kernel(distance: Array, radius: float) -> Array:

@@ -8,6 +8,7 @@ import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -240,13 +241,13 @@ def _unpacked_meshes(data: bytes, under_lamps: Sequence[bool]) -> Iterator[tuple
         first_lit += rows_of if under_lamps[k] else 0
 
 
-def _byte_planes(array: NDArray) -> bytes:
+def _byte_planes(array: NDArray[Any]) -> bytes:
     """Return the differences from row to row, equal bytes of all rows together."""
     values = np.ascontiguousarray(array).view(np.uint8).reshape(len(array), 4 * array.shape[1])
     return np.diff(values, axis=0, prepend=np.zeros((1, values.shape[1]), np.uint8)).T.tobytes()
 
 
-def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArray:
+def _from_byte_planes(data: bytes, shape: tuple[int, int], kind: type) -> NDArray[Any]:
     planes = np.frombuffer(data, np.uint8).reshape(-1, shape[0]) if shape[0] else np.zeros((4 * shape[1], 0), np.uint8)
     values = np.cumsum(planes, axis=1, dtype=np.uint8).T
     return np.ascontiguousarray(values).view(kind).reshape(shape)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -147,7 +148,7 @@ def _in_triangle(place: Array) -> Array:
         quarters = [middles[:, [1, 2, 0]]]
         quarters += [(corners + corners[:, [k]]) / 2 for k in range(3)]
         corners = np.select([(digit == k)[:, None, None] for k in range(4)], quarters)
-    return corners.mean(axis=1)
+    return np.asarray(corners.mean(axis=1))
 
 
 def octahedral(normals: Array) -> NDArray[np.uint8]:
@@ -158,10 +159,10 @@ def octahedral(normals: Array) -> NDArray[np.uint8]:
     flat = normals / np.abs(normals).sum(axis=1, keepdims=True)
     signs = np.where(flat[:, :2] >= 0, 1.0, -1.0)
     folded = np.where(flat[:, 2:] < 0, (1 - np.abs(flat[:, 1::-1])) * signs, flat[:, :2])
-    return np.rint((folded * 0.5 + 0.5) * 254).astype(np.uint8)
+    return np.asarray(np.rint((folded * 0.5 + 0.5) * 254).astype(np.uint8))
 
 
-def _limit(centres: Array, lengths: Array, body: NDArray, eye: Array) -> Array:
+def _limit(centres: Array, lengths: Array, body: NDArray[Any], eye: Array) -> Array:
     """Return the longest edge that a triangle there may have."""
     away = np.maximum(np.linalg.norm(centres - eye, axis=1) - lengths, 0)
     return np.maximum(CELL_M, np.where(body > 0, 0, CELL_SHARE * away))
@@ -204,7 +205,7 @@ def _split(meshes: list[Mesh], scene: Scene) -> tuple[Array, NDArray[np.int64]]:
     rows = np.concatenate([np.zeros((0, 3, 10)), *parts])
     owner = np.repeat(np.arange(len(meshes)), [len(mesh.triangles) for mesh in meshes])
     body = np.array([mesh.body for mesh in meshes], np.int64)
-    done: list[tuple[Array, NDArray]] = []
+    done: list[tuple[Array, NDArray[Any]]] = []
     for _ in range(_MOST_SPLITS):
         edges = np.linalg.norm(np.roll(rows, -1, axis=1)[:, :, :3] - rows[:, :, :3], axis=2)
         longest = edges.max(axis=1, initial=0)
@@ -220,7 +221,7 @@ def _split(meshes: list[Mesh], scene: Scene) -> tuple[Array, NDArray[np.int64]]:
     return np.concatenate([one for one, _ in done]), np.concatenate([one for _, one in done])
 
 
-def _cells(rows: Array, owner: NDArray, across: Array, meshes: list[Mesh], scene: Scene) -> NDArray[np.int64]:
+def _cells(rows: Array, owner: NDArray[Any], across: Array, meshes: list[Mesh], scene: Scene) -> NDArray[np.int64]:
     """Return the number of each triangle's cell."""
     body = np.array([mesh.body for mesh in meshes], np.int64)
     centres = rows[:, :, :3].mean(axis=1)
@@ -232,11 +233,11 @@ def _cells(rows: Array, owner: NDArray, across: Array, meshes: list[Mesh], scene
     return np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1).astype(np.int64)
 
 
-def _texels_per_metre(rows: Array, area: Array, owner: NDArray, meshes: list[Mesh], scene: Scene) -> Array:
+def _texels_per_metre(rows: Array, area: Array, owner: NDArray[Any], meshes: list[Mesh], scene: Scene) -> Array:
     texels = [0 if m.texture < 0 else np.prod(scene.textures[m.texture].image.shape[:2]) for m in meshes]
     (ax, ay), (bx, by) = ((rows[:, k, 3:5] - rows[:, 0, 3:5]).T for k in (1, 2))
     on_texture = np.abs(ax * by - ay * bx) / 2 * np.array([*texels, 0], float)[owner]
-    return np.sqrt(on_texture / area)
+    return np.asarray(np.sqrt(on_texture / area))
 
 
 def _levels(texture: Texture) -> list[NDArray[np.float32]]:

@@ -9,6 +9,7 @@ import hashlib
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -90,7 +91,7 @@ def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:
     smaller = np.rint(255 * made).astype(np.uint8)
     if texture.srgb:
         smaller[..., :3] = srgb8_from_linear(made[..., :3])
-    return smaller
+    return np.asarray(smaller)
 
 
 def unlit(scene: Scene) -> Scene:
@@ -117,11 +118,11 @@ def only_light(scene: Scene) -> Scene:
     return attrs.evolve(scene, meshes=meshes, background=sky)
 
 
-def _albedo(mesh: Mesh) -> NDArray:
-    return np.maximum(_known_albedo(mesh), LEAST_ALBEDO)
+def _albedo(mesh: Mesh) -> NDArray[Any]:
+    return np.asarray(np.maximum(_known_albedo(mesh), LEAST_ALBEDO))
 
 
-def _known_albedo(mesh: Mesh) -> NDArray:
+def _known_albedo(mesh: Mesh) -> NDArray[Any]:
     if mesh.albedo is not None:
         return mesh.albedo
     luminance = (mesh.light @ _LUMINANCE)[:, None]
@@ -185,10 +186,10 @@ class _Subset:
     kept: NDArray[np.integer]
 
     def positions(self, time_ns: int) -> NDArray[np.float64]:
-        return self.whole.positions(time_ns)[self.kept]
+        return np.asarray(self.whole.positions(time_ns)[self.kept])
 
     def velocities(self, time_ns: int) -> NDArray[np.float64]:
-        return self.whole.velocities(time_ns)[self.kept]
+        return np.asarray(self.whole.velocities(time_ns)[self.kept])
 
 
 def with_triangles(mesh: Mesh, triangles: NDArray[np.uint32], *, matt: bool = False) -> Mesh:

@@ -75,7 +75,7 @@ def mirrors_of(scene: str, meshes: Sequence[Mesh], origin_m: NDArray[np.float64]
     Errors: SceneError for a plane mirror that is not flat with one unit normal, for a mirror that
     moves, and for more than MOST_MIRRORS.
     """
-    groups: dict[tuple, list[Mesh]] = {}
+    groups: dict[tuple[Any, ...], list[Mesh]] = {}
     for index, mesh in enumerate(meshes):
         if not mesh.material.reflectivity:
             continue
@@ -146,7 +146,7 @@ def _along_u(mesh: Mesh, normal: NDArray[np.float64]) -> NDArray[np.float64]:
     along -= normal * (along @ normal)
     if np.linalg.norm(along) < 1e-9:
         along = np.cross(np.eye(3)[np.argmin(np.abs(normal))], normal)
-    return along / np.linalg.norm(along)
+    return np.asarray(along / np.linalg.norm(along))
 
 
 Rgb = tuple[float, float, float]

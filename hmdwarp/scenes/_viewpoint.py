@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from functools import cached_property
+from typing import Any
 
 import attrs
 import numpy as np
@@ -24,7 +25,7 @@ class Triangles:
     c: Array
 
     @classmethod
-    def of(cls, parts: list[tuple[Array, NDArray]]) -> Triangles:
+    def of(cls, parts: list[tuple[Array, NDArray[Any]]]) -> Triangles:
         """Return the triangles of several (vertices, faces)."""
         corners = [vertices[faces] for vertices, faces in parts]
         every = np.concatenate(corners) if corners else np.empty((0, 3, 3))
@@ -38,7 +39,7 @@ class Triangles:
         """(n, 3) normals, of twice the area's length."""
         return np.cross(self.b - self.a, self.c - self.a)
 
-    def chosen(self, which: NDArray | slice) -> Triangles:
+    def chosen(self, which: NDArray[Any] | slice) -> Triangles:
         """Return some of them."""
         return Triangles(self.a[which], self.b[which], self.c[which])
 
@@ -212,7 +213,7 @@ def _is_free(triangles: Triangles, place: Array) -> bool:
     if (near.first_hits(body, _RING)[0] < _BODY_M).any():
         return False
     distance, behind = triangles.first_hits(eye, _AROUND)
-    return float(behind.sum()) <= _FEW_BEHIND * np.isfinite(distance).sum()
+    return bool(float(behind.sum()) <= _FEW_BEHIND * np.isfinite(distance).sum())
 
 
 def _open_side(triangles: Triangles, eye: Array, size: float) -> float:

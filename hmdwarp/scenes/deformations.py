@@ -26,7 +26,7 @@ def _points(value: ArrayLike) -> Array:
 
 
 def _point(value: ArrayLike) -> Array:
-    return _points(np.array([value]))[0]
+    return np.asarray(_points(np.array([value]))[0])
 
 
 def _array(value: ArrayLike) -> Array:
@@ -179,12 +179,12 @@ class Skinned:
             moving.append(above[1] @ turn + above[0] @ change)
 
         def blend(matrices: list[Array]) -> Array:
-            return np.einsum("nk,nkij->nij", self.weights, np.array(matrices)[:, :3][self.which])
+            return np.asarray(np.einsum("nk,nkij->nij", self.weights, np.array(matrices)[:, :3][self.which]))
 
         return blend(moved), blend(moving)
 
     def _applied(self, matrices: Array) -> Array:
-        return np.einsum("nij,nj->ni", matrices[:, :, :3], self.rest) + matrices[:, :, 3]
+        return np.asarray(np.einsum("nij,nj->ni", matrices[:, :, :3], self.rest) + matrices[:, :, 3])
 
     def positions(self, time_ns: int) -> Array:
         """Return (n, 3) metres relative to the scene's origin."""

@@ -33,7 +33,7 @@ def _array(value: ArrayLike) -> Array:
     return np.array(value, np.float64)
 
 
-def _positive_seconds(_: object, attribute: attrs.Attribute, value: float) -> None:
+def _positive_seconds(_: object, attribute: attrs.Attribute[Any], value: float) -> None:
     if not (np.isfinite(value) and value > 0):
         raise SceneError(f"motion: {attribute.name} {value!r}: expected a time above 0")
 
@@ -210,4 +210,4 @@ class Track:
             return np.zeros(3)
         key = int(np.clip(np.searchsorted(self.times_s, at, side="right") - 1, 0, len(self.times_s) - 2))
         between = self.turns[key + 1] * self.turns[key].inv()
-        return between.as_rotvec() / (self.times_s[key + 1] - self.times_s[key])
+        return np.asarray(between.as_rotvec() / (self.times_s[key + 1] - self.times_s[key]))

@@ -115,7 +115,7 @@ class Patches:
     @property
     def areas(self) -> Array:
         """Square metres of each."""
-        return np.linalg.norm(np.cross(self.steps[..., 0], self.steps[..., 1]), axis=1)
+        return np.asarray(np.linalg.norm(np.cross(self.steps[..., 0], self.steps[..., 1]), axis=1))
 
     def at(self, across: float | Array, up: float | Array) -> Array:
         """Return a point just before each, by texels from its centre."""
@@ -183,7 +183,7 @@ def mean_colour(texture: Texture) -> Array:
     """Return the mean light of a texture, linear RGB."""
     image = texture.image[..., :3]
     linear = linear_from_srgb(image) if texture.srgb else image / 255
-    return np.asarray(linear, np.float64).mean(axis=(0, 1))
+    return np.asarray(np.asarray(linear, np.float64).mean(axis=(0, 1)))
 
 
 @attrs.frozen(eq=False)
@@ -247,14 +247,14 @@ class _Rays:
         """Return (n, count) what share of what comes to each patch each of all sends."""
         own, rays = self.patch.shape
         met = (np.arange(own)[:, None] * count + self.patch)[self.patch >= 0]
-        return np.bincount(met, minlength=own * count).reshape(own, count) / rays
+        return np.asarray(np.bincount(met, minlength=own * count).reshape(own, count) / rays)
 
     def sky(self, background: Background) -> Array:
         """Return (n, 3) what each patch gets from the sky itself."""
         open_, own = self.patch == SKY, np.nonzero(self.patch == SKY)[0]
         light = sky_light(background, self.ways[open_])
         sums = [np.bincount(own, light[:, k], len(self.patch)) for k in range(3)]
-        return np.stack(sums, axis=1) / self.patch.shape[1]
+        return np.asarray(np.stack(sums, axis=1) / self.patch.shape[1])
 
 
 @attrs.define(eq=False, slots=False)
@@ -540,4 +540,4 @@ def sky_light(background: Background, ways: Array) -> Array:
     """Return (n, 3) the background in those directions, see Background."""
     share = np.sqrt(np.abs(ways[:, 1:2] / np.linalg.norm(ways, axis=1, keepdims=True)))
     end = np.where(ways[:, 1:2] > 0, background.zenith, background.ground)
-    return (1 - share) * np.array(background.horizon) + share * end
+    return np.asarray((1 - share) * np.array(background.horizon) + share * end)

@@ -25,7 +25,7 @@ DK1 = (FOLDER / "rift-dk1.toml").read_text(encoding="utf-8")
 SHIPPED = headset_names()
 
 
-def test_what_is_shipped():
+def test_every_shipped_file_is_listed():
     assert {"rift-dk1", "cardboard-v2", "flat-90"} <= set(SHIPPED)
     assert sorted(p.stem for p in FOLDER.glob("*.toml")) == SHIPPED
 
@@ -117,7 +117,7 @@ def test_the_lens_axis_lies_towards_the_nose():
 
 
 @given(poses())
-def test_the_eyes_sit_beside_each_other_and_turn_with_the_head(world_from_head):
+def test_the_eyes_are_side_by_side_and_turn_with_the_head(world_from_head):
     headset = load_headset("rift-dk1")
     left, right = headset.views(world_from_head)
     apart = right.pose.position_m - left.pose.position_m

@@ -118,7 +118,7 @@ def test_a_lens_that_does_not_grow_at_its_middle_is_refused(coefficients):
 
 
 @given(GROWING)
-def test_what_is_accepted_grows(coefficients):
+def test_accepted_lenses_grow(coefficients):
     made = lens(*coefficients)
     r = np.linspace(0, made.reach, 200)
     tangents = tangent_from_lens(made, np.stack([r, np.zeros_like(r)], axis=-1), "green")[:, 0]

@@ -10,7 +10,7 @@ from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.errors import PlanError
 from hmdwarp.frames.layers.reflection import Reflection
 from hmdwarp.geometry import Mirror, RigidState
-from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download
+from hmdwarp.gpu import COLOUR, SCALAR, allocate, download
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
@@ -33,12 +33,6 @@ BODY = RigidState(Pose())
 def glass(light: float = 0.0, depth_m: float = 1.0, passing: float = 0.5) -> tuple[np.ndarray, ...]:
     """Layer 'transparent' of one pane over the whole picture."""
     return np.full((HIGH, WIDE, 3), light), np.full((HIGH, WIDE), depth_m), np.full((HIGH, WIDE, 3), passing)
-
-
-@pytest.fixture(scope="module")
-def gpu():
-    with Gpu() as made:
-        yield made
 
 
 @pytest.fixture

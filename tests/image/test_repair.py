@@ -28,10 +28,10 @@ def camera_picture() -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("warp", usable_warps())
-def test_coverage_is_the_confidence_of_the_depth(warp):
+def test_coverage_is_the_confidence_of_the_depth(warp, gpu):
     """Seen from where it was taken: 1 if measured, else that of the guess, in half floats."""
     colour, depth = camera_picture()
-    out = warp_image(colour, depth, VIEW, VIEW, warp, "none", repair="complete")
+    out = warp_image(colour, depth, VIEW, VIEW, warp, "none", repair="complete", gpu=gpu)
     with np.errstate(divide="ignore"):
         inverse = np.where(depth > 0, 1 / depth, np.nan)
     found = parse_repairs("complete").run((colour / 255).astype(np.float32), inverse)
@@ -41,16 +41,16 @@ def test_coverage_is_the_confidence_of_the_depth(warp):
 
 
 @pytest.mark.parametrize("warp", usable_warps())
-def test_guessed_depth_counts_less_wherever_it_goes(warp):
+def test_guessed_depth_counts_less_wherever_it_goes(warp, gpu):
     """Elsewhere: a hole has coverage 0 and no colour, all else more than 0 and at most 1."""
     colour, depth = camera_picture()
     colour = np.maximum(colour, 1)
-    out = warp_image(colour, depth, VIEW, BESIDE, warp, "none", repair="complete")
+    out = warp_image(colour, depth, VIEW, BESIDE, warp, "none", repair="complete", gpu=gpu)
     assert ((out.coverage >= 0) & (out.coverage <= 1)).all()
     assert np.array_equal(out.coverage == 0, (out.colour == 0).all(axis=2))
     assert out.hole_share == (out.coverage == 0).mean()
     assert (out.coverage < 1).sum() > (out.coverage == 0).sum()  # some of it was guessed
-    filled = warp_image(colour, depth, VIEW, BESIDE, warp, "pyramid", repair="complete")
+    filled = warp_image(colour, depth, VIEW, BESIDE, warp, "pyramid", repair="complete", gpu=gpu)
     assert np.array_equal(filled.coverage[out.coverage > 0], out.coverage[out.coverage > 0])
     assert (filled.coverage[out.coverage == 0] == 1).all()
 

@@ -37,12 +37,6 @@ def picture(seed: int, size=SIZE) -> tuple[np.ndarray, np.ndarray]:
     return colour, depth
 
 
-@pytest.fixture(scope="module")
-def gpu():
-    with Gpu() as made:
-        yield made
-
-
 @pytest.mark.parametrize("warp", usable_warps())
 def test_many_pictures_are_each_what_warp_image_makes(warp, gpu):
     with Warper(SIZE, warp=warp, fill="pyramid", gpu=gpu) as warper:
@@ -305,6 +299,6 @@ def test_effects_that_need_more_than_pictures_are_refused(gpu):
         Warper(SIZE, effects=None, gpu=gpu)
 
 
-def test_its_cost_is_measured_apart_from_its_passes():
+def test_its_cost_is_measured_apart_from_its_passes(gpu):
     """What docs/rgbd.md prints: the passes alone, textures as they are and taken over, arrays."""
-    assert all(took > 0 for took in bench_warper.measured((16, 16), 2))
+    assert all(took > 0 for took in bench_warper.measured((16, 16), 2, gpu))

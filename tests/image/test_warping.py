@@ -23,10 +23,19 @@ from hmdwarp.errors import PlanError, UnknownNameError
 from hmdwarp.gpu import Gpu
 from hmdwarp.image.picture_arrays import checked_picture
 
+CONTEXT: dict[str, Gpu | None] = {}
+SHARED = {"gpu": None}  # the context of calls that bring none
+
+
+@pytest.fixture(scope="module", autouse=True)
+def session_context(gpu):
+    """Let calls draw in the session's context, whose shaders are compiled already."""
+    CONTEXT["gpu"] = gpu
+
 
 def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **more) -> hmdwarp.WarpedImage:
     """The warp alone, unless a test names a fill."""
-    return hmdwarp.warp_image(colour, depth_m, rendered, shown, warp, fill, **more)
+    return hmdwarp.warp_image(colour, depth_m, rendered, shown, warp, fill, **{**CONTEXT, **more})
 
 
 # Those that need no more than a picture with depth.
@@ -502,9 +511,9 @@ def test_a_replay_before_and_after_changes_nothing(tmp_path):
     from replays import run
 
     colour = halves(np.random.default_rng(16), (9, 7))
-    before = warp_image(colour, np.ones((7, 9)), view(), view())
+    before = warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED)
     run(tmp_path, seconds=0.05)
-    after = warp_image(colour, np.ones((7, 9)), view(), view())
+    after = warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED)
     assert np.array_equal(before.colour, colour) and np.array_equal(after.colour, colour)
 
 
@@ -517,7 +526,7 @@ def test_contexts_of_ones_own_in_any_order():
         probe = second.gl.texture((1, 1), 1, dtype="f4")
         probe.write(np.float32(7).tobytes())
         assert np.frombuffer(probe.read(), np.float32) == 7
-    assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour)
+    assert np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED).colour, colour)
 
 
 def test_threads_take_turns():
@@ -527,7 +536,7 @@ def test_threads_take_turns():
     def work(colour: np.ndarray) -> None:
         try:
             for _ in range(10):
-                if not np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view()).colour, colour):
+                if not np.array_equal(warp_image(colour, np.ones((7, 9)), view(), view(), **SHARED).colour, colour):
                     wrong.append("another picture")
         except Exception as error:
             wrong.append(error)

@@ -151,7 +151,7 @@ def test_the_tilt_advice_never_turns_the_world_of_a_head_that_is_turned_too(tmp_
     assert "tilt" not in kinds(load_trace(path, TraceOptions(axes="ros")))
 
 
-def test_what_motion_does_not_show_is_said(tmp_path):
+def test_notes_name_what_motion_does_not_show(tmp_path):
     """A head that turns on the spot without a neck may look anywhere."""
     still = LOOK.evolve(position_m=np.tile([0.0, 1.6, 0.0], (len(LOOK), 1)))
     assert "does not show which way" in load_trace(written(tmp_path, still)).axes
@@ -203,7 +203,7 @@ def test_a_height_in_feet_is_named(tmp_path):
     assert "place-implausible" not in kinds(load_trace(path, TraceOptions(scale=0.3048)))
 
 
-def test_a_tilt_is_told_beside_the_axes(tmp_path):
+def test_a_tilt_is_reported_with_the_axes(tmp_path):
     """What keeps no defects, such as a study's records, has it too."""
     tilt = Rotation.from_euler("X", 25, degrees=True)
     turned = (tilt * Rotation.from_quat(LOOK.orientation_xyzw)).as_quat()

@@ -144,7 +144,7 @@ def test_it_goes_no_further_than_the_speed_does(track, ahead_ns):
 
 
 @given(heads())
-def test_nothing_ahead_is_the_head_itself(track):
+def test_predicting_zero_ahead_returns_the_head(track):
     last = track.pose(len(track) - 1)
     assert predict(track, track.end_ns, track.end_ns + 100 * MS, horizon_ns=0).pose.isclose(last, atol=0)
     # 1 ns at 10 rad/s and 5 m/s, and 1e-15 of rounding.
@@ -202,7 +202,7 @@ def test_a_slower_tracker_than_recorder_changes_nothing():
             assert sample.pose.isclose(predict(track, now, now + 50 * MS).pose, atol=0)
 
 
-def test_what_was_never_tested_is_hardly_trusted():
+def test_an_untested_speed_is_hardly_trusted():
     """A tenth of a second after a gap there is a speed, but no past prediction to judge it by."""
     track = spinning(90, 1.0)
     fresh = track.evolve(

@@ -100,7 +100,7 @@ def test_a_hand_is_not_taken_while_something_else_is_there(tmp_path):
         assert f"device: device = {wanted}" in loaded.columns
 
 
-def test_bodies_under_a_name_of_their_own_are_told_apart(tmp_path):
+def test_bodies_are_told_apart_under_any_column_name(tmp_path):
     """A column of text that names heads and hands is one of devices, whatever it is called."""
     table = [[name, *r] for r in TABLE for name in ("LeftHand", "Camera (eye)", "RightHand")]
     table = [[*r[:4], "9", *r[5:]] if "Hand" in r[0] else r for r in table]
@@ -257,7 +257,7 @@ def test_poses_written_twice_are_one(tmp_path):
     assert len(loaded.track) == len(TRACK) and "paired-rows" in kinds(loaded)
 
 
-def test_rows_in_reverse_are_turned_around_and_it_is_said(tmp_path):
+def test_reversed_rows_are_turned_around_and_reported(tmp_path):
     loaded = load_trace(write(tmp_path / "r.csv", TABLE[::-1]))
     assert same_motion(loaded.track, TRACK) and "rows-reversed" in kinds(loaded)
 
@@ -327,7 +327,7 @@ def test_numbers_that_are_no_rotations_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize(("unit", "right"), [("deg", "rad"), ("rad", "deg")])
-def test_angles_in_another_unit_than_stated_are_told(tmp_path, unit, right):
+def test_angles_in_another_unit_are_reported(tmp_path, unit, right):
     turns = Rotation.from_quat(TRACK.orientation_xyzw).as_euler("zxy", degrees=right == "deg")
     table = [[*r[:4], *map(repr, (x, y, z))] for r, (z, x, y) in zip(TABLE, turns.tolist(), strict=True)]
     path = write(tmp_path / "e.csv", table, "time,x,y,z,rot_x,rot_y,rot_z")

@@ -203,7 +203,7 @@ def test_4_ticks_that_differ_below_float64_stay_apart(tmp_path):
 # 5
 
 
-def test_5_eight_blank_separated_columns_are_read_as_tum_and_it_is_said(tmp_path):
+def test_5_eight_blank_separated_columns_are_read_as_tum_and_reported(tmp_path):
     loaded = load_trace(write(tmp_path / "bare.txt", TABLE, header="", separator=" "))
     assert same_motion(loaded.track, TRACK)
     assert "w last taken, as in TUM files" in found(loaded, "order-assumed").done
@@ -233,7 +233,7 @@ def test_5_bare_ticks_are_read_alike(tmp_path):
     assert (loaded.format, loaded.rate_hz) == ("ticks", pytest.approx(60, rel=1e-4))
 
 
-def test_5_numbered_quaternions_must_be_told(tmp_path):
+def test_5_numbered_quaternions_need_an_order(tmp_path):
     path = write(tmp_path / "q.csv", rows(TRACK, "wxyz"), header="time,x,y,z,q0,q1,q2,q3")
     assert "--quat-order" in refusal(path)
     assert same_motion(load_trace(path, TraceOptions(quat_order="wxyz")).track, TRACK)
@@ -261,7 +261,7 @@ def test_5_names_seen_in_the_wild_tell_the_order(tmp_path, names, order):
     assert same_motion(loaded.track, TRACK)
 
 
-def test_5_an_order_given_against_the_names_is_not_followed_and_said(tmp_path):
+def test_5_names_win_over_a_stated_order_and_it_is_reported(tmp_path):
     loaded = load_trace(write(tmp_path / "n.csv", TABLE), TraceOptions(quat_order="wxyz"))
     assert same_motion(loaded.track, TRACK)
     assert "quat-order-named" in kinds(loaded)
@@ -270,7 +270,7 @@ def test_5_an_order_given_against_the_names_is_not_followed_and_said(tmp_path):
 # 6
 
 
-def test_6_columns_are_found_by_name_in_any_order_and_beside_hands_and_gaze(tmp_path):
+def test_6_columns_are_found_by_name_in_any_order_among_hands_and_gaze(tmp_path):
     names = (
         "qz,LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,qw,GazeQX,GazeQY,GazeQZ,GazeQW,"
         "HeadPosZ,HeadPosX,buttons,qx,HeadPosY,qy,time"
@@ -442,13 +442,13 @@ def test_13_teleports_are_reported_and_never_crossed(tmp_path):
     assert abs(predict(loaded.track, now, now + 100_000_000).pose.position_m[0] - loaded.track.position_m[51, 0]) < 0.1
 
 
-def test_13_scene_units_are_scaled_when_told(tmp_path):
+def test_13_scene_units_are_scaled_on_request(tmp_path):
     table = [[r[0], *(repr(float(f) / 0.36) for f in r[1:4]), *r[4:]] for r in TABLE]
     loaded = load_trace(write(tmp_path / "s.csv", table), TraceOptions(scale=0.36))
     assert same_motion(loaded.track, TRACK, atol=1e-14)
 
 
-def test_13_tilted_gravity_is_reported_and_set_upright_when_told(tmp_path):
+def test_13_tilted_gravity_is_reported_and_set_upright_on_request(tmp_path):
     from scipy.spatial.transform import Rotation
 
     track = head(2000)
@@ -467,7 +467,7 @@ def test_13_tilted_gravity_is_reported_and_set_upright_when_told(tmp_path):
     assert same_motion(load_trace(path, TraceOptions(up=exact)).track, track, atol=1e-14)
 
 
-def test_13_positions_of_an_eye_are_said_to_be(real_traces):
+def test_13_positions_of_an_eye_are_reported(real_traces):
     assert "eye-position" in kinds(load_trace(real_traces / "eyenavgs_rutgers" / "user116_drjohnson.csv"))
 
 
@@ -482,7 +482,7 @@ def test_14_euler_angles_only_are_refused(tmp_path, header):
     assert "Euler angles only" in refusal(write(tmp_path / "e.csv", [r[:7] for r in TABLE], header))
 
 
-def test_14_no_time_is_refused_unless_the_rate_is_told(tmp_path):
+def test_14_no_time_is_refused_without_a_rate(tmp_path):
     path = write(tmp_path / "n.csv", [r[1:] for r in TABLE], "x,y,z,qx,qy,qz,qw")
     assert "--trace-rate" in refusal(path)
     loaded = load_trace(path, TraceOptions(rate=60))

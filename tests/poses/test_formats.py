@@ -46,7 +46,7 @@ def test_those_that_are_written():
     quaternions=st.lists(unit_quaternions, min_size=6, max_size=6),
     places=st.lists(st.floats(-1e6, 1e6), min_size=18, max_size=18),
 )
-def test_what_is_written_comes_back_bit_for_bit(tmp_path_factory, name, times, quaternions, places):
+def test_written_traces_read_back_bit_for_bit(tmp_path_factory, name, times, quaternions, places):
     n = len(times)
     # A place apart from 0 at first: a default pose before a jump would be trimmed, rightly.
     place = np.array(places).reshape(6, 3)[:n] + [[3.5, 0, 0]]
@@ -214,7 +214,7 @@ def test_words_of_column_names():
     assert (found.clocks[0][0], found.position, found.orientation) == (2, (6, 7, 8), (9, 10, 11, 12))
 
 
-def test_a_format_asked_for_is_not_second_guessed(tmp_path):
+def test_a_stated_format_is_not_second_guessed(tmp_path):
     path = write(tmp_path / "tum.txt", rows(TRACK), header="", separator=" ")
     assert same_motion(load_trace(path, TraceOptions(format="tum")).track, TRACK)
     with pytest.raises(TraceError, match="no header"):

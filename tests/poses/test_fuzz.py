@@ -78,22 +78,8 @@ fields = st.one_of(
     st.floats(allow_nan=True, allow_infinity=True).map(repr),
     st.integers(-(10**25), 10**25).map(str),
     st.sampled_from(
-        [
-            "",
-            "0",
-            "1",
-            "-0",
-            "1e999",
-            "1e-999",
-            "nan",
-            "12:34:56.7",
-            "2020-01-01T00:00:00",
-            "9" * 19,
-            "0,5",
-            "HMD",
-            '"1"',
-            "0x1",
-        ]
+        ["", "0", "1", "-0", "1e999", "1e-999", "nan", "12:34:56.7", "2020-01-01T00:00:00", "9" * 19, "0,5", "HMD"]
+        + ['"1"', "0x1"]
     ),
     st.text(string.printable, max_size=5),
 )
@@ -152,7 +138,7 @@ def test_mutated_files_of_every_layout(tmp_path, data, opts):
 @given(data=st.data(), opts=st.one_of(st.just(TraceOptions()), options))
 def test_mutated_recordings(tmp_path, data, opts):
     files = [
-        (resources.folder("recordings") / f"{name}.csv").read_bytes()[:40_000] for name in resources.recording_names()
+        (resources.folder("recordings") / f"{name}.csv").read_bytes()[:8_000] for name in resources.recording_names()
     ]
     survives(tmp_path / "f.csv", data.draw(mutations(files)), opts)
 

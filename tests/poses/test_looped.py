@@ -37,7 +37,7 @@ def test_the_first_time_through_it_is_the_track_and_then_its_mirror_image():
             assert np.array_equal(sample.pose.orientation_xyzw, expected.orientation_xyzw)
 
 
-def test_it_begins_anew_when_told():
+def test_restart_begins_anew():
     clock = Clock()
     source = LoopedSource(TRACK, clock)
     clock.now_ns = 700_000_000

@@ -186,7 +186,7 @@ def test_the_head_is_chosen_by_its_name_and_named(tmp_path):
     np.testing.assert_array_equal(other.position_m, np.tile([0.0, 0.0, -5.0], (len(other), 1)) + [0, 1.0, 0])
 
 
-def test_a_pose_in_a_frame_that_moves_itself_is_told(tmp_path):
+def test_a_pose_in_a_moving_frame_is_reported(tmp_path):
     kind, track = "tf2_msgs/msg/TFMessage", head()
     bag = Bag(tmp_path / "bag.mcap")
     for ns, numbers in zip(track.time_ns.tolist(), in_ros(track), strict=True):

@@ -86,7 +86,7 @@ def test_a_known_instant_is_looked_up():
 
 
 @pytest.mark.parametrize("method", predictors.names())
-def test_nothing_is_predicted_within_a_gap_or_across_a_jump(method):
+def test_prediction_stops_at_gaps_and_jumps(method):
     track = head(100)
     late = track.time_ns + np.where(np.arange(100) > 50, 900 * MS, 0)
     gapped = track.evolve(time_ns=late)

@@ -44,7 +44,7 @@ KNOWN = {
 
 
 @pytest.mark.parametrize("name", KNOWN)
-def test_what_each_file_holds(real_traces, name):
+def test_each_real_file_reads_as_known(real_traces, name):
     format_name, count, rate, seconds, defects = KNOWN[name]
     loaded = load_trace(real_traces / name)
     assert loaded.format == format_name
@@ -132,7 +132,7 @@ def test_the_euler_twin_itself_is_refused(real_traces):
         load_trace(real_traces / "multiviewpoint_mmsys18" / "user1_euler.txt")
 
 
-def test_tables_beside_the_traces_are_no_traces(real_traces):
+def test_other_tables_of_the_sets_are_refused(real_traces):
     with pytest.raises(TraceError, match="no head orientation"):
         load_trace(real_traces / "eyenavgs_nthu" / "scene_setting.csv")
 

@@ -153,7 +153,7 @@ def test_the_motion_does_not_depend_on_the_rate(kind, seed):
         {"seed": -1},
     ],
 )
-def test_what_cannot_be_made_is_refused(wrong):
+def test_unknown_motions_and_bad_numbers_are_refused(wrong):
     with pytest.raises(InputError, match="expected"):
         synthesise("still", **wrong)
 
@@ -223,7 +223,7 @@ def test_a_glide_is_steady_where_it_says_so():
         ("walk", {"amplitude": 1}, "amplitude 1: motion walk"),
     ],
 )
-def test_what_a_motion_does_not_have_is_refused(kind, about, why):
+def test_options_of_other_motions_are_refused(kind, about, why):
     with pytest.raises(InputError, match=why):
         synthesise(kind, **about)
 

@@ -172,7 +172,7 @@ def test_the_input_is_never_overwritten(tmp_path):
     assert path.read_bytes() == before
 
 
-def test_nothing_is_left_behind_by_a_failure(tmp_path, monkeypatch):
+def test_a_failed_conversion_leaves_no_file(tmp_path, monkeypatch):
     path = write(tmp_path / "in.csv", rows(TRACK))
     out = tmp_path / "out.csv"
     out.write_text("what was there before")

@@ -51,7 +51,7 @@ def test_outside_and_within_gaps_the_pose_is_held(t, index):
     assert sample.pose.isclose(GAPPED.pose(index), atol=0)
 
 
-def test_a_gap_is_crossed_only_when_asked():
+def test_a_gap_is_crossed_only_on_request():
     middle = GAPPED.at(260_000_000, across_gaps=True)
     assert middle.origin is Origin.INTERPOLATED
     assert middle.pose.isclose(Pose((0.75, 0.85, 0.95), Rotation.from_euler("Y", 0.55).as_quat()), atol=1e-14)
@@ -113,7 +113,7 @@ def test_repeats_are_left_out_for_differentiating_with_jumps_kept_in_place():
         ([0.0, 1.0], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2, "integers"),
     ],
 )
-def test_what_is_no_track_is_refused(time_ns, position, orientation, word):
+def test_an_invalid_track_is_refused(time_ns, position, orientation, word):
     with pytest.raises(TraceError, match=word):
         PoseTrack(np.array(time_ns, dtype=None if time_ns else np.int64), position, orientation)
 

@@ -163,7 +163,7 @@ def test_starts_and_stops_smoothly():
     assert (speed >= 0).all()
 
 
-def test_prediction_is_what_comes_true_if_nothing_more_is_told():
+def test_prediction_comes_true_without_further_input():
     walker = Walker(BEGIN_NS)
     walker.walk(BEGIN_NS, forward=1.0)
     walker.turn(BEGIN_NS + 10 * MS, 0.3, 0.1)

@@ -34,14 +34,7 @@ def box(centre, size, cell_m: float = 0.3) -> Surface:
     """The six patches of a box of full `size`."""
     x, y, z = np.diag(np.asarray(size, float))
     low = np.asarray(centre, float) - (x + y + z) / 2
-    faces = (
-        (low + z, x, y),
-        (low + x, -x, y),
-        (low + x + z, -z, y),
-        (low, z, y),
-        (low + y + z, x, -z),
-        (low, x, z),
-    )
+    faces = ((low + z, x, y), (low + x, -x, y), (low + x + z, -z, y), (low, z, y), (low + y + z, x, -z), (low, x, z))
     return join([patch(*face, cell_m=cell_m) for face in faces])
 
 

@@ -37,7 +37,7 @@ def test_a_scene_says_what_its_source_says(scene):
     assert scene.summary
 
 
-def test_what_looks_the_same_from_everywhere_at_all_times_calls_for_no_effect(scene):
+def test_plain_still_scenes_call_for_no_effect(scene):
     moves = scene.lamps or any(mesh.body or mesh.deformation is not None for mesh in scene.meshes)
     assert scene.is_still == (not moves and not effects.of(scene))
     assert not attrs.evolve(scene, meshes=()).is_still  # nothing is known of what a camera sees

@@ -30,7 +30,7 @@ def test_a_plane_mirror_is_its_rectangle_in_the_world():
     assert not found.shape.is_curved
 
 
-def test_what_lies_in_one_plane_and_mirrors_alike_is_one_mirror():
+def test_coplanar_equal_mirrors_are_one():
     left, right = mirror((-1, 0, -2)), mirror((3, 0, -2))
     (found,) = scene_of(left, right).mirrors
     assert len(found.meshes) == 2

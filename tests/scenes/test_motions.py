@@ -48,7 +48,7 @@ def test_spinning_and_flying_are_predicted_exactly(name):
         assert motion.state(time_ns).after(age_ns).isclose(motion.state(time_ns + age_ns).pose)
 
 
-def test_what_is_thrown_is_thrown_again():
+def test_a_throw_repeats():
     motion = MOTIONS["thrown"]
     assert motion.state(100).pose.isclose(motion.state(1_300_000_100).pose)
     assert motion.state(1_299_999_999).pose.position_m[0] == pytest.approx(1.3)

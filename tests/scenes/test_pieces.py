@@ -50,7 +50,7 @@ def test_all_pieces_are_the_scene(name, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["planes", "gallery", "parade", "lantern", "doorway"])
-def test_what_is_unpacked_is_what_was_packed(name):
+def test_unpacking_restores_what_was_packed(name):
     pieces = cut(name)
     for index, mesh in enumerate(pieces.meshes):
         number = pieces.number_of_mesh(index)
@@ -111,7 +111,7 @@ def test_light_crosses_at_the_start_where_there_are_lamps():
 
 
 @pytest.mark.parametrize("name", ["lantern", "doorway"])
-def test_what_stops_light_of_all_meshes_is_what_stops_it_in_the_scene(name):
+def test_blockers_of_all_meshes_are_those_of_the_scene(name):
     """Bodies where they are at that instant; a triangle without area stops nothing."""
     scene = load_scene(name)
     for time_ns in (0, 1_500_000_000):
@@ -134,7 +134,7 @@ def test_an_empty_scene_has_no_pieces(tmp_path):
         assert pieces.whole_bytes < 100
 
 
-def test_nothing_reduced_is_the_scene_itself(tmp_path):
+def test_a_full_share_returns_the_scene_itself(tmp_path):
     scene = load_scene("gallery")
     assert partial_scene(scene, 1.0, 1.0, lit=True) is scene
     fewer = partial_scene(scene, 0.3, 0.5, lit=True, folder=tmp_path)

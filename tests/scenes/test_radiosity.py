@@ -164,7 +164,7 @@ def test_a_patch_of_sun_has_its_whole_power_wherever_its_edges_are(time_ms):
 
 
 @pytest.mark.parametrize("time_ms", [900, 2500])
-def test_what_moves_takes_part_as_if_it_stood_there(time_ms):
+def test_moving_surfaces_light_as_if_they_stood_still(time_ms):
     """The same rays, but those between what stands still end at the door after they were cast: few
     that pass an edge within the rounding of a float32 may differ, of 512 each."""
     scene, time_ns = scenes.get("doorway").build(), time_ms * 1_000_000
@@ -197,7 +197,7 @@ def test_no_light_passes_a_shut_door():
     assert (found[0] == 0).all() and found[1].min() > 0
 
 
-def test_an_instant_asked_for_again_is_the_same_object():
+def test_an_instant_is_solved_once():
     scene = scenes.get("doorway").build()
     assert transport_of(scene, time_ns=5) is transport_of(scene, time_ns=5)
     assert transport_of(scene, time_ns=5) is not transport_of(scene, time_ns=1_000_000_000)

@@ -56,7 +56,7 @@ def _a_cache_of_its_own(tmp_path, monkeypatch):
         monkeypatch.setenv(name, str(tmp_path / "home"))
 
 
-def test_what_is_flat_and_even_becomes_a_few_triangles_with_its_outline():
+def test_flat_even_surfaces_become_few_triangles_and_keep_their_outline():
     (kept,) = reduced(scene_of(mesh_of(SHEET)), 0.01).meshes
     assert len(kept.triangles) <= FEW
     assert area(kept) == pytest.approx(12, rel=1e-6)
@@ -101,7 +101,7 @@ def test_meshes_that_meet_still_meet():
     assert open_edges(*kept) == pytest.approx(12, rel=1e-6)  # three sides each; the fourth they share
 
 
-def test_what_moves_apart_is_not_held_together():
+def test_parts_that_move_apart_are_not_held_together():
     still, moving = mesh_of(SHEET), mesh_of(SHEET, body=1)
     kept = reduced(scene_of(still, moving, bodies=(Body("door", None),)), 0.01).meshes
     assert [mesh.body for mesh in kept] == [0, 1]
@@ -183,7 +183,7 @@ def test_a_scene_of_few_triangles_keeps_them_all():
     assert hmdwarp.scenes.reduced(scene, 0.2).triangle_count == scene.triangle_count
 
 
-def test_nothing_to_reduce():
+def test_an_empty_scene_is_reduced_to_itself():
     assert reduced(scene_of(), 0.2).meshes == ()
 
 

@@ -97,7 +97,7 @@ def glass_of(colour, transmission: float, metallicFactor: float = 0.0) -> dict: 
     }
 
 
-def test_what_transmits_but_is_a_metal_or_has_a_texture_for_it_is_told(tmp_path):
+def test_transmission_of_metals_and_by_texture_is_noted(tmp_path):
     metal = Glb().material(**glass_of((1, 1, 1, 1), 0.9, 1.0)).load(tmp_path)
     assert not effects.of(metal) and "a metal transmits no light: what its alpha leaves free passes" in metal.notes[0]
     material = glass_of((1, 1, 1, 1), 0.9)
@@ -114,7 +114,7 @@ def test_a_metallic_texture_says_how_much_is_glass(tmp_path):
     assert found.transmission == pytest.approx(0.8 * 0.8)
 
 
-def test_what_is_blended_or_transmits_is_see_through(tmp_path):
+def test_blended_and_transmitting_materials_are_see_through(tmp_path):
     blend = (
         Glb()
         .material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorFactor": [1, 1, 1, 0.25]})
@@ -128,7 +128,7 @@ def test_what_is_blended_or_transmits_is_see_through(tmp_path):
 
 
 @pytest.mark.parametrize(("mode", "told"), [("BLEND", True), ("MASK", True), ("OPAQUE", False)])
-def test_alpha_of_vertex_colours_is_told_where_it_counts(tmp_path, mode, told):
+def test_alpha_of_vertex_colours_is_noted_where_it_counts(tmp_path, mode, told):
     glb = Glb()
     glb.primitive["attributes"]["COLOR_0"] = glb.numbers(np.tile([1.0, 1.0, 1.0, 0.3], (4, 1)))
     scene = glb.material(alphaMode=mode).load(tmp_path)
@@ -194,7 +194,7 @@ def test_glass_lets_pass_what_gltf_says(tmp_path, gpu, glass, picture):
     assert passing.min() >= 1 - cover - 1e-9
 
 
-def test_what_is_masked_is_cut_out_by_its_alpha(tmp_path):
+def test_masked_materials_are_cut_out_by_alpha(tmp_path):
     alpha = np.zeros((8, 8), np.uint8)
     alpha[:, :3], alpha[:, 3:6] = 100, 200
     glb = Glb()

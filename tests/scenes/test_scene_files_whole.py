@@ -36,7 +36,7 @@ def needing(*names: str) -> Glb:
         ("ACME_unheard_of", "export it without"),
     ],
 )
-def test_what_a_file_needs_and_is_not_read_is_refused_by_name_with_the_remedy(tmp_path, name, remedy):
+def test_required_unread_extensions_are_refused_with_a_remedy(tmp_path, name, remedy):
     with pytest.raises(SceneError, match=f"needs {name}, which is not read: {remedy}"):
         needing(name).load(tmp_path)
 
@@ -177,7 +177,7 @@ def test_points_and_lines_are_left_out_with_one_note(tmp_path):
     )
 
 
-def test_of_several_scenes_a_note_says_which_is_taken(tmp_path):
+def test_a_note_names_the_scene_taken_of_several(tmp_path):
     glb = Glb()
     glb.header["scenes"] = [{"nodes": []}, {"nodes": [0], "name": "hall"}]
     glb.header["scene"] = 1
@@ -260,7 +260,7 @@ def test_a_note_comes_once_however_often_its_reason_does(tmp_path):
     assert note.endswith("'dance 8' and 191 more")
 
 
-def test_what_trimesh_warns_of_is_a_note(tmp_path):
+def test_warnings_of_trimesh_become_notes(tmp_path):
     """Of a picture that is there and cannot be read."""
     (tmp_path / "picture.png").write_bytes(b"no picture")
     (tmp_path / "a.ply").write_text(PLY)
@@ -293,14 +293,14 @@ def damaged() -> dict[str, tuple[bytes, str]]:
 
 
 @pytest.mark.parametrize("how", damaged())
-def test_a_damaged_glb_is_told_by_what_stands_where(tmp_path, how):
+def test_a_damaged_glb_is_refused_with_place_and_content(tmp_path, how):
     data, said = damaged()[how]
     (tmp_path / "bad.glb").write_bytes(data)
     with pytest.raises(SceneError, match=f"bad.glb: .*{said}.*; export it again"):
         load_scene(tmp_path / "bad.glb")
 
 
-def test_a_picture_that_is_none_is_told_by_what_it_begins_with(tmp_path):
+def test_an_undecodable_picture_is_noted_with_its_first_bytes(tmp_path):
     glb = Glb()
     glb.header["images"] = [{"bufferView": glb.view(b"GIF87a, and no more"), "mimeType": "image/png"}]
     glb.header["textures"] = [{"source": 0}]

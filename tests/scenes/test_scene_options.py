@@ -33,7 +33,7 @@ def eye_in_file(scene, glb: Glb) -> np.ndarray:
     return turn.apply((0, 1.6, 0) - middle_here) + middle
 
 
-def test_scale_and_up_are_as_said(tmp_path):
+def test_scale_and_up_follow_the_options(tmp_path):
     glb = Glb()
     scaled = glb.load(tmp_path, options=SceneOptions(scale=0.001, viewpoint="0,1.6,0"))
     assert np.allclose(vertices(scaled), 0.001 * (SQUARE + (0, 1, -3)))
@@ -49,7 +49,7 @@ def test_an_obj_is_scaled_and_turned_too(tmp_path):
     assert np.allclose(vertices(scene), [(0, 0, 0), (1, 0, 0), (0, 0, -2)])
 
 
-def test_what_moves_is_scaled_turned_and_put_like_what_stands(tmp_path):
+def test_moving_parts_are_scaled_turned_and_placed_like_still_ones(tmp_path):
     """A body's vertices in the world at time 0 are those of the same file without its animation."""
     glb = Glb().animate("translation", (0, 1), ((0, 1, -3), (0, 1, -2)))
     options = SceneOptions(scale=0.5, up="z", viewpoint="1,2,3,30")
@@ -98,7 +98,7 @@ def test_a_camera_of_the_file_is_taken_by_name_or_number(tmp_path, asked):
     assert np.allclose(vertices(by_camera), vertices(by_hand), atol=1e-6)
 
 
-def test_cameras_are_noted_where_none_is_taken_and_known_ones_named_where_another_is_asked(tmp_path):
+def test_unused_cameras_are_noted_and_unknown_ones_refused(tmp_path):
     glb = with_cameras()
     notes = glb.load(tmp_path, options=FREE).notes
     assert "thing.glb: has cameras: 'front', 'side'; --viewpoint NAME takes one" in notes
@@ -217,12 +217,12 @@ def test_an_object_is_looked_at_from_its_front(tmp_path):
     assert 2 * np.degrees(np.arctan(0.1 / (eye[2] - 0.1))) == pytest.approx(50)
 
 
-def test_a_viewpoint_inside_a_thing_is_taken_and_said(tmp_path):
+def test_a_viewpoint_inside_a_thing_is_noted(tmp_path):
     scene = boxes(ROOM, cube((-1, 0, -1), (1, 2, 1))).load(tmp_path, options=IN_PLACE)
     assert scene.notes == ("thing.glb: the viewpoint 0,1.6,0 lies inside an object",)
 
 
-def test_a_viewpoint_far_outside_is_taken_and_said(tmp_path):
+def test_a_viewpoint_far_outside_is_noted(tmp_path):
     scene = boxes(ROOM).load(tmp_path, options=SceneOptions(viewpoint="100,100,100"))
     assert scene.notes == (
         "thing.glb: the viewpoint 100,100,100 lies far outside the scene, which is hardly seen from there",

@@ -23,7 +23,7 @@ def waving(vertices: int) -> Mesh:
     return Mesh("flag", points, points, uv, light, QUAD.triangles, deformation=flag)
 
 
-def test_what_is_shipped_is_not_slow():
+def test_shipped_scenes_are_not_slow():
     assert all(slow_in(load_scene(name)) == () for name in scenes.names())
 
 
@@ -39,6 +39,6 @@ def test_what_is_shipped_is_not_slow():
         (Scene("s", "", [waving(60_000)]), "60,000 moving vertices: "),
     ],
 )
-def test_what_there_is_too_much_of_is_told_with_its_count(scene, line):
+def test_excess_is_reported_with_its_count(scene, line):
     found = slow_in(scene)
     assert len(found) == (line is not None) and all(one.startswith(line) for one in found)

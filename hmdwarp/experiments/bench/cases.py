@@ -18,6 +18,7 @@ from ...errors import MachineError, PlanError, listed
 from ...frames.layers import layers
 from ...headsets import Headset, load_headset
 from ...link import LinkOptions
+from ...options import guard_band
 from ...pipeline.planning import build_plan_for, check_suited
 from ...pipeline.recorded_scene import display_of, recorded_scene
 from ...pipeline.sizes import guarded_size
@@ -271,7 +272,7 @@ class BenchCase:
 
     def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together, each with some pictures."""
-        rendered = guarded_size(self.options.guard_band, self.headset, self.case.size)
+        rendered = guarded_size(guard_band(self.options), self.headset, self.case.size)
         return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
 
 
@@ -297,7 +298,7 @@ def prepared(options: BenchOptions) -> BenchCase:
     sequence = sequence_of(options)
     headset = load_headset(options.headset) if sequence is None else display_of(sequence)
     (case,) = cases_of(options)
-    guarded_size(options.guard_band, headset, case.size)
+    guarded_size(guard_band(options), headset, case.size)
     run = run_options(options, case)
     trace = load_trace(case.recording, options.trace_options) if sequence is None else own_trace(sequence)
     count = schedule_for(run, sequence, trace, options.rate_hz or headset.refresh_hz).count

@@ -68,7 +68,7 @@ def confidence(moving: Array, missed: Array) -> Array:
     too_far = along * (along / np.where(moves, squared, 1.0))
     doubt = WEIGHT_MISSED * np.einsum("nki,nki->nk", missed, missed) + WEIGHT_TOO_FAR * too_far
     total = squared[:, 0] + doubt.mean(axis=1)
-    return squared[:, 0] / np.where(total > 0, total, 1.0)
+    return np.asarray(squared[:, 0] / np.where(total > 0, total, 1.0))
 
 
 def cautious(track: PoseTrack, now_ns: int, target_ns: int, horizon_ns: int) -> PoseSample:

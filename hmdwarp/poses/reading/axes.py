@@ -206,4 +206,4 @@ def _upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
     up = up / length
     # The half-way quaternion from up to +y; straight down has no smallest turn, x is taken.
     half = np.array([-up[2], 0.0, up[0], 1.0 + up[1]]) if up[1] > -1 + 1e-12 else np.array([1.0, 0, 0, 0])
-    return half / np.linalg.norm(half)
+    return np.asarray(half / np.linalg.norm(half))

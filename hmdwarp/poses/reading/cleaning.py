@@ -556,7 +556,7 @@ class Cleaner:
         if len(jumps):
             what = f"{counted(len(jumps), 'jump')} of position or orientation faster than a head can move"
             self._note("jump", what, "kept; nothing is interpolated or predicted across them", jumps + 1)
-        return jumps.tolist()
+        return [int(i) for i in jumps]
 
     def report_tilt(self) -> None:
         """Report gravity that is not along +y, judged by how the head is held.

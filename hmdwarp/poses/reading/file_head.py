@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import gzip
 import io
+import itertools
 import os
 import re
 import stat
@@ -101,8 +102,9 @@ def read_head(path: Path) -> Head:
     comments, header, first = _preamble(path, lines)
     offset, line, text = first
     separator, comma = _separator(text, header)
-    rows = [split(t, separator) for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS)]
-    rows = rows[1 if header else 0 :][:_SAMPLE_ROWS]
+    texts = (t for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS))
+    first_row = 1 if header else 0
+    rows = [split(t, separator) for t in itertools.islice(texts, first_row, first_row + _SAMPLE_ROWS)]
     names, header_line, header_text = None, None, ""
     if header:
         header_line, header_text = header

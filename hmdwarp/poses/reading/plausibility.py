@@ -6,6 +6,7 @@ Nothing here changes a pose. What contradicts the reading is named, with the rea
 from __future__ import annotations
 
 import itertools
+import operator
 
 import attrs
 import numpy as np
@@ -109,9 +110,8 @@ class Evidence:
 
     def _nods_and_rolls(self, reading: Reading) -> tuple[float, float]:
         """Return the mean squares of how far gaze and ears leave the horizon."""
-        ears = np.cross(reading.crown, reading.gaze)
         vertical = np.abs(reading.up) @ self.tips
-        return float(vertical @ np.abs(reading.gaze)), float(vertical @ np.abs(ears))
+        return float(vertical @ np.abs(reading.gaze)), float(vertical @ reading.ears)
 
 
 @attrs.frozen(eq=False)
@@ -121,6 +121,8 @@ class Reading:
     up: Array  # of the world
     crown: Array  # up of the head
     gaze: Array  # forward of the head
+    # (3,) 1 for the axis of the head through its ears
+    ears: Array = attrs.field(default=attrs.Factory(lambda r: np.abs(np.cross(r.crown, r.gaze)), takes_self=True))
 
     def same(self, other: Reading) -> bool:
         """Return whether both are one: right follows, directions on the ground are free."""
@@ -156,14 +158,13 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     """
     here = reading_of(axes)
     faults = evidence.faults(here)
-    ranked = sorted(_READINGS, key=evidence.score, reverse=True)
-    best = ranked[0]
-    own, top = evidence.score(here), evidence.score(best)
+    ranked = sorted(((evidence.score(r), r) for r in _READINGS), key=operator.itemgetter(0), reverse=True)
+    own, (top, best) = evidence.score(here), ranked[0]
     if not faults or best.same(here) or top - own < CLEAR / 2:
-        return Verdict(faults, None, [], False, (own, own), leaves_open=_open(evidence, here, own))
+        return Verdict(faults, None, [], False, (own, own), leaves_open=_open(evidence, here, own, ranked))
     fitting = [p for p in (load_preset(name) for name in preset_names()) if reading_of(p.axes).same(best)]
     better = fitting[0].axes if fitting else _right_handed(best)
-    clear = top - evidence.score(ranked[1]) > CLEAR and not evidence.faults(best)
+    clear = top - ranked[1][0] > CLEAR and not evidence.faults(best)
     alone = np.array_equal(best.crown, here.crown) and np.array_equal(best.gaze, here.gaze)
     return Verdict(faults, better, [p.name for p in fitting[1:]], clear, (own, top), alone)
 
@@ -173,9 +174,9 @@ def best_points(evidence: Evidence) -> float:
     return max(map(evidence.score, _READINGS))
 
 
-def _open(evidence: Evidence, here: Reading, points: float) -> str:
+def _open(evidence: Evidence, here: Reading, points: float, ranked: list[tuple[float, Reading]]) -> str:
     """Return what differs between a reading and others that fit nearly as well."""
-    near = [r for r in _READINGS if evidence.score(r) > points - CLEAR and not r.same(here) and not evidence.faults(r)]
+    near = [r for score, r in ranked if score > points - CLEAR and not r.same(here) and not evidence.faults(r)]
     if any(not np.array_equal(r.up, here.up) or not np.array_equal(r.crown, here.crown) for r in near):
         return "which way is up"
     return "which way the head looks" if near else ""

@@ -31,10 +31,7 @@ _FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
     "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
     "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
 }
-_LISTS = {
-    "foxglove.FrameTransforms": "foxglove.FrameTransform",
-    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped",
-}
+_LISTS = {"foxglove.FrameTransforms": "foxglove.FrameTransform", "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped"}
 _STATIC = "tf_static"  # topic of transforms that never change: no head
 _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
 _PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf

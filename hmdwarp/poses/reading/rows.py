@@ -176,7 +176,7 @@ class RowReader:
         if not self._regular(text, count):
             return None
         layout = self.layout
-        kinds: list[tuple] = [("v", np.float64, (len(self._columns),))]
+        kinds: list[tuple[Any, ...]] = [("v", np.float64, (len(self._columns),))]
         columns = list(self._columns)
         for name, column in (("t", layout.time), ("d", layout.device), ("n", layout.nanoseconds)):
             if column is not None:
@@ -303,19 +303,19 @@ class RowReader:
         if not sum(map(len, parts)):
             cut = f" ({self.defects[0]})" if self.defects else ""
             raise TraceError(f"{self.head.path} holds no usable row{cut}")
-        stamps = None
-        if self.layout.time is not None:
-            clock = any(p.stamps is not None and p.stamps.clock for p in parts)
-            stamps = Stamps(
-                _taken(parts, lambda p: p.stamps.whole), _taken(parts, lambda p: p.stamps.billionths), clock
-            )
-            for p in parts:
-                p.stamps = None
+        stamped, stamps = [p.stamps for p in parts if p.stamps is not None], None
+        if stamped:
+            whole, billionths = ([getattr(s, name) for s in stamped] for name in ("whole", "billionths"))
+            stamps = Stamps(np.concatenate(whole), np.concatenate(billionths), any(s.clock for s in stamped))
+            del stamped, whole, billionths
         columns: dict[str, Any] = {}
-        for name in ("orientation", "position", "device", "line"):
-            columns[name] = None if getattr(parts[0], name) is None else _taken(parts, lambda p, n=name: getattr(p, n))
+        for name in ("stamps", "orientation", "position", "device", "line"):
+            pieces = [getattr(p, name) for p in parts]
             for p in parts:  # free the pieces at once: the peak is the result and one column
                 setattr(p, name, None)
+            if name != "stamps":
+                columns[name] = None if pieces[0] is None else np.concatenate(pieces)
+            del pieces
         if self.layout.euler is not None:
             self._judge_angles(columns["orientation"], self.layout.euler)
         columns["orientation"] = _quaternions(columns["orientation"], self.layout, self.head)
@@ -341,7 +341,7 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
     from scipy.spatial.transform import Rotation
 
     if layout.euler is not None:
-        return Rotation.from_euler(layout.euler.order, numbers, degrees=layout.euler.degrees).as_quat()
+        return np.asarray(Rotation.from_euler(layout.euler.order, numbers, degrees=layout.euler.degrees).as_quat())
     matrices = numbers.reshape(-1, 3, 3)
     off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:
@@ -353,10 +353,6 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
     turns = np.linalg.det(matrices) > 0.1  # lost tracking writes zeros
     out[turns] = Rotation.from_matrix(matrices[turns]).as_quat()
     return out
-
-
-def _taken(parts: list[Rows], get) -> NDArray:
-    return np.concatenate([get(p) for p in parts])
 
 
 def _looks_cut(text: str) -> bool:

@@ -42,7 +42,7 @@ class Stamps:
     billionths: NDArray[np.int64]
     clock: bool = False
 
-    def __getitem__(self, keep) -> Stamps:
+    def __getitem__(self, keep: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Stamps:
         return Stamps(self.whole[keep], self.billionths[keep], self.clock)
 
     def __len__(self) -> int:
@@ -165,7 +165,7 @@ def guess_unit(stamps: Stamps, median_step: float) -> str:
         return "100ns"
 
     def far(unit: str) -> float:
-        return abs(np.log(BILLION / (median_step * UNITS_NS[unit]) / 75))
+        return float(abs(np.log(BILLION / (median_step * UNITS_NS[unit]) / 75)))
 
     best = min((u for u in UNITS_NS if u != "100ns"), key=far)
     rate = BILLION / (median_step * UNITS_NS[best])

@@ -48,7 +48,7 @@ class StoredModel:
         index = {texture.name: i for i, texture in enumerate(textures)}
         return [self._mesh(node, index) for node in self._file.items("nodes")]
 
-    def _mesh(self, node: dict, index: dict[str, int]) -> Mesh:
+    def _mesh(self, node: dict[str, Any], index: dict[str, int]) -> Mesh:
         file, name = self._file, node["name"]
         (primitive,) = file.item("meshes", node.get("mesh"), name)["primitives"]
         gltf = file.item("materials", primitive.get("material"), name)

@@ -10,6 +10,7 @@ from ...geometry import Pose
 from .._mesh import Body
 from .._scene import Lamp, Scene, SceneSource, scenes
 from ..motions import Still, Track
+from ..shapes import Quad
 from ._lit_room import box, in_atlas, textures, wall
 
 SUMMARY = "a dim room beside a bright one: a door opens and shuts, and lets a wedge of light in"
@@ -73,7 +74,7 @@ def build() -> Scene:
     )
 
 
-def _part(low: tuple[float, float], high: tuple[float, float], z: float, sign: int):
+def _part(low: tuple[float, float], high: tuple[float, float], z: float, sign: int) -> Quad:
     (left, bottom), (right, top) = low, high
     return wall(
         ((left + right) / 2, (bottom + top) / 2, z),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -31,7 +33,7 @@ def lettering(text: str, scale: int = 1) -> NDArray[np.bool_]:
     return line.repeat(scale, axis=0).repeat(scale, axis=1)
 
 
-def stamp(image: NDArray, mask: NDArray[np.bool_], top: int, left: int, colour: Colour) -> None:
+def stamp(image: NDArray[Any], mask: NDArray[np.bool_], top: int, left: int, colour: Colour) -> None:
     """Paint `mask` onto a (h, w, 3) float picture, clipped at its borders."""
     height, width = image.shape[:2]
     mask = mask[: max(height - top, 0), : max(width - left, 0)]
@@ -42,7 +44,7 @@ _WORDS = "LATENCY POSE EYE LENS FRAME DEPTH HOLE PARALLAX LIGHT FIELD VIEW HEAD 
 
 
 def _paragraph(
-    image: NDArray, rng: np.random.Generator, *, top: int, left: int, width: int, lines: int, colour: Colour
+    image: NDArray[Any], rng: np.random.Generator, *, top: int, left: int, width: int, lines: int, colour: Colour
 ) -> None:
     for line in range(lines):
         words = ""
@@ -161,7 +163,7 @@ def flag(height: int = 256, width: int = 384) -> Image:
     return to_image(image + weave[..., None])
 
 
-def with_alpha(colour: ArrayLike, alpha: NDArray) -> Image:
+def with_alpha(colour: ArrayLike, alpha: NDArray[Any]) -> Image:
     """Return one sRGB colour, or a (h, w, 3) picture, with (h, w) alpha, all of 0..1."""
     height, width = alpha.shape
     picture = np.broadcast_to(np.asarray(colour, np.float32), (height, width, 3))

@@ -32,12 +32,12 @@ def fractal(
     return field
 
 
-def to_image(colour: NDArray) -> Image:
+def to_image(colour: NDArray[Any]) -> Image:
     """Convert (h, w, 3 or 4) sRGB values of 0..1 to bytes."""
-    return (np.clip(colour, 0, 1) * 255 + 0.5).astype(np.uint8)
+    return np.asarray((np.clip(colour, 0, 1) * 255 + 0.5).astype(np.uint8))
 
 
-def tinted(value: Field, dark: ArrayLike, bright: ArrayLike) -> NDArray:
+def tinted(value: Field, dark: ArrayLike, bright: ArrayLike) -> NDArray[Any]:
     """Return (h, w, 3) sRGB between two colours, by a field of 0..1."""
     low, high = np.asarray(dark, np.float32), np.asarray(bright, np.float32)
     return low + np.clip(value, 0, 1)[..., None] * (high - low)
@@ -219,7 +219,7 @@ def globe(height: int = 256, width: int = 512, seed: int = 121) -> Image:
     return to_image(over(image, lines, image * 0.6))
 
 
-def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
+def rug(y: Field, x: Field, seed: int = 131) -> NDArray[Any]:
     """Return (h, w, 3) sRGB of 0..1 of a knotted rug at places y and x of 0..1 on it."""
     inset = np.minimum(np.minimum(x, 1 - x) * 1.1, np.minimum(y, 1 - y))
     u, v = np.abs(x - 0.5) * 2.2, np.abs(y - 0.5) * 2
@@ -234,7 +234,7 @@ def rug(y: Field, x: Field, seed: int = 131) -> NDArray:
     for layer in (rings, border):
         inside = np.where((teeth & (layer == 2))[..., None], palette[0], palette[np.maximum(layer, 0)])
         image = over(image, layer >= 0, inside)
-    return image * (0.92 + 0.10 * fractal(*y.shape, seed + 1, 0.1)[..., None])
+    return np.asarray(image * (0.92 + 0.10 * fractal(*y.shape, seed + 1, 0.1)[..., None]))
 
 
 FLOOR = (-2.7, -3.7, 1.9, -1.1)  # x0, z0, x1, z1 in metres
@@ -272,12 +272,12 @@ def sun_floor(boards: Image, shaded: NDArray[np.bool_]) -> Image:
     shadow = np.clip(gaussian_filter(shaded.astype(np.float32), 2.0) * 2.6, 0, 1)
     share = (1 + GAIN * _window_light(x, z) * (1 - shadow)) / (1 + GAIN)
     # sRGB is nearly a power of 2.2 over the range that matters.
-    return (image * (share ** (1 / 2.2))[..., None] + 0.5).astype(np.uint8)
+    return np.asarray((image * (share ** (1 / 2.2))[..., None] + 0.5).astype(np.uint8))
 
 
-def _window_light(x: NDArray, z: NDArray) -> NDArray[np.float32]:
+def _window_light(x: NDArray[Any], z: NDArray[Any]) -> NDArray[np.float32]:
     """Return 1 where the way to the sun goes through the window, else 0."""
     t = (WINDOW_Z - z) / TOWARDS_SUN[2]
     at_x, at_y = x + t * TOWARDS_SUN[0], t * TOWARDS_SUN[1] + 0 * x
     inside = (at_x > WINDOW_LEFT) & (at_x < WINDOW_RIGHT) & (at_y > WINDOW_BOTTOM) & (at_y < WINDOW_TOP)
-    return inside.astype(np.float32)
+    return np.asarray(inside.astype(np.float32))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import reprlib
 from collections.abc import Callable, Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -34,25 +35,7 @@ Arrays = tuple[NDArray[Any], NDArray[Any]]
 
 @attrs.frozen(eq=False)
 class FrameFile:
-    """A frame with depth, as its files hold it."""
-
-    colour: NDArray[Any]
-    depth_m: NDArray[Any]
-    view: View
-    # Metres per unit of depth_m; None for metres.
-    depth_scale: float | None = None
-    # Of float colour; None for linear light.
-    encoding: str | None = None
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) of the colour; (1, 1) for what is no picture."""
-        return (self.colour.shape[1], self.colour.shape[0]) if self.colour.ndim == 3 else (1, 1)
-
-
-@attrs.frozen(eq=False)
-class FoundFrame:
-    """Files of one frame, whose pixels are read later."""
+    """Files of one frame with depth, whose pixels are read later."""
 
     path: Path
     # Says the facts: the frame itself, or the JSON beside it.
@@ -63,6 +46,20 @@ class FoundFrame:
     size: tuple[int, int]
     # Reads colour and depth.
     arrays: Callable[[], Arrays] = attrs.field(repr=False)
+
+    @cached_property
+    def _kept(self) -> Arrays:
+        return self.arrays()
+
+    @property
+    def colour(self) -> NDArray[Any]:
+        """(h, w, 3 or 4) as the file has it; read at the first access and kept."""
+        return self._kept[0]
+
+    @property
+    def depth_m(self) -> NDArray[Any]:
+        """(h, w) as the file has it, in its own unit; read at the first access and kept."""
+        return self._kept[1]
 
     @property
     def view(self) -> View:
@@ -81,26 +78,24 @@ class FoundFrame:
         """The encoding of float colour; None where nothing says it."""
         return str(self.facts[_ENCODING]) if _ENCODING in self.facts else None
 
-    def read(self) -> FrameFile:
-        """Read all of it. Errors: InputError."""
-        view = self.view
-        return FrameFile(*self.arrays(), view, self.depth_scale, self.encoding)
-
 
 def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None) -> FrameFile:
-    """Return what the files of a frame hold.
+    """Return the files of a frame, read and checked.
 
     path: FRAME.npz with everything; or colour as a picture or EXR file. depth: of a picture, by
     default the file beside it, or an EXR file's own Z. camera: JSON with fov or intrinsics,
     position_m, orientation_xyzw, and maybe depth_scale and encoding; by default NAME.json beside.
     Errors: InputError naming the file and its fault; MachineError for EXR without its package.
     """
-    return find_frame(path, depth, camera).read()
+    found = find_frame(path, depth, camera)
+    # What is wrong is found here, not at the first use.
+    _ = found.view, found.colour, found.depth_scale
+    return found
 
 
 def find_frame(
     path: Path, depth: Path | None = None, camera: Path | None = None, shared: Mapping[str, Any] | None = None
-) -> FoundFrame:
+) -> FrameFile:
     """Return the files of a frame, as read_frame takes them, without reading their pixels.
 
     shared: facts for what its own do not say. Errors: InputError.
@@ -125,7 +120,7 @@ def find_frame(
     refuse_distortion(where, facts)
     if depth is None and "depth" in facts:
         depth = path.parent / str(facts["depth"])
-    return FoundFrame(path, where, facts, size, lambda: _pictures(path, depth))
+    return FrameFile(path, where, facts, size, lambda: _pictures(path, depth))
 
 
 def _pictures(path: Path, depth: Path | None) -> Arrays:
@@ -174,11 +169,11 @@ def is_depth(path: Path) -> bool:
     return path.stem.endswith(_DEPTH_MARKS)
 
 
-def _in_npz(path: Path, shared: Mapping[str, Any]) -> FoundFrame:
+def _in_npz(path: Path, shared: Mapping[str, Any]) -> FrameFile:
     facts, names, size = _from_npz(path, _head_of_npz)
     _check_keys(path, {**shared, **names}, _KEYS)
     plain = {name: value.tolist() if name in (INTRINSICS, "centre") else value for name, value in facts.items()}
-    return FoundFrame(
+    return FrameFile(
         path, path, {**shared, **plain}, size, lambda: _from_npz(path, lambda data: (data["colour"], data["depth_m"]))
     )
 

@@ -18,8 +18,6 @@ from .parts import DrawContext
 from .passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
 from .projection import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
 from .targets import Target
-from .upload import SceneBuffers
-from .visibility import Visibility
 
 Array = NDArray[np.float64]
 Uniforms = dict[str, object]
@@ -142,20 +140,11 @@ class MirroredPasses(ScenePasses):
         gl.front_face = "ccw"
         framebuffer.viewport = (0, 0, *framebuffer.size)
 
-    def _draw_surfaces(
-        self,
-        vertices: moderngl.VertexArray,
-        buffers: SceneBuffers,
-        view: View,
-        place: Place,
-        visibility: Visibility | None = None,
-    ) -> None:
-        """Draw like the scene, from behind the mirror, without visibility culling."""
+    def _seen_from(self, view: View, place: Place) -> Place:
+        """Return the place of the eye behind the mirror; no visibility is cached for it."""
         self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
         behind_from_here = reflection_in_eye(self._mirror, view) @ place.eye_from_here
-        super()._draw_surfaces(
-            vertices, buffers, view, Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
-        )
+        return Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
 
     def _set_background(self, view: View) -> None:
         super()._set_background(view)

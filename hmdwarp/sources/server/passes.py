@@ -102,6 +102,8 @@ class ScenePasses:
 
         Its depth must be cleared.
         """
+        whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
+        self._begin(view, whole, time_ns)
         self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
@@ -110,7 +112,7 @@ class ScenePasses:
         if self.lighting is not None:
             self.lighting.use(self._surface.uniforms, time_ns)
         gl = self._gl
-        framebuffer.viewport = viewport if viewport is not None else (0, 0, *framebuffer.size)
+        framebuffer.viewport = whole
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             gl.depth_func = "<="  # the background lies exactly at the far end
             still = Place(eye_from_scene(view, self.scene.origin_m), view.pose.position_m - self.scene.origin_m)
@@ -125,6 +127,9 @@ class ScenePasses:
             self._draw_background()
             gl.depth_func = "<"
 
+    def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
+        """Prepare what the surfaces' shader reads, before anything is drawn."""
+
     def _draw_background(self) -> None:
         self._gl.disable(moderngl.CULL_FACE)
         self._empty.render(moderngl.TRIANGLES, vertices=3)
@@ -138,6 +143,9 @@ class ScenePasses:
         visibility: Visibility | None = None,
     ) -> None:
         """Draw the visible chunks. visibility: for what is static in the world's axes."""
+        seen_from = self._seen_from(view, place)
+        if seen_from is not place:
+            place, visibility = seen_from, None
         clip = clip_from_eye(view.fov) @ place.eye_from_here
         self._surface.uniforms.set(clip_from_scene=clip)
         if visibility is None:
@@ -147,6 +155,10 @@ class ScenePasses:
         for batch in draw_chunks(self._gl, vertices, buffers, draws):
             if self._coloured:
                 batch.texture.use(0)
+
+    def _seen_from(self, view: View, place: Place) -> Place:
+        """Return where surfaces are seen from."""
+        return place
 
     def _set_background(self, view: View) -> None:
         if self._colour:

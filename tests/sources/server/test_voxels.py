@@ -243,12 +243,12 @@ def test_frames_have_one_light():
         ("converged:size=64", "is no setting of 'converged'"),
     ],
 )
-def test_what_does_not_go_is_refused(text, words):
+def test_impossible_settings_are_refused(text, words):
     with pytest.raises(InputError, match=words):
         parse_indirect(text)
 
 
-def test_another_name_is_told():
+def test_an_unknown_name_is_refused():
     with pytest.raises(UnknownNameError, match="did you mean 'voxels'"):
         parse_indirect("voxel")
     assert parse_indirect("converged") is None
@@ -260,7 +260,7 @@ def test_a_door_leaves_no_trace_in_cells_that_it_has_left(gpu):
     that each half float may round its own way, by 2^-11; few may do so in several bounces."""
     scene, needs = load_scene("doorway"), Needs(voxels=parse_indirect("voxels:size=32,updates=100"))
     server = Server(gpu, scene)
-    for time_ns in (2_500_000_000, 0, 1_000_000_000):
+    for time_ns in (2_500_000_000, 1_000_000_000):
         got = read(server.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour)
         alone = Server(gpu, scene)
         assert np.array_equal(got, read(alone.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour))

@@ -11,7 +11,7 @@ from ....colour import linear_from_srgb
 from ....errors import InputError
 from ....geometry import Fov
 from ..camera import read_json, scale_of
-from ..frame_files import JSON, NPZ, FoundFrame, find_frame, is_depth
+from ..frame_files import JSON, NPZ, FrameFile, find_frame, is_depth
 from ..options import SequenceOptions
 from ..picture_files import EXR, PICTURES
 from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
@@ -45,7 +45,7 @@ def _frames_in(path: Path) -> list[Path]:
     return whole or found
 
 
-def _times(path: Path, found: list[FoundFrame], options: SequenceOptions) -> list[int]:
+def _times(path: Path, found: list[FrameFile], options: SequenceOptions) -> list[int]:
     """Return the instants that the frames state, or those of their rate. Errors: InputError."""
     stated = [one for one in found if "time_ns" in one.facts or "time_s" in one.facts]
     if stated and len(stated) < len(found):
@@ -59,7 +59,7 @@ def _times(path: Path, found: list[FoundFrame], options: SequenceOptions) -> lis
     return [time - min(times) for time in times]
 
 
-def _time_ns(found: FoundFrame) -> int:
+def _time_ns(found: FrameFile) -> int:
     key = "time_ns" if "time_ns" in found.facts else "time_s"
     value: Any = np.asarray(found.facts[key])
     whole = key == "time_ns"
@@ -68,7 +68,7 @@ def _time_ns(found: FoundFrame) -> int:
     return int(value) if whole else round(float(value) * 1e9)
 
 
-def _frame(found: FoundFrame, time_ns: int, options: SequenceOptions) -> RecordedFrame:
+def _frame(found: FrameFile, time_ns: int, options: SequenceOptions) -> RecordedFrame:
     view, scale = found.view, options.depth_scale or found.depth_scale
     if scale is not None:
         scale_of(found.where, scale)
@@ -88,7 +88,7 @@ def _frame(found: FoundFrame, time_ns: int, options: SequenceOptions) -> Recorde
     return RecordedFrame(found.path.name, time_ns, view.pose, fov, found.size, read)
 
 
-def _checked(found: FoundFrame, colour: Any, depth: Any) -> Pictures:
+def _checked(found: FrameFile, colour: Any, depth: Any) -> Pictures:
     """Return the pictures of an .npz file as they must be. Errors: InputError."""
     if colour.ndim != 3 or colour.shape[2] not in (3, 4) or (colour.dtype != np.uint8 and colour.dtype.kind != "f"):
         raise InputError(f"{found.path}: colour is {colour.dtype} {colour.shape}; expected (h, w, 3) uint8 or floats")

@@ -25,25 +25,21 @@ class Cutouts(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        cut = [mesh for mesh in context.scene.meshes if is_cutout(context.scene, mesh)]
-        self._sheets = Sheets(context, cut) if cut else None
+        self._sheets = Sheets(context, [mesh for mesh in context.scene.meshes if is_cutout(context.scene, mesh)])
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
-        return any(mesh.material.see_through for mesh in scene.meshes)
+        return any(is_cutout(scene, mesh) for mesh in scene.meshes)
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
-        if self._sheets is not None:
-            program, over = self._sheets.colour(), self.context.framebuffers.over(eye.colour)
-            self._sheets.draw(program, eye.view, eye.drawn_ns, over, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
+        program, over = self._sheets.colour(), self.context.framebuffers.over(eye.colour)
+        self._sheets.draw(program, eye.view, eye.drawn_ns, over, OVER_KEEPING_COVERAGE, hidden_by_surfaces=True)
         self.add_depth(eye.view, eye.drawn_ns, eye.inverse_depth)
         return eye
 
     def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:
-        if self._sheets is not None:
-            self._sheets.draw(self._sheets.program("cutout"), view, time_ns, self.context.framebuffers.over(into), None)
+        self._sheets.draw(self._sheets.program("cutout"), view, time_ns, self.context.framebuffers.over(into), None)
 
     def close(self) -> None:
-        if self._sheets is not None:
-            self._sheets.close()
+        self._sheets.close()
         super().close()

@@ -297,14 +297,5 @@ class VoxelPasses(ScenePasses):
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
         return VoxelPasses(self._lit_by, self._near, self, peel=True, moving=moving)
 
-    def draw_into(
-        self,
-        view: View,
-        framebuffer: moderngl.Framebuffer,
-        viewport: Viewport | None,
-        time_ns: int = 0,
-        **uniforms: object,
-    ) -> None:
-        whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
-        self._near.use(self._surface.uniforms, view, whole, time_ns)
-        super().draw_into(view, framebuffer, viewport, time_ns, **uniforms)
+    def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
+        self._near.use(self._surface.uniforms, view, viewport, time_ns)
