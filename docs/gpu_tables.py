@@ -3,14 +3,43 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from typing import Any
 
-import bench_tables
-from pages import DOCS, replace
+from pages import DOCS, markdown, replace
 
 PAGE = DOCS / "gpu.md"
 
 Row = dict[str, Any]
+
+
+def machine_line(data: Row, *, defaults: bool = True) -> str:
+    """Return what was measured with, on which machine; defaults: how long those take, if used."""
+    clock = "GPU timers" if data["clock"] == "gpu" else "wall clock after every pass"
+    parts = (
+        f"hmdwarp {data['hmdwarp']}",
+        f"{data['machine']['gl_renderer']}, {data['machine']['cpu_count']} cores",
+        data["machine"]["gl_version"],
+        clock,
+        f"{data['copy_gb_s']:.1f} GB/s copied",
+        *([f"the bench with its defaults took {data['seconds'] / 60:.1f} minutes"] if defaults else []),
+    )
+    return textwrap.fill("; ".join(parts) + ".", 100, break_on_hyphens=False)
+
+
+def traffic_table(rows: list[Row]) -> str:
+    """Return the memory traffic of each pass, its least time, and how far above it the pass ran.
+
+    A pass that occurs in several rows is taken from the first.
+    """
+    found: dict[str, list[str]] = {}
+    for row in rows:
+        for each in row["passes"]:
+            kind = each["name"]
+            name = row["warp"] if kind == "warp" else f"{kind} {row.get(kind, '')}".strip()
+            figures = (f"{each['bytes'] / 1e6:.1f}", f"{each['bound_ms']:.2f}", f"{each['median_ms']:.2f}")
+            found.setdefault(name, [f"`{name}`", *figures, f"{each['times_bound']:.1f}"])
+    return markdown(("pass", "MB", "bound ms", "measured ms", "times the bound"), found.values())
 
 
 def times_table(rows: list[Row], trace: str = "look-around") -> str:
@@ -24,11 +53,8 @@ def times_table(rows: list[Row], trace: str = "look-around") -> str:
     fills = list(dict.fromkeys(row["fill"] for row in here))
     warps = sorted({row["warp"] for row in here}, key=lambda warp: times[warp, fills[0], sizes[0]]["median"])
     heads = ["warp", *(f"{fill}, {size[0]}x{size[1]}" for size in sizes for fill in fills)]
-    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " ---: |" * (len(heads) - 1)]
-    for warp in warps:
-        found = [times.get((warp, fill, size)) for size in sizes for fill in fills]
-        lines.append(f"| `{warp}` | " + " | ".join(_cell(each) for each in found) + " |")
-    return "\n".join(lines)
+    cells = [[_cell(times.get((warp, fill, size))) for size in sizes for fill in fills] for warp in warps]
+    return markdown(heads, [[f"`{warp}`", *line] for warp, line in zip(warps, cells, strict=True)])
 
 
 def _cell(time: Row | None) -> str:
@@ -42,12 +68,12 @@ def name_of(renderer: str) -> str:
 
 def section(data: Row) -> str:
     """Return the section of one GPU in Markdown, with its heading."""
-    renderer = next(one["facts"]["renderer"] for one in data["doctor"] if one["name"] == "OpenGL")
+    renderer = next(each["facts"]["renderer"] for each in data["doctor"] if each["name"] == "OpenGL")
     parts = [f"## {name_of(renderer)}"]
     if data["bench"]:
         rows = [row for each in data["bench"] for row in each["rows"]]
         parts += [
-            bench_tables.machine_line(data["bench"][0], defaults=False),
+            machine_line(data["bench"][0], defaults=False),
             "Warp and fill together, one eye, median and 95th percentile in ms:",
             times_table(rows),
         ]
@@ -65,7 +91,7 @@ def section(data: Row) -> str:
             size = "x".join(map(str, each["rows"][0]["size"]))
             parts += [
                 f"What each pass must move at {size}, at {each['copy_gb_s']:.1f} GB/s copied, and what it took:",
-                bench_tables.traffic_table(each["rows"]),
+                traffic_table(each["rows"]),
             ]
     if data["live"]:
         parts += ["`hmdwarp live`, both eyes, in ms:", live_table(data["live"])]
@@ -77,22 +103,19 @@ def section(data: Row) -> str:
 
 def chains_table(chains: list[Row], copy_gb_s: float | None) -> str:
     """Return median and 95th percentile of whole chains, and how far the warp is from its bound."""
-    lines = [
-        "| chain | size | warp | fill | all passes | warp over its memory bound |",
-        "| --- | --- | ---: | ---: | ---: | ---: |",
-    ]
+    lines = []
     for row in chains:
         times = row["time_ms"]
         cells = [_cell(times.get(stage)) for stage in ("warp", "fill", "total")]
         bound_ms = row["warp_bytes"] / (copy_gb_s * 1e6) if copy_gb_s else None
         cells.append(f"{times['warp']['median'] / bound_ms:.1f}" if bound_ms else "")
-        lines.append(f"| {row['chain']} | {'x'.join(map(str, row['size']))} | " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append([row["chain"], "x".join(map(str, row["size"])), *cells])
+    return markdown(("chain", "size", "warp", "fill", "all passes", "warp over its memory bound"), lines, texts=2)
 
 
 def paths_line(rows: list[Row]) -> str:
     """Return the time of `forward`'s 64-bit path beside the portable one; "" without both."""
-    told = []
+    found = []
     for size in dict.fromkeys(tuple(row["size"]) for row in rows):
         medians = {
             row["warp"]: row["time_ms"]["warp"]["median"]
@@ -101,21 +124,18 @@ def paths_line(rows: list[Row]) -> str:
         }
         one, two = (medians.get(f"forward:path={path}") for path in ("atomic64", "portable"))
         if one and two:
-            told.append(f"{one:.3f} ms against {two:.3f} at {size[0]}x{size[1]} ({one / two:.2f} of it)")
-    return (
-        f"`forward` in one pass with 64-bit atomics, against two with 32-bit ones: {', '.join(told)}." if told else ""
-    )
+            found.append(f"{one:.3f} ms against {two:.3f} at {size[0]}x{size[1]} ({one / two:.2f} of it)")
+    what = "`forward` in one pass with 64-bit atomics, against two with 32-bit ones"
+    return f"{what}: {', '.join(found)}." if found else ""
 
 
 def live_table(summaries: list[Row]) -> str:
     """Return the median and the 95th percentile of a refresh's parts in live runs."""
-    stages = ("render", "warp", "fill", "lens", "total")
-    lines = ["| size | chain | " + " | ".join(stages) + " |", "| --- | --- |" + " ---: |" * len(stages)]
-    for one in summaries:
-        size, chain = "x".join(map(str, one["size"])), f"`{one['warp']}`, `{one['fill']}`, lens `{one['lens']}`"
-        cells = " | ".join(_cell(one["live"]["refresh_ms"][stage]) for stage in stages)
-        lines.append(f"| {size} | {chain} | {cells} |")
-    return "\n".join(lines)
+    stages, lines = ("render", "warp", "fill", "lens", "total"), []
+    for each in summaries:
+        chain = f"`{each['warp']}`, `{each['fill']}`, lens `{each['lens']}`"
+        lines.append(["x".join(map(str, each["size"])), chain, *(_cell(each["live"]["refresh_ms"][s]) for s in stages)])
+    return markdown(("size", "chain", *stages), lines, texts=2)
 
 
 def file_section(data: Row) -> None:

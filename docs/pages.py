@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -10,44 +11,40 @@ DOCS = ROOT / "docs"
 PAGES = (ROOT / "README.md", *sorted(DOCS.glob("*.md")))
 
 
+def markdown(heads: Sequence[str], rows: Iterable[Sequence[str]], texts: int = 1) -> str:
+    """Return a Markdown table whose first columns are texts and whose others are numbers."""
+    lines = [heads, *rows]
+    written = [f"| {' | '.join(line)} |" for line in lines]
+    return "\n".join([written[0], "|" + " --- |" * texts + " ---: |" * (len(heads) - texts), *written[1:]])
+
+
 def replace(name: str, text: str) -> None:
-    """Write `text` between the markers <!-- name --> and <!-- end -->.
-
-    Raises: SystemExit for a name that no page has.
-    """
-    pattern = _between(name)
-    for path in PAGES:
-        page = path.read_text(encoding="utf-8")
-        if pattern.search(page):
-            path.write_text(
-                pattern.sub(lambda m: m.group(1) + text.rstrip() + "\n" + m.group(3), page), encoding="utf-8"
-            )
-            return
-    raise SystemExit(f"no page has the markers <!-- {name} --> .. <!-- end -->")
-
-
-def rows_of(name: str) -> list[dict[str, str]]:
-    """Return the rows of the Markdown table between the markers, keyed by column.
-
-    Raises: SystemExit for a name that no page has.
-    """
-    head, _, *lines = (_cells(line) for line in text_of(name).splitlines() if line.startswith("|"))
-    return [dict(zip(head, cells, strict=True)) for cells in lines]
+    """Write `text` between the markers <!-- name --> and <!-- end -->. Raises: SystemExit."""
+    path, found = _found(name)
+    page = path.read_text(encoding="utf-8")
+    path.write_text(page[: found.start(1)] + text.rstrip() + "\n" + page[found.end(1) :], encoding="utf-8")
 
 
 def text_of(name: str) -> str:
     """Return what stands between the markers. Raises: SystemExit for a name that no page has."""
-    pattern = _between(name)
+    return _found(name)[1][1]
+
+
+def lines_of(name: str) -> list[list[str]]:
+    """Return the cells of each line of the Markdown table between the markers."""
+    lines = [line for line in text_of(name).splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip().removeprefix("|").removesuffix("|").split("|")] for line in lines]
+
+
+def rows_of(name: str) -> list[dict[str, str]]:
+    """Return the rows of the Markdown table between the markers, keyed by column."""
+    head, _, *lines = lines_of(name)
+    return [dict(zip(head, cells, strict=True)) for cells in lines]
+
+
+def _found(name: str) -> tuple[Path, re.Match[str]]:
+    pattern = re.compile(rf"<!-- {re.escape(name)} -->\n(.*?)<!-- end -->", re.DOTALL)
     for path in PAGES:
-        found = pattern.search(path.read_text(encoding="utf-8"))
-        if found:
-            return found.group(2)
+        if found := pattern.search(path.read_text(encoding="utf-8")):
+            return path, found
     raise SystemExit(f"no page has the markers <!-- {name} --> .. <!-- end -->")
-
-
-def _between(name: str) -> re.Pattern[str]:
-    return re.compile(rf"(<!-- {name} -->\n)(.*?)(<!-- end -->)", re.DOTALL)
-
-
-def _cells(line: str) -> list[str]:
-    return [cell.strip() for cell in line.strip().strip("|").split("|")]

@@ -9,11 +9,14 @@ Without FOLDER they are looked for in HMDWARP_RGBD, then in the cache folder.
 
 from __future__ import annotations
 
+import functools
 import hashlib
+import itertools
 import json
 import os
 import sys
 import time
+import timeit
 import urllib.request
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -23,6 +26,7 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import NDArray
+from pages import markdown
 
 from hmdwarp import InputError, Warper
 from hmdwarp.client.fills import fills
@@ -55,37 +59,19 @@ class RealFrames:
 
     def files(self) -> list[str]:
         """Return the names of its files, in its folder."""
-        numbers = range(1, 6)
-        return [
-            *(f"color/{number}.png" for number in numbers),
-            *(f"depth/{number}.{self.depths}" for number in numbers),
-            "pose.txt",
-        ]
+        kinds = (("color", "png"), ("depth", self.depths))
+        return [*(f"{kind}/{number}.{ending}" for kind, ending in kinds for number in range(1, 6)), "pose.txt"]
 
 
-def _options(intrinsics: str, per_metre: float) -> SequenceOptions:
-    return SequenceOptions(intrinsics=sequences.parse_intrinsics(intrinsics), depth_scale=1 / per_metre)
-
-
+_CAMERA = SequenceOptions(intrinsics=sequences.parse_intrinsics("518,519,325.5,253.5"), depth_scale=1 / 1000)
+_ICL = SequenceOptions(intrinsics=sequences.parse_intrinsics("481.2,-480,319.5,239.5"), depth_scale=1 / 5000)
+_DIGESTS = (
+    "88095d49b03eecd3460e30f39d09c90cb295c4f0aae7dcdd73448332c9fc136c",
+    "64d75e6cb6a57f9bac6b13f1b6085bfa06382ad8fc94ba8ca411be09eb119b61",
+)
 SETS = (
-    RealFrames(
-        "camera",
-        "ch5/rgbd",
-        "pgm",
-        _options("518,519,325.5,253.5", 1000),
-        12,
-        ((4, 5), (3, 4)),
-        "88095d49b03eecd3460e30f39d09c90cb295c4f0aae7dcdd73448332c9fc136c",
-    ),
-    RealFrames(
-        "icl",
-        "ch12/dense_RGBD/data",
-        "png",
-        _options("481.2,-480,319.5,239.5", 5000),
-        0,
-        ((4, 5),),
-        "64d75e6cb6a57f9bac6b13f1b6085bfa06382ad8fc94ba8ca411be09eb119b61",
-    ),
+    RealFrames("camera", "ch5/rgbd", "pgm", _CAMERA, 12, ((4, 5), (3, 4)), _DIGESTS[0]),
+    RealFrames("icl", "ch12/dense_RGBD/data", "png", _ICL, 0, ((4, 5),), _DIGESTS[1]),
 )
 
 
@@ -98,7 +84,7 @@ def folder_of(given: str | None = None) -> Path | None:
     """Return the folder with both sets, None where there is none."""
     places = [given] if given else [os.environ.get(VARIABLE), str(cache_folder())]
     found = (Path(place) for place in places if place)
-    return next((one for one in found if all((one / each.name / "pose.txt").is_file() for each in SETS)), None)
+    return next((place for place in found if all((place / each.name / "pose.txt").is_file() for each in SETS)), None)
 
 
 def why_absent() -> str:
@@ -149,16 +135,13 @@ def time_ratios(folder: Path, frames: RealFrames, warp: str, texts: list[str]) -
     late, now = (sequence.frames[number - 1] for number in frames.pairs[0])
     pictures = without_rim(late.colour, frames.rim), late.depth_m, late.view, now.view
     chosen = {("iterative", "none"), *((warp, text) for text in texts)}
+    least = dict.fromkeys(sorted(chosen), float("inf"))
     with ExitStack() as stack:
         warpers = {
-            one: stack.enter_context(Warper(late.size, warp=one[0], fill="none", repair=one[1]))
-            for one in sorted(chosen)
+            pair: stack.enter_context(Warper(late.size, warp=pair[0], fill="none", repair=pair[1])) for pair in least
         }
-        rounds = [
-            {one: sum(warper.warp(*pictures).time_ms.values()) for one, warper in warpers.items()}
-            for _ in range(ROUNDS)
-        ]
-    least = {one: min(times[one] for times in rounds) for one in chosen}
+        for _, (pair, warper) in itertools.product(range(ROUNDS), warpers.items()):
+            least[pair] = min(least[pair], sum(warper.warp(*pictures).time_ms.values()))
     return {text: least[warp, text] / least["iterative", "none"] for text in texts}
 
 
@@ -206,15 +189,9 @@ def table(rows: list[dict[str, Any]], chosen: tuple[str, ...] = ()) -> str:
     """Return every warp x repair x fill of one set; the best figures are bold. chosen: fills."""
     rows = [row | {"by_fill": {name: row["by_fill"][name] for name in chosen or row["by_fill"]}} for row in rows]
     fills_of_rows = list(rows[0]["by_fill"])
-    heads = [
-        "warp",
-        "repair",
-        "PSNR dB of covered",
-        "holes %",
-        "time",
-        *(f"`{name}`: dB, FLIP" for name in fills_of_rows),
-    ]
-    lines = ["| " + " | ".join(heads) + " |", "| --- | --- |" + " ---: |" * (len(heads) - 2)]
+    heads = ["warp", "repair", "PSNR dB of covered", "holes %", "time"]
+    heads += [f"`{name}`: dB, FLIP" for name in fills_of_rows]
+    lines = []
     pairs = [pair for row in rows for pair in row["by_fill"].values()]
     best_db, best_flip = max(db for db, _ in pairs), min(error for _, error in pairs)
 
@@ -225,8 +202,8 @@ def table(rows: list[dict[str, Any]], chosen: tuple[str, ...] = ()) -> str:
     for row in rows:
         figures = [f"{row['covered_db']:.2f}", f"{100 * row['hole_share']:.1f}", f"{row['time_ratio']:.1f}"]
         cells = [f"`{row['warp']}`", f"`{row['repair']}`", *figures, *(cell(*pair) for pair in row["by_fill"].values())]
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
+        lines.append(cells)
+    return markdown(heads, lines, texts=2)
 
 
 def different_repairs(folder: Path, frames: RealFrames) -> list[str]:
@@ -234,7 +211,7 @@ def different_repairs(folder: Path, frames: RealFrames) -> list[str]:
     sequence, seen = sequences.open(folder / frames.name, frames.options), {}
     for text in REPAIRS:
         chain = parse_repairs(text)
-        left = b"".join(chain.run(*one).inverse_depth.tobytes() for one in depth_of(sequence, frames.rim))
+        left = b"".join(chain.run(*each).inverse_depth.tobytes() for each in depth_of(sequence, frames.rim))
         seen.setdefault(left, text)
     return list(seen.values())
 
@@ -256,7 +233,7 @@ def repairs_table(folder: Path) -> str:
     another frame of the camera. One is right within 10 % of the true inverse depth + 0.05 /m.
     """
     heads = ("repair", "ms", "depth taken out %", "depth guessed %", "camera: right %", "icl: right %", "sure of it %")
-    lines = ["| " + " | ".join(heads) + " |", "| --- |" + " ---: |" * (len(heads) - 1)]
+    lines = []
     camera, icl = (list(depth_of(sequences.open(folder / frames.name, frames.options), frames.rim)) for frames in SETS)
     gaps = [np.isnan(inverse) for _, inverse in camera]
     for text in REPAIRS[1:]:
@@ -281,29 +258,20 @@ def repairs_table(folder: Path) -> str:
         if "complete" in text:
             shares += [f"{100 * value:.1f}" for value in (*right, float(np.mean(sure)))]
         shares += [""] * (len(heads) - 2 - len(shares))
-        lines.append("| " + " | ".join([f"`{text}`", f"{_ms(chain.run, *camera[0]):.0f}", *shares]) + " |")
-    return "\n".join(lines)
-
-
-def _ms(run, *arguments) -> float:
-    """Return the least processor time of many: what else the machine does counts little."""
-    times = []
-    for _ in range(ROUNDS):
-        started = time.process_time()
-        run(*arguments)
-        times.append(time.process_time() - started)
-    return 1e3 * min(times)
+        # The least processor time of many: what else the machine does counts little.
+        timer = timeit.Timer(functools.partial(chain.run, *camera[0]), timer=time.process_time)
+        lines.append([f"`{text}`", f"{1e3 * min(timer.repeat(ROUNDS, number=1)):.0f}", *shares])
+    return markdown(heads, lines)
 
 
 def main() -> None:
     fetching, *rest = sys.argv[1:] or [""]
     if fetching == "fetch":
         fetch(Path(rest[0]) if rest else cache_folder())
-        return
-    folder = folder_of(fetching or None)
-    if folder is None:
+    elif (folder := folder_of(fetching or None)) is None:
         raise InputError(why_absent())
-    print(json.dumps(measured(folder)))
+    else:
+        print(json.dumps(measured(folder)))
 
 
 if __name__ == "__main__":

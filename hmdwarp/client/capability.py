@@ -18,8 +18,8 @@ def scene_drawn(plan: Plan) -> str:
     warps and fills whose setting `share` is 1, and those without one, take all of it.
     """
     passes: list[Choice[Any]] = [plan.choice, *plan.fills]
-    drawn = [getattr(one.settings, "share", 1.0) for one in passes if CLIENT_MODEL in one.entry.reads]
-    of_effects = any(CLIENT_MODEL in one.reads for one in plan.effect_passes)
+    drawn = [getattr(choice.settings, "share", 1.0) for choice in passes if CLIENT_MODEL in choice.entry.reads]
+    of_effects = any(CLIENT_MODEL in planned.reads for planned in plan.effect_passes)
     if of_effects or any(share == 1 for share in drawn):
         return "whole"
     return "reduced" if drawn or plan.reads(CLIENT_DEPTH) or plan.reads(CLIENT_SOFT_BODIES) else "none"

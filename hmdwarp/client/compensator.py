@@ -111,17 +111,17 @@ class Compensator:
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills = [
-            one.entry(gpu, rendered_size, shown_size, one.settings, geometry, depth_read=plan.reads_depth_after(one))
-            for one in plan.fills
+            fill.entry(gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill))
+            for fill in plan.fills
         ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry)
         made = [
-            one.made_by(gpu, frozenset(e.name for e in one.effects), rendered_size, shown_size, tools)
-            for one in plan.effect_passes
+            planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
+            for planned in plan.effect_passes
         ]
-        self._rendered = [one for one in made if isinstance(one, RenderedPass)]
-        self._shown = [one for one in made if isinstance(one, ShownPass)]
-        self._takers = [one for one in self._shown if one.takes_out]
+        self._rendered = [effect_pass for effect_pass in made if isinstance(effect_pass, RenderedPass)]
+        self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
+        self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
 
     def _canvases_of_one_eye(self) -> _Canvases:
@@ -149,9 +149,9 @@ class Compensator:
                 inputs = taker.take_out(inputs)
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
-        for one in self._rendered:
+        for effect_pass in self._rendered:
             with self._stage("effects"):
-                inputs = one.run(inputs)
+                inputs = effect_pass.run(inputs)
         others = self._warp_others.of(self._plan_others, inputs.others)
         inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
         if self._client_depth is not None:
@@ -192,7 +192,7 @@ class Compensator:
         if self._lens is not None:
             with self._stage("lens"):
                 self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
-        names = (one.entry.name for one in self.plan.fills)
+        names = (fill.entry.name for fill in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
 

@@ -128,7 +128,7 @@ class Plan:
     def reads_depth_after(self, fill: Choice[Fill]) -> bool:
         """Return whether a pass after that fill, or the display, reads the shown depth."""
         later = self.fills[self.fills.index(fill) + 1 :]
-        passes = [one.entry.reads for one in later] + [one.made_by.reads for one in self.effect_passes]
+        passes = [planned.entry.reads for planned in later] + [planned.made_by.reads for planned in self.effect_passes]
         return self.hands_depth_on or any(SHOWN_DEPTH in reads for reads in passes)
 
     def writes(self, name: str) -> bool:
@@ -207,15 +207,16 @@ def build_plan(
     draft = _Draft()
     passes = _effect_passes(declared, choice.entry, fused, named, forbidden, draft)
     rendered, shown = (
-        [one for one in passes if issubclass(one.made_by, RenderedPass) is before] for before in (True, False)
+        [planned for planned in passes if issubclass(planned.made_by, RenderedPass) is before]
+        for before in (True, False)
     )
     _refuse_colour_in_light(passes, chain)
     _plan_taken_out(shown, forced, draft)
-    for one in rendered:
-        draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
+    for planned in rendered:
+        draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
     follows = scanout and choice.entry.scans_out
-    depth_for = _readers_of_depth([fill.entry for fill in chain], [one.made_by for one in shown], takes_depth)
+    depth_for = _readers_of_depth([fill.entry for fill in chain], [planned.made_by for planned in shown], takes_depth)
     beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
     _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
     if scanout and not follows:
@@ -227,8 +228,8 @@ def build_plan(
         draft.add("fill", f"fill {fill_choice}", f"asked for: {entry.summary}", entry.reads, entry.writes)
     if not chain:
         draft.leave_out("fill", f"fill 'none': {fills.get('none').summary}")
-    for one in shown:
-        draft.add("effects", one.made_by.name, _why(one, forced), one.reads, one.made_by.writes)
+    for planned in shown:
+        draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
     if fused:
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
@@ -238,7 +239,7 @@ def build_plan(
     else:
         draft.leave_out("lens", f"lens 'none': {chosen_lens.summary}")
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
-    compensated = effects.ordered(effect.name for one in passes for effect in one.effects)
+    compensated = effects.ordered(effect.name for planned in passes for effect in planned.effects)
     return Plan(
         compensated,
         choice,
@@ -322,7 +323,7 @@ def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) ->
 
 
 def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Choice[Fill]]) -> None:
-    light = [effect.name for one in passes if one.made_by.of_light for effect in one.effects]
+    light = [effect.name for planned in passes if planned.made_by.of_light for effect in planned.effects]
     if not light:
         return
     for fill in chain:
@@ -331,10 +332,10 @@ def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Cho
                 f"fill '{fill}' draws the scene in its colours, which --effects {light[0]} would multiply with its "
                 "textures once more: use a fill from pictures, such as pyramid"
             )
-    for one in passes:
-        if CLIENT_SOFT_BODIES in one.reads:
+    for each in passes:
+        if CLIENT_SOFT_BODIES in each.reads:
             raise PlanError(
-                f"--effects {one.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
+                f"--effects {each.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
                 "pictures have none: leave one of them out"
             )
 
@@ -353,10 +354,10 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
 
 def _plan_taken_out(shown: Sequence[PlannedEffect], forced: Collection[str], draft: _Draft) -> None:
     """Add what passes after the fills take out of the rendered pictures first."""
-    for one in shown:
-        if issubclass(one.made_by, ShownPass) and one.made_by.takes_out:
-            own = tuple(name for name in one.reads if name.startswith("client."))
-            draft.add("effects", f"{one.made_by.name} out", _why(one, forced), (*PICTURE, *own), PICTURE)
+    for planned in shown:
+        if issubclass(planned.made_by, ShownPass) and planned.made_by.takes_out:
+            own = tuple(name for name in planned.reads if name.startswith("client."))
+            draft.add("effects", f"{planned.made_by.name} out", _why(planned, forced), (*PICTURE, *own), PICTURE)
 
 
 def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool, draft: _Draft) -> None:
@@ -387,7 +388,7 @@ def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool,
 def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str) -> str:
     """Return which passes, or which display, read the shown depth, "" for none."""
     readers = [fill.name for fill in chain if SHOWN_DEPTH in fill.reads]
-    readers += [one.name for one in shown if SHOWN_DEPTH in one.reads]
+    readers += [effect_pass.name for effect_pass in shown if SHOWN_DEPTH in effect_pass.reads]
     readers += [takes_depth] if takes_depth else []
     return " and ".join(dict.fromkeys(readers))
 

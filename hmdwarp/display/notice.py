@@ -87,7 +87,8 @@ def _seen(in_head: NDArray[np.float64], eye: View, size: tuple[int, int]) -> NDA
     head_from_eye = eye.head_from_eye
     from_eye = in_head - np.outer(head_from_eye.position_m, (0, 0, 1))
     in_eye = head_from_eye.rotation.as_matrix().T @ from_eye
-    return eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
+    seen: NDArray[np.float64] = eye.fov.pixel_from_tangent(size) @ np.diag([1.0, 1.0, -1.0]) @ in_eye
+    return seen
 
 
 class Notices:

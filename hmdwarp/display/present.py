@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import product
+from typing import Any
 
 import moderngl
 
@@ -132,6 +133,6 @@ def fitted(picture: tuple[int, int], place: Viewport) -> Viewport:
     return (x + (w - inside[0]) // 2, y + (h - inside[1]) // 2, *inside)
 
 
-def _nothing_like(mask: tuple) -> tuple:
+def _nothing_like(mask: tuple[Any, ...]) -> tuple[Any, ...]:
     """Return the colour mask that blocks everything, for none, one or several attachments."""
     return tuple(_nothing_like(part) if isinstance(part, tuple) else False for part in mask)

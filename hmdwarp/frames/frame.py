@@ -112,4 +112,4 @@ class Frame:
     def contents(self) -> Iterator[tuple[type[Layer], Any]]:
         """Yield every layer of every eye with its data; what both eyes share comes once."""
         for number, eye in self.pictures():
-            yield from (one for one in eye.contents() if number == 0 or not one[0].per_frame)
+            yield from (content for content in eye.contents() if number == 0 or not content[0].per_frame)

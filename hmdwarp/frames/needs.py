@@ -83,7 +83,7 @@ def video_pixels(weights: Mapping[str, int]) -> int:
     """
     known = {layer.readable(): layer.formats for layer in layers if layer.formats}
     return sum(
-        weight * len(known[name]) // sum(PIXEL_BYTES[one] for one in known[name])
+        weight * len(known[name]) // sum(PIXEL_BYTES[kind] for kind in known[name])
         for name, weight in weights.items()
         if name in known
     )

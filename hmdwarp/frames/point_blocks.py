@@ -77,7 +77,7 @@ class Block:
         place = (*self.low, self.edge, self.area)
         count = len(self.positions)
         head = _HEAD.pack(self.cell, self.age, self.number % _AGES, count, self.body, self.double_sided, *place)
-        return head + b"".join(one.tobytes() for one in (self.positions, self.normals, self.colours))
+        return head + b"".join(array.tobytes() for array in (self.positions, self.normals, self.colours))
 
 
 def packed_sky(colours: NDArray[np.float64], *, complete: bool) -> bytes:
@@ -137,7 +137,7 @@ class PointSender:
     def remembered(self) -> int:
         """How many things it remembers beside its numbers for each cell."""
         lost = sum(map(len, self._lost.values()))
-        return lost + len(self._to_forget) + len(self._held) + sum(len(one[2].blocks) for one in self._news)
+        return lost + len(self._to_forget) + len(self._held) + sum(len(news[2].blocks) for news in self._news)
 
     def next_block(self, cell: int) -> int:
         """Return the block to send next: the first that was lost, else the first not sent."""

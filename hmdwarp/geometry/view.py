@@ -63,7 +63,7 @@ class Fov:
         Source: Hartley and Zisserman 2004, Multiple View Geometry, section 6.1.
         """
         numbers = (fx, fy, cx, cy, width, height, centre)
-        if not all(math.isfinite(one) for one in numbers) or min(fx, fy, width, height) <= 0:
+        if not all(math.isfinite(number) for number in numbers) or min(fx, fy, width, height) <= 0:
             shown = f"fx {fx:g}, fy {fy:g}, cx {cx:g}, cy {cy:g}, {width:g}x{height:g} pixels"
             raise InputError(f"no camera: {shown}: expected finite numbers, with fx, fy and the size above 0")
         left, up = cx + 0.5 - centre, cy + 0.5 - centre  # pixels from the picture's corner

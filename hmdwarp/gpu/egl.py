@@ -53,7 +53,7 @@ class _Egl:
 
     def call(self, name: str, result: Any, *arguments: Any) -> Any:
         """Return what a function answers; arguments are ctypes values, or integers for pointers."""
-        given = [ctypes.c_void_p(one) if isinstance(one, int) else one for one in arguments]
+        given = [ctypes.c_void_p(argument) if isinstance(argument, int) else argument for argument in arguments]
         address = self.find(name.encode())
         if not address:
             raise OSError(f"EGL has no {name}")

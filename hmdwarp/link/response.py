@@ -63,7 +63,7 @@ def response_figures(times: Sequence[ResponseTime]) -> dict[str, float] | None:
     The mean of each part and total_ms, the mean of the sums: the parts add up to it. Beside them
     median_ms and p95_ms of the sums, which those of the parts would not add up to.
     """
-    return figures_of_parts([list(one.parts().values()) for one in times])
+    return figures_of_parts([list(time.parts().values()) for time in times])
 
 
 def figures_of_parts(rows: ArrayLike) -> dict[str, float] | None:

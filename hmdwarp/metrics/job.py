@@ -197,10 +197,10 @@ def near_discontinuity(inverse_depth: NDArray[Any]) -> NDArray[np.bool_]:
     depth = np.nan_to_num(np.asarray(inverse_depth, dtype=np.float32), nan=0.0)
     near = np.zeros(depth.shape, bool)
     for axis in (0, 1):
-        beside = np.moveaxis(near, axis, 1)  # a view: marking it marks `near`
+        pixels = np.moveaxis(near, axis, 1)  # a view: marking it marks `near`
         jump = _jumps(np.moveaxis(depth, axis, 1))
-        beside[:, :-1] |= jump
-        beside[:, 1:] |= jump
+        pixels[:, :-1] |= jump
+        pixels[:, 1:] |= jump
     return _grown(near, EDGE_WIDTH_PX - 1)
 
 
@@ -233,7 +233,7 @@ def region_sums(
     truth: NDArray[Any],
     coverage: NDArray[Any],
     truth_inverse_depth: NDArray[Any],
-    flip_map: NDArray,
+    flip_map: NDArray[Any],
 ) -> dict[str, dict[str, float]]:
     """Return the SUMS of one picture by region.
 

@@ -150,7 +150,7 @@ class Clips:
         for first, _, jod in self._clips[which]:
             by_start[first].append(jod)
         alone = [jod for (_, _, what), jod in self.refreshes.items() if what == which]
-        told: dict[str, Any] = {
+        entry: dict[str, Any] = {
             "mean": mean,
             "clips": [{"frame": first, "jod": statistics.fmean(jods)} for first, jods in sorted(by_start.items())],
             "refresh_mean": statistics.fmean(alone),
@@ -159,8 +159,8 @@ class Clips:
             "display": attrs.asdict(self.display),
         }
         if others:
-            told["preferred"] = [preferring(mean, self._mean(other)) for other in others]
-        return told
+            entry["preferred"] = [preferring(mean, self._mean(other)) for other in others]
+        return entry
 
     def _mean(self, which: int) -> float:
         clips = self._clips[which]

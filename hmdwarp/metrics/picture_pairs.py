@@ -126,7 +126,8 @@ def _detail(picture: NDArray[Any]) -> NDArray[np.float64]:
 def _inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     from scipy.ndimage import binary_erosion
 
-    return binary_erosion(mask, np.ones((3, 3)), border_value=1)
+    inner: NDArray[np.bool_] = binary_erosion(mask, np.ones((3, 3)), border_value=1)
+    return inner
 
 
 BLOCKS = 8  # on each side of a picture
@@ -145,7 +146,8 @@ def block_means(picture: NDArray[np.uint8]) -> NDArray[np.float64]:
     """
     rows, columns = (np.linspace(0, side, min(BLOCKS, side) + 1).astype(int) for side in picture.shape[:2])
     sums = np.add.reduceat(np.add.reduceat(picture, rows[:-1], axis=0, dtype=np.int64), columns[:-1], axis=1)
-    return sums / (np.diff(rows)[:, None, None] * np.diff(columns)[None, :, None])
+    means: NDArray[np.float64] = sums / (np.diff(rows)[:, None, None] * np.diff(columns)[None, :, None])
+    return means
 
 
 def blocks_text(blocks: NDArray[np.float64]) -> str:

@@ -319,7 +319,7 @@ class _Worker:
             # The late picture is only for reports and stays here.
             pickle.dump(attrs.evolve(job, rendered_picture=None), self._process.stdin, protocol=5)
             self._process.stdin.flush()
-            answer = pickle.load(self._process.stdout)
+            answer: QualityResult | Exception = pickle.load(self._process.stdout)
         except (OSError, EOFError, pickle.UnpicklingError, ValueError) as error:
             raise HmdwarpError(self._obituary()) from error
         if isinstance(answer, Exception):

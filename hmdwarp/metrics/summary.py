@@ -50,10 +50,11 @@ def block_length(values: ArrayLike) -> int:
     2009.
     """
     series = np.asarray(values, dtype=np.float64)
-    count = len(series)
+    count: int = len(series)
     apart = series - series.mean()
     alike = np.array([apart[: count - lag] @ apart[lag:] for lag in range(count)]) / count
-    least, most = math.ceil(count ** (1 / 3)), max(1, count // 3)
+    root: float = count ** (1 / 3)
+    least, most = math.ceil(root), max(1, count // 3)
     if alike[0] <= 0:
         return min(least, most)
     small = np.abs(alike) < 2 * math.sqrt(math.log10(count) / count) * alike[0]
@@ -65,7 +66,7 @@ def block_length(values: ArrayLike) -> int:
     spectrum = float(alike[0] + 2 * weights @ alike[lags])
     if spectrum <= 0:
         return min(least, most)
-    wanted = (1.5 * (slope / spectrum) ** 2 * count) ** (1 / 3)
+    wanted: float = (1.5 * (slope / spectrum) ** 2 * count) ** (1 / 3)
     return min(max(math.ceil(wanted), least), most)
 
 

@@ -16,7 +16,6 @@ from .image_result import ImageResult as ImageResult
 from .image_result import has_depth as has_depth
 from .image_result import write_image_result as write_image_result
 from .label_places import boxes_touch as boxes_touch
-from .label_places import groups_of as groups_of
 from .label_places import leaders as leaders
 from .label_places import place_labels as place_labels
 from .label_places import segments_hit as segments_hit

@@ -58,6 +58,9 @@ def place_labels(
     orders = (crowd, -middles[:, 0], middles[:, 1])
     settled = [_settled(choices, np.argsort(order, kind="stable")) for order in orders]
     chosen, _ = min(settled, key=lambda found: found[1])
+    alone = [choice.some(np.array([at])) for choice, at in zip(choices, chosen, strict=True)]
+    if not _Costs.of(alone).is_bad():
+        return np.concatenate([choice.boxes for choice in alone])[:, :2]
     near = [choice.cheapest(at) for choice, at in zip(choices, chosen, strict=True)]
     return np.concatenate([choice.boxes for choice in near])[_Costs.of(near).exchanged(), :2]
 
@@ -85,17 +88,21 @@ class _Costs:
 
     ranges: list[NDArray[Any]]  # the places of each label, the one it has first
     own: Array  # (p)
-    beside: Array  # (p, p), 0 between places of one label
+    pairwise: Array  # (p, p), 0 between places of one label
 
     @classmethod
     def of(cls, choices: list[_Places]) -> _Costs:
         ends = np.cumsum([len(choice.cost) for choice in choices])
         ranges = np.split(np.arange(ends[-1]), ends[:-1])
         placed = [np.concatenate([getattr(choice, part) for choice in choices]) for part in ("boxes", "starts", "tips")]
-        beside = np.concatenate([choice.quarrels(*placed) for choice in choices])
+        pairwise = np.concatenate([choice.quarrels(*placed) for choice in choices])
         for own in ranges:
-            beside[np.ix_(own, own)] = 0
-        return cls(ranges, np.concatenate([choice.cost for choice in choices]), beside)
+            pairwise[np.ix_(own, own)] = 0
+        return cls(ranges, np.concatenate([choice.cost for choice in choices]), pairwise)
+
+    def is_bad(self) -> bool:
+        """Return whether any label's first place is worth an exchange."""
+        return bool(self._of(np.array([own[0] for own in self.ranges])).max() > _BAD)
 
     def exchanged(self) -> NDArray[Any]:
         """Give labels with bad places better ones where those in the way find others."""
@@ -115,15 +122,16 @@ class _Costs:
 
     def _of(self, chosen: NDArray[Any]) -> Array:
         """Return what each label's place costs beside the others'."""
-        return self.own[chosen] + self.beside[np.ix_(chosen, chosen)].sum(axis=1)
+        costs: Array = self.own[chosen] + self.pairwise[np.ix_(chosen, chosen)].sum(axis=1)
+        return costs
 
     def _with_room(self, chosen: NDArray[Any], label: int, place: int) -> NDArray[Any]:
         """Return the places after a label has moved to one, and those in its way have moved on."""
         trial = chosen.copy()
         trial[label] = place
-        for other in np.flatnonzero(self.beside[place, trial]):
+        for other in np.flatnonzero(self.pairwise[place, trial]):
             own, rest = self.ranges[other], np.delete(trial, other)
-            trial[other] = own[np.argmin(self.own[own] + self.beside[np.ix_(own, rest)].sum(axis=1))]
+            trial[other] = own[np.argmin(self.own[own] + self.pairwise[np.ix_(own, rest)].sum(axis=1))]
         return trial
 
 
@@ -177,14 +185,18 @@ class _Places:
     def cheapest(self, first: int) -> _Places:
         """Return those that cost least, after the one that comes first."""
         order = np.argsort(self.cost, kind="stable")[:_KEPT]
-        kept = np.concatenate([[first], order[order != first]])
+        return self.some(np.concatenate([[first], order[order != first]]))
+
+    def some(self, kept: NDArray[Any]) -> _Places:
+        """Return those places alone."""
         return _Places(self.boxes[kept], self.starts[kept], self.tips[kept], self.cost[kept])
 
     def quarrels(self, boxes: Array, starts: Array, tips: Array) -> Array:
         """Return the cost (k, n) of each place beside n others: boxes (n, 4), leaders (n, 2)."""
         cut = segments_hit(self.starts, self.tips, boxes) + segments_hit(starts, tips, self.boxes).T.astype(np.float64)
         crossed = _segments_cross(self.starts, self.tips, starts, tips)
-        return _COVERS * boxes_touch(self.boxes, boxes, _GAP) + _CUT * cut + _CROSSES * crossed
+        costs: Array = _COVERS * boxes_touch(self.boxes, boxes, _GAP) + _CUT * cut + _CROSSES * crossed
+        return costs
 
 
 def _squares(points: Array, half: float) -> Array:
@@ -198,23 +210,8 @@ def _corners(point: Array, size: Array, clearance: float) -> Array:
     # corner or nearly so.
     half = (size / 2 + clearance) * np.clip(1.4 * way, -1, 1)
     centres = point + half[None] + np.asarray(_RADII)[:, None, None] * way[None]
-    return (centres - size / 2).reshape(-1, 2)
-
-
-def groups_of(names: Sequence[str], points: Array, distance: float) -> list[list[int]]:
-    """Return the indices of points that one label can name.
-
-    They have one name and lie within `distance` of each other, directly or in a chain.
-    """
-    groups: list[list[int]] = []
-    for index, name in enumerate(names):
-        near = [
-            g
-            for g in groups
-            if any(names[i] == name and np.linalg.norm(points[i] - points[index]) <= distance for i in g)
-        ]
-        groups = [g for g in groups if g not in near] + [sorted([index, *(i for g in near for i in g)])]
-    return sorted(groups)
+    corners: Array = (centres - size / 2).reshape(-1, 2)
+    return corners
 
 
 def leaders(points: Array, boxes: Array) -> tuple[Array, Array]:
@@ -243,7 +240,8 @@ def segments_hit(start: Array, end: Array, boxes: Array) -> NDArray[np.bool_]:
     still = step == 0
     enter = np.where(still, np.where(inside, -np.inf, np.inf), np.minimum(to_low, to_high)).max(axis=2)
     leave = np.where(still, np.where(inside, np.inf, -np.inf), np.maximum(to_low, to_high)).min(axis=2)
-    return np.maximum(enter, 0) < np.minimum(leave, 1)
+    hit: NDArray[np.bool_] = np.maximum(enter, 0) < np.minimum(leave, 1)
+    return hit
 
 
 def _segments_cross(a: Array, b: Array, c: Array, d: Array) -> NDArray[np.bool_]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
@@ -84,25 +84,4 @@ def terminal_table(**options: Any) -> TerminalTable:
 
     return Table(
         **options, title_justify="left", caption_justify="left", box=SIMPLE_HEAD, show_edge=False, pad_edge=False
-    )
-
-
-@attrs.frozen
-class Column:
-    """One column of a table of rows: its head, and what takes the text out of a row."""
-
-    label: str
-    text: Callable[[Mapping[str, Any]], str]
-    unit: str = ""
-
-
-def columns_table(
-    caption: str, columns: Sequence[Column], rows: Iterable[Mapping[str, Any]], words: int | Sequence[int] = 1
-) -> Table:
-    """Return a table of rows by columns."""
-    return Table.of(
-        caption,
-        [(column.label, column.unit) for column in columns],
-        [[column.text(row) for column in columns] for row in rows],
-        words,
     )

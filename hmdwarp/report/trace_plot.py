@@ -99,9 +99,9 @@ def _draw_speeds(axes: Axes, track: PoseTrack) -> None:
     since = (track.time_ns[at] - track.time_ns[0]) * 1e-9
     axes.plot(since, np.degrees(angle) / seconds[at], color=_LINE, lw=0.7)
     axes.set_ylabel("turning [deg/s]")
-    beside = axes.twinx()
-    beside.plot(since, way / seconds[at], color=_GAZE, lw=0.7)
-    beside.set_ylabel("moving [m/s]", color=_GAZE)
+    speeds = axes.twinx()
+    speeds.plot(since, way / seconds[at], color=_GAZE, lw=0.7)
+    speeds.set_ylabel("moving [m/s]", color=_GAZE)
 
 
 def _shade_gaps(axes: Axes, track: PoseTrack) -> None:

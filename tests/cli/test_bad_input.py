@@ -214,7 +214,7 @@ def test_unknown_commands_and_options(arguments, command):
         ("--segment", "7", "segment 7"),
     ],
 )
-def test_numbers_that_cannot_be_meant(option, value, told, command, quick, kept):
+def test_impossible_numbers_are_refused(option, value, told, command, quick, kept):
     command("replay", "still", *quick, option, value).refused(told)
 
 

@@ -89,7 +89,7 @@ def test_a_pad_counts_while_it_is_pressed():
     assert hands.are(pad_along=0.8, pad=1) == ["up"]
 
 
-def test_what_was_down_when_it_was_first_heard_of_was_not_pressed_for_us():
+def test_a_button_down_at_the_start_counts_after_its_release():
     repeat = ButtonRepeat()
     assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 0) == []
     assert repeat.step({"confirm": True, "right": True}, {"along": 1.0}, 2 * FIRST_NS) == []

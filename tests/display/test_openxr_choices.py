@@ -92,7 +92,7 @@ def answering(result: int) -> Calls:
 
 
 @pytest.mark.parametrize(("result", "lost"), [(-13, True), (-17, True), (-2, True), (-3, False), (-987654321, False)])
-def test_what_goes_wrong_in_the_middle_is_a_loss_or_a_lack(result, lost):
+def test_failures_in_a_session_are_losses_or_lacks(result, lost):
     calls = answering(result)
     calls.stage = "running"
     with pytest.raises(MachineError) as raised:
@@ -102,7 +102,7 @@ def test_what_goes_wrong_in_the_middle_is_a_loss_or_a_lack(result, lost):
 
 
 @pytest.mark.parametrize("result", [-1, -37])  # VALIDATION_FAILURE, CALL_ORDER_INVALID
-def test_what_no_caller_should_get_is_a_fault_of_ours(result):
+def test_results_of_wrong_calls_are_internal_errors(result):
     calls = answering(result)
     calls.stage = "running"
     with pytest.raises(HmdwarpError, match="xrEndFrame") as raised:

@@ -35,13 +35,13 @@ def test_every_trouble_has_words_of_its_own():
 
 @pytest.mark.parametrize("stage", STAGES)
 @pytest.mark.parametrize("error", ["InstanceLostError", "SomethingNewError", "died", "OSError", "LimitReachedError"])
-def test_nothing_is_without_an_answer(stage, error):
+def test_every_error_has_words_and_a_remedy(stage, error):
     words, remedy = diagnose(stage, error)
     assert words and remedy
 
 
 @pytest.mark.parametrize("error", LOST)
-def test_what_is_lost_in_the_middle_went_away(error):
+def test_a_session_lost_midway_is_lost(error):
     words, remedy = diagnose("running", error, "", "Runtime 1")
     assert words.startswith("Runtime 1 went away") and "restart" in remedy
 

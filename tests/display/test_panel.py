@@ -292,7 +292,7 @@ def test_the_next_pass_does_not_notice_it(gpu, panel):
     assert alone[0][..., 3].mean() > 0.7
 
 
-def test_nothing_is_made_anew_after_the_first_refreshes(gpu, panel):
+def test_objects_are_made_in_the_first_refreshes_only(gpu, panel):
     settle(panel, status(), 6)
     renderer = panel._renderer
     things = (

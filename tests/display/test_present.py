@@ -191,7 +191,7 @@ def test_bars_keep_the_shape():
 # --- the flags of GL ----------------------------------------------------------------------------
 
 
-def test_nothing_of_the_state_left_by_others_matters(gpu, presenter):
+def test_the_state_left_by_others_does_not_matter(gpu, presenter):
     """Blending, culling, depth tests, encoding left on by whoever drew before."""
     image, gl = random_picture(5, 8, 6), gpu.gl
     wanted = shown(gpu, presenter, image, (8, 6))
@@ -217,7 +217,7 @@ def test_encoding_is_off_again_afterwards(gpu, presenter):
 MAKERS = ("texture", "buffer", "framebuffer", "vertex_array", "program", "query", "sampler", "scope")
 
 
-def test_nothing_is_made_after_the_first_time(gpu, presenter, monkeypatch):
+def test_textures_are_made_the_first_time_only(gpu, presenter, monkeypatch):
     gl, canvas = gpu.gl, canvas_of(gpu.gl, random_picture(6, 40, 30))
     screen, depth = Screen(gl, (40, 30), srgb=False), gl.framebuffer(depth_attachment=gl.depth_texture((40, 30)))
     inverse = allocate(gl, (40, 30), SCALAR)
@@ -279,7 +279,7 @@ def test_a_notice_stands_1_m_before_the_head(gpu, eye):
     notices.close()
 
 
-def test_what_lies_behind_the_eye_shows_no_notice(gpu):
+def test_a_notice_behind_the_eye_is_not_shown(gpu):
     """A homogeneous uv has a mirror image there."""
     notices = Notices(gpu.gl)
     turned = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7), Pose((0, 0, 0), (0, 1, 0, 0)))  # an eye that looks backwards

@@ -144,7 +144,7 @@ def halves(asking) -> list[int]:
     return [int(whole[:, : w // 2].sum()), int(whole[:, w // 2 :].sum())]
 
 
-def test_nothing_is_written_over_pictures(asking):
+def test_pictures_stay_free_of_text(asking):
     """The help is there beside a question, over the left eye, goes with it, and cannot be called
     over what is shown.
     """

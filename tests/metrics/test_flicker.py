@@ -101,7 +101,7 @@ def test_only_where_both_exist():
     assert flicker(a, turned(-math.radians(45)), b, turned(0)) == pytest.approx(0)
 
 
-def test_nothing_in_common_is_nothing_measured():
+def test_views_without_a_common_direction_have_no_flicker():
     error = np.ones((30, 40, 3))
     assert flicker(error, turned(math.pi), error, turned(0)) is None
     assert flicker(error, turned(1.8), error, turned(0)) is None

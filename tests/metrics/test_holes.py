@@ -102,7 +102,7 @@ def test_behind_the_late_eye_is_outside():
     assert border_share(EMPTY, EMPTY, back, turned(0), SIZE) == 0
 
 
-def test_nothing_there_counts_as_infinitely_far():
+def test_a_missing_depth_counts_as_infinitely_far():
     shown = turned(-0.3)
     nothing = np.full_like(EMPTY, np.nan)
     assert (

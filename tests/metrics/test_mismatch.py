@@ -72,7 +72,7 @@ def test_the_same_world_hole_in_both_eyes_is_no_mismatch():
     assert alone.share == pytest.approx(alone.one_eyed / alone.seen_by_both)
 
 
-def test_what_one_eye_alone_sees_does_not_count():
+def test_surfaces_seen_by_one_eye_alone_do_not_count():
     """The board hides a strip of the wall from each eye; a hole there has nothing to rival with."""
     left, right = board_depth(LEFT, 0.3, 3.0), board_depth(RIGHT, 0.3, 3.0)
     shared = SharedSurface(LEFT, RIGHT, left, right)

@@ -62,7 +62,7 @@ def test_the_order_of_the_rows_decides_nothing_but_the_order(pairs, random):
 
 
 @given(ROWS, st.lists(st.tuples(st.one_of(st.none(), COST), st.none()), max_size=5))
-def test_what_was_not_measured_takes_no_part(pairs, blanks):
+def test_unmeasured_rows_take_no_part(pairs, blanks):
     rows = numbered(pairs)
     assert pareto([*numbered(blanks), *rows], costs) == pareto(rows, costs)
 

@@ -101,7 +101,7 @@ def test_regions_come_with_the_jobs_that_ask_for_them():
         attrs.evolve(job(1), covered=None, regions=True)
 
 
-def test_what_is_kept_keeps_its_late_picture():
+def test_a_kept_job_keeps_its_late_picture():
     pool = run(1, [(0, 0), (1, 0), (3, 0)])
     assert [kept.key for kept in pool.kept] == [(0, 0), (3, 0)]
     assert np.array_equal(pool.kept[0].job.rendered_picture, job(0).rendered_picture)

@@ -141,7 +141,7 @@ def test_a_question_is_answered_by_hand(hands):
     assert (asked.value, asked.confirmed) == (4, True)
 
 
-def test_what_is_held_goes_by_the_displays_clock(hands, display):
+def test_held_keys_go_by_the_clock_of_the_display(hands, display):
     hands.real_ns.clear()
     for _ in range(5):
         before_ns = display.now_ns()

@@ -21,7 +21,7 @@ def test_the_service_comes_and_goes(runtime):
     assert "monado" in monado.log.read_text(errors="replace").lower()
 
 
-def test_what_is_on_the_screen_is_seen(screen):
+def test_the_screen_shows_the_picture(screen):
     """A window of one colour, all over the screen."""
     code = (
         "import glfw, moderngl, time; glfw.init(); glfw.window_hint(glfw.DECORATED, 0); w = glfw.create_window(2000, "

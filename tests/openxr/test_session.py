@@ -216,7 +216,7 @@ def test_pictures_arrive_with_what_they_were_made_for(remote_head, monkeypatch, 
     assert next(pictures, None) is None
 
 
-def test_nothing_is_handed_over_where_nothing_would_be_seen(display, monkeypatch):
+def test_invisible_pictures_are_not_handed_over(display, monkeypatch):
     handed_over = HandedOver(monkeypatch)
     display.wait()
     display.show(None)

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from hmdwarp.poses import load_trace
+
+from . import layouts
 
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture
-def layouts(monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT / "docs"))
-    import layouts
-
-    return layouts
-
-
-def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(layouts, tmp_path):
+def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(tmp_path):
     """`make docs OPTIONS=layouts` writes the table."""
     assert len({layout.name for layout in layouts.LAYOUTS}) == 20
     truth = load_trace("walk").track
@@ -32,7 +24,7 @@ def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(layouts, tm
         assert f"| {layout.name} | {layout.axes} | {outcome} | {options} |" in page
 
 
-def test_a_file_that_is_read_wrong_is_called_wrong(layouts, tmp_path):
+def test_a_file_that_is_read_wrong_is_called_wrong(tmp_path):
     """The verdict can fail: a left-handed world whose preset nobody states is a mirror image."""
     mirrored = layouts.Layout("mirrored", "world=-x,y,-z head=-x,y,-z", layouts.LAYOUTS[0].text)
     assert layouts.verdict(mirrored, load_trace("walk").track, tmp_path)[0] == layouts.WRONG

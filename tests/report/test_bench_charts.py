@@ -248,7 +248,7 @@ def test_each_pass_once_for_each_size():
 
 @pytest.mark.parametrize("columns", [None, 1])
 def test_the_picture_for_the_readme(tmp_path, columns):
-    rows = some_rows(warps=list(WARPS)[::3], fills=("interpolate",), latencies=(200.0,))
+    rows = some_rows(warps=list(WARPS)[::3], fills=("interpolate",), traces=("walk",), latencies=(200.0,))
     path = tmp_path / "pareto.png"
     pareto_plot_png(path, [*rows, a_row(trace=NASTY)], columns=columns)
     data = path.read_bytes()

@@ -91,7 +91,7 @@ def test_one_case_needs_no_heading_inside():
     assert text.splitlines()[0].startswith("walk, 400 ms, scene room, 1280x800") and "cases" not in text
 
 
-def test_what_differs_makes_another_case():
+def test_rows_with_other_conditions_are_another_case():
     rows = [a_row(), a_row("backward"), a_row(size=[640, 400]), a_row(guard=1.0), a_row(scene="planes")]
     groups = cases(rows)
     assert [len(group.rows) for group in groups] == [2, 1, 1, 1]
@@ -100,7 +100,7 @@ def test_what_differs_makes_another_case():
     assert cases([]) == [] and "0 cases" in printed([])
 
 
-def test_what_was_not_measured_is_a_dash_and_comes_last():
+def test_an_unmeasured_row_is_a_dash_and_comes_last():
     nothing = a_row("rotation", **aggregate([]), mismatch=None, regions={})
     text = printed([nothing, a_row()])
     assert len(re.findall("–", text)) == 9

@@ -247,7 +247,7 @@ def killed(folder: Path, when: str) -> subprocess.Popen:
 
 
 @pytest.mark.parametrize("when", ["before the end", "between the names"])
-def test_what_a_killed_run_left_is_deleted_by_the_next_one(when, tmp_path):
+def test_the_next_run_deletes_the_remains_of_a_killed_one(when, tmp_path):
     with killed(tmp_path, when) as process:
         assert process.wait() == -signal.SIGKILL
     assert list(tmp_path.glob(".partial-*")) and not (tmp_path / "summary.json").exists()
@@ -258,7 +258,7 @@ def test_what_a_killed_run_left_is_deleted_by_the_next_one(when, tmp_path):
     assert (tmp_path / "report.html").read_text() == "whole"
 
 
-def test_what_a_living_run_has_written_stays(tmp_path):
+def test_files_of_a_living_run_stay(tmp_path):
     with killed(tmp_path, "alive") as other:
         assert other.stdout.readline() == b"there\n"
         (theirs,) = tmp_path.glob(".partial-*")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.report import boxes_touch, groups_of, leaders, place_labels, segments_hit, spread
+from hmdwarp.report import boxes_touch, leaders, place_labels, segments_hit, spread
 
 AREA = (650.0, 260.0)
 
@@ -91,15 +91,6 @@ def test_a_label_of_several_points_stands_beside_one_of_them_and_covers_none():
     assert (
         not boxes_touch(boxes, np.concatenate([points - 4, points + 4], axis=1)).any()
         and not boxes_touch(boxes[:1], boxes[1:]).any()
-    )
-
-
-def test_points_of_one_name_share_it_only_if_they_are_near():
-    points = np.array([[0.0, 0], [5, 0], [50, 0], [10, 0], [5, 1]])
-    assert groups_of(["a", "a", "a", "a", "b"], points, 6) == [[0, 1, 3], [2], [4]]
-    assert (
-        groups_of(["a", "a", "a"], np.array([[0.0, 0], [10, 0], [5, 0]]), 6) == [[0, 1, 2]]
-        and groups_of([], points[:0], 6) == []
     )
 
 

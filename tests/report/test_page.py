@@ -38,6 +38,11 @@ def render(**changes) -> str:
     return render_report(**{**given, **changes})
 
 
+@pytest.fixture(scope="module")
+def text() -> str:
+    return render()
+
+
 class Page(HTMLParser):
     """Text, tags and attributes; fails on tags that do not close in order."""
 
@@ -71,21 +76,19 @@ class Page(HTMLParser):
         return " ".join(" ".join(self.words).split())
 
 
-def test_everything_is_on_the_page():
-    page = Page(render())
+def test_everything_is_on_the_page(text):
+    page = Page(text)
     summary = a_summary(some_rows(0, seconds=4))
-    wanted = [
-        COMMAND,
-        NOTES[0],
+    wanted = [COMMAND, NOTES[0]]
+    wanted += [
         "llvmpipe (LLVM 15.0.6, 256 bits)",
         "Mesa 22.3.6",
         "wall clock",
         "look-around",
         "rift-dk1",
         "640×400",
-    ]
-    wanted += ["200 ms", "360 frames"]
-    wanted += [
+        "200 ms",
+        "360 frames",
         "PSNR",
         "SSIM",
         "FLIP",
@@ -116,9 +119,9 @@ def test_a_client_that_misses_has_a_tile_and_a_chart():
     assert "Refreshes Missed refreshes % 25.0 50.0 Most missed in a row 3 3" in both.text  # the table
 
 
-def test_nothing_is_fetched():
+def test_the_page_fetches_no_file(text):
     """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
-    page = Page(render())
+    page = Page(text)
     addresses = [
         v
         for _, name, v in page.attributes
@@ -126,10 +129,10 @@ def test_nothing_is_fetched():
     ]
     assert addresses and all(a.startswith(("data:image/", "#")) for a in addresses)
     assert not {"script", "link", "iframe", "object", "embed"} & set(page.tags)
-    assert set(re.findall(r"url\(([^)]{0,3})", render())) <= {"#" + c + d for c in "p" for d in "0123456789abcdef"}
+    assert set(re.findall(r"url\(([^)]{0,3})", text)) <= {"#" + c + d for c in "p" for d in "0123456789abcdef"}
 
 
-def test_what_the_user_typed_is_text_not_markup():
+def test_texts_of_the_user_are_escaped():
     text = render(
         command="</code><script>alert(1)</script>",
         notes=["<b>bold</b>"],
@@ -139,8 +142,8 @@ def test_what_the_user_typed_is_text_not_markup():
     assert "<b>bold</b>" in Page(text).text
 
 
-def test_pictures_are_whole_and_have_their_size():
-    for tag, name, value in Page(render()).attributes:
+def test_pictures_are_whole_and_have_their_size(text):
+    for tag, name, value in Page(text).attributes:
         if (tag, name) == ("img", "src"):
             with Image.open(io.BytesIO(base64.b64decode(value.split(",", 1)[1]))) as image:
                 image.load()
@@ -169,14 +172,8 @@ def test_the_axes_of_the_trace_are_on_the_page():
 
 def test_without_baseline_worst_frames_notes_or_any_measurement():
     rows = [{"frame": 0, "eye": 0, "time_s": 0.0, "angular_speed_deg_s": 1.0, "linear_speed_m_s": 0.0}]
-    text = render(
-        summary={**a_summary(), **aggregate([])},
-        baselines=[],
-        rows=rows,
-        baselines_rows=[],
-        worst=[],
-        notes=[],
-    )
+    nothing = {"baselines": [], "baselines_rows": [], "worst": [], "notes": []}
+    text = render(summary={**a_summary(), **aggregate([])}, rows=rows, **nothing)
     page = Page(text)
     assert "★" not in page.text and "Worst frames" not in page.text and "<h2>Notes</h2>" not in text
     assert page.text.count("not measured") == 5 and "–" in page.text
@@ -189,21 +186,17 @@ def test_the_same_run_gives_the_same_page():
 
 CHROMIUM = needs.program("chromium")
 FLAGS = [
-    *(
-        "--headless",
-        "--no-sandbox",
-        "--disable-gpu",
-        "--disable-quic",
-        "--no-first-run",
-        "--disable-background-networking",
-    ),
-    *(
-        "--disable-component-update",
-        "--disable-sync",
-        "--hide-scrollbars",
-        "--enable-logging=stderr",
-        "--virtual-time-budget=5000",
-    ),
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--enable-logging=stderr",
+    "--virtual-time-budget=5000",
 ]
 # Chromium's own remarks on the machine (no D-Bus, no GPU) are no messages of the page.
 PAGE_MESSAGE = re.compile(r":CONSOLE[:(]\d+")
@@ -231,14 +224,16 @@ addEventListener("load", () => {
 </script>"""
 
 
-def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = False) -> tuple[dict, str]:
+def in_chromium(
+    text: str, tmp_path: Path, *, width: int = 1280, dark: bool = False, probe: str = PROBE
+) -> tuple[dict, str]:
     """What a probe inside a copy of the page found, and the page's own console messages."""
     policy = re.search(r'<meta http-equiv="Content-Security-Policy"[^>]*>', text)[0]
     # The probe is the only thing that the page's own policy would not let run; all the rest of it
     # stays in force.
     allowed = policy.replace("default-src 'none'", "default-src 'none'; script-src 'unsafe-inline'")
     copy = tmp_path / "copy.html"
-    copy.write_text(text.replace(policy, allowed + PROBE), encoding="utf-8")
+    copy.write_text(text.replace(policy, allowed + probe), encoding="utf-8")
     options = [f"--blink-settings=preferredColorScheme={0 if dark else 1}", f"--window-size={width},900"]
     command = [CHROMIUM, *FLAGS, *options, f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom", copy.as_uri()]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -253,8 +248,8 @@ def in_chromium(text: str, tmp_path: Path, *, width: int = 1280, dark: bool = Fa
 @needs.programs("chromium")
 class TestInChromium:
     @pytest.mark.parametrize("width, dark", [(1280, False), (1280, True), (500, False)])
-    def test_whole_quiet_and_alone(self, width, dark, tmp_path):
-        found, console = in_chromium(render(), tmp_path, width=width, dark=dark)
+    def test_whole_quiet_and_alone(self, text, width, dark, tmp_path):
+        found, console = in_chromium(text, tmp_path, width=width, dark=dark)
         assert console == "" and found["faults"] == [] and found["requests"] == []
         assert len(found["images"]) == 12 and len(found["charts"]) == 7
         for complete, natural_width, natural_height, shown_width, shown_height in found["images"]:

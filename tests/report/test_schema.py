@@ -82,7 +82,7 @@ def test_all_faults_are_named_at_once():
 
 
 @pytest.mark.parametrize("thing", [None, [], "text", 3])
-def test_what_is_no_object(thing):
+def test_other_values_than_objects_are_faults(thing):
     assert summary_faults(thing)
 
 

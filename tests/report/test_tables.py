@@ -54,7 +54,7 @@ def test_the_better_one_is_marked_whichever_column_it_is_in():
     assert "*" not in printed(a_summary(good))
 
 
-def test_of_three_the_best_is_marked_where_it_is_sure():
+def test_the_best_of_three_is_marked_where_it_is_sure():
     """The run only if it is better than both; a baseline only if it is better than the run."""
     good, bad, worst = some_rows(0), some_rows(0, worse=3), some_rows(0, worse=5)
     names = [
@@ -90,7 +90,7 @@ def test_with_too_few_instants_there_are_neither_intervals_nor_marks():
     assert "No intervals and no *: they take 6 measured refreshes" in " ".join(text.split())
 
 
-def test_what_was_not_measured_is_a_dash():
+def test_an_unmeasured_figure_is_a_dash():
     nothing = {**a_summary(), **aggregate([])}
     text = printed(nothing, a_summary())
     assert text.count("–") == 2 * 11  # mean and p95 of six figures and five times

@@ -54,7 +54,7 @@ def test_a_plain_link_and_a_single_fill_need_no_lines():
     assert coding_rows({"link": plain}) == [("rate, both eyes", "100.0 Mbit/s uncompressed")]
 
 
-def test_what_the_client_holds_has_a_line_for_each_model():
+def test_each_model_of_the_client_has_a_line():
     model = {"share": 0.2, "texture": 0.25, "triangles": 15064, "geometry_bytes": 912_345, "texture_bytes": 1_234_567}
     summary = {**a_summary(), "client_models": [model, {**model, "share": 1.0, "texture": 1.0}]}
     assert model_rows(a_summary()) == []
@@ -65,7 +65,7 @@ def test_what_the_client_holds_has_a_line_for_each_model():
     assert f"{name}: {weight}" in transit_lines(summary)
 
 
-def test_what_crossed_of_a_scene_has_a_line_too():
+def test_the_transfer_of_a_scene_has_a_line():
     model = {"share": 1.0, "texture": 1.0, "triangles": 10, "geometry_bytes": 100, "texture_bytes": 100}
     crossed = {"start_up_bytes": 20_000, "first_picture_bytes": 64_400, "arrived_bytes": 9_000_000}
     for first, words in ((64_400, "0.06 MB before the first whole picture"), (None, "no whole picture")):

@@ -97,7 +97,7 @@ def test_the_same_pictures_give_the_same_file(tmp_path):
 
 
 @needs_encoder
-def test_nothing_under_the_final_name_before_the_end(tmp_path):
+def test_the_final_name_is_free_until_the_end(tmp_path):
     writer = VideoWriter(tmp_path / "a.mp4", (32, 32), 30)
     writer.add(np.zeros((32, 32, 3), np.uint8))
     assert not (tmp_path / "a.mp4").exists()

@@ -1,4 +1,4 @@
-"""Ratings of whole studies of simulated people, as an analysis takes them, without pictures."""
+"""A plan that several tests share, and ratings of whole studies of simulated people."""
 
 from __future__ import annotations
 
@@ -8,6 +8,41 @@ from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, SessionSummary
 from hmdwarp.study.design import Design
 from hmdwarp.study.respondents import Cohort, Model, Population
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
+
+LATE_OR_WARPED = """
+schema = 1
+name = "late-or-warped"
+title = "Does a warp help?"
+seed = 3
+[common]
+scene = "planes"
+[trial]
+seconds = 1
+scales = ["grade"]
+[practice]
+seconds = 1
+[sickness]
+scale = "fms"
+[questionnaires]
+before = ["vrsq"]
+after = ["vrsq"]
+[[condition]]
+name = "late"
+latency = 400
+warp = "none"
+fill = "none"
+[[condition]]
+name = "warped"
+latency = 400
+warp = "forward"
+guard = 1.5
+[[condition]]
+name = "reference"
+latency = 0
+warp = "none"
+fill = "none"
+reference = true
+"""
 
 
 def simulate_study(design: Design, model: Model, n: int, seed: int, study: int = 0) -> Ratings:

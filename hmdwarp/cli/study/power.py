@@ -44,7 +44,6 @@ class PowerOptions(Declared):
 @takes(PowerOptions, QUIET)
 def power(said: Said) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
-    from ...experiments.sweep import raise_failures
     from ...study import power as study
     from ...study.design import load_design
     from .._show import sayer, steps
@@ -67,7 +66,7 @@ def power(said: Said) -> None:
         study.write_power(folder, found, options.power)
     if not quiet:
         _print(found, models, options)
-    raise_failures(swept)
+    swept.raise_failures()
 
 
 def _print(powers: Sequence[Power], models: Mapping[Scale, Model], options: PowerOptions) -> None:

@@ -81,11 +81,11 @@ class MirroredPass(RenderedPass):
 
     def run(self, inputs: PassInputs) -> PassInputs:
         rendered, shown = inputs.rendered, inputs.middle
-        others = [one for one in inputs.others if _has_moved(rendered, one.view)][: PICTURES - 1]
+        others = [image for image in inputs.others if _has_moved(rendered, image.view)][: PICTURES - 1]
         if not others or not _has_moved(rendered, shown):
             return inputs
         eyes = np.zeros((PICTURES, 3))
-        eyes[1 : 1 + len(others)] = [_seen_from(rendered, one.view) for one in others]
+        eyes[1 : 1 + len(others)] = [_seen_from(rendered, image.view) for image in others]
         rendered.inverse_depth.bind_to_image(_DEPTH, read=True, write=False)
         self._align_pictures(rendered, others)
         self._find_images(1 + len(others), eyes)

@@ -141,7 +141,7 @@ class EffectRegistry(Registry[Effect]):
 
     def of(self, scene: Scene) -> tuple[str, ...]:
         """Return the names of the effects that a scene calls for."""
-        return self.ordered(one.name for one in self if not one.by_name_only and _occurs(one, scene))
+        return self.ordered(effect.name for effect in self if not effect.by_name_only and _occurs(effect, scene))
 
     def selected(self, text: str, declared: Collection[str], scene: Scene | None = None) -> tuple[str, ...]:
         """Return the names of the effects that a run compensates: `declared`, changed by `text`.

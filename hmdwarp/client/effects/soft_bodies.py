@@ -53,7 +53,7 @@ class DeformingBodies(Store):
         self._past_ns: int | None = None
         plain, late = (gpu.shaders.draw("effects/soft_body.vert", "effects/soft_body.frag", LATE=k) for k in (0, 1))
         self._plain, self._late = plain, late
-        self._vertices = [one.buffers.vertex_array(gl, plain.program, colour=True) for one in self._then]
+        self._vertices = [body.buffers.vertex_array(gl, plain.program, colour=True) for body in self._then]
         self._vertices_late = [
             one.buffers.vertex_array(
                 gl, late.program, (baked, "3f4", "in_baked"), (past, "3f4", "in_late"), colour=True
@@ -107,8 +107,8 @@ class DeformingBodies(Store):
 
     def close(self) -> None:
         release_all(*self._vertices, *self._vertices_late, *self._baked, *self._past)
-        for one in (*self._then, *self._now):
-            one.close()
+        for body in (*self._then, *self._now):
+            body.close()
         self._framebuffers.close()
         self._textures.close()
 

@@ -66,16 +66,16 @@ def covered(view: View, by: Sequence[Keyframe]) -> Mask:
     """Return (n,) which of the view's directions a nearby keyframe covers."""
     towards = directions(view)
     found = np.zeros(len(towards), bool)
-    for one in by:
-        if distance_m(view, one.view) <= REACH_M:
-            found |= sees(one.view, towards)
+    for keyframe in by:
+        if distance_m(view, keyframe.view) <= REACH_M:
+            found |= sees(keyframe.view, towards)
     return found
 
 
 def overlapping(view: View, kept: Sequence[Keyframe]) -> list[Keyframe]:
     """Return the keyframes that overlap the view's directions."""
     towards = directions(view)
-    return [one for one in kept if sees(one.view, towards).any()]
+    return [keyframe for keyframe in kept if sees(keyframe.view, towards).any()]
 
 
 def is_new(view: View, kept: Sequence[Keyframe]) -> bool:
@@ -101,10 +101,13 @@ def most_useful(kept: Sequence[Keyframe], shown: View, rendered: View, most: int
     """
     towards = directions(shown)
     worth = np.where(sees(rendered, towards), INSIDE, 1.0)
-    seen = {one.slot: sees(one.view, towards) * np.exp(-distance_m(shown, one.view) / REACH_M / 3) for one in kept}
+    seen = {
+        keyframe.slot: sees(keyframe.view, towards) * np.exp(-distance_m(shown, keyframe.view) / REACH_M / 3)
+        for keyframe in kept
+    }
     chosen: list[Keyframe] = []
     while len(chosen) < most:
-        rest = [one for one in kept if one not in chosen and seen[one.slot].any()]
+        rest = [keyframe for keyframe in kept if keyframe not in chosen and seen[keyframe.slot].any()]
         if not rest:
             break
         best = max(rest, key=lambda one: (float(worth @ seen[one.slot]), one.drawn_ns))

@@ -97,7 +97,7 @@ class Memory(Fill):
         self._holes.add(
             DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )
-        others = [one for one in self._kept if one.view is not rendered.view]
+        others = [keyframe for keyframe in self._kept if keyframe.view is not rendered.view]
         for one in most_useful(others, shown, rendered.view, self.settings.use):
             slot = self._slots[one.slot]
             self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
@@ -123,12 +123,12 @@ class Memory(Fill):
     def _drop_old(self, now_ns: int) -> None:
         """Drop pictures that are too old, or from a later time: those belong to another run."""
         limit = round(self.settings.age * 1e9)
-        self._kept = [one for one in self._kept if 0 <= now_ns - one.drawn_ns <= limit]
+        self._kept = [keyframe for keyframe in self._kept if 0 <= now_ns - keyframe.drawn_ns <= limit]
 
     def _free_slot(self, newest: View) -> int:
         if len(self._kept) == len(self._slots):
             self._kept.remove(most_redundant(self._kept, newest))
-        used = {one.slot for one in self._kept}
+        used = {keyframe.slot for keyframe in self._kept}
         return next(slot for slot in range(len(self._slots)) if slot not in used)
 
     def close(self) -> None:

@@ -108,7 +108,7 @@ class GatherWarp(Warp):
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
         """Bind that texture to the sampler."""
-        exact = self.output.lens is None and all(one.moves_whole_pixels() for one in maps)
+        exact = self.output.lens is None and all(warp_map.moves_whole_pixels() for warp_map in maps)
         bind_rendered_colour(inputs.rendered, unit, whole_pixels=exact)
 
     def maps(self, inputs: PassInputs) -> list[WarpMap]:
@@ -131,7 +131,7 @@ class GatherWarp(Warp):
             return {"H": maps[0].H, "e": maps[0].e}
         named: dict[str, np.ndarray] = {}
         for name in ("H", "e"):
-            first, middle, last = (getattr(one, name) for one in maps)
+            first, middle, last = (getattr(warp_map, name) for warp_map in maps)
             square = 2 * (first + last - 2 * middle)
             named |= {name: first, f"{name}_linear": last - first - square, f"{name}_square": square}
         return named

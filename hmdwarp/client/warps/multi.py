@@ -80,7 +80,7 @@ class Multi(CompositeWarp):
         others = (
             () if back.moves_whole_pixels() and _lies_within(back, self.shown_size, rendered.size) else inputs.others
         )
-        return [DepthPicture(one.colour, one.inverse_depth, one.view) for one in (rendered, *others)]
+        return [DepthPicture(image.colour, image.inverse_depth, image.view) for image in (rendered, *others)]
 
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)

@@ -38,7 +38,7 @@ def flat_size(aspect: float) -> Size:
     return max(WHOLE, round(width / WHOLE) * WHOLE), max(WHOLE, round(width / aspect / WHOLE) * WHOLE)
 
 
-def beside(framebuffer: Size, column: int) -> Size:
+def picture_area(framebuffer: Size, column: int) -> Size:
     """Return the size that a panel of that many columns at the right leaves for pictures.
 
     If that is less than half, the panel covers the pictures instead.

@@ -13,7 +13,7 @@ from ..notice import Notice
 from ..present import Presenter
 from ..status import Status
 from .control_panel import PANEL_REMEDY, make_control_panel
-from .layout import Rectangle, Size, WindowView, beside, viewports
+from .layout import Rectangle, Size, WindowView, picture_area, viewports
 from .window import Window
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Painter:
         # The help covers the first eye alone: the other one shows the effect of the keys.
         notices = (self._presenter.notice(self._help_text()) if self.help else notice, notice)
         pictures = canvases or (None,) * view.count
-        places = viewports(beside(size, column), len(pictures), view.aspect)
+        places = viewports(picture_area(size, column), len(pictures), view.aspect)
         for picture, over, place in zip(pictures, notices, places, strict=False):
             self._presenter.show(picture, self._screen, place, hardware_srgb=False, notice=over)
         self._labels = [

@@ -92,12 +92,13 @@ UNKNOWN = "none"
 
 def screen_of(glfw: ModuleType, handle: WindowHandle) -> ScreenHandle | None:
     """Return the screen that a window fills, or that most of it lies on; None without any."""
-    filled = glfw.get_window_monitor(handle)
+    filled: ScreenHandle | None = glfw.get_window_monitor(handle)
     if filled:
         return filled
     x, y = glfw.get_window_pos(handle)  # (0, 0) under Wayland, which does not report it
     w, h = glfw.get_window_size(handle)
-    return max(glfw.get_monitors() or [], key=lambda screen: _shared(glfw, screen, (x, y, w, h)), default=None)
+    screens: list[ScreenHandle] = glfw.get_monitors() or []
+    return max(screens, key=lambda screen: _shared(glfw, screen, (x, y, w, h)), default=None)
 
 
 def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, int, int]) -> int:
@@ -109,7 +110,7 @@ def _shared(glfw: ModuleType, screen: ScreenHandle, rectangle: tuple[int, int, i
     left, top = glfw.get_monitor_pos(screen)
     across = min(x + w, left + mode.size.width) - max(x, left)
     down = min(y + h, top + mode.size.height) - max(y, top)
-    return max(0, across) * max(0, down)
+    return int(max(0, across) * max(0, down))
 
 
 def mode_of(glfw: ModuleType, screen: ScreenHandle | None) -> VideoMode | None:

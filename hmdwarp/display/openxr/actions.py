@@ -80,7 +80,7 @@ class Actions:
                 self.refused.append(profile)
 
     def _path(self, instance: Instance, text: str) -> int:
-        return self._calls.call_once(xr.string_to_path, instance.handle, text)
+        return int(self._calls.call_once(xr.string_to_path, instance.handle, text))
 
     def sync(self, now_ns: int) -> None:
         """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""

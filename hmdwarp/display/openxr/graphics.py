@@ -152,7 +152,7 @@ def _glx_binding() -> ctypes.Structure:
     config, visual = chosen[0] if count.value else None, ctypes.c_int()
     if config:
         glx.glXGetFBConfigAttrib(shown, ctypes.c_void_p(config), _VISUAL_ID, ctypes.byref(visual))
-    binding = xr.GraphicsBindingOpenGLXlibKHR()
+    binding: ctypes.Structure = xr.GraphicsBindingOpenGLXlibKHR()
     _put(binding, x_display=display, visualid=visual.value, glx_fbconfig=config, glx_context=context)
     binding.glx_drawable = glx.glXGetCurrentDrawable()
     return binding
@@ -169,7 +169,7 @@ def _egl_binding() -> ctypes.Structure:
     egl.eglQueryContext(shown, ctypes.c_void_p(context), _CONFIG_ID, ctypes.byref(number))
     request = (ctypes.c_int * 3)(_CONFIG_ID, number.value, _NONE_EGL)
     egl.eglChooseConfig(shown, request, ctypes.byref(config), 1, ctypes.byref(count))
-    binding = xr.GraphicsBindingEGLMNDX()
+    binding: ctypes.Structure = xr.GraphicsBindingEGLMNDX()
     _put(binding, get_proc_address=ctypes.cast(egl.eglGetProcAddress, ctypes.c_void_p).value)
     _put(binding, display=display, config=config.value, context=context)
     return binding

@@ -161,7 +161,8 @@ class OpenXrDisplay(Connected):
                 self._opened().presenter.depth(inverse_depth, depth.acquire(), NEAR_M)
                 depth.release()
             pictures.layer.fill(eye, view, inverse_depth is not None)
-        return pictures.layer.struct
+        struct: ctypes.Structure = pictures.layer.struct
+        return struct
 
     def _draw_colour(self, colour: Swapchain, result: EyePicture | None, view: View, notice: Notice | None) -> None:
         self._opened().presenter.show(

@@ -57,7 +57,7 @@ class Calls:
         """
         function = self._functions.get(call) or self._load(call)
         with self._watching(call):
-            result = function(*arguments)
+            result: int = function(*arguments)
         if result < 0:
             raise self._error(call, _name_of(result), "")
         return result

@@ -18,10 +18,11 @@ from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.source import Source
 from ...poses import load_trace
 from ...report import SCHEMA, OutputFolder
+from ...report.bench import first_cases, render_bench_page
 from ...resources import __version__
 from ...run.combinations import Case
 from ...run.recordings import refuse_one_name, refuse_traces_of_one_name
-from ..sweep import ExperimentResult, SweepCase, Swept, program_hash, raise_failures, run_cases
+from ..sweep import ExperimentResult, SweepCase, program_hash, run_cases
 from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, write_parquet
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
 from .cases import (
@@ -39,6 +40,8 @@ from .notes import left_out_notes
 from .options import DEFAULT_SIZES, BenchOptions
 from .sections import GRID_STEPS, fused_steps
 
+# What is measured once, and what stands in bench.json without it.
+SECTIONS: Mapping[str, Any] = {GRID: [], FUSED: [], "grid_at": None, "fused_at": None}
 OWNED = ("bench.csv", "bench.html", "bench.parquet")
 # Cases on the page, which draws charts of each: a second for two.
 MOST_SHOWN = 40
@@ -46,9 +49,7 @@ Progress = Callable[[int, int], None]
 
 
 def bench(
-    options: BenchOptions,
-    progress: Progress = lambda done, total: None,
-    say: Callable[[str], None] = lambda text: None,
+    options: BenchOptions, progress: Progress = lambda done, total: None, say: Callable[[str], None] = lambda text: None
 ) -> ExperimentResult:
     """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
@@ -79,11 +80,11 @@ def bench(
         swept = run_cases(work, _cases(options, works), options.out, options.sweep, progress, say)
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         if not rows:
-            raise_failures(swept)
-        from ...report.bench import first_cases
-
+            swept.raise_failures()
         first = next(result for _, result in swept.results())
-        sections = [swept.kept.result(case.identity)[case.what.part] for case in swept.done if case.what.part != ROWS]
+        sections = dict(SECTIONS)
+        for case in (case for case in swept.done if case.what.part != ROWS):
+            sections |= swept.kept.result(case.identity)[case.what.part]
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -95,11 +96,10 @@ def bench(
                 *notes,
                 *about_rating(options.jod_s, rows),
                 *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client),
-                *_failed(swept),
+                *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
             ],
             "rows": rows,
-            **{name: _section(sections, name, []) for name in (GRID, FUSED)},
-            **{name: _section(sections, name, None) for name in ("grid_at", "fused_at")},
+            **sections,
             "choice": None,
         }
         data["choice"], refused = _choice(rows, options.budget_ms)
@@ -126,15 +126,6 @@ def _case(part: str, work: BenchCase, steps: int) -> SweepCase:
     named = (case.recording, f"{case.latency_ms:g} ms", case.scene, "x".join(map(str, case.size)), *rate)
     name = ", ".join(filter(None, (*(() if part == ROWS else (part,)), *named)))
     return SweepCase.of("bench", name, BenchPart(part, work.options), steps=steps)
-
-
-def _section(sections: Sequence[Mapping[str, Any]], name: str, missing: Any) -> Any:
-    """Return what the case of a section gave; where there was none, or it failed: missing."""
-    return next((data[name] for data in sections if name in data), missing)
-
-
-def _failed(swept: Swept) -> list[str]:
-    return [f"{one.name}: failed: {one.why}" for one in swept.failed]
 
 
 def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[list[BenchCase], list[str]]:
@@ -185,8 +176,6 @@ def write_bench(out: OutputFolder, data: dict[str, Any], *, parquet: bool = Fals
 
     Errors: MachineError where that lacks its package.
     """
-    from ...report.bench import first_cases, render_bench_page
-
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
     if parquet:
         write_parquet(out.path("bench.parquet"), flat(data["rows"]))

@@ -18,6 +18,7 @@ from ...errors import MachineError, PlanError, listed
 from ...frames.layers import layers
 from ...headsets import Headset
 from ...link import LinkOptions
+from ...options import guard_band
 from ...pipeline.options import PipelineOptions
 from ...pipeline.planning import build_plan_for, check_suited
 from ...pipeline.recorded_source import RecordingSource
@@ -270,7 +271,7 @@ class BenchCase:
 
     def batched(self, most_bytes: float, pictures: int = 0) -> list[list[Combination]]:
         """Return the combinations that fit in so many bytes together, each with some pictures."""
-        rendered = guarded_size(self.options.guard_band, self.headset, self.case.size)
+        rendered = guarded_size(guard_band(self.options), self.headset, self.case.size)
         return batches(self.combinations, rendered, self.case.size, most_bytes, pictures)
 
 
@@ -296,7 +297,7 @@ def prepared(options: BenchOptions) -> BenchCase:
     (case,) = cases_of(options)
     source = source_of(options, case.scene)
     headset = source.headset
-    guarded_size(options.guard_band, headset, case.size)
+    guarded_size(guard_band(options), headset, case.size)
     run = run_options(options, case)
     trace = source.head(load_trace(case.recording, options.trace_options) if case.recording else None)
     assert trace is not None, "a case without a recording has a source with a head"

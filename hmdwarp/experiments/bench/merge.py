@@ -12,7 +12,7 @@ from ...metrics import BOUND, blocks_apart
 from ...report import SCHEMA, OutputFolder, summary_faults
 from ..sweep import ExperimentResult
 from .bench_rows import check_parquet
-from .bench_run import OWNED, write_bench
+from .bench_run import OWNED, SECTIONS, write_bench
 from .options import MergeOptions
 
 # What tells combinations and their conditions apart.
@@ -22,7 +22,6 @@ _KEY = (
 )
 # Of the picture, not of the machine that made it.
 _QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod")
-_SECTIONS: Mapping[str, Any] = {"grid": [], "fused": [], "grid_at": None, "fused_at": None}
 _MACHINE = ("machine", "clock", "clocks", "copy_gb_s")
 Row = dict[str, Any]
 
@@ -48,7 +47,7 @@ def merge(options: MergeOptions) -> ExperimentResult:
         "command": options.command,
         "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
         "rows": rows,
-        **{name: next((b[name] for b in benches if b.get(name)), missing) for name, missing in _SECTIONS.items()},
+        **{name: next((b[name] for b in benches if b.get(name)), missing) for name, missing in SECTIONS.items()},
         "choice": None,
         "seconds": sum(bench["seconds"] for bench in benches),
     }
@@ -82,7 +81,7 @@ def _check_programs(folders: Sequence[Path], benches: Sequence[Mapping[str, Any]
 
 def _tell_apart(benches: Sequence[Mapping[str, Any]]) -> None:
     """Name machines of one host that draw with different GPUs by their GPUs too."""
-    machines = [one["machine"] for bench in benches for one in (bench, *bench["rows"])]
+    machines = [each["machine"] for bench in benches for each in (bench, *bench["rows"])]
     gpus: dict[str, set[str]] = {}
     for machine in machines:
         gpus.setdefault(machine["host"], set()).add(machine["gl_renderer"])

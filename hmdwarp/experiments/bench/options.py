@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
@@ -19,7 +19,6 @@ from ...options import (
     check_one_guard,
     force_field,
     group,
-    guard_band,
     guard_field,
     names_in,
     option,
@@ -35,9 +34,6 @@ from ...run.recordings import recordings_field, with_recordings
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 from ..sweep.options import SweepOptions
-
-if TYPE_CHECKING:
-    from ...geometry import GuardBand
 
 Size = tuple[int, int]
 
@@ -146,11 +142,6 @@ class BenchOptions(Declared):
             if said.get(name):
                 raise InputError(f"--{name} with --frames: a bench takes what was recorded; leave it out")
         return {**super().values_of(said), "guard": 1.0, "grid": False, "fused": False}
-
-    @property
-    def guard_band(self) -> GuardBand:
-        """The guard band. Errors: InputError for guard "auto", which a bench does not take."""
-        return guard_band(self)
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:

@@ -1,5 +1,5 @@
 from .compare_run import MOST_SHOWN as MOST_SHOWN
 from .compare_run import compare as compare
-from .compare_work import start_bytes as start_bytes
-from .compare_work import unfit as unfit
+from .compare_run import start_bytes as start_bytes
+from .compare_run import unfit as unfit
 from .options import CompareOptions as CompareOptions

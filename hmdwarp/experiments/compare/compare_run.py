@@ -4,28 +4,35 @@ from __future__ import annotations
 
 import functools
 import itertools
+import math
+import platform
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
-from ...client.classes import load_client
+from ...client.capability import lacking
+from ...client.classes import Client, load_client
 from ...client.plan import Plan
 from ...client.strategies import strategies
 from ...errors import InputError, PlanError
+from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link.codec import codecs
 from ...metrics import QUALITY, ratings_of
 from ...pipeline.planning import build_plan_for
 from ...pipeline.source_choice import source_of
 from ...poses import load_trace
-from ...report import SCHEMA, OutputFolder
+from ...report import SCHEMA, OutputFolder, png_bytes
+from ...report.compare_page import first_cases, render_compare_page
 from ...resources import __version__
 from ...run.options import RunOptions
 from ...run.recordings import refuse_traces_of_one_name
+from ...run.replay_run import Measured, measured
 from ...run.schedule import first_shown_s, schedule_for
-from ..sweep import ExperimentResult, Separate, SweepCase, raise_failures, run_cases
-from .compare_work import ComparePart, Picture, pictures_of, run_part
+from ..sweep import ExperimentResult, KeptCases, Result, Separate, SweepCase, run_cases
 from .options import CompareOptions
 
 _DUPLICATE = (
@@ -72,7 +79,7 @@ def compare(
         swept = run_cases(Separate(run_part), cases, options.out, options.sweep, progress, say)
         rows = swept.rows(lambda row: (row,))
         if not rows:
-            raise_failures(swept)
+            swept.raise_failures()
         data = {
             "schema": SCHEMA,
             "hmdwarp": __version__,
@@ -169,8 +176,6 @@ def _described(text: str) -> dict[str, Any]:
 
 
 def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[Picture, Picture]]]) -> None:
-    from ...report.compare_page import first_cases, render_compare_page
-
     out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
     numbers, count = first_cases(data["rows"], MOST_SHOWN)
     shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
@@ -185,3 +190,109 @@ def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
         quality = {f"{name}{tail}": row["quality"][name][which] for name, (tail, which) in ends}
         why = "; ".join(f"{client}: {reason}" for client, reason in row["unfit"].items() if reason)
         yield {**plain, **quality, "unfit": why}
+
+
+Picture = NDArray[np.uint8]
+SHOWN, TRUTH = "shown.png", "truth.png"
+
+
+@attrs.frozen
+class ComparePart:
+    """What one case runs."""
+
+    run: RunOptions
+    # Whom it may suit: names or files.
+    clients: tuple[str, ...]
+
+
+def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
+    """Return what the left eye saw at the first measured instant, and the truth.
+
+    Each is (h, w, 3) sRGB, top row first.
+    """
+    from PIL import Image
+
+    shown, truth = (np.asarray(Image.open(kept.file(case.identity, name))) for name in (SHOWN, TRUTH))
+    return shown, truth
+
+
+def run_part(case: SweepCase, step: Callable[[float], None]) -> Result:
+    """Run one strategy; its pictures are kept beside its row."""
+    part: ComparePart = case.what
+    result = measured(part.run)
+    job = min(result.kept, key=lambda kept: kept.key).job
+    pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
+    return Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)
+
+
+def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[str, Any]:
+    """Return one row of compare.json: the keys of summary.json, and what the strategy takes."""
+    summary, about = result.summary, (result.plan, result.sizes)
+    summary["link"].pop("timeline")
+    return {
+        **summary,
+        "machine": {**summary["machine"], "host": platform.node()},
+        "latency_ms": run.total_latency_ms,
+        "client_ms": summary["time_ms"]["total"]["median"],
+        "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
+        "mbit_s": summary["link"]["mbit_s"],
+        "up_mbit_s": summary["link"]["up_mbit_s"],
+        "decoded_mpx_s": decoded_mpx_s(summary, *about),
+        "start_bytes": start_bytes(summary),
+        "client_bytes": client_bytes(summary, *about),
+        "unfit": {client.name: unfit(summary, *about, client) for client in clients},
+    }
+
+
+def unfit(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes, client: Client) -> str:
+    """Return why the client cannot do what was measured, "" if it can.
+
+    summary: as summary.json. Its time counts where a GPU measured it: a class's budget is of its
+    own machine, and a software renderer's times say nothing about that.
+    """
+    reasons = [lacking(plan, client)]
+    mbit_s = summary["link"]["mbit_s"]
+    if mbit_s > client.download_mbit_s:
+        reasons.append(f"it takes {mbit_s:.0f} Mbit/s, and the client has {client.download_mbit_s:g}")
+    mpx_s = decoded_mpx_s(summary, plan, sizes)
+    if summary["link"]["codec"] != "none" and mpx_s > client.decoder_mpx_s:
+        reasons.append(f"it takes {mpx_s:.0f} Mpx/s of video, and the client decodes {client.decoder_mpx_s:g}")
+    total_ms = summary["time_ms"]["total"]["median"]
+    if summary["clock"] == "gpu" and math.isfinite(client.budget_ms) and total_ms > client.budget_ms:
+        reasons.append(f"it takes {total_ms:.2f} ms an eye here, and the client has {client.budget_ms:g}")
+    return "; ".join(filter(None, reasons))
+
+
+def decoded_mpx_s(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> float:
+    """Return the million pixels of video that the client decodes in a second.
+
+    A proxy sends a picture at each refresh, however often the server draws.
+    """
+    drawn_hz = None if "proxy" in summary["link"] else summary["server_rate_hz"]
+    rate_hz: float = drawn_hz or summary["rate_hz"]
+    return video_pixels(frame_bytes(plan.needs, sizes, set(plan.layers))) * rate_hz * 1e-6
+
+
+def start_bytes(summary: Mapping[str, Any]) -> int:
+    """Return what the client must have got before the first picture, beside the first frame.
+
+    Packed where a model says so. One that has not become a picture counts with all that came.
+    """
+    return sum(
+        int(model.get("first_picture_bytes") or model["arrived_bytes"])
+        if "arrived_bytes" in model
+        else _held_bytes(model)
+        for model in summary.get("client_models", ())
+    )
+
+
+def _held_bytes(model: Mapping[str, Any]) -> int:
+    return int(model["geometry_bytes"] + model["texture_bytes"])
+
+
+def client_bytes(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> int:
+    """Return what the client holds: the frames that it reads, its fills' memory and its models."""
+    frames = (1 + plan.needs.others.past) * sum(frame_bytes(plan.needs, sizes, set(plan.layers)).values())
+    rendered = sizes.rendered[0] * sizes.rendered[1]
+    kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills)
+    return frames + kept + sum(map(_held_bytes, summary.get("client_models", ())))

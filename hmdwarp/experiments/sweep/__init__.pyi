@@ -11,7 +11,6 @@ from .run_cases import ExperimentResult as ExperimentResult
 from .run_cases import Swept as Swept
 from .run_cases import outcomes as outcomes
 from .run_cases import raise_failed as raise_failed
-from .run_cases import raise_failures as raise_failures
 from .run_cases import run_cases as run_cases
 from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase

@@ -242,12 +242,12 @@ def bytes_of(place: Path) -> bytes:
     Errors: InputError for more than MOST_BYTES.
     """
     files = files_at(place)
-    if (total := sum(one.stat().st_size for one in files)) > MOST_BYTES:
+    if (total := sum(each.stat().st_size for each in files)) > MOST_BYTES:
         raise InputError(
             f"{place}: {total / 1e6:.0f} MB with the files that it names, at most {MOST_BYTES / 1e6:.0f} cross to "
             "other machines: use a smaller one"
         )
-    return pickle.dumps({one.relative_to(place.parent).as_posix(): one.read_bytes() for one in files})
+    return pickle.dumps({each.relative_to(place.parent).as_posix(): each.read_bytes() for each in files})
 
 
 def unpack(content: bytes, folder: Path) -> Path:
@@ -268,12 +268,12 @@ def unpack(content: bytes, folder: Path) -> Path:
 
 def _mapped(value: Any, change: Callable[[str | Path], str | Path]) -> Any:
     if attrs.has(type(value)):
-        old = {one.name: getattr(value, one.name) for one in attrs.fields(type(value)) if one.name not in HOW}
-        new = {name: _mapped(one, change) for name, one in old.items()}
-        changed = {name: one for name, one in new.items() if one is not old[name]}
+        old = {each.name: getattr(value, each.name) for each in attrs.fields(type(value)) if each.name not in HOW}
+        new = {name: _mapped(each, change) for name, each in old.items()}
+        changed = {name: each for name, each in new.items() if each is not old[name]}
         return attrs.evolve(value, **changed) if changed else value
     if isinstance(value, tuple | list):
-        mapped = [_mapped(one, change) for one in value]
+        mapped = [_mapped(each, change) for each in value]
         return value if all(a is b for a, b in zip(value, mapped, strict=True)) else type(value)(mapped)
     if isinstance(value, str | os.PathLike):
         return change(value)  # type: ignore[arg-type]

@@ -68,10 +68,10 @@ def files_at(place: str | Path) -> list[Path]:
     """
     path = Path(place)
     if path.is_dir():
-        return sorted(one for one in path.rglob("*") if one.is_file())
+        return sorted(each for each in path.rglob("*") if each.is_file())
     found = [path]
-    for one in found:  # it grows: the materials of a scene name its pictures
-        names = (name for name in _named_by(*_state(one)) if not {"..", "/"} & {*Path(name).parts})
+    for each in found:  # it grows: the materials of a scene name its pictures
+        names = (name for name in _named_by(*_state(each)) if not {"..", "/"} & {*Path(name).parts})
         beside = dict.fromkeys(path.parent / name for name in names)
         found += [other for other in beside if other not in found and is_place(other) and other.is_file()]
     return sorted(found)
@@ -119,16 +119,16 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
 def _content(value: Any) -> Any:
     """Return plain data of options and values, with files by content."""
     if attrs.has(type(value)):
-        fields = {one.name: getattr(value, one.name) for one in attrs.fields(type(value)) if one.name not in HOW}
-        return {"": type(value).__name__, **{name: _content(one) for name, one in fields.items()}}
+        fields = {each.name: getattr(value, each.name) for each in attrs.fields(type(value)) if each.name not in HOW}
+        return {"": type(value).__name__, **{name: _content(each) for name, each in fields.items()}}
     if isinstance(value, Mapping):
-        return {str(key): _content(one) for key, one in value.items()}
+        return {str(key): _content(each) for key, each in value.items()}
     if isinstance(value, enum.Enum):
         return value.name
     if isinstance(value, str | Path):
         return _text(value)
     if isinstance(value, Iterable):
-        return [_content(one) for one in value]
+        return [_content(each) for each in value]
     return value if value is None or isinstance(value, bool | int | float) else repr(value)
 
 

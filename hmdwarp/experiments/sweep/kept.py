@@ -5,6 +5,7 @@ from __future__ import annotations
 import bisect
 import itertools
 import json
+import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -49,8 +50,6 @@ class Failure:
             return cls(name, str(error), error.exit_status)
         if isinstance(error, OSError):
             return cls(name, str(error), MachineError.exit_status)
-        import traceback
-
         lines = "".join(traceback.format_exception(error))
         why = f"a fault of hmdwarp, please report it: {type(error).__name__}: {error}"
         return cls(name, why, traceback=lines)
@@ -76,14 +75,10 @@ class KeptCases:
             raise HmdwarpError(f"{self._path(identity)}: no result of a case: run it again with --resume")
         return data["result"]
 
-    def where(self, identity: str) -> str:
-        """Return which machine ran a case, "" where it is not known."""
-        return str((self._read(identity) or {}).get("where", ""))
-
     def failure(self, identity: str) -> Failure:
         """Return why a case failed."""
         data = self._read(identity) or {}
-        return Failure(**{one.name: data[one.name] for one in attrs.fields(Failure) if one.name in data})
+        return Failure(**{each.name: data[each.name] for each in attrs.fields(Failure) if each.name in data})
 
     def keep(self, identity: str, name: str, result: Result) -> None:
         """Write a result. Errors: InputError or MachineError for a place that cannot be written."""

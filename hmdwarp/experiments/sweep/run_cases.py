@@ -9,6 +9,7 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from .cluster import run_on_cluster
 from .kept import DONE, FAILED, FOLDER, Failure, KeptCases, KeptRows, Result, RowsOf
 from .options import ClusterOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
@@ -35,6 +36,10 @@ class Swept:
         """Read the results of the cases that are done from the disk, in the order of the cases."""
         return ((case, self.kept.result(case.identity)) for case in self.done)
 
+    def raise_failures(self) -> None:
+        """Raise the error of a run in which cases failed: see raise_failed."""
+        raise_failed(self.failed, len(self.cases), "the others are kept: run it again with --resume")
+
     def rows(self, rows_of: RowsOf) -> KeptRows:
         """Return the rows of all cases that are done, which stay on the disk."""
         return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
@@ -49,15 +54,15 @@ class ExperimentResult:
     data: dict[str, Any]
     # The page.
     report: Path
-    # The cases that were run, and which failed: raise_failures raises for them. None if merged.
+    # The cases that were run, and which failed. None if merged.
     swept: Swept | None = None
     # Why nothing that was found fits what was asked for, else "".
     refused: str = ""
 
     def raise_failures(self) -> None:
-        """Raise the error of a run in which cases failed: see raise_failures."""
+        """Raise the error of a run in which cases failed: see raise_failed."""
         if self.swept is not None:
-            raise_failures(self.swept)
+            self.swept.raise_failures()
 
 
 def run_cases(
@@ -103,11 +108,6 @@ def outcomes(
         bar.done(case)
 
 
-def raise_failures(swept: Swept) -> None:
-    """Raise the error of a run in which cases failed: see raise_failed."""
-    raise_failed(swept.failed, len(swept.cases), "the others are kept: run it again with --resume")
-
-
 def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:
     """Raise the error of `count` cases of which some failed, with the exit status of the first.
 
@@ -116,7 +116,7 @@ def raise_failed(failed: Sequence[Failure], count: int, then: str) -> None:
     if not failed:
         return
     first = failed[0]
-    kind = next((one for one in (InputError, MachineError) if one.exit_status == first.exit_status), HmdwarpError)
+    kind = next((each for each in (InputError, MachineError) if each.exit_status == first.exit_status), HmdwarpError)
     if count == 1:
         raise kind(first.why)
     others = f", and {len(failed) - 1} more" if len(failed) > 1 else ""
@@ -129,15 +129,9 @@ def _run(
     """Yield what became of each case, here or on a cluster."""
     if not cases:
         return
-    if options.cluster is None:
-        yield from _run_here(work, cases, bar)
+    if options.cluster is not None:
+        yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
         return
-    from .cluster import run_on_cluster
-
-    yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
-
-
-def _run_here(work: Work, cases: Sequence[SweepCase], bar: _Bar) -> Iterator[tuple[SweepCase, Result | Failure]]:
     with work.opened() as runner:
         for group in groups_of(cases):
             yield from run_group(runner, group, bar.within)

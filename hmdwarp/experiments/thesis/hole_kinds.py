@@ -30,11 +30,7 @@ class Holes:
 
 
 def holes_of(
-    coverage: Picture,
-    truth_inverse_depth: Picture,
-    shown: View,
-    rendered: View,
-    rendered_inverse_depth: Picture,
+    coverage: Picture, truth_inverse_depth: Picture, shown: View, rendered: View, rendered_inverse_depth: Picture
 ) -> Holes:
     """Tell the kinds of holes apart: where was the true surface of each hole in the late frame?
 

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ...client.compensator import EyeResult
 from ...client.plan import needs_of
 from ...colour import picture_from_linear
-from ...frames import EyeImage
 from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
@@ -92,7 +91,7 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
     needs = needs_of(combination.plan for combination in combinations)
     with set_up_replay(options, needs) as setup:
         numbers = _instants(setup, moved, how.instants)
-        watchers = [_Watcher(setup, run, one, how) for run, one in zip(runs, combinations, strict=True)]
+        watchers = [_Watcher(setup, run, each, how) for run, each in zip(runs, combinations, strict=True)]
         wanted = {number - back for number in numbers for back in (0, 1)}
         for number, refresh in refreshes(setup, needs, wanted):
             turn = numbers.index(number if number in numbers else number + 1)
@@ -103,6 +102,7 @@ def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterato
 
 
 def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
+    width, height = (max(8, round(side * run.scale)) for side in how.size)
     return RunOptions(
         trace=str(trace),
         scene=run.scene,
@@ -112,17 +112,11 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
         effects=run.effects,
         lens="none",
         headset=HEADSET,
-        size=size_of(run, how),
+        size=(width, height),
         rate_hz=RATE_HZ,
         guard=run.guard,
         against="",
     )
-
-
-def size_of(run: PictureRun, how: Thoroughness) -> tuple[int, int]:
-    """Return the pixels of one eye."""
-    width, height = (max(8, round(side * run.scale)) for side in how.size)
-    return width, height
 
 
 def _instants(setup: ReplaySetup, motion: Motion, wanted: int) -> list[int]:
@@ -152,11 +146,6 @@ class _Seen:
         frame = refresh.frame.eyes[eye]
         late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
         return cls(refresh, eye, picture_from_linear(drawn.colour), drawn.inverse_depth, late, depth)
-
-    @property
-    def rendered(self) -> EyeImage:
-        """The late frame of the eye."""
-        return self.refresh.frame.eyes[self.eye]
 
 
 class _Watcher:
@@ -194,7 +183,8 @@ class _Watcher:
     def _measured(self, seen: _Seen, truth_inverse_depth: NDArray[Any], result: EyeResult, now: Compared) -> Figures:
         covered = coverage(result)
         empty = (download(result.filled[-1][1].texture)[..., 3] if result.filled else covered) == 0
-        kinds = holes_of(covered, truth_inverse_depth, result.view, seen.rendered.view, seen.late_inverse_depth)
+        rendered = seen.refresh.frame.eyes[seen.eye].view
+        kinds = holes_of(covered, truth_inverse_depth, result.view, rendered, seen.late_inverse_depth)
         there = covered != 0
         found: Figures = {
             "psnr_db": psnr_db(now.shown, now.truth),
@@ -206,23 +196,23 @@ class _Watcher:
             "cracks_left_share": float((kinds.cracks & empty).mean()),
             "inner_left_share": float((~kinds.border & empty).mean()),
             "seam": seam(now.shown, now.truth, ~there & ~empty, there),
-            "flicker": self._flicker(now),
+            "flicker": None,
         }
+        if self._before is not None:
+            job = Measurement(QualityJob(now, self._before), self._setup.pixels_per_degree)
+            found["flicker"] = metrics.get("flicker").compute(job)
         if seen.late.shape == now.shown.shape and there.any():
             truth = now.truth[there][None]
             found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)
         return found
 
-    def _flicker(self, now: Compared) -> float | None:
-        if self._before is None:
-            return None
-        job = Measurement(QualityJob(now, self._before), self._setup.pixels_per_degree)
-        return metrics.get("flicker").compute(job)
-
     def result(self) -> Looked:
         """Return means over the instants, and medians of the times for one eye."""
         names = dict.fromkeys(itertools.chain.from_iterable(self._figures))
-        figures: Figures = {name: _mean([one.get(name) for one in self._figures]) for name in names}
+        figures: Figures = {}
+        for name in names:
+            known = [value for each in self._figures if (value := each.get(name)) is not None]
+            figures[name] = fmean(known) if known else None
         for stage in dict.fromkeys(itertools.chain.from_iterable(self._times)):
             found = median(times.get(stage, 0.0) for times in self._times)
             can_tell = self._setup.gpu.timer.clock == "gpu" or found >= LEAST_WALL_MS
@@ -234,17 +224,15 @@ class _Watcher:
         return Looked(self._run, figures, *self._first)
 
 
-def _mean(values: Sequence[float | None]) -> float | None:
-    known = [value for value in values if value is not None]
-    return fmean(known) if known else None
-
-
 def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     """Return what the frames of one eye weigh and how late they are, and their time line as SVG.
 
     scale: of each side of the pictures. Errors: as replay.
     """
     width, height = (max(16, round(side * scale)) for side in run.size)
+    network = LinkOptions()
+    if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
+        network = LinkOptions(bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
     summary = figures(
         RunOptions(
             trace=run.trace,
@@ -260,7 +248,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             start_s=2.0,
             seconds=seconds,
             coding=Coding(run.codec, depth=EXACT),
-            network=LinkOptions() if run.bandwidth_mbit is None else _limited(run.bandwidth_mbit),
+            network=network,
             against="",
             metrics_every=10**6,
             workers=0,
@@ -277,8 +265,3 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
         # A CPU that renders says nothing of a machine with a GPU.
         found["response_ms"] = (link["response_ms"] or {}).get("median_ms") if summary["clock"] == "gpu" else None
     return found, timeline_svg(link.get("timeline") or ())
-
-
-def _limited(mbit_s: float) -> LinkOptions:
-    """Return a link on which all that a frame goes through delays it."""
-    return LinkOptions(bandwidth=Bandwidth(mbit_s), response=StageTimes())

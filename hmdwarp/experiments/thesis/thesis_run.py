@@ -20,7 +20,7 @@ from ...gpu import Gpu
 from ...report import OutputFolder, jpeg_bytes, plain, render_thesis_page
 from ...resources import __version__
 from ...run.run_summary import machine_of
-from ..sweep import ExperimentResult, Result, SweepCase, Swept, raise_failures, run_cases
+from ..sweep import ExperimentResult, Result, SweepCase, Swept, run_cases
 from .experiment import Experiment, experiments, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
 from .run_figures import FACTS, Looked, Thoroughness, look, stream
@@ -66,7 +66,7 @@ def run_thesis(
         cases = cases_of(runs, pictured, how)
         swept = run_cases(ThesisWork(runs, ratings), cases, options.out, options.sweep, progress, say)
         if not (figures := _figures(swept.results())):
-            raise_failures(swept)
+            swept.raise_failures()
         made_on = next(data for _, data in swept.results())
         judged = [_judged(each, figures) for each in chosen]
         counts = Counter(each["verdict"] for each in judged)

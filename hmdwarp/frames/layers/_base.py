@@ -117,7 +117,7 @@ class Layer:
     def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
         """Return the uncompressed bytes of `amount` of it, for one eye or (per_frame) all."""
         width, height = cls.size(sizes)
-        return sum(PIXEL_BYTES[one] for one in cls.pictures(amount)) * width * height
+        return sum(PIXEL_BYTES[kind] for kind in cls.pictures(amount)) * width * height
 
     @classmethod
     def pictures(cls, amount: Any) -> tuple[str, ...]:
@@ -163,7 +163,7 @@ class Layer:
     @classmethod
     def coded_as(cls) -> tuple[str, ...]:
         """Return the coding of each of `formats`; what is no picture is packed."""
-        return cls.codings or tuple(USUAL_CODINGS[one] for one in cls.formats) or (PACKED,)
+        return cls.codings or tuple(USUAL_CODINGS[kind] for kind in cls.formats) or (PACKED,)
 
     @classmethod
     def sent(cls, data: Any) -> Iterable[moderngl.Texture | NDArray[Any]]:

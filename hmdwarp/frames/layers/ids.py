@@ -48,14 +48,14 @@ class Ids(Layer):
         rows = [
             np.concatenate(
                 [
-                    one.pose.position_m,
-                    one.pose.orientation_xyzw,
-                    one.velocity_m_s,
-                    one.angular_velocity_rad_s,
-                    one.acceleration_m_s2,
+                    body.pose.position_m,
+                    body.pose.orientation_xyzw,
+                    body.velocity_m_s,
+                    body.angular_velocity_rad_s,
+                    body.acceleration_m_s2,
                 ]
             )
-            for one in data.bodies
+            for body in data.bodies
         ]
         return np.array(rows, np.float64).reshape(-1, _BODY_NUMBERS)
 

@@ -55,7 +55,7 @@ class OtherPictures(Layer):
     @classmethod
     def merged(cls, amount: Others, other: Others) -> Others:
         """Return enough for both, with the shorter of their spacings."""
-        spacings = [one.spacing_ns for one in (amount, other) if one.past]
+        spacings = [each.spacing_ns for each in (amount, other) if each.past]
         past, other_eye = max(amount.past, other.past), amount.other_eye or other.other_eye
         return Others(past, min(spacings, default=0), other_eye)
 

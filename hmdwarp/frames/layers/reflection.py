@@ -74,7 +74,7 @@ class Reflections(Layer):
         if data.bounds is None:
             return super().sent_bytes(data)
         low_x, low_y, high_x, high_y = data.bounds
-        return sum(PIXEL_BYTES[one] for one in cls.formats) * (high_x - low_x) * (high_y - low_y)
+        return sum(PIXEL_BYTES[kind] for kind in cls.formats) * (high_x - low_x) * (high_y - low_y)
 
     @classmethod
     def textures(cls, data: Reflection) -> Iterable[moderngl.Texture]:
@@ -83,7 +83,10 @@ class Reflections(Layer):
     @classmethod
     def numbers(cls, data: Reflection) -> NDArray[np.float64]:
         """Return a row for each mirror: centre, right, up, radius, reflectivity."""
-        rows = [(*one.centre_m, *one.right_m, *one.up_m, one.radius_m, one.reflectivity) for one in data.mirrors]
+        rows = [
+            (*mirror.centre_m, *mirror.right_m, *mirror.up_m, mirror.radius_m, mirror.reflectivity)
+            for mirror in data.mirrors
+        ]
         return np.array(rows, np.float64).reshape(-1, _MIRROR_NUMBERS)
 
     @classmethod

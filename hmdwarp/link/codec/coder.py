@@ -140,6 +140,6 @@ def _coding(codec: str | Codec) -> Codec:
     if codec.is_none:
         raise InputError(
             f"codec '{codec.name}' encodes nothing: "
-            f"expected one of {', '.join(one.name for one in codecs if not one.is_none)}"
+            f"expected one of {', '.join(codec.name for codec in codecs if not codec.is_none)}"
         )
     return codec

@@ -33,7 +33,8 @@ def ssim(shown: NDArray[Any], truth: NDArray[Any]) -> float:
     # win_size only decides whether scikit-image accepts pictures smaller than the window: sigma
     # sets the Gaussian.
     smallest = min(shown.shape[:2])
-    _, similarity = structural_similarity(
+    compare: Any = structural_similarity  # has no annotations
+    _, similarity = compare(
         shown,
         truth,
         channel_axis=2,

@@ -1,9 +1,7 @@
 from ._base import KINDS as KINDS
 from ._base import Console as Console
 from ._base import ConsoleState as ConsoleState
-from ._base import NoConsole as NoConsole
 from ._base import Question as Question
-from .browser_console import BrowserConsole as BrowserConsole
 from .console_commands import checked_answer as checked_answer
 from .console_commands import clock as clock
 from .console_commands import parse_line as parse_line

@@ -7,16 +7,13 @@ from .condition_settings import check_settings as check_settings
 from .condition_settings import live_options as live_options
 from .condition_settings import resolve_paths as resolve_paths
 from .definitions import ADAPTIVE as ADAPTIVE
-from .definitions import BLIND as BLIND
 from .definitions import BOTH as BOTH
 from .definitions import FIXED as FIXED
 from .definitions import ONE as ONE
 from .definitions import ONLY_PART as ONLY_PART
-from .definitions import ORDERS as ORDERS
 from .definitions import PAIR as PAIR
 from .definitions import PARTICIPANT as PARTICIPANT
 from .definitions import RANDOM as RANDOM
-from .definitions import REFERENCE_FIRST as REFERENCE_FIRST
 from .definitions import UNBLINDED as UNBLINDED
 from .definitions import WILLIAMS as WILLIAMS
 from .definitions import Breaks as Breaks
@@ -37,7 +34,6 @@ from .orders import adaptive_order as adaptive_order
 from .orders import allot as allot
 from .orders import draw as draw
 from .orders import every_pair as every_pair
-from .orders import pair_name as pair_name
 from .orders import pair_of as pair_of
 from .orders import presented as presented
 from .orders import rows_for as rows_for

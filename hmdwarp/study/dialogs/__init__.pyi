@@ -6,7 +6,6 @@ from .buttons import hints_for as hints_for
 from .canvas import PAD as PAD
 from .canvas import TEXT as TEXT
 from .canvas import WIDTH as WIDTH
-from .canvas import picture_light as picture_light
 from .canvas import width_of as width_of
 from .canvas import wrapped as wrapped
 from .choice_dialogs import AGAIN as AGAIN

@@ -3,8 +3,6 @@ from .export_rows import answer_rows as answer_rows
 from .export_rows import declined as declined
 from .export_rows import long_rows as long_rows
 from .export_rows import of_origin as of_origin
-from .export_rows import revision_rows as revision_rows
-from .export_rows import score_rows as score_rows
 from .export_rows import sessions_of as sessions_of
 from .export_rows import settings_row as settings_row
 from .export_rows import unconsented as unconsented

@@ -3,17 +3,13 @@ from .planned_models import expected_jod as expected_jod
 from .planned_models import model_for as model_for
 from .planned_models import numbers_of_people as numbers_of_people
 from .planned_models import pairs_model as pairs_model
-from .planned_models import pairs_with_effect as pairs_with_effect
-from .planned_models import planned_comparisons as planned_comparisons
 from .planned_models import planned_model as planned_model
 from .planned_models import scales_for as scales_for
 from .planned_models import with_effect as with_effect
 from .power_run import simulate as simulate
 from .power_text import COLUMNS as COLUMNS
 from .power_text import name_of as name_of
-from .power_text import power_data as power_data
 from .power_text import power_folder as power_folder
-from .power_text import power_rows as power_rows
 from .power_text import sentences as sentences
 from .power_text import write_power as write_power
 from .simulation import Power as Power

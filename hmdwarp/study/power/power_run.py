@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from ...experiments.sweep import KeptOptions, Result, Separate, SweepCase, Swept, raise_failures, run_cases
+from ...experiments.sweep import KeptOptions, Result, Separate, SweepCase, Swept, run_cases
 from .simulation import Power, Progress, Simulation, Tally, power_from, tally_of
 
 # Of the package, besides what draws pictures.
@@ -50,7 +50,7 @@ def simulate(
         counts = {name: np.asarray(count) for name, count in data.items()}
         tallies[case.what.simulation.scale.name].append(counts)
     if not all(tallies.values()):
-        raise_failures(swept)
+        swept.raise_failures()
     return [power_from(simulation, tallies[simulation.scale.name]) for simulation in simulations], swept
 
 

@@ -6,7 +6,6 @@ from ._scale_model import FIRST as FIRST
 from ._scale_model import KINDS as KINDS
 from ._scale_model import NEITHER as NEITHER
 from ._scale_model import NUMBER as NUMBER
-from ._scale_model import OWN_ANSWERS as OWN_ANSWERS
 from ._scale_model import PREFERENCE as PREFERENCE
 from ._scale_model import QUESTIONNAIRE as QUESTIONNAIRE
 from ._scale_model import RATING as RATING

@@ -6,6 +6,8 @@ import math
 from pathlib import Path
 from typing import Any
 
+import attrs
+
 from ...options import Table, parsed, quoted, text_of
 from ...registry import unknown_name
 from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, PREFERENCE, QUESTIONNAIRE, SUMS, Item, Scale, Score
@@ -50,7 +52,7 @@ def _scale(data: Table, name: str) -> Scale:
         prompt=data.line("prompt", ""),
         beside_reference=data.flag("beside_reference", False),
     )
-    return made.with_scores(_scores(data, made))
+    return attrs.evolve(made, scores=_scores(data, made))
 
 
 def _check_preference(data: Table, items: tuple[Item, ...]) -> None:

@@ -112,10 +112,6 @@ class Scale:
             return item.choices[round(value) - 1]
         return text or None
 
-    def with_scores(self, scores: tuple[Score, ...]) -> Self:
-        """Return a copy with these scores."""
-        return attrs.evolve(self, scores=scores)
-
 
 class AnswerRange(Protocol):
     """Anything with a least and a most answer and a step between two."""

@@ -14,7 +14,6 @@ from .rank_tests import hodges_lehmann as hodges_lehmann
 from .rank_tests import holm as holm
 from .rank_tests import kendalls_w as kendalls_w
 from .rank_tests import rank_biserial as rank_biserial
-from .rank_tests import signed_rank_null as signed_rank_null
 from .rank_tests import smallest_p as smallest_p
 from .rank_tests import wilcoxon_exact as wilcoxon_exact
 from .thurstone import JOD_SPREAD as JOD_SPREAD

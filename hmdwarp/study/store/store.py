@@ -206,18 +206,6 @@ class Store(StoreConnection):
             self._event(session, "shown", showing.key, {"showing": showing.id, "complete": complete})
             return queries.showing(db, showing.id)
 
-    def shown(
-        self,
-        session: Session,
-        step: Show,
-        settings: Mapping[str, Any],
-        trace: bool,
-        actual: Mapping[str, Any],
-        complete: bool,
-    ) -> Showing:
-        """Record beginning and end of a showing at once. trace: whether there is one."""
-        return self.end_showing(session, self.begin_showing(session, step, settings, recorded=trace), actual, complete)
-
     def answer(
         self,
         session: Session,

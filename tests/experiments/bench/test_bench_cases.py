@@ -10,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.sweep import SweepOptions, raise_failures
+from hmdwarp.experiments.sweep import SweepOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(
@@ -84,7 +84,7 @@ def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
     assert len(result.swept.failed) == 2 and all("second.csv" in one.why for one in result.swept.failed)
     assert sum("failed" in note for note in result.data["notes"]) == 2
     with pytest.raises(InputError, match="2 of 4 cases failed.*second.*--resume"):
-        raise_failures(result.swept)
+        result.swept.raise_failures()
     states = [json.loads(path.read_bytes())["state"] for path in (options.out / "cases").glob("*.json")]
     assert sorted(states) == ["done", "done", "failed", "failed"]
 
@@ -94,7 +94,7 @@ def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
     assert [row["trace"] for row in again.data["rows"]] == ["first", "first", "second", "second"]
 
 
-def test_a_case_is_what_it_is_made_with(tmp_path, heads):
+def test_a_case_is_identified_by_content(tmp_path, heads):
     """The content of a trace counts, not its place; who runs it and where it goes do not."""
     options = attrs.evolve(TINY, recordings=(str(heads[0]),), latencies_ms=(50.0,), out=tmp_path / "out")
     first = bench(options)

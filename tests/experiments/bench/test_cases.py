@@ -77,7 +77,7 @@ def test_all_warps_of_late_pictures_by_default():
     assert set(found) - {warp.name for warp in taken} - set(outside) == more
 
 
-def test_warps_that_draw_on_the_client_are_told_and_taken_by_name():
+def test_warps_that_draw_on_the_client_are_noted_and_taken_by_name():
     (note,) = (note for note in notes_on_warps(BenchOptions()) if "compare" in note)
     assert all(name in note for name in DRAWN_ON_THE_CLIENT)
     assert warps_of(BenchOptions(warps=tuple(DRAWN_ON_THE_CLIENT))) == DRAWN_ON_THE_CLIENT
@@ -127,7 +127,7 @@ def test_another_librarys_warp_has_no_fill_and_is_told_where_it_is_missing(monke
         ({"sizes": ["10x5"]}, "width, height"),
     ],
 )
-def test_numbers_that_cannot_be_meant(changes, told):
+def test_impossible_numbers_are_refused(changes, told):
     with pytest.raises(InputError, match=told):
         BenchOptions(**changes)
 
@@ -153,7 +153,7 @@ def some(*needs: Needs) -> list[Combination]:
     ]
 
 
-def test_what_wants_other_older_frames_runs_apart():
+def test_combinations_with_other_older_frames_are_batches_of_their_own():
     near, far = Needs(others=Others(1, 50)), Needs(others=Others(2, 100))
     found = batches(some(Needs(), near, Needs(), far, near), (8, 8), (8, 8), 1e9)
     assert [[c.warp for c in batch] for batch in found] == [

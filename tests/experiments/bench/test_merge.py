@@ -114,7 +114,7 @@ def test_drivers_that_disagree_are_named(benches, tmp_path):
     assert not (tmp_path / "merged").exists()
 
 
-def test_what_cannot_be_joined_is_refused(benches, tmp_path):
+def test_benches_of_different_programs_are_refused(benches, tmp_path):
     older = elsewhere(benches[0], tmp_path / "older", program="0")
     (tmp_path / "empty").mkdir()
     for folder, words in ((older, "different programs"), (tmp_path / "empty", "no bench")):

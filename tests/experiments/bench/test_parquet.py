@@ -35,7 +35,7 @@ def test_it_holds_the_table(tmp_path):
             assert (value in (None, "")) if text == "" else type(value)(text) == value, name
 
 
-def test_the_page_tells_every_column():
+def test_the_page_describes_every_column():
     """By its name, or by the pattern of names that its row has."""
     page = PAGE.read_text(encoding="utf-8")
     told = page[page.index("| column |") :].split("\n\n")[0]

@@ -40,7 +40,7 @@ def test_a_bench_measures_one_eye_at_recorded_instants(folder, tmp_path):
     assert all(row["quality"]["psnr_db"]["mean"] > 10 and row["mismatch"] is None for row in rows)
 
 
-def test_what_a_recording_lacks_is_refused(folder, tmp_path):
+def test_warps_and_options_beyond_a_recording_are_refused(folder, tmp_path):
     with pytest.raises(PlanError, match="layer 'peeled'"):
         bench(options(folder, tmp_path, warp=["layered"]))
     for said in ({"scene": ["room"]}, {"guard": "1.5"}, {"traces": ["walk"]}, {"strategy": ["points"]}):

@@ -84,12 +84,12 @@ def test_all_stand_beside_each_other_as_one_case(rows):
         assert row["client"] and row["passes"] and row["time_ms"]["total"]["median"] > 0
 
 
-def test_what_a_strategy_sets_says_whether_it_shares_late_frames():
+def test_strategies_that_set_the_link_have_late_frames_of_their_own():
     assert {name for name in NAMES if has_own_link(name)} == {"proxy", "views"}
     assert has_own_link("proxy:client=rotation") and not has_own_link("multi:frames=2")
 
 
-def test_what_depends_on_earlier_frames_is_a_batch_by_itself_under_a_warps_name_too():
+def test_combinations_that_depend_on_earlier_frames_are_batched_alone():
     asked = attrs.evolve(OPTIONS, warps=("forward", "points"), fills=("none", "pyramid"), strategies=("views", "multi"))
     every = combinations_of(asked, load_scene("planes"))
     found = [[c.group for c in batch] for batch in batches(every, (8, 8), (8, 8), 1e9)]
@@ -117,6 +117,6 @@ def test_a_strategy_keeps_what_it_sets_of_the_link_that_all_have():
     assert (over.network.server_rate_hz, over.network.send, over.latency_ms) == (30.0, CHANGES, 120.0)
 
 
-def test_one_that_the_scene_does_not_call_for_is_refused_with_the_reason(tmp_path):
+def test_an_unsuited_strategy_is_refused_with_the_reason(tmp_path):
     with pytest.raises(PlanError, match="its light stands still"):
         bench(attrs.evolve(OPTIONS, strategies=("photons",), scenes=("planes",), out=tmp_path / "bench"))

@@ -111,14 +111,14 @@ def test_a_proxy_stands_on_the_way_that_all_have(data):
     assert {total: proxy["total_latency_ms"] for total, proxy in ways.items()} == {100: 100, 200: 200}
 
 
-def test_what_crosses_once_is_counted_where_something_does(data):
+def test_start_bytes_count_data_that_is_sent_once(data):
     start = {row["strategy"]: row["start_bytes"] for row in data["rows"]}
     assert start["imposter"] == start["depth_image"] == 0 < start["light"]
     held = {row["strategy"]: row["client_bytes"] for row in data["rows"]}
     assert 0 < held["imposter"] < held["depth_image"] < held["light"] and held["light"] > start["light"]
 
 
-def test_clients_without_what_it_takes_are_told_why(data):
+def test_clients_that_lack_something_get_the_reason(data):
     by_name = {row["strategy"]: row["unfit"] for row in data["rows"]}
     assert by_name["imposter"] == {"class-1": "", "class-2": "", "class-3": ""}
     assert "compute shaders" in by_name["depth_image"]["class-1"] and not by_name["depth_image"]["class-2"]
@@ -160,7 +160,7 @@ def test_a_page_of_many_cases_shows_the_first_and_says_so(data):
     assert "This page shows the first 1 of 2 cases" in page
 
 
-def test_nothing_sent_and_no_error_have_a_place_of_their_own_beside_the_rest(data):
+def test_zero_traffic_and_zero_error_have_ticks_of_their_own(data):
     import numpy as np
 
     exact = {name: {**figures, "mean": 0.0} for name, figures in data["rows"][0]["quality"].items()}
@@ -190,7 +190,7 @@ def test_a_rating_has_columns_where_every_row_has_one(data):
     assert "JOD" not in compare_markdown([*rated[1:], data["rows"][0]])
 
 
-def test_the_best_for_whom_suits_them(data):
+def test_the_best_strategy_suits_its_client(data):
     """None is better of those that the client can run, or that the link carries."""
     lines = [
         [cell.strip() for cell in line.split("|")[1:-1]] for line in chosen_markdown(data, [1e6, 1e-9]).splitlines()

@@ -21,7 +21,7 @@ from pathlib import Path
 import attrs
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.experiments.sweep import Result, SweepCase, SweepOptions, Swept, raise_failures, run_cases
+from hmdwarp.experiments.sweep import Result, SweepCase, SweepOptions, Swept, run_cases
 
 SECONDS = 0.02
 
@@ -72,7 +72,7 @@ def main() -> None:
     cluster, file = said.get("--cluster"), said.get("--file", "")
     try:
         how = {"resume": "--resume" in rest, "cluster": cluster}
-        raise_failures(sweep(Path(out), int(count), "quick" if file else "plain", file, **how))
+        sweep(Path(out), int(count), "quick" if file else "plain", file, **how).raise_failures()
     except HmdwarpError as error:
         print(error, file=sys.stderr)
         sys.exit(error.exit_status)

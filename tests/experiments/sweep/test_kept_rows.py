@@ -26,7 +26,7 @@ def _rows(swept):
     return swept.rows(lambda result: result.get("rows", ()))
 
 
-def test_rows_are_those_of_the_cases_in_their_order(tmp_path):
+def test_rows_keep_the_order_of_the_cases(tmp_path):
     rows = _rows(_swept(tmp_path, 7, rows=2))
     wanted = [{"case": case, "row": row, "text": str(row)} for case in (0, 1, 3, 4, 6) for row in (0, 1)]
     assert [*rows] == wanted and len(rows) == 10

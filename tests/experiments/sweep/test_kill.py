@@ -20,6 +20,6 @@ SEED = int(os.environ.get("SWEEP_KILL_SEED", "1"))
 
 @pytest.mark.slow(30)
 @pytest.mark.parametrize("number", range(KILLS))
-def test_nothing_is_lost_and_nothing_doubled(number, tmp_path):
+def test_a_kill_loses_no_case_and_doubles_none(number, tmp_path):
     chance = random.Random(1000 * SEED + number)
     assert not kill_in(VICTIMS[number % len(VICTIMS)], tmp_path / "out", chance), f"SWEEP_KILL_SEED={SEED}"

@@ -7,7 +7,7 @@ from collections import Counter
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.sweep import SweepOptions, identity_of, raise_failures
+from hmdwarp.experiments.sweep import SweepOptions, identity_of
 
 from .cheap import sweep
 
@@ -24,14 +24,14 @@ def test_each_case_is_run_once_and_kept(tmp_path):
     swept = sweep(tmp_path, 20)
     assert squares(swept) == {number: number**2 for number in range(20)}
     assert ran(tmp_path) == Counter(range(20))
-    raise_failures(swept)
+    swept.raise_failures()
 
 
-def test_what_is_done_is_not_run_again_and_what_failed_is(tmp_path):
+def test_resuming_runs_only_the_cases_that_failed(tmp_path):
     first = sweep(tmp_path, 20, "wrong")
     assert [one.why for one in first.failed] == ["13 is no number for this"]
     with pytest.raises(InputError, match="1 of 20 cases failed: number 13: 13 is no number"):
-        raise_failures(first)
+        first.raise_failures()
     again = sweep(tmp_path, 20, "wrong", resume=True)
     assert (again.known, len(again.failed)) == (19, 1)
     assert ran(tmp_path) == Counter(range(20)) + Counter([13])
@@ -43,7 +43,7 @@ def test_without_resume_all_are_run(tmp_path):
 
 
 @pytest.mark.parametrize("text", ["local", "local:0", "local:x", "somewhere", "tcp://host", "host:port"])
-def test_what_is_no_cluster_is_refused(text):
+def test_wrong_cluster_addresses_are_refused(text):
     with pytest.raises(InputError, match="expected local:N, or the address of a Dask scheduler"):
         SweepOptions(cluster=text)
 
@@ -71,12 +71,12 @@ def test_a_cluster_gives_what_this_process_gives(tmp_path):
     # Once, and again twice; a neighbour on the same worker may have been lost with it.
     assert ran(out)[13] == 3 and all(ran(out)[number] >= 1 for number in wanted)
     with pytest.raises(MachineError, match="number 13: its worker died, and 2 more that ran it again"):
-        raise_failures(swept)
+        swept.raise_failures()
     assert squares(sweep(out, 20, "plain", file, resume=True)).keys() == set(range(20))
 
 
 @pytest.mark.slow(10)
-def test_what_is_timed_on_one_runs_on_one(tmp_path):
+def test_timing_on_one_runs_all_cases_on_one_worker(tmp_path):
     pytest.importorskip("distributed")
     swept = sweep(tmp_path / "out", 12, cluster="local:2", timing_on="one")
     found = [result["pid"] for _, result in swept.results()]

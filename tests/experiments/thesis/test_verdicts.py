@@ -41,7 +41,7 @@ def test_limits_belong_to_what_they_limit(value, one, other):
 
 
 @pytest.mark.parametrize("value", [None, math.nan, math.inf, -math.inf])
-def test_what_could_not_be_measured_is_not_judged(value):
+def test_unmeasured_numbers_are_not_judged(value):
     finding = Finding.of("row", "column", value, Rule(high=1.0))
     assert (finding.value, finding.holds) == (None, None)
 

@@ -93,7 +93,8 @@ def test_from_the_store_to_the_page(tmp_path):
             respondent = Simulated(load_model("quick"), design, "main", 1, person_of(f"P{person}"), session.order)
             for step in steps_of(design, session.order, "main"):
                 if isinstance(step, Show):
-                    store.shown(session, step, dict(step.condition.settings), False, {}, complete=True)
+                    showing = store.begin_showing(session, step, dict(step.condition.settings), recorded=False)
+                    store.end_showing(session, showing, {}, complete=True)
                 elif isinstance(step, Ask):
                     store.answer(session, step, respondent.answer(step, step.trial), 1.0, "simulated")
             store.end(session, COMPLETE)

@@ -21,42 +21,14 @@ from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale, scored
 from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store
 
+from ..made_up import LATE_OR_WARPED
+
 pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
 
-TEXT = """
-schema = 1
-name = "late-or-warped"
-title = "Does a warp help?"
-seed = 3
-[common]
-scene = "planes"
-[trial]
-seconds = 1
-scales = ["grade"]
-[sickness]
-scale = "fms"
-[questionnaires]
-before = ["vrsq"]
-after = ["vrsq"]
-[[condition]]
-name = "late"
-latency = 400
-warp = "none"
-fill = "none"
-[[condition]]
-name = "warped"
-latency = 400
-warp = "forward"
-[[condition]]
-name = "reference"
-latency = 0
-warp = "none"
-fill = "none"
-reference = true
-[[family]]
-name = "the warp"
-pairs = [["late", "warped"]]
-"""
+TEXT = (
+    LATE_OR_WARPED.replace("[practice]\nseconds = 1\n", "").replace("guard = 1.5\n", "")
+    + '[[family]]\nname = "the warp"\npairs = [["late", "warped"]]\n'
+)
 MEANS = {"late": 5.0, "warped": 3.0, "reference": 1.5}
 
 

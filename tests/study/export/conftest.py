@@ -13,40 +13,8 @@ from hmdwarp.poses.formats.native import write_native
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.store import PERSON, PILOT, Store
 
-TEXT = """
-schema = 1
-name = "late-or-warped"
-title = "Does a warp help?"
-seed = 3
-[common]
-scene = "planes"
-[trial]
-seconds = 1
-scales = ["grade"]
-[practice]
-seconds = 1
-[sickness]
-scale = "fms"
-[questionnaires]
-before = ["vrsq"]
-after = ["vrsq"]
-[[condition]]
-name = "late"
-latency = 400
-warp = "none"
-fill = "none"
-[[condition]]
-name = "warped"
-latency = 400
-warp = "forward"
-guard = 1.5
-[[condition]]
-name = "reference"
-latency = 0
-warp = "none"
-fill = "none"
-reference = true
-"""
+from ..made_up import LATE_OR_WARPED
+
 NASTY = 'says "ouch"\tand;\nthen, näïve – \u2028 =1+1 🙂 Maria Withdrawn'
 
 
@@ -119,7 +87,7 @@ def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, un
 
 @pytest.fixture(scope="module")
 def design():
-    return design_from_text(TEXT, "late.toml")
+    return design_from_text(LATE_OR_WARPED, "late.toml")
 
 
 @pytest.fixture

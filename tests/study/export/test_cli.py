@@ -6,7 +6,7 @@ from typer.testing import CliRunner
 from hmdwarp.cli._app import app
 from hmdwarp.errors import InputError
 
-from .conftest import TEXT
+from ..made_up import LATE_OR_WARPED as TEXT
 
 
 def run(*words):

@@ -33,7 +33,8 @@ from hmdwarp.study.export import (
 )
 from hmdwarp.study.store import PILOT, SIMULATED, Store
 
-from .conftest import NASTY, TEXT, Day, sit
+from ..made_up import LATE_OR_WARPED as TEXT
+from .conftest import NASTY, Day, sit
 from .reading import read_table
 
 VALUES = {
@@ -309,7 +310,9 @@ def test_times_are_written_to_the_nanosecond_that_was_measured(tmp_path, design)
         trial = next(step for step in steps if isinstance(step, Show) and step.trial == 1)
         ask = next(step for step in steps if isinstance(step, Ask) and step.about == trial.key)
         actual = {"seconds": 0.30000000600000004, "latency_ms_median": 66.66666700000001, "hole_share_mean": 1 / 3}
-        showing = store.shown(session, trial, {}, False, actual, complete=True)
+        showing = store.end_showing(
+            session, store.begin_showing(session, trial, {}, recorded=False), actual, complete=True
+        )
         store.answer(session, ask, 2.0, 1.6500000330000002, "participant", showing)
         out = export(store.contents(), design, tmp_path / "out").folder
     row = read(out / "ratings.csv", ",")[0]

@@ -69,7 +69,7 @@ def test_finished_steps_follow_from_the_records(store):
     for step in steps(session):
         assert step.key not in store.done(session)
         if step in shows(session):
-            store.shown(session, step, {}, False, {}, True)
+            store.end_showing(session, store.begin_showing(session, step, {}, recorded=False), {}, True)
         elif step in asks(session):
             store.answer(session, step, None, 1.0, "participant")  # "cannot say" is an answer
         else:

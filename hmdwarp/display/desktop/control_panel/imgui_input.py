@@ -51,7 +51,7 @@ class ImGuiInput:
     def __init__(self, window: WindowHandle) -> None:
         self._window = window
         self._events: list[Event] = []
-        self._before: list[tuple[Callable, Callable, Any]] = []
+        self._before: list[tuple[Callable[..., Any], Callable[..., Any], Any]] = []
         self._place: tuple[float, float] | None = None
         self.left = 0  # left edge of the panel in framebuffer pixels; set by the panel
         self.typing = False  # whether keys go into the panel; set by it

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import attrs
 import moderngl
@@ -149,7 +150,7 @@ class ControlPanel:
         )
         return commands
 
-    def _feed(self, events: list, size: tuple[int, int]) -> None:
+    def _feed(self, events: list[Any], size: tuple[int, int]) -> None:
         self._enter()
         self._settle(size)
         io = imgui.get_io()
