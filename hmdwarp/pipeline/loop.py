@@ -85,7 +85,7 @@ class Loop:
         eyes: Eyes,
         changes: Changes | None = None,
     ) -> None:
-        self._requested, self._source, self._channel, self.history = requested, source, channel, history
+        self._requested, self.source, self._channel, self.history = requested, source, channel, history
         self.compensator: Compensator | AdaptiveCompensator = compensator
         self._eyes, self._changes = eyes, changes
         self._last: Refresh | None = None
@@ -105,7 +105,7 @@ class Loop:
                     self._channel.leave_out(instant_ns)
 
     def _has_moved(self, head: PoseSample, now_ns: int) -> bool:
-        if self._changes is None or self._channel.has_to_send(now_ns) or self._source.has_more(now_ns):
+        if self._changes is None or self._channel.has_to_send(now_ns) or self.source.has_more(now_ns):
             return True
         return self._changes.moved_px(self._eyes.views(head.pose), now_ns) > SEEN_PX
 
@@ -114,7 +114,7 @@ class Loop:
         self._draw(self._requested.for_server(now_ns), now_ns)
 
     def _draw(self, head: PoseSample, now_ns: int) -> None:
-        frame = self._source.draw(head, now_ns, self._channel.scale)
+        frame = self.source.draw(head, now_ns, self._channel.scale)
         if frame is None:
             return
         if self._changes is not None:

@@ -124,7 +124,7 @@ def test_no_frame_is_early_and_none_comes_after_a_newer_one(first_ms, latency_ms
     drawn: list[tuple[int, int]] = []
 
     def look(setup, number, refresh) -> None:
-        shown = setup.pipeline.proxy.shown
+        shown = setup.loop.source.shown
         least_ms = max(0.0, latency_ms - jitter_ms)
         # Two nanoseconds: refreshes are rounded to whole ones.
         assert refresh.age_ns >= least_ms * MS - 2 and shown.age_ns >= first_ms * MS - 2
@@ -146,7 +146,7 @@ def test_a_predicted_head_is_that_of_the_instant_at_which_it_is_seen():
     ahead: list[list[float]] = [[], []]
 
     def look(setup, number, refresh) -> None:
-        first = setup.pipeline.proxy.shown.frame
+        first = setup.loop.source.shown.frame
         for errors, frame, late_ms in zip(ahead, (first, refresh.frame), (150, 50), strict=True):
             then, now = (setup.track.at(frame.drawn_ns + ms * MS).pose for ms in (late_ms, 0))
             moved = np.linalg.norm(then.position_m - now.position_m)
@@ -164,7 +164,7 @@ def test_its_memory_is_bounded(loss):
     options = {**proxied(50.0, 50.0), "network": LinkOptions.of({"loss": loss, "link_seed": 2})}
     each_refresh(
         small(seconds=3.0, **{**options, "size": (16, 12)}),
-        lambda setup, number, refresh: made.append(setup.pipeline.proxy.made),
+        lambda setup, number, refresh: made.append(setup.loop.source.made),
     )
     # Three refreshes under way, one shown, one being made, for two eyes.
     assert made[-1] == made[10] <= 2 * 5
