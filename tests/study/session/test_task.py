@@ -131,9 +131,9 @@ def test_targets_are_part_of_the_picture(monkeypatch, gpu, tmp_path):
     shown = []
 
     class Kept(trial_runner.PipelineHost):
-        def __init__(self, display, options, scene) -> None:
-            shown.append((options.warp, [mesh.name for mesh in scene.meshes if mesh.name.startswith("target-")]))
-            super().__init__(display, options, scene)
+        def __init__(self, display, options, source) -> None:
+            shown.append((options.warp, [mesh.name for mesh in source.scene.meshes if mesh.name.startswith("target-")]))
+            super().__init__(display, options, source)
 
     monkeypatch.setattr(trial_runner, "PipelineHost", Kept)
     path = study(tmp_path, TASK.format(count=2, size=5) + 'conditions = ["spun-about"]\n')
