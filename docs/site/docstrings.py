@@ -66,7 +66,10 @@ def _item(field: griffe.Attribute) -> str:
 
 def _declared(value: str) -> tuple[str, str]:
     """Return the default and the help text of a field, by what it is set to: a value, or a call."""
-    call = ast.parse(value, mode="eval").body
+    try:
+        call = ast.parse(value, mode="eval").body
+    except SyntaxError:  # the repr of a slot of a compiled class
+        return "", ""
     name = ast.unparse(call.func) if isinstance(call, ast.Call) else ""
     if name == "group":
         return "", ""

@@ -383,7 +383,7 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
     display = OffscreenDisplay(events={5: Tick(0, 0, notice="<b>lost</b>"), **closed_at(20)})
     display.about["headset"] = "<i>X</i> & Y"
     run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'"))
-    page = (tmp_path / "out" / "report.html").read_text()
+    page = (tmp_path / "out" / "report.html").read_text().replace("<wbr>", "")
     assert (
         "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page
         and "<i>X" not in page

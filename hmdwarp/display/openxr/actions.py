@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xr
 
@@ -79,8 +79,9 @@ class Actions:
             except MachineError:  # the controller has no such input
                 self.refused.append(profile)
 
-    def _path(self, instance: Instance, text: str) -> int:
-        return int(self._calls.call_once(xr.string_to_path, instance.handle, text))
+    def _path(self, instance: Instance, text: str) -> Any:
+        """Return an XrPath, a ctypes integer that has no conversion of its own."""
+        return self._calls.call_once(xr.string_to_path, instance.handle, text)
 
     def sync(self, now_ns: int) -> None:
         """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""
