@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 # What tells one scene from another.
-SceneKey = Hashable
+SceneKey = tuple[Hashable, ...]
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
