@@ -276,7 +276,7 @@ def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu)
         server.heard(frame, False, 1_000_000_000 * (step + 2))
         server.recycle(frame)
         (sender,) = server._parts["scene_update"]._senders.values()
-        held.append((sum(map(len, sender.outbox._waiting.values())), len(sender.outbox._news)))
+        held.append((sum(map(len, sender.book._waiting.values())), len(sender.book._news)))
     waiting = [fragments for fragments, _ in held]
     assert waiting[0] > 0 and max(waiting) == waiting[0]
     assert max(news for _, news in held) <= 3
