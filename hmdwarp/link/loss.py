@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import attrs
-import numpy as np
 
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np  # help does not wait for it
 
 
 @attrs.frozen

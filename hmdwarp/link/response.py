@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import attrs
-from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from .tally import TransitStats
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike  # help does not wait for it
 
 
 @attrs.frozen

@@ -5,12 +5,13 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Iterator
-from typing import ClassVar, Self
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from ...errors import InputError
 from ...registry import Registry
+
+if TYPE_CHECKING:
+    import numpy as np  # help does not wait for it
 
 LONGEST_MS = 60_000.0  # more is probably another unit, such as microseconds
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import attrs
-import numpy as np
 
 from ...errors import InputError
 from . import DelayModel, delay_models
+
+if TYPE_CHECKING:
+    import numpy as np  # help does not wait for it
 
 
 @delay_models.register
