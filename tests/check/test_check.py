@@ -21,7 +21,7 @@ from hmdwarp.scenes import scenes
 from hmdwarp.sources.server import Server
 
 # Random cases; docs/check.md has the figures of 1000.
-CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "16"))
+CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "32"))
 CAMERA = DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5)
 
 

@@ -138,7 +138,7 @@ def test_mutated_files_of_every_layout(tmp_path, data, opts):
 @given(data=st.data(), opts=st.one_of(st.just(TraceOptions()), options))
 def test_mutated_recordings(tmp_path, data, opts):
     files = [
-        (resources.folder("recordings") / f"{name}.csv").read_bytes()[:8_000] for name in resources.recording_names()
+        (resources.folder("recordings") / f"{name}.csv").read_bytes()[:40_000] for name in resources.recording_names()
     ]
     survives(tmp_path / "f.csv", data.draw(mutations(files)), opts)
 
