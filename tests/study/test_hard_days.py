@@ -5,18 +5,23 @@ Each time one clear line, nothing lost, and the session can be resumed.
 
 from __future__ import annotations
 
+import os
+import shutil
 import signal
 import subprocess
 import time
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
+import needs
 import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.store import Store
 
 from . import tiny
+from .killing import Cold, Killed, Nursery, faults, live
 
 pytestmark = pytest.mark.slow
 
@@ -72,3 +77,71 @@ def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
     assert [(one.code, one.status) for one in contents.sessions] == [("one", "interrupted")]
     assert [one.complete for one in contents.showings if one.key == "trial/1"] == [False]
     assert [one.key for one in contents.answers] == ["practice/fms/fms"]
+
+
+@pytest.fixture
+def nursery() -> Iterator[Nursery]:
+    with Nursery() as made:
+        yield made
+
+
+@pytest.fixture
+def small_disk(tmp_path) -> Iterator[Path]:
+    """A disk of its own, of 64 KiB."""
+    place = tmp_path / "disk"
+    place.mkdir()
+    if os.geteuid() != 0 or not shutil.which("mount"):
+        pytest.skip(needs.missing("right to mount", needs.AS_ROOT))
+    done = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(place)], check=False, capture_output=True, text=True
+    )
+    if done.returncode:
+        pytest.skip(needs.missing("right to mount", done.stderr.strip()))
+    yield place
+    subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+@pytest.mark.slow(20)
+def test_a_disk_that_is_full_in_mid_session(small_disk, nursery, tmp_path):
+    """Half as much again each time.
+
+    Every stop is told in one line, and in the end nothing that was confirmed is missing.
+    """
+    study, model = tiny.write(tmp_path)
+    session = tiny.session(study, model, "person-1", "--store", str(small_disk / "data"))
+    killed = Killed(tmp_path, 0, 0, codes=["person-1"], place=small_disk / "data")
+    stops: list[str] = []
+    for size_k in (96, 144, 216, 324, 486, 729, 1094, 1640, 8000, 8000):
+        # The first is started as anybody starts it, the others have everything imported already.
+        one = live(nursery if stops else Cold, [*session, *(["--resume"] if killed.status() else [])])
+        killed.told += one.told
+        if one.status == 0:
+            break
+        assert one.status == 3 and len(one.said.splitlines()) == 1, one.said
+        assert "room" in one.said, one.said
+        stops.append(one.said)
+        subprocess.run(["mount", "-o", f"remount,size={size_k}k", str(small_disk)], check=True)
+    assert len(stops) > 2 and any("--resume" in one for one in stops)
+    assert faults(killed) == []
+
+
+@pytest.mark.slow(15)
+def test_a_folder_that_may_not_be_written(tmp_path):
+    """Of what is there nothing is changed; what may be read may be exported."""
+    study, model = tiny.write(tmp_path)
+    data = tmp_path / "tiny-simulated-data"
+    tiny.ran(*tiny.session(study, model, "one"))
+    if (
+        os.geteuid() != 0
+        or subprocess.run(["mount", "--bind", data, data], check=False, capture_output=True).returncode
+    ):
+        pytest.skip(needs.missing("right to mount", needs.AS_ROOT))
+    try:
+        subprocess.run(["mount", "-o", "remount,ro,bind", data, data], check=True)
+        before = (data / "study.sqlite3").read_bytes()
+        done = tiny.program(*tiny.session(study, model, "two"))
+        assert done.returncode in (2, 3) and done.stderr.count("\n") == 1 and str(data) in done.stderr
+        assert (data / "study.sqlite3").read_bytes() == before
+        tiny.ran("study", "export", study, "--out", tmp_path / "export", "--simulated", "--quiet")
+    finally:
+        subprocess.run(["umount", "-l", data], check=True)
