@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
 
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
 
 Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]

@@ -7,10 +7,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..client.variants import parse_indirect
+from ..client.effects import effects
+from ..client.lens import lenses
+from ..client.variants import parse_fills, parse_indirect, parse_warp
 from ..frames import Needs
 from ..link import CHANGES
 from ..link.codec import check_codec
+from ..options import AUTO
 from ..pipeline.options import PipelineOptions
 from ..pipeline.requested import PoseRequest
 from ..poses import PoseSample, PoseSource, PoseTrack
@@ -23,11 +26,19 @@ KEPT_NS = 1_000_000_000
 
 
 def check_names(options: PipelineOptions) -> None:
-    """Check predictor, codec, mirrors, indirect light and network.
+    """Check warp, fills, lens, effects, predictor, codec, mirrors, indirect light and network.
+
+    It loads nothing, so that a misspelt name is reported before a scene is built.
 
     Errors: UnknownNameError; InputError for an impossible network; MachineError for a codec that
     cannot run here.
     """
+    if options.warp != AUTO:
+        parse_warp(options.warp)
+    parse_fills(options.fill)
+    if options.lens != AUTO:
+        lenses.get(options.lens)
+    effects.forced(options.effects)
     predictors.get(options.predict)
     check_codec(options.coding.codec)
     if options.mirrors not in MIRRORS:
