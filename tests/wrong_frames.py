@@ -162,15 +162,39 @@ def scaled(frames: Frames, rng: np.random.Generator) -> Frames:
     return _deep(frames, lambda one: one.depth * factor)
 
 
-def half_a_pixel(frames: Frames, rng: np.random.Generator) -> Frames:
-    off = rng.choice([-0.5, 0.5])
+def filmed(frames: Frames, wide: tuple[float, float] = (1, 1), off: tuple[float, float] = (0, 0)) -> Frames:
+    """Return frames with tangents times as wide, and the principal point off by pixels."""
 
     def change(one: StatedFrame) -> View:
-        left, right, down, up = one.view.fov.tangents
-        x, y = off * (right - left) / one.depth.shape[1], off * (up - down) / one.depth.shape[0]
-        return View(one.view.pose, Fov.from_tangents((left - x, right - x, down + y, up + y)))
+        height, width = one.depth.shape
+        fx, fy, cx, cy = one.view.fov.intrinsics((width, height))
+        fov = Fov.from_intrinsics(fx / wide[0], fy / wide[1], cx + off[0], cy + off[1], width, height)
+        return View(one.view.pose, fov)
 
     return [attrs.evolve(one, view=change(one)) for one in frames]
+
+
+def half_a_pixel(frames: Frames, rng: np.random.Generator) -> Frames:
+    return filmed(frames, off=(rng.choice([-0.5, 0.5]),) * 2)
+
+
+def _a_width(rng: np.random.Generator) -> float:
+    return float(np.exp(rng.choice([-1, 1]) * rng.uniform(0.03, 0.4)))
+
+
+def wrong_field_of_view(frames: Frames, rng: np.random.Generator) -> Frames:
+    return filmed(frames, (_a_width(rng),) * 2)
+
+
+def wrong_aspect(frames: Frames, rng: np.random.Generator) -> Frames:
+    wide = _a_width(rng)
+    return filmed(frames, (wide, 1) if rng.random() < 0.5 else (1, wide))
+
+
+def wrong_principal_point(frames: Frames, rng: np.random.Generator) -> Frames:
+    """Two to fourteen pixels of 96, in any direction."""
+    far, way = rng.uniform(2, 14), rng.uniform(0, 2 * np.pi)
+    return filmed(frames, off=(far * np.cos(way), far * np.sin(way)))
 
 
 def eyes_swapped(frames: Frames, rng: np.random.Generator) -> Frames:
@@ -195,17 +219,45 @@ MISREADINGS = {
     "half a pixel": (half_a_pixel, "pixel"),
     "eyes swapped": (eyes_swapped, "eyes"),
     "late": (None, "time"),
+    "field of view": (wrong_field_of_view, "focal"),
+    "one focal length": (wrong_aspect, "focal"),
+    "principal point": (wrong_principal_point, "centre"),
 }
+# Two of one group are another one of it, or hide each other.
+ALONE = (
+    {"right"},
+    {"OpenCV", "Unity", "ROS"},
+    {"buffer", "reversed", "not reversed", "far plane", "scale"},
+    {"half a pixel", "principal point"},
+    {"field of view", "one focal length"},
+)
+_FIRST, _LAST = ("late", "along the ray"), ("rows up",)  # they need the right ones, or turn everything over
+
+
+def two_misreadings(rng: np.random.Generator) -> tuple[str, str]:
+    """Return two conventions that can be misread together, in the order to apply them."""
+    while True:
+        one, two = (str(name) for name in rng.choice(list(MISREADINGS), 2, replace=False))
+        if "right" not in (one, two) and not any({one, two} <= group for group in ALONE):
+            return (two, one) if one in _LAST or two in _FIRST and one != "late" else (one, two)
 
 
 def wrong_frames(recording: Recording, name: str, rng: np.random.Generator) -> Frames:
     """Return frames with the faults of a camera, of which one convention is misread."""
+    return right_and_wrong(recording, (name,), rng)[1]
+
+
+def right_and_wrong(recording: Recording, names: Sequence[str], rng: np.random.Generator) -> tuple[Frames, Frames]:
+    """Return frames with the faults of a camera, and the same with some conventions misread."""
     camera = DepthCamera(
         noise=rng.uniform(0, 0.003), far_m=rng.uniform(NEAREST_FAR_M, 12), near_m=0.2, edge_gaps=rng.uniform(0, 1)
     )
-    frames = right_frames(recording, camera, rng, stereo=name == "eyes swapped" or rng.random() < 0.2)
-    misread = MISREADINGS[name][0]
-    return misread(frames, rng) if misread else _late(recording, frames, rng)
+    right = right_frames(recording, camera, rng, stereo="eyes swapped" in names or rng.random() < 0.2)
+    wrong = right
+    for name in names:
+        misread = MISREADINGS[name][0]
+        wrong = misread(wrong, rng) if misread else _late(recording, wrong, rng)
+    return right, wrong
 
 
 def _late(recording: Recording, frames: Frames, rng: np.random.Generator) -> Frames:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import attrs
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..errors import listed
 from .conventions import (
+    CENTRE,
     CONVENTIONS,
     ENCODING,
     EYES,
@@ -62,8 +64,9 @@ class Answer:
     agreement: float
     # Correlation of their brightness where depths agree.
     likeness: float
-    # Other readings under which the frames agree as well.
+    # What it may be, where frames do not tell: each explains them as well.
     as_good: tuple[str, ...]
+    # Empty where the cause is not known.
     code: tuple[str, ...]
 
     @property
@@ -78,10 +81,13 @@ class Answer:
 
     @property
     def verdict(self) -> str:
-        """Return "right", "wrong" (and the findings say what), or "no agreement"."""
+        """Return "right", "wrong", or "no agreement".
+
+        The decision says what is wrong, or that it cannot be told.
+        """
         if not self.agree:
             return "no agreement"
-        return "wrong" if differences(self.reading) else "right"
+        return "wrong" if differences(self.reading) or self.decision.besides else "right"
 
     def headline(self) -> str:
         """Return the verdict in one sentence."""
@@ -90,10 +96,9 @@ class Answer:
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
         if self.verdict == "wrong":
-            changed = listed([finding.label for finding in self.findings if not finding.as_stated])
             return (
-                f"wrong: {changed}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree as "
-                f"stated, {share} as found ({frames})"
+                f"wrong{self._cause()}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree "
+                f"as stated, {share} as found ({frames})"
             )
         if self.agreement >= WELL:
             return (
@@ -102,13 +107,19 @@ class Answer:
             )
         return (
             f"no agreement: {frames} agree in {share} of the depths that two of them show, however they are read; "
-            "expected a scene that stands still, seen from places nearby, and the field of view of the camera"
+            "expected a scene that stands still, seen from places nearby"
         )
+
+    def _cause(self) -> str:
+        if self.decision.is_told:
+            return f": {_labels(differences(self.reading))}"
+        return f", and the cause cannot be told: {untold(self.decision)}"
 
     def as_json(self) -> dict[str, Any]:
         """Return what `--json` prints."""
         return {
             "verdict": self.verdict,
+            "told": self.agree and self.decision.is_told,
             "frames": len(self.decision.search.stated.frames),
             "agreement_stated": self.agreement_stated,
             "agreement": self.agreement,
@@ -124,35 +135,60 @@ def check(stated: Stated) -> Answer:
     search = Search(stated)
     decision = decide(search)
     best = decision.best.reading
-    findings = tuple(_finding(decision, name) for name in CONVENTIONS)
-    rivals = [other for other in decision.others if other.changes and abs(_margin(decision, other.reading)) < SURE]
-    rivals = [rival for rival in rivals if differences(rival.reading) != differences(best)]
-    as_good = dict.fromkeys(
-        listed([f"{CONVENTIONS[name].label}: {value(one.reading, stated, name)}" for name in differences(one.reading)])
-        for one in (rivals if differences(best) else ())
-    )
     return Answer(
         decision,
-        findings,
+        tuple(_finding(decision, name) for name in CONVENTIONS),
         agreement(search, Reading()),
         agreement(search, best),
         likeness(search, best),
-        tuple(as_good),
-        tuple(code(best, stated)),
+        () if decision.is_told else tuple(_values(one.reading, stated) for one in (decision.best, *decision.rivals)),
+        tuple(code(best, stated)) if decision.is_told else (),
     )
 
 
+def untold(decision: Decision) -> str:
+    """Return what it may be, where frames do not tell."""
+    causes = [_labels(names) for names in decision.causes if names]
+    if decision.besides:
+        named = dict.fromkeys([*(name for names in decision.causes for name in names), *decision.besides])
+        return f"more than one of {_labels(tuple(named))} differs, or something else does"
+    return f"{' or '.join(causes)}"
+
+
+def _labels(names: Sequence[str]) -> str:
+    return listed([CONVENTIONS[name].label for name in names])
+
+
+def _values(reading: Reading, stated: Stated) -> str:
+    return listed([f"{CONVENTIONS[name].label}: {value(reading, stated, name)}" for name in differences(reading)])
+
+
 def _finding(decision: Decision, name: str) -> Finding:
-    search, best = decision.search, decision.best.reading
-    changed = name in differences(best)
-    finding = Finding(name, CONVENTIONS[name].label, value(best, search.stated, name), not changed, True)
+    """Return what the decision says of a convention, or whether frames show it as stated."""
+    stated, best = decision.search.stated, decision.best.reading
+    label, may_differ = CONVENTIONS[name].label, {*itertools.chain(*decision.causes), *decision.besides}
+    if not decision.is_told and name in may_differ:
+        return _unknown(Finding(name, label, value(Reading(), stated, name), True, True), untold(decision))
+    if name in differences(best):
+        margins = [_margin(decision, one) for one in _others(decision.search, best, name)]
+        sure = min(margins, default=0.0)
+        return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
+    finding = Finding(name, label, value(best, stated, name), True, True)
+    return _of_number(decision, finding) if CONVENTIONS[name].numbers and name != RAY else _as_stated(decision, finding)
+
+
+def _of_number(decision: Decision, finding: Finding) -> Finding:
+    known = {finding.name, *differences(decision.best.reading)}
+    if {PIXEL, CENTRE} <= known or (ENCODING in known and finding.name in (SCALE, PLANES)):
+        return finding  # part of what is found
+    why = _vague(decision.search, decision.best.reading, finding.name)
+    return _unknown(finding, why) if why else finding
+
+
+def _as_stated(decision: Decision, finding: Finding) -> Finding:
+    search, best, name = decision.search, decision.best.reading, finding.name
     if name == EYES and search.stated.other_eye is None:
         return _unknown(finding, "these are not of both eyes")
-    if CONVENTIONS[name].numbers and not (changed and name != RAY):
-        if name in (SCALE, PLANES) and {ENCODING} & set(differences(best)):
-            return finding  # part of the encoding
-        why = _vague(search, best, name)
-        return _unknown(finding, why) if why else finding
     others = list(_others(search, best, name))
     if not others:
         return finding
@@ -178,7 +214,7 @@ def _unknown(finding: Finding, why: str) -> Finding:
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     """Yield the readings in which one convention is another one."""
-    if name in (ENCODING, PLANES, SCALE, TIME, PIXEL):
+    if name == ENCODING or (CONVENTIONS[name].numbers and name != RAY):
         if name in differences(best):
             yield restored(best, name)
         return
@@ -221,7 +257,8 @@ def _vague(search: Search, best: Reading, name: str) -> str:
     moved = search.moved_m(best)
     if name in (SCALE, PLANES, RAY) and moved * search.span(best) < 0.01:
         return f"the eye moves by only {100 * moved * search.span(best):.2g} % of the distance"
-    words = {PIXEL: f"known to {most:.2g} pixels only", TIME: f"known to {most:.2g} frames only"}
+    pixels = f"known to {most:.2g} pixels only"
+    words = {PIXEL: pixels, CENTRE: pixels, TIME: f"known to {most:.2g} frames only"}
     return words.get(
         name, f"known to {100 * most:.0f} % only" if math.isfinite(most) else "nothing in them depends on it"
     )

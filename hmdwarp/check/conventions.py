@@ -9,11 +9,13 @@ import attrs
 import numpy as np
 
 from .frame_reading import BUFFER, METRES, Reading, eye_axes
-from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y
+from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y
 from .stated_frames import Array, Stated
 
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
-RAY, ENCODING, PLANES, SCALE, PIXEL, TIME = "ray", "encoding", "planes", "scale", "pixel", "time"
+RAY, ENCODING, PLANES, SCALE, TIME = "ray", "encoding", "planes", "scale", "time"
+FOCAL, CENTRE, PIXEL = "focal", "centre", "pixel"
+_HALF = 0.25  # pixels about half of one in both directions: what is off by as much is a convention
 _SAME_UNIT = 0.06  # difference of the logarithms within which a scale is that of a unit
 # Metres per unit that are common: of depth, and of positions.
 _SCALES = {
@@ -51,11 +53,15 @@ def differences(reading: Reading) -> tuple[str, ...]:
     """Return the names of the conventions in which a reading differs from what is stated."""
     is_encoded = reading.kind == BUFFER or reading.factor < 0
     depth = ENCODING if is_encoded else PLANES if reading.offset else SCALE
-    return tuple(
-        name
-        for name, one in CONVENTIONS.items()
-        if (name == depth or name not in (ENCODING, PLANES, SCALE)) and restored(reading, name) != reading
-    )
+    centre = PIXEL if is_half_a_pixel(reading) else CENTRE
+    without = {ENCODING, PLANES, SCALE, PIXEL, CENTRE} - {depth, centre}
+    return tuple(name for name in CONVENTIONS if name not in without and restored(reading, name) != reading)
+
+
+def is_half_a_pixel(reading: Reading) -> bool:
+    """Return whether the middles of the pixels lie about half a pixel off in both directions."""
+    x, y = reading.pixel_x, reading.pixel_y
+    return _HALF < abs(x + y) / 2 < 3 * _HALF and abs(x - y) < 2 * _HALF
 
 
 def restored(reading: Reading, name: str) -> Reading:
@@ -86,6 +92,18 @@ def _late(reading: Reading, stated: Stated) -> str:
     when = "before" if reading.late_s > 0 else "after"
     frames = abs(reading.late_s) / (stated.interval_s or math.inf)
     return f"{abs(reading.late_s) * 1e3:.1f} ms ({frames:.2f} frames) {when} the picture"
+
+
+def _focal(reading: Reading, stated: Stated) -> str:
+    height, width = stated.frames[0].depth.shape
+    stated_px = stated.frames[0].view.fov.intrinsics((width, height))[:2]
+    return "focal lengths {:.4g}, {:.4g} pixels, in place of {:.4g}, {:.4g}".format(
+        *(length / wide for length, wide in zip(stated_px, (reading.wide_x, reading.wide_y), strict=True)), *stated_px
+    )
+
+
+def _centre(reading: Reading, _: Stated) -> str:
+    return f"{-reading.pixel_x:+.1f}, {-reading.pixel_y:+.1f} pixels to the right and down of where it is stated"
 
 
 def _scale(reading: Reading, _: Stated) -> str:
@@ -151,6 +169,24 @@ CONVENTIONS = {
         0.1,
     ),
     SCALE: Convention("depth scale", _APART, _DEPTH, _scale, "as stated", (FACTOR,), 0.1),
+    FOCAL: Convention(
+        "field of view",
+        "a head that turns far, both ways, and moves ahead or back",
+        ("wide_x", "wide_y"),
+        _focal,
+        "as stated",
+        (WIDE_X, WIDE_Y),
+        0.05,
+    ),
+    CENTRE: Convention(
+        "principal point",
+        "frames that roll, or approach something",
+        ("pixel_x", "pixel_y"),
+        _centre,
+        "as stated",
+        (PIXEL_X, PIXEL_Y),
+        5.0,
+    ),
     PIXEL: Convention(
         "pixel centres",
         "frames that roll or approach",
@@ -198,13 +234,19 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
         yield f"depth_m = 1 / ({constant:.5g} + {reading.factor:.5g} / depth_m)  # better: the planes of the renderer"
     if SCALE in wrong:
         yield f"depth_m = depth_m * {_scale_of(reading.factor)[0]}  # or --depth-scale, times as much"
-    if RAY in wrong:
-        yield "rays = View(pose, fov).rays((width, height))[::-1]"
-        yield "depth_m = depth_m / np.linalg.norm(rays, axis=-1)  # it was along them"
+    if FOCAL in wrong or CENTRE in wrong:
+        yield "fx, fy, cx, cy = fov.intrinsics((width, height))"
+        x, y = ("" if one == 1 else f" / {one:.4g}" for one in (reading.wide_x, reading.wide_y))
+        right, down = (f" - {one:.4g}" if CENTRE in wrong else "" for one in (reading.pixel_x, reading.pixel_y))
+        centre = f"cx{right}, cy{down}".replace("- -", "+ ")
+        yield f"fov = Fov.from_intrinsics(fx{x}, fy{y}, {centre}, width, height)"
     if PIXEL in wrong:
         was, now = (0, 0.5) if reading.pixel_x > 0 else (0.5, 0)
         yield f"fx, fy, cx, cy = fov.intrinsics((width, height), centre={was})  # half a pixel"
         yield f"fov = Fov.from_intrinsics(fx, fy, cx, cy, width, height, centre={now})"
+    if RAY in wrong:
+        yield "rays = View(pose, fov).rays((width, height))[::-1]"
+        yield "depth_m = depth_m / np.linalg.norm(rays, axis=-1)  # it was along them"
 
 
 def _turned(axes: str) -> Iterator[str]:

@@ -2,41 +2,49 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
 
-from .conventions import ENCODING, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences
+from .conventions import CENTRE, ENCODING, FOCAL, PLANES, ROWS, SCALE, TIME, differences
 from .frame_reading import Reading
-from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
+from .numbers import FITTED, Numbers, NumberSearch, fixed, matters, numbered, without_numbers
+from .overlap import FACTOR, OFFSET, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree
 # Of the depths agree: what is left are small numbers; one convention explains the frames.
 WELL, _ENOUGH = 0.85, 0.6
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
-_KEPT = 4  # readings of the coarse pictures that are looked at closely
+_MOST_CHANGES = 2  # that are named
+_KEPT = 6  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
-_SECOND = 4  # times as sure: a second number may stand in for what the first leaves
-_NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted number itself
-# Below these a number is as stated.
-_SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
-_MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
-_OF_NUMBER = {FACTOR: SCALE, OFFSET: PLANES, ALONG: RAY, PIXEL_X: PIXEL, PIXEL_Y: PIXEL, LATE: TIME}
+_LOOSE = (FOCAL, CENTRE, TIME)  # tried on a wide grid
 
 
 @attrs.frozen(eq=False)
 class Decision:
-    """The best reading, and the others that were close."""
+    """What is wrong, or that it cannot be told: headline, findings and code are written from it."""
 
     search: Search
     noise: Noise
     best: Candidate
-    others: tuple[Candidate, ...]
+    # Readings with as few other changes under which the frames agree as well.
+    rivals: tuple[Candidate, ...] = ()
+    # Conventions of which one or more differ besides, where no reading of them was found.
+    besides: tuple[str, ...] = ()
+
+    @property
+    def is_told(self) -> bool:
+        """Whether the best reading is the only one that explains the frames."""
+        return not self.rivals and not self.besides
+
+    @property
+    def causes(self) -> tuple[tuple[str, ...], ...]:
+        """The conventions that differ: of the best reading first, then of its rivals."""
+        return tuple(dict.fromkeys(differences(one.reading) for one in (self.best, *self.rivals)))
 
 
 def likeness(search: Search, reading: Reading) -> float:
@@ -64,11 +72,12 @@ def explains(search: Search, reading: Reading) -> bool:
 
 
 def decide(search: Search) -> Decision:
-    """Return the best reading of the frames."""
+    """Return the best reading of the frames, and whether others fit as well."""
     plain = Reading()
     found = [plain, *search.discrete(plain)]
     well = agreement(search, search.best(found)) >= WELL
     found += _best_of(search, search.usual_numbers(plain)[:1])
+    found += [search.best(way) for way in (*search.cameras(plain), search.late(plain)) if way]
     if not well:
         numbers = _best_of(search, search.numbers(plain))
         found += numbers
@@ -77,27 +86,48 @@ def decide(search: Search) -> Decision:
             found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
         if not explains(search, search.best(found)):
             found += _two(search, plain)
-    close = _close(search, [*found, *search.late(plain)])
-    noise = Noise.of(search.fine.residuals(close[0].reading))
-    candidates = [
-        search.candidate(one.reading, noise, len(differences(one.reading)), one)
-        for one in (*close, *([] if any(one.reading == plain for one in close) else [_fixed(plain)]))
-    ]
-    leader = _simplest(search, candidates)
-    for _ in range(2):
-        needed = _SECOND * SURE if leader.changes else SURE
-        finer = [one for one in _finer(search, leader, noise) if _is_finer(one, leader, needed)]
-        if not finer:
-            break
-        candidates += finer
-        leader = min(finer, key=lambda one: float(one.cost.sum()))
-    if leader.changes > 1:
-        leader = _simplest(search, [candidate for candidate in candidates if candidate.changes])
-    return Decision(search, noise, leader, tuple(candidate for candidate in candidates if candidate is not leader))
+    close = _close(search, found)
+    readings = list(dict.fromkeys([*(one.reading for one in close), plain]))
+    noise = Noise.of(search.fine.residuals(readings[0]))
+    found_numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
+    return _decided(search, _stepped(search, found_numbers, readings), readings)
 
 
-def _fixed(reading: Reading) -> Fitted:
-    return Fitted(reading, (), np.empty(0), np.empty(0))
+def _stepped(search: Search, found: Numbers, readings: Sequence[Reading]) -> Numbers:
+    """Return the same, or with one more convention without a number where that is surely better."""
+    steps = _candidates(search, list(search.discrete(found.best.reading)), found.noise)
+    better = min(steps, key=lambda one: float(one.cost.sum()))
+    if margin(found.best, better) <= SURE:
+        return found
+    return NumberSearch(search, better, [better.reading, *readings]).found()
+
+
+def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Decision:
+    """Return the decision between what the numbers explain, and other readings that were close."""
+    best, rivals, besides = found.best, found.rivals, found.besides
+    others = _candidates(search, readings, found.noise)
+    if best.changes > 1:
+        best = _simplest(search, [best, *(one for one in others if one.changes)])
+        rivals, besides = (rivals, besides) if best is found.best else ((), ())
+    if best.changes:
+        most = agreement(search, best.reading)
+        as_good = (
+            one
+            for one in others
+            if 0 < one.changes <= best.changes
+            and without_numbers(one.reading) != without_numbers(best.reading)
+            and differences(one.reading) != differences(best.reading)
+            and margin(one, best) < SURE
+            and agreement(search, one.reading) >= _AS_GOOD * most
+        )
+        rivals += tuple(as_good)
+    if best.changes > _MOST_CHANGES:  # with so many, others may do as well
+        besides = tuple(dict.fromkeys((*differences(best.reading), *besides)))
+    return Decision(search, found.noise, best, rivals, besides)
+
+
+def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
+    return [search.candidate(one, noise, len(differences(one))) for one in readings]
 
 
 def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
@@ -107,20 +137,18 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
     for reading in sorted(dict.fromkeys(found), key=search.score, reverse=True):
         if len(kept) == _KEPT or search.score(reading) < least:
             break
-        names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
-        names += [OFFSET] if reading.offset or reading.end else []
-        names += [LATE] if reading.late_s else []
-        fitted = search.fitted(reading, names) if names else _fixed(reading)
-        if _possible(search, fitted.reading):
+        names = _numbers_of(reading)
+        fitted = search.fitted(reading, names) if names else fixed(reading)
+        if all(matters(search, name, fitted.reading) for name in numbered(fitted.reading)):
             least = least or _NEAR_BEST * search.score(reading)
             kept.append(fitted)
     return kept
 
 
-def _possible(search: Search, reading: Reading) -> bool:
-    """Return whether depth stays in front of the eye, and differs from what is stated."""
-    known = differences(reading)
-    return all(_matters(search, name, Reading(), reading) for name in (PLANES, SCALE) if name in known)
+def _numbers_of(reading: Reading) -> list[str]:
+    names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
+    names += [OFFSET] if reading.offset or reading.end else []
+    return [*names, *(number for name in numbered(reading) if name in _LOOSE for number in FITTED[name])]
 
 
 def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
@@ -151,46 +179,9 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
     singles = [one for one in search.discrete(plain) if ROWS not in differences(one)]
     found = list(search.rows(plain))
     both: list[Reading] = []
-    for one in [*singles, *found]:
+    cameras = [search.best(way) for way in search.cameras(plain)]
+    for one in [*singles, *found, *cameras]:
         both += [two for two in search.discrete(one) if len(differences(two)) == 2]
         both += _best_of(search, search.usual_numbers(one))
+        both += [search.best(way) for way in search.cameras(one)]
     return both
-
-
-def _is_finer(one: Candidate, leader: Candidate, needed: float) -> bool:
-    """Return whether the new number is known to differ, and frames agree better with it."""
-    assert one.fitted is not None
-    new = [name not in differences(leader.reading) for name in map(_OF_NUMBER.get, one.fitted.names)]
-    known = np.abs(one.fitted.change) > needed * one.fitted.error
-    least = -_NO_WORSE if not leader.changes else needed / 4
-    return bool(known[new].all()) and margin(leader, one) > least
-
-
-def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidate]:
-    """Yield readings with one more number that differs enough to be named."""
-    start, known = leader.reading, differences(leader.reading)
-    groups: dict[str, tuple[str, ...]] = {RAY: (ALONG,), PIXEL: (PIXEL_X, PIXEL_Y), TIME: (LATE,)}
-    if not {ENCODING, PLANES} & set(known):
-        groups |= {SCALE: (FACTOR,), PLANES: (FACTOR, OFFSET)}
-    for name, numbers in groups.items():
-        if name in known or not set(numbers) <= set(search.steps(start)):
-            continue
-        extra = tuple(itertools.chain((FACTOR, OFFSET) if ENCODING in known else (), numbers))
-        fitted = search.fitted(start, tuple(dict.fromkeys(extra)))
-        if _matters(search, name, start, fitted.reading):
-            yield search.candidate(fitted.reading, noise, len(differences(fitted.reading)), fitted)
-
-
-def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
-    """Return whether a number differs so much that it has a name."""
-    if name == RAY:
-        return found.along - start.along > 0.5
-    if name == PIXEL:
-        x, y = found.pixel_x, found.pixel_y
-        return _PIXEL < abs(x + y) / 2 < 3 * _PIXEL and abs(x - y) < 2 * _PIXEL
-    if name == TIME:
-        assert search.stated.interval_s is not None
-        return abs(found.late_s) > _LATE * search.stated.interval_s
-    if name == PLANES:
-        return _OFFSET * search.farthest(found) < abs(found.offset) and found.offset > -_MOST * search.farthest(found)
-    return abs(math.log(found.factor / start.factor)) > _SCALE

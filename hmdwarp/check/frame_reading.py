@@ -49,13 +49,19 @@ class Reading:
     # in pixels of the full resolution.
     pixel_x: float = 0.0
     pixel_y: float = 0.0
+    # Tangents of the view over those of the stated field of view: focal lengths stated over true.
+    wide_x: float = 1.0
+    wide_y: float = 1.0
     # The instant of the picture after that of its pose, seconds.
     late_s: float = 0.0
 
     def poses(self, stated: Stated) -> tuple[Array, Array]:
         """Return the matrices (n, 3, 3) and positions (n, 3) of world_from_eye."""
-        turn, place = _poses(stated, self.order, self.inverse, self.axes, self.eyes_swapped)
-        return _moved(stated, turn, place, self.late_s) if self.late_s else (turn, place)
+        key = (self.order, self.inverse, self.axes, self.eyes_swapped, self.late_s)
+        if key not in stated.poses_read:
+            turn, place = _poses(stated, *key[:-1])
+            stated.poses_read[key] = _moved(stated, turn, place, self.late_s) if self.late_s else (turn, place)
+        return stated.poses_read[key]
 
     def inverse_depth(self, base: Array, ray: Array) -> Array:
         """Return the inverse depth, NaN for none.

@@ -15,11 +15,14 @@ from .stated_frames import Array, Sheet, Stated
 
 Indices = NDArray[np.int64]
 TILES = 3  # a side: parts of a picture that err together
-FACTOR, OFFSET, ALONG, PIXEL_X, PIXEL_Y, LATE = "factor", "offset", "along", "pixel_x", "pixel_y", "late_s"
+FACTOR, OFFSET, ALONG, LATE = "factor", "offset", "along", "late_s"
+PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y = "pixel_x", "pixel_y", "wide_x", "wide_y"
+LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y)  # fitted as such
 _ROUNDS = 5
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
 _CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
 _SMALL = 1e-9
+_LOOSE = 1000  # small differences: how far a number may lie from where it started, without evidence
 _DEPTH, _COLOUR = 0.04, 0.7  # differences that count half: of the depth; of the brightness, in its deviation
 
 
@@ -117,10 +120,11 @@ class Overlap:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
         x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
         y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        return x, y
+        return x * reading.wide_x, y * reading.wide_y
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
+        x, y = x / reading.wide_x, y / reading.wide_y
         column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
         line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
         return column, line
@@ -159,7 +163,7 @@ class Fitted:
 
     reading: Reading
     names: tuple[str, ...]
-    change: Array  # of each number against the reading at the start; of FACTOR its logarithm
+    change: Array  # of each number against the reading at the start; of LOGARITHMS so
     error: Array  # standard error of each, inf where the frames say nothing
 
 
@@ -190,7 +194,7 @@ def cost(found: Residuals, noise: Noise) -> Array:
 def changed(reading: Reading, names: Sequence[str], change: Sequence[float]) -> Reading:
     """Return the reading with other numbers."""
     values: dict[str, Any] = {
-        name: reading.factor * math.exp(one) if name == FACTOR else getattr(reading, name) + one
+        name: getattr(reading, name) * math.exp(one) if name in LOGARITHMS else getattr(reading, name) + one
         for name, one in zip(names, change, strict=True)
     }
     return attrs.evolve(reading, **values)
@@ -206,13 +210,14 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
     names, change = tuple(steps), np.zeros(len(steps))
     small = np.array(list(steps.values()))
     limit = 60 * small
+    prior = np.diag(1 / (_LOOSE * small) ** 2)  # holds what the frames say nothing of
     hessian, spread = np.eye(len(names)), np.eye(len(names))
     for _ in range(_ROUNDS):
         reading = changed(start, names, change.tolist())
         found = overlap.residuals(reading)
         noise = Noise.of(found)
-        hessian, spread = np.zeros((len(names),) * 2), np.zeros((overlap.blocks, len(names)))
-        down = np.zeros(len(names))
+        hessian, spread = prior.copy(), np.zeros((overlap.blocks, len(names)))
+        down = prior @ change
         slopes = [overlap.residuals(changed(reading, [name], [steps[name]])) for name in names]
         for kind in ("depth", "colour"):
             deviation = getattr(noise, kind)
@@ -233,6 +238,6 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
         if (np.abs(step) < 0.05 * small).all():
             break
     inverse = np.linalg.pinv(hessian)
-    error = np.sqrt(np.diag(inverse @ (spread.T @ spread) @ inverse))
-    error = np.where(np.diag(hessian) * small**2 > _SMALL, error, math.inf)
+    error = np.sqrt(np.diag(inverse @ (spread.T @ spread + prior) @ inverse))
+    error = np.where(np.diag(hessian - prior) * small**2 > _SMALL, error, math.inf)
     return Fitted(changed(start, names, change.tolist()), names, change, error)

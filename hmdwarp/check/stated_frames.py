@@ -59,6 +59,8 @@ class Stated:
     """
 
     frames: Sequence[StatedFrame]
+    # Matrices and positions that a reading makes of the poses: most readings share them.
+    poses_read: dict[tuple[str, bool, str, bool, float], tuple[Array, Array]] = attrs.field(factory=dict, init=False)
 
     def __attrs_post_init__(self) -> None:
         if len(self.frames) < 2:

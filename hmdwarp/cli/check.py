@@ -17,8 +17,9 @@ if TYPE_CHECKING:
 def check(said: Said) -> None:
     """Find the conventions under which frames of the same things agree, by depth and by colour.
 
-    Quaternion order, pose or its inverse, axes, rows, eyes, depth and its planes and scale, half
-    a pixel, time. It says what cannot be told, and prints the code that reads the frames right.
+    Quaternion order, pose or its inverse, axes, rows, eyes, depth and its planes and scale, field
+    of view, principal point, half a pixel, time. It says what cannot be told, and prints the code
+    that reads the frames right.
     """
     from ..check import Stated, check, read_stated
     from ..report import refuse_existing, write_png
@@ -50,10 +51,10 @@ def _print(answer: Answer) -> None:
         mark = "" if one.as_stated else "  <- not as stated"
         sure = f"  ({one.margin:.0f} standard errors ahead)" if one.margin is not None else ""
         typer.echo(f"  {one.label:<{width}}  {one.value}{sure}{mark}")
+    for other in answer.as_good:
+        paragraph(f"It may be {other}")
     for one in (one for one in answer.findings if not one.told):
         paragraph(f"{one.label} cannot be told from these frames: {one.why}")
-    for other in answer.as_good:
-        paragraph(f"These frames agree as well with {other}")
     if answer.code:
         typer.echo("Read them so:")
         for line in answer.code:

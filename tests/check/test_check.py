@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections import Counter
 
 import attrs
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from check_rates import missed_of, recorded_for, results, resumed
 from depth_camera import DepthCamera
 from scipy.spatial.transform import Rotation
-from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, recordings, right_frames, wrong_frames
+from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings, right_frames, wrong_frames
 
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch
 from hmdwarp.errors import InputError
@@ -21,7 +22,8 @@ from hmdwarp.scenes import scenes
 from hmdwarp.sources.server import Server
 
 # Random cases; docs/check.md has the figures of 1000.
-CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "32"))
+CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "38"))
+TWO = max(10, CASES // 5)
 CAMERA = DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5)
 
 
@@ -56,6 +58,91 @@ def test_counting_that_was_interrupted_goes_on(recorded, tmp_path):
     assert list(results(recorded, 3, [one.case for one in found])) == [whole[1]]
     with pytest.raises(SystemExit, match="results of 3 cases, 4 are wanted"):
         resumed(out, 4)
+
+
+def test_two_wrong_conventions_are_both_named_or_it_says_that_it_cannot_tell(recorded):
+    found = Counter(one.outcome for one in results(recorded, TWO, faults=2))
+    assert found["wrong"] <= 0.02 * TWO and found["right"] >= 0.6 * TWO, found
+
+
+# Focal lengths over the true ones, and pixels by which the principal point is off; of 96x72.
+INTRINSICS = {
+    "5 % short": (0.95, 0.95, 0, 0),
+    "3 % long": (1.03, 1.03, 0, 0),
+    "half as long again": (1.5, 1.5, 0, 0),
+    "a third shorter": (0.67, 0.67, 0, 0),
+    "fy 7 % long": (1, 1.067, 0, 0),
+    "fx 20 % short": (0.8, 1, 0, 0),
+    "cx right": (1, 1, 3.6, 0),
+    "cx far left": (1, 1, -12, 0),
+    "cy down": (1, 1, 0, 3.6),
+    "cy up": (1, 1, 0, -5),
+}
+
+
+@pytest.mark.parametrize(("fx", "fy", "x", "y"), INTRINSICS.values(), ids=INTRINSICS)
+def test_wrong_intrinsics_are_named_and_measured(fx, fy, x, y, in_the_room):
+    right = right_frames(in_the_room, CAMERA, np.random.default_rng(12))
+    answer = check(Stated(filmed(right, (1 / fx, 1 / fy), (x, y))))
+    wrong = ["focal"] if fx != 1 or fy != 1 else ["centre"]
+    assert [one.name for one in answer.findings if not one.as_stated] == wrong
+    mended, true = (
+        mend(frame, code).view.fov
+        for frame, code in ((answer.decision.search.stated.frames[0], answer.code), (right[0], ()))
+    )
+    found, expected = (np.array(fov.intrinsics((96, 72))) for fov in (mended, true))
+    # A hundredth of the focal length is half a pixel at the border; noise and gaps move no more.
+    assert found == pytest.approx(expected, abs=0.6)
+
+
+def test_other_intrinsics_of_another_size_are_not_called_the_time(in_the_room):
+    """525/319.5/239.5 of 640x480, taken for those of a small picture."""
+    right = right_frames(in_the_room, CAMERA, np.random.default_rng(13))
+    fx, fy, cx, cy = right[0].view.fov.intrinsics((96, 72))
+    answer = check(Stated(filmed(right, (fx / 78.75, fy / 78.75), (48, 36))))
+    told = {one.name for one in answer.findings if not one.as_stated}
+    assert told in (set(), {"focal", "centre"}) and answer.verdict != "right"
+    assert bool(answer.as_json()["code"]) == bool(told)
+
+
+def moved(gpu, turn_deg: float, way_m: tuple[float, float, float], rng: np.random.Generator) -> list[StatedFrame]:
+    """Return frames of a head that turns there and back, and moves along one line."""
+    server = Server(gpu, scenes.get("room").build())
+
+    def at(time_ns: int) -> Pose:
+        share = np.sin(time_ns / 3e8)
+        turn = Rotation.from_euler("y", turn_deg * np.sin(time_ns / 2e8), degrees=True)
+        return Pose(np.array([0, 1.5, 0]) + share * np.array(way_m), turn.as_quat())
+
+    taken = CAMERA.record(server, at, range(0, 12 * INTERVAL_NS, INTERVAL_NS), rng)
+    server.close()
+    return [StatedFrame(str(k), one.colour, one.depth_m, one.view, one.time_ns) for k, one in enumerate(taken)]
+
+
+def test_a_head_that_moves_to_the_side_alone_does_not_tell_focal_length_from_depth_scale(gpu):
+    """Parallax is the focal length times the way over the depth: both name the same pictures."""
+    frames = filmed(moved(gpu, 0, (0.3, 0, 0), np.random.default_rng(14)), (1.2, 1.2))
+    answer = check(Stated(frames))
+    assert answer.verdict == "wrong" and "cannot be told" in answer.headline()
+    assert "field of view" in answer.headline() and "depth scale" in answer.headline()
+    assert answer.code == () and len(answer.as_good) > 1
+    assert all(one.as_stated for one in answer.findings)
+    assert {"focal", "scale"} <= {one.name for one in answer.findings if not one.told}
+
+
+def test_a_head_that_only_turns_tells_the_focal_length(gpu):
+    frames = filmed(moved(gpu, 15, (0, 0, 0), np.random.default_rng(15)), (1.1, 1.1))
+    assert named(frames) == ["focal"]
+
+
+def test_what_is_named_is_told_and_has_code_and_nothing_else_has(recorded):
+    """Headline, reasons and code are one decision."""
+    for name in MISREADINGS:
+        answer = check(Stated(wrong_frames(recorded[-1], name, np.random.default_rng(16))))
+        changed = [one for one in answer.findings if not one.as_stated]
+        assert all(one.told for one in changed)
+        assert bool(changed) == bool(answer.code) == (answer.verdict == "wrong" and not answer.as_good)
+        assert all(one.label in answer.headline() for one in changed)
 
 
 CODED = [name for name in MISREADINGS if name not in ("right", "eyes swapped", "late", "not reversed")]
