@@ -63,6 +63,7 @@ def info(said: Said) -> None:
     console.print(_lead_table(figures))
     if len(loaded.segments) > 1:
         console.print(_segment_table(loaded))
+    console.print(_assumption_table(loaded))
     _print_defects(console, loaded)
 
 
@@ -248,6 +249,15 @@ def _segment_table(loaded: LoadedTrace) -> Table:
         )
     if len(loaded.segments) > 20:
         table.add_row("...", "", "", "", f"{len(loaded.segments) - 20} more")
+    return table
+
+
+def _assumption_table(loaded: LoadedTrace) -> Table:
+    from rich.table import Table
+
+    table = Table("fact", "taken as", "who says so", title="What was assumed of the file", title_justify="left")
+    for one in loaded.assumptions:
+        table.add_row(one.what, one.value, one.source)
     return table
 
 
