@@ -65,9 +65,9 @@ def test_what_the_folder_does_not_state_is_an_entry(form, folder):
     """Intrinsics, the depth's unit, axes and the clock, each with who says so."""
     PUBLISHED[form].write(folder, taken(2))
     entries = sequences.open(folder, PUBLISHED[form].options).assumptions
-    assert {"intrinsics", "depth scale", "axes", "clock"} <= {entry.what for entry in entries}
+    assert {"intrinsics", "depth scale", "camera axes", "frame clock"} <= {entry.what for entry in entries}
     if PUBLISHED[form].options.intrinsics is not None:
-        assert next(entry.by for entry in entries if entry.what == "intrinsics") is By.OPTION
+        assert next(entry.by for entry in entries if entry.what == "intrinsics") is By.USER
 
 
 @pytest.mark.parametrize("form", PUBLISHED)
@@ -115,7 +115,7 @@ def test_a_camera_of_a_data_set_is_for_its_own_size(form, size, folder):
     left, right, down, up = sequence.frames[0].fov.tangents
     if form != "seven_scenes":
         assert (left, right) == pytest.approx((-1, 1)) and -down == pytest.approx(up)
-    assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is By.LAYOUT
+    assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is By.FORMAT
     with pytest.raises(InputError, match=f"for {size[0]}x{size[1]} pixels, its pictures have 36x24"):
         PUBLISHED[form].write(folder, taken(1))
         sequences.open(folder)

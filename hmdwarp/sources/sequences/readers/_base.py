@@ -56,10 +56,6 @@ class Facts:
     depth_scale: float
     assumptions: tuple[Assumption, ...] = ()
 
-    def with_more(self, *assumptions: Assumption) -> Facts:
-        """Return them with more entries."""
-        return attrs.evolve(self, assumptions=(*self.assumptions, *assumptions))
-
     def axes(self, world: str = "") -> Axes:
         """Return the axes of the camera, which looks along +z, and of its world.
 
@@ -78,20 +74,20 @@ def facts_of(
     camera: Camera | None,
     depth_scale: float | None,
     *,
-    camera_in_file: Camera | None = None,
-    scale_in_file: float | None = None,
+    own: Camera | None = None,
+    own_scale: float | None = None,
 ) -> Facts:
-    """Return what the options say, else camera.json in the folder, else its other files or layout.
+    """Return what the options say, else camera.json in the folder, else other files, else the layout.
 
-    camera, depth_scale: as the layout has them, None where it says nothing. camera_in_file,
-    scale_in_file: as a file of the layout states them. Errors: InputError.
+    own, own_scale: as the layout's files state them. camera, depth_scale: as the layout has them,
+    None where it says nothing. Errors: InputError.
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
-    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated) or camera_in_file, camera)
-    own = stated.get("depth_scale")
-    if own is not None and options.depth_scale is None:
-        scale_of(folder / CAMERA, own)
-    scale, scale_by = first_stated(options.depth_scale, own or scale_in_file, depth_scale)
+    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
+    named = stated.get("depth_scale")
+    if named is not None and options.depth_scale is None:
+        scale_of(folder / CAMERA, named)
+    scale, scale_by = first_stated(options.depth_scale, named or own_scale, depth_scale)
     if camera is None:
         raise InputError(
             f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
@@ -124,13 +120,14 @@ def sequence_of(
     *,
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
+    more: Rows[Assumption] = (),
     depth_of: Callable[[Path], NDArray[Any]] = read_depth,
     fit: Fit = fitted_depth,
 ) -> Sequence:
     """Return the sequence of pairs of files that share one camera.
 
-    track: a denser motion than the frames' own. depth_of, fit: as `reading` takes them. Errors:
-    InputError without frames.
+    track: a denser motion than the frames' own. more: facts beside those of the camera. depth_of,
+    fit: as `reading` takes them. Errors: InputError without frames.
     """
     pairs = sorted(pairs, key=lambda pair: pair.time_ns)
     if not pairs:
@@ -149,7 +146,7 @@ def sequence_of(
         )
 
     frames = [frame(pair) for pair in pairs]
-    return made(reader, folder, frames, track=track, notes=notes, assumptions=facts.assumptions)
+    return made(reader, folder, frames, track=track, notes=notes, assumptions=(*facts.assumptions, *more))
 
 
 def made(

@@ -34,7 +34,7 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
 
 
 def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> dict[int, _base.Pose]:
-    """Return world_from_eye of files of one matrix, camera to world; those of inf or NaN are lost."""
+    """Return world_from_eye of files of a matrix, from camera to world; not those of inf or NaN."""
     matrices = {number: matrix_in(path) for number, path in files.items()}
     return {
         number: _base.pose_of_matrix(axes, str(files[number]), matrix)
@@ -57,9 +57,11 @@ def left_out(count: int, why: str) -> list[str]:
 def clock_of(options: SequenceOptions, by: By, rate_hz: float = RATE_HZ) -> Assumption:
     """Return the entry for the clock of numbered frames. by: who says its rate, if not the user."""
     stated = options.frames_rate_hz
-    return Assumption("clock", f"{stated or rate_hz:g} frames per second", By.OPTION if stated else by)
+    return Assumption(
+        "frame clock", f"{stated or rate_hz:g} frames per second", By.USER if stated else by, "--frames-rate"
+    )
 
 
-def axes_of(axes: Axes, by: By = By.LAYOUT) -> Assumption:
+def axes_of(axes: Axes, by: By = By.FORMAT) -> Assumption:
     """Return the entry for axes."""
-    return Assumption("axes", axes.words(), by)
+    return Assumption("camera axes", axes.words(), by)

@@ -37,7 +37,7 @@ class ReplicaReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         camera, scale = _stated(path)
-        facts = facts_of(path, options, RENDERER, _SCALE, camera_in_file=camera, scale_in_file=scale)
+        facts = facts_of(path, options, RENDERER, _SCALE, own=camera, own_scale=scale)
         axes, rows = facts.axes(_WORLD), rows_of(path / POSES)
         colours, depths = by_number(path / "results", "frame*.*"), by_number(path / "results", "depth*.png")
         whole = sorted(colours.keys() & depths.keys())
@@ -49,9 +49,9 @@ class ReplicaReader(SequenceReader):
         for at in whole:
             pose = pose_of_matrix(axes, rows[at].where, np.reshape(rows[at].floats(16), (4, 4)))
             pairs.append(Pair(colours[at], depths[at], at_rate(options, at), pose))
-        facts = facts.with_more(axes_of(axes), clock_of(options, By.LAYOUT))
+        more = (axes_of(axes), clock_of(options, By.FORMAT))
         notes = left_out(len(colours) - len(pairs), "no depth")
-        return sequence_of(self, path, pairs, facts, notes=notes)
+        return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 
 
 def _stated(path: Path) -> tuple[Camera | None, float | None]:

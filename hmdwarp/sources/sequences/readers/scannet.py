@@ -56,15 +56,15 @@ class ScanNetReader(SequenceReader):
                 f"{path}: intrinsic_color.txt has its centre at {own.cx:g},{own.cy:g}, which is not the middle of "
                 f"pictures of {size[0]}x{size[1]}: give those of the pictures by --intrinsics FX,FY,CX,CY"
             )
-        facts = facts_of(path, options, None, 0.001, camera_in_file=own)
+        facts = facts_of(path, options, None, 0.001, own=own)
         axes = facts.axes(_WORLD)
         poses = poses_in_files(axes, files)
         whole = sorted(colours.keys() & depths.keys() & poses.keys())
         pairs = [Pair(colours[at], depths[at], at_rate(options, at), poses[at]) for at in whole]
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
-        facts = facts.with_more(axes_of(axes), clock_of(options, By.LAYOUT))
+        more = (axes_of(axes), clock_of(options, By.FORMAT))
         fit = _through(facts.camera, cameras["depth"]) if size != depth_size else _same
-        return sequence_of(self, path, pairs, facts, notes=notes, fit=fit)
+        return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
 
 
 def _file(path: Path, name: str) -> Path | None:

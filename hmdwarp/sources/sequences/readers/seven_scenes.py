@@ -49,8 +49,8 @@ class SevenScenesReader(SequenceReader):
         whole = sorted(colours.keys() & depths.keys() & poses.keys())
         pairs = [Pair(colours[at], depths[at], at_rate(options, at), poses[at]) for at in whole]
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
-        more = (axes_of(axes), clock_of(options, By.LAYOUT))
-        return sequence_of(self, path, pairs, facts.with_more(*more), notes=[_UNREGISTERED, *notes], depth_of=_measured)
+        more = (axes_of(axes), clock_of(options, By.FORMAT))
+        return sequence_of(self, path, pairs, facts, notes=[_UNREGISTERED, *notes], more=more, depth_of=_measured)
 
 
 def _sequences_in(path: Path) -> list[str]:

@@ -53,9 +53,9 @@ class TartanAirReader(SequenceReader):
         if whole and whole[-1] >= len(rows):
             raise InputError(f"{path}: {len(rows)} poses, and a picture {whole[-1]}; expected a line for each")
         poses = {at: pose_of_numbers(axes, rows[at].where, rows[at].floats(7)) for at in whole}
-        clock = clock_of(options, By.LAYOUT, rate_hz) if rate_hz else clock_of(options, By.LAYOUT)
+        clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options, By.FORMAT)
         pairs = [Pair(colours[at], depths[at], at_rate(options, at, rate_hz), poses[at]) for at in whole]
-        return sequence_of(self, path, pairs, facts.with_more(axes_of(axes), clock), depth_of=_depth)
+        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
 
 
 def _side(path: Path) -> str | None:
