@@ -10,8 +10,8 @@ import attrs
 import typer
 
 from ..errors import InputError, counted
-from ..options import DEFAULT_GUARD, Option
-from ..pipeline.options import AUTO, PipelineOptions
+from ..options import AUTO, DEFAULT_GUARD, Option
+from ..pipeline.options import PipelineOptions
 from ..pipeline.source_kinds import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes

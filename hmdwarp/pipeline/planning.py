@@ -14,10 +14,10 @@ from ..client.variants import CONVERGED, parse_indirect
 from ..client.warps import Warp
 from ..errors import InputError, PlanError
 from ..headsets import Headset
-from ..options import Choice
+from ..options import AUTO, Choice
 from ..scenes import Scene
 from .auto.levels import QualityLevel
-from .options import AUTO, PipelineOptions
+from .options import PipelineOptions
 from .proxy_options import ProxyOptions
 from .source_kinds import PROXY
 

@@ -11,11 +11,11 @@ from ..client.lens import lenses
 from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..geometry import GuardBand, Pose
+from ..options import AUTO
 from ..pipeline.build import Pipeline
 from ..pipeline.layers_read import Reads
 from ..pipeline.link_times import check_held, expected_age_ns, latency_ns
 from ..pipeline.loop import Loop
-from ..pipeline.options import AUTO
 from ..pipeline.planning import plans_for
 from ..pipeline.sizes import guarded_size
 from ..pipeline.source import Source

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 from numpy.typing import NDArray
 
 from ..link import response_figures
@@ -144,7 +145,7 @@ def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> None:
     out.write_png(f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept)))
 
 
-def _panels_of(kept: Kept) -> list[tuple[str, NDArray]]:
+def _panels_of(kept: Kept) -> list[tuple[str, NDArray[np.uint8]]]:
     assert kept.result.error_map is not None
     return comparison_panels(kept.job.rendered_picture, kept.job.now.shown, kept.job.now.truth, kept.result.error_map)
 

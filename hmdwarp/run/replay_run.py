@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
+from ..options import AUTO
 from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.recorded_source import about_second_eye, second_eye
@@ -29,7 +30,7 @@ from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
 from .misses import about_misses, about_without
-from .options import AUTO, MOST_COMPARED, RunOptions
+from .options import MOST_COMPARED, RunOptions
 from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
@@ -245,7 +246,7 @@ def _nothing_arrived(setup: ReplaySetup) -> str:
     )
 
 
-def _video(setup: ReplaySetup, out: OutputFolder | None):
+def _video(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[VideoWriter | None]:
     if not setup.options.video or out is None:
         return nullcontext()
     wide, high = setup.size
@@ -253,7 +254,7 @@ def _video(setup: ReplaySetup, out: OutputFolder | None):
     return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
 
 
-def _events(setup: ReplaySetup, out: OutputFolder | None):
+def _events(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[TraceEvents | None]:
     options = setup.options
     if options.trace_events is None or out is None:
         return nullcontext()

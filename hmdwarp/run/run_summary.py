@@ -14,8 +14,9 @@ import attrs
 
 from ..frames import EyeSizes
 from ..gpu.context import Gpu
+from ..options import AUTO
 from ..pipeline.auto.adaptive import AdaptiveCompensator
-from ..pipeline.options import AUTO, PipelineOptions
+from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..report import SCHEMA
 from ..resources import __version__

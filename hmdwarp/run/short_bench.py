@@ -15,6 +15,7 @@ from ..errors import PlanError
 from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import QualityPool, worker_count
+from ..options import AUTO
 from ..pipeline.auto.levels import best_within, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
@@ -23,7 +24,7 @@ from ..scenes import load_scene
 from .bench_levels import LevelSet, levels_from_file
 from .combination_bench import Comparison, Measured
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
-from .options import AUTO, RunOptions
+from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 from .side_by_side import refreshes
 
