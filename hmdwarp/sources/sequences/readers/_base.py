@@ -77,7 +77,7 @@ def facts_of(
     own: Camera | None = None,
     own_scale: float | None = None,
 ) -> Facts:
-    """Return what the options say, else camera.json in the folder, else other files, else the layout.
+    """Return what the options say, else camera.json there, else other files, else the layout.
 
     own, own_scale: as the layout's files state them. camera, depth_scale: as the layout has them,
     None where it says nothing. Errors: InputError.
