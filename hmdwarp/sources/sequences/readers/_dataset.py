@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InputError
+from ....geometry import Pose
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import Axes
 from ..options import RATE_HZ, SequenceOptions
@@ -33,7 +34,7 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
     return np.array(found)
 
 
-def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> dict[int, _base.Pose]:
+def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> dict[int, Pose]:
     """Return world_from_eye of files of a matrix, from camera to world; not those of inf or NaN."""
     matrices = {number: matrix_in(path) for number, path in files.items()}
     return {

@@ -111,7 +111,7 @@ def _through(camera: Camera, of_depth: Camera | None) -> Callable[..., NDArray[A
         column = np.rint((np.arange(wide) - camera.cx) / camera.fx * of_depth.fx + of_depth.cx).astype(int)
         found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
         inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
-        return np.where(inside, found, found.dtype.type(0))
+        return np.asarray(np.where(inside, found, found.dtype.type(0)))
 
     return fit
 

@@ -60,7 +60,7 @@ def _sequences_in(path: Path) -> list[str]:
 
 def _measured(path: Path) -> NDArray[Any]:
     depth = read_depth(path)
-    return np.where(depth == _NONE, depth.dtype.type(0), depth)
+    return np.asarray(np.where(depth == _NONE, depth.dtype.type(0), depth))
 
 
 readers.register(SevenScenesReader())
