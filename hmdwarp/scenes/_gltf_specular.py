@@ -68,7 +68,7 @@ def _base_of(diffuse: Array, specular: Array) -> tuple[Array, Array]:
 
 
 def _bright(colour: Array) -> Array:
-    return np.sqrt((colour**2 @ _BRIGHTNESS)[..., None])
+    return np.asarray(np.sqrt((colour**2 @ _BRIGHTNESS)[..., None]))
 
 
 def _metallic(diffuse: Array, specular: Array, left: Array) -> Array:
