@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from ..experiments import sweep
 from ..experiments.bench import BenchOptions, MergeOptions
 from ._options import QUIET, Said, command_line, takes
 
@@ -34,9 +35,9 @@ def merge(said: Said) -> None:
         typer.echo(f"report: {result.report}")
 
 
-def _tell(result) -> None:
-    from ..experiments.bench import MOST_SHOWN
+def _tell(result: sweep.ExperimentResult) -> None:
     from ..experiments.bench.notes import answer
+    from ..experiments.sweep import MOST_SHOWN
     from ..report import axes_of_traces
     from ..report.bench import bench_table, first_cases
     from ._show import console, paragraph

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ..experiments import sweep
 from ..experiments.compare.options import CompareOptions
 from ._options import QUIET, Said, command_line, takes
 
@@ -18,8 +19,8 @@ def compare(said: Said) -> None:
     run_experiment(run, "runs", _tell, CompareOptions.of(said, command=command_line()), quiet=said["quiet"])
 
 
-def _tell(result) -> None:
-    from ..experiments.compare import MOST_SHOWN
+def _tell(result: sweep.ExperimentResult) -> None:
+    from ..experiments.sweep import MOST_SHOWN
     from ..report.compare_page import compare_table, first_cases
     from ._show import console, paragraph
 

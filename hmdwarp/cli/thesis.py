@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from ..experiments import sweep
 from ..experiments.thesis import ThesisOptions
 from ._options import QUIET, Said, command_line, takes
 
@@ -22,7 +23,7 @@ def thesis(said: Said) -> None:
     run_experiment(run_thesis, "runs", _tell, options, published_ratings, quiet=said["quiet"])
 
 
-def _tell(result) -> None:
+def _tell(result: sweep.ExperimentResult) -> None:
     from ._show import in_columns
 
     in_columns((each["verdict"], each["claim"]) for each in result.data["experiments"])

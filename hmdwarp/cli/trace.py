@@ -17,6 +17,7 @@ from ._options import JSON, Said, as_json, takes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rich.console import Console
     from rich.table import Table
 
     from ..poses import LoadedTrace
@@ -63,6 +64,7 @@ def info(said: Said) -> None:
     console.print(_lead_table(figures))
     if len(loaded.segments) > 1:
         console.print(_segment_table(loaded))
+    console.print(_assumption_table(loaded))
     _print_defects(console, loaded)
 
 
@@ -251,7 +253,16 @@ def _segment_table(loaded: LoadedTrace) -> Table:
     return table
 
 
-def _print_defects(console, loaded: LoadedTrace) -> None:
+def _assumption_table(loaded: LoadedTrace) -> Table:
+    from rich.table import Table
+
+    table = Table("fact", "taken as", "who says so", title="What was assumed of the file", title_justify="left")
+    for one in loaded.assumptions:
+        table.add_row(one.what, one.value, one.source)
+    return table
+
+
+def _print_defects(console: Console, loaded: LoadedTrace) -> None:
     from rich.text import Text
 
     from ..report import counted

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from enum import StrEnum
 from typing import TypeVar
 
@@ -13,9 +14,11 @@ T = TypeVar("T")
 class By(StrEnum):
     """Who says a fact; the first that does is believed."""
 
-    OPTION = "option"
+    USER = "user"  # by an option
     FILE = "file"
-    LAYOUT = "layout"  # that of the format or data set
+    FORMAT = "format"  # the documents of the format, layout or data set
+    MOTION = "motion"
+    NOBODY = "nobody"
 
 
 @attrs.frozen
@@ -25,8 +28,24 @@ class Assumption:
     what: str
     value: str
     by: By
+    option: str = ""  # that states it, as it is typed, such as "--axes"; "" where none does
+
+    @property
+    def source(self) -> str:
+        """Return who says it, in words, with the option where that is nobody."""
+        remedy = f"; {self.option} states it" if self.option and self.by in (By.NOBODY, By.MOTION) else ""
+        return f"{'nobody says so' if self.by is By.NOBODY else f'by the {self.by}'}{remedy}"
+
+    def __str__(self) -> str:
+        return f"{self.what}: {self.value} ({self.source})"
+
+
+def assumption_rows(assumptions: Iterable[Assumption]) -> list[dict[str, str]]:
+    """Return the list `assumptions` of summary.json and of --json: what, value, by, option."""
+    return [attrs.asdict(one, value_serializer=lambda _, __, value: str(value)) for one in assumptions]
 
 
 def first_stated(*values: T | None) -> tuple[T | None, By]:
-    """Return the first value that is there, of those of By in their order, and who says it."""
-    return next(((value, by) for value, by in zip(values, By, strict=True) if value), (None, By.LAYOUT))
+    """Return the first value that is there, of user, file and format, and who says it."""
+    sources = (By.USER, By.FILE, By.FORMAT)
+    return next(((value, by) for value, by in zip(values, sources, strict=True) if value), (None, By.NOBODY))

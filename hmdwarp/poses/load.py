@@ -7,6 +7,7 @@ from pathlib import Path
 from ..errors import InputError, TraceError
 from ..registry import unknown_name
 from ..resources import folder, recording_names
+from .assumptions import By
 from .formats import TraceFormat, column_of, column_of_devices, formats, ordered
 from .options import TraceOptions
 from .reading.cleaning import LoadedTrace
@@ -99,6 +100,8 @@ class StatedColumns(TraceFormat):
         return Layout(
             time=time,
             orientation=ordered(head, tuple(stated["q"]), options.quat_order or "xyzw"),
+            columns_by=By.USER,
+            order_by=By.USER,
             device=column_of_devices(head),
             position=None if position is None else (position[0], position[1], position[2]),
         )

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import attrs
 
+from .assumptions import By
 from .options import Euler
 
-# Who says what axes a file has.
-ASSUMED = "assumed"
-BY_FORMAT = "by the format"
-BY_FILE = "stated by the file"
-BY_USER = "as --axes or --up says"
-BY_MOTION = "by --axes auto, from the motion"
+# Who says what axes a file has, in words.
+AXES_BY = {
+    By.USER: "as --axes or --up says",
+    By.FILE: "stated by the file",
+    By.FORMAT: "by the format",
+    By.MOTION: "by --axes auto, from the motion",
+    By.NOBODY: "assumed",
+}
 
 
 @attrs.frozen
@@ -31,7 +34,7 @@ class Defect:
 
 @attrs.frozen
 class Layout:
-    """Which columns to read, their meaning, and what of it is only assumed."""
+    """Which columns to read, their meaning, and who says so."""
 
     time: int | None  # column index
     # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle a letter
@@ -40,12 +43,21 @@ class Layout:
     euler: Euler | None = None
     nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
     position: tuple[int, int, int] | None = None  # columns of x y z
+    columns_by: By = By.FILE
+    order_by: By = By.FILE  # of the numbers of an orientation
     unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
+    unit_by: By = By.FILE  # where there is one
     device: int | None = None  # column that identifies the device of each row
     axes: str = "openxr"  # what `parse_axes` takes
-    axes_by: str = ASSUMED  # who says so
+    axes_by: By = By.NOBODY
     gravity_down: tuple[float, ...] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
-    order_assumed: bool = False  # of the quaternions: w last, though nothing says so
+    scale_by: By = By.NOBODY
+    direction_by: By = By.NOBODY  # world from head
     clock_ignored: bool = False  # --trace-rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
+
+    @property
+    def order(self) -> str:
+        """Order of the quaternion's columns in the file, such as wxyz."""
+        return "".join(part for _, part in sorted(zip(self.orientation, "xyzw", strict=True)))

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import quaternions
+from .assumptions import assumption_rows
 from .prediction import ERROR_PERCENTILES, PredictionErrors, turn_errors
 from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
@@ -173,6 +174,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
             for row in figures.errors
         ],
         "segments": [attrs.asdict(segment) for segment in loaded.segments],
+        "assumptions": assumption_rows(loaded.assumptions),
         "defects": [attrs.asdict(defect) for defect in loaded.defects],
     }
 

@@ -88,7 +88,7 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
             "linear_speed_m_s",
             "errors_deg",
         ),
-        *("segments", "defects"),
+        *("segments", "assumptions", "defects"),
     ]
     assert data["samples"] == 2701 and data["rate_hz"] == pytest.approx(90) and data["gaps"] == data["defects"] == []
     assert [f"{data['angular_speed_deg_s'][name]:.1f}" for name in ("p50", "p95", "p99")] == ["29.2", "116.5", "200.3"]

@@ -11,13 +11,14 @@ import numpy as np
 
 from ...errors import InputError, TraceError
 from ...registry import Registry
+from ..assumptions import Assumption, By
 from ..options import TraceOptions, parse_euler
 from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
 from ..reading.columns import UNRANKED, Columns, find_columns, head_rank
 from ..reading.file_head import Head, is_number
 from ..reading.rows import RowReader
-from ..stated import BY_FILE, Defect, Layout
+from ..stated import Defect, Layout
 from ..track import PoseTrack
 
 _ORDER_ASSUMED = Defect(
@@ -63,7 +64,7 @@ class TraceFormat:
         if options.time_column is not None:
             layout = attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, nanoseconds=None)
         if (axes := axes_stated(head)) is not None:
-            layout = attrs.evolve(layout, axes=axes, axes_by=BY_FILE)
+            layout = attrs.evolve(layout, axes=axes, axes_by=By.FILE)
         if layout.time is None and options.rate is None:
             raise TraceError(
                 f"{head.path} has no time ({head.describe()}): give the samples per second with --trace-rate"
@@ -75,7 +76,9 @@ class TraceFormat:
         layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
         cleaner = Cleaner(head, rows, layout, options, reader.ends_with_newline)
         loaded = cleaner.clean(self.origin(head))
-        return attrs.evolve(loaded, format=self.name, columns=_columns_read(head, layout, loaded.device))
+        columns = _columns_read(head, layout, loaded.device)
+        read = Assumption("columns", columns, layout.columns_by, "--columns")
+        return attrs.evolve(loaded, format=self.name, columns=columns, assumptions=(read, *loaded.assumptions))
 
     def origin(self, head: Head) -> str:
         """Return the origin of the motion, if the file states it."""
@@ -136,18 +139,21 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     if orientation is None and options.euler is not None and found.angles is not None:
         euler = parse_euler(options.euler)
         orientation = tuple(found.angles["xyz".index(axis)] for axis in euler.order)
+        known["order_by"] = By.USER
     elif orientation is None and found.matrix is not None:
         orientation = found.matrix
     elif orientation is None:
         raise _no_quaternion(head, found)
     elif found.numbered:
         orientation = ordered(head, orientation, options.quat_order)
+        known["order_by"] = By.USER
     elif options.quat_order is not None:
         known["caveats"] = (*known.get("caveats", ()), _order_ignored(options.quat_order))
     time, unit = _finest(head, found.clocks)
     facts = {
         "time": time,
         "unit": unit,
+        "unit_by": By.FORMAT if "unit" in known else By.FILE,
         "nanoseconds": found.nanoseconds,
         "orientation": orientation,
         "euler": euler,
@@ -155,6 +161,7 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         "position": found.position,
         "device": column_of_devices(head),
         "scale": found.length_m or 1.0,
+        "scale_by": By.FILE if found.length_m else By.NOBODY,
         "gravity_down": _mean_of(head, found.gravity),
     }
     return Layout(**(facts | known))
@@ -173,10 +180,16 @@ def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, uni
         )
     known = options.quat_order or (order if options.format == name else None)
     assumed = known is None and head.separator is None
-    orientation = ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known)
-    caveats = (_ORDER_ASSUMED,) if assumed else ()
+    stated = By.FORMAT if options.format == name else By.NOBODY
     return Layout(
-        time=0, position=(1, 2, 3), orientation=orientation, unit=unit, order_assumed=assumed, caveats=caveats
+        time=0,
+        position=(1, 2, 3),
+        orientation=ordered(head, (4, 5, 6, 7), "xyzw" if assumed else known),
+        columns_by=stated,
+        order_by=By.USER if options.quat_order else stated,
+        unit=unit,
+        unit_by=By.FORMAT,
+        caveats=(_ORDER_ASSUMED,) if assumed else (),
     )
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import IO
 
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import OPENXR
 from ..reading.file_head import Head
@@ -25,7 +26,7 @@ class Euroc(TraceFormat):
 
     name = "euroc"
     summary = "#timestamp [ns], p_RS_R_x [m], .., q_RS_w [], ..; nanoseconds, w first"
-    facts = {"unit": "ns"}
+    facts = {"unit": "ns", "scale_by": By.FORMAT, "direction_by": By.FORMAT}
     bare_order = "wxyz"
     writes = True
 

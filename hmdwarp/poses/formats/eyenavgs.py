@@ -3,7 +3,8 @@
 The two sites order and name their columns differently.
 """
 
-from ..stated import BY_FORMAT, Defect
+from ..assumptions import By
+from ..stated import Defect
 from ._base import TraceFormat, formats
 
 _EYES = Defect(
@@ -19,7 +20,7 @@ class EyeNavGS(TraceFormat):
     name = "eyenavgs"
     summary = "ViewIndex,FOV1-4,Position..,Quaternion..,Gaze..,Timestamp or timestep; ms, a row per eye"
     header = ("ViewIndex", "FOV1", "PositionX", "QuaternionX", "GazePosX")
-    facts = {"unit": "ms", "axes_by": BY_FORMAT, "caveats": (_EYES,)}
+    facts = {"unit": "ms", "axes_by": By.FORMAT, "caveats": (_EYES,)}
 
 
 formats.register(EyeNavGS())

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...errors import TraceError
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.cleaning import LoadedTrace
 from ..reading.file_head import Head, is_number
@@ -43,7 +44,13 @@ class FrameWxyz(TraceFormat):
                 f"{head.path}: line {head.first_line}: {head.width} columns, expected 6: time, frame and a quaternion"
             )
         return Layout(
-            time=0, orientation=ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"), unit="s", axes=AXES
+            time=0,
+            orientation=ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"),
+            columns_by=By.FORMAT,
+            order_by=By.USER if options.quat_order else By.FORMAT,
+            unit="s",
+            unit_by=By.FORMAT,
+            axes=AXES,
         )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import TraceError
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.file_head import Head
 from ..stated import Layout
@@ -34,7 +35,13 @@ class Matrices(TraceFormat):
         if head.width not in _WIDTHS:
             raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
         orientation, position = _columns(head.width)
-        return Layout(time=0 if head.width % 2 else None, orientation=orientation, position=position, matrix=True)
+        return Layout(
+            time=0 if head.width % 2 else None,
+            orientation=orientation,
+            position=position,
+            matrix=True,
+            columns_by=By.NOBODY,
+        )
 
 
 def _columns(width: int) -> tuple[tuple[int, ...], tuple[int, int, int]]:

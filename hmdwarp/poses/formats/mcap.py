@@ -7,11 +7,12 @@ from typing import IO, Any
 
 from ...errors import TraceError
 from ...resources import import_extra
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
 from ..reading.record_files import COLUMNS, EXTRA, METADATA
-from ..stated import BY_FORMAT, Defect, Layout
+from ..stated import Defect, Layout
 from ..track import PoseTrack
 from ._base import TraceFormat, clock_offset_ns, formats
 
@@ -66,11 +67,16 @@ class Mcap(TraceFormat):
         return Layout(
             time=COLUMNS.index("stamp_ns" if stamped else "log_time_ns"),
             unit="ns",
+            unit_by=By.FORMAT,
+            columns_by=By.FORMAT,
+            order_by=By.FORMAT,
+            scale_by=By.FORMAT,
+            direction_by=By.FORMAT,
             device=COLUMNS.index("topic"),
             position=(3, 4, 5),
             orientation=(6, 7, 8, 9),
             axes=AXES,
-            axes_by=BY_FORMAT,
+            axes_by=By.FORMAT,
             caveats=() if stamped else (_UNSTAMPED,),
         )
 

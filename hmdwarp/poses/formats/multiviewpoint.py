@@ -6,9 +6,10 @@ Its Euler twin is refused.
 from __future__ import annotations
 
 from ...errors import TraceError
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..stated import BY_FORMAT, Layout
+from ..stated import Layout
 from ._base import TraceFormat, formats, has
 
 # The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed
@@ -27,7 +28,7 @@ class MultiViewpoint(TraceFormat):
     name = "multiviewpoint"
     summary = "timestamp viewpoint w x y z; seconds, rotation only, z up, x forward"
     header = ("timestamp", "viewpoint")
-    facts = {"unit": "s", "axes": AXES, "axes_by": BY_FORMAT}
+    facts = {"unit": "s", "axes": AXES, "axes_by": By.FORMAT}
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         if has(head, "yaw", "pitch", "roll") and not has(head, "w"):

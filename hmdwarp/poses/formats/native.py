@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import IO
 
 from ...geometry import Pose
-from ..stated import BY_FORMAT
+from ..assumptions import By
 from ..track import PoseTrack
 from ._base import TraceFormat, formats, write_rows
 
@@ -20,7 +20,7 @@ class Native(TraceFormat):
     summary = "time_ns,x_m,y_m,z_m,qx,qy,qz,qw; comment header with origin; OpenXR axes"
     header = COLUMNS
     likelihood = 100
-    facts = {"unit": "ns", "axes_by": BY_FORMAT}
+    facts = {"unit": "ns", "axes_by": By.FORMAT, "scale_by": By.FORMAT, "direction_by": By.FORMAT}
     writes = True
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:

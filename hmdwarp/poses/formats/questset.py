@@ -1,6 +1,6 @@
 """QuestSet: Quest 2 games, head beside hands and buttons, w first, time in the last column."""
 
-from ..stated import BY_FORMAT
+from ..assumptions import By
 from ._base import TraceFormat, formats
 
 
@@ -14,7 +14,7 @@ class QuestSet(TraceFormat):
     name = "questset"
     summary = "TouchButtons,..,HeadPosX,..,HeadOrientationW,..,time; seconds, w first, OpenXR axes"
     header = ("HeadPosX", "HeadOrientationW", "LeftTouchPosX", "time")
-    facts = {"unit": "s", "axes_by": BY_FORMAT}
+    facts = {"unit": "s", "axes_by": By.FORMAT}
 
 
 formats.register(QuestSet())

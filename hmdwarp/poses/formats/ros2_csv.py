@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.columns import find_columns
 from ..reading.file_head import Head
-from ..stated import BY_FORMAT
 from ._base import TraceFormat, formats
 
 
@@ -17,7 +17,7 @@ class Ros2Csv(TraceFormat):
 
     name = "ros2_csv"
     summary = "header.stamp.sec, header.stamp.nanosec, .. position.x, .. orientation.w; ROS axes"
-    facts = {"axes": "ros", "axes_by": BY_FORMAT}
+    facts = {"axes": "ros", "axes_by": By.FORMAT, "scale_by": By.FORMAT, "direction_by": By.FORMAT}
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if head.names is None or find_columns(head.names).nanoseconds is None:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import IO
 
+from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import OPENXR
 from ..reading.file_head import Head
@@ -24,7 +25,7 @@ class Tum(TraceFormat):
     name = "tum"
     summary = "# timestamp tx ty tz qx qy qz qw; seconds, blank-separated"
     header = ("timestamp", "tx", "ty", "tz", "qx", "qy", "qz", "qw")
-    facts = {"unit": "s"}
+    facts = {"unit": "s", "scale_by": By.FORMAT, "direction_by": By.FORMAT}
     bare_order = "xyzw"
     writes = True
 

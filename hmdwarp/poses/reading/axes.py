@@ -57,9 +57,9 @@ class Axes:
         """Return the preset's name, or the axes themselves."""
         return f"{self.name} ({self.words()})" if self.name else self.words()
 
-    def has_up(self, word: str) -> bool:
-        """Return whether the world's up is this axis, for instance "z"."""
-        return _words_of(self.world).split(",")[1] == word
+    def up(self) -> str:
+        """Return the world's up as an axis of the file, for instance "z"."""
+        return axis_word(self.world[1])
 
     def in_openxr(self, orientation: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return converted quaternions (n, 4)."""

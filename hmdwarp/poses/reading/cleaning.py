@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError, counted
 from .. import quaternions
+from ..assumptions import Assumption, By
 from ..options import TraceOptions
-from ..stated import ASSUMED, BY_MOTION, BY_USER, Defect, Layout
+from ..stated import AXES_BY, Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
+from .assumed import assumptions_of
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
 from .columns import head_rank
 from .file_head import Head
@@ -78,6 +80,7 @@ class LoadedTrace:
     columns: str  # which were read as what, by name or number
     axes_assumed: bool  # nothing says which they are
     device: str = ""  # whose rows were taken, where a column names devices
+    assumptions: tuple[Assumption, ...] = ()  # every fact by which the file was read, and who says it
 
     def notes(self) -> list[str]:
         """Return a line for each defect, and one for axes that are only assumed."""
@@ -146,7 +149,18 @@ class Cleaner:
             jumps=jumps,
         )
         return LoadedTrace(
-            track, self.path, "", self.defects, self.segments, self.time_unit, "", self.axes_by == ASSUMED, self.device
+            track,
+            self.path,
+            "",
+            self.defects,
+            self.segments,
+            self.time_unit,
+            "",
+            self.axes_by is By.NOBODY,
+            self.device,
+            assumptions_of(
+                self.layout, self.options, self.axes, self.axes_by, self.time_unit, self.rows.position is not None
+            ),
         )
 
     def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
@@ -330,7 +344,7 @@ class Cleaner:
                 )
             step = float(np.median(rising))
             unit = guess_unit(stamps, step)
-            self.layout = attrs.evolve(self.layout, unit=unit)
+            self.layout = attrs.evolve(self.layout, unit=unit, unit_by=By.NOBODY)
             done = f"{UNIT_NAMES[unit]} taken, which makes {BILLION / (step * UNITS_NS[unit]):.4g} Hz"
             self._note("unit-guessed", "the file does not say in what unit its time is", done)
         return unit
@@ -449,7 +463,7 @@ class Cleaner:
         elif scale != 1:
             self.rows.position *= scale
 
-    def _stated_axes(self) -> tuple[Axes, str]:
+    def _stated_axes(self) -> tuple[Axes, By]:
         """Return the axes and who says so: --axes and --up before the file and its format.
 
         `--up z` for a format whose z is up changes nothing.
@@ -457,17 +471,17 @@ class Cleaner:
         own = parse_axes(self.layout.axes)
         stated, up = self.options.axes, self.options.up
         if up is not None and is_tilt(up):
-            axes, by = (parse_axes(stated), BY_USER) if stated not in (None, AUTO) else (own, self.layout.axes_by)
+            axes, by = (parse_axes(stated), By.USER) if stated not in (None, AUTO) else (own, self.layout.axes_by)
             return tilted(axes, up), by
         if up is not None and stated is not None:
             raise InputError(
                 "--axes and --up both name axes: say one; with --axes, --up may hold three numbers, a tilt"
             )
         if stated is not None and stated != AUTO:
-            return parse_axes(stated), BY_USER
-        if up is None or own.has_up(up.strip().lower().removeprefix("+")):
+            return parse_axes(stated), By.USER
+        if up is None or own.up() == up.strip().lower().removeprefix("+"):
             return own, self.layout.axes_by
-        return parse_up(up), BY_USER
+        return parse_up(up), By.USER
 
     def _weigh_axes(self) -> None:
         """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
@@ -475,7 +489,7 @@ class Cleaner:
         metres = None if p is None else p * self._scale()
         evidence = evidence_of(self.time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
         what, remedy = place_fault(self.time_ns, metres) if metres is not None else ("", "")
-        if self.layout.order_assumed:
+        if self.layout.order_by is By.NOBODY:
             self._check_order(evidence)
         verdict = judge(evidence, self.axes)
         if not what and not verdict.faults:
@@ -488,9 +502,9 @@ class Cleaner:
             return
         if auto and verdict.better is not None and verdict.clear:
             self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict))
-            self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), BY_MOTION
+            self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), By.MOTION
         elif verdict.faults:
-            what = f"read as {self.axes.label()}, {self.axes_by}: {', '.join(verdict.faults)}"
+            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
             self._note("axes-contradicted", what, _advice(verdict, auto))
             self._axes_wrong = True
 
@@ -510,12 +524,12 @@ class Cleaner:
         return axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
 
     def _axes_in_words(self) -> str:
-        words = f"{self.axes.label()}, {self.axes_by}"
+        words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
         if self._axes_wrong:
             return f"{words}; the motion contradicts them"
         if self._tilt_deg:
             return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
-        if self.axes_by != ASSUMED:
+        if self.axes_by is not By.NOBODY:
             return words
         return f"{words}; the motion {'does not show ' + self.leaves_open if self.leaves_open else 'agrees'}"
 

@@ -27,6 +27,7 @@ OPTICAL, OPTICAL_UP = "opencv", "unity"
 # The file that may state what a layout does not: intrinsics, depth_scale.
 CAMERA = "camera.json"
 DEPTHS = (*PICTURES, EXR, NPY)
+Fit = Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]]
 _ROTATION_WITHIN = 1e-3
 # Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
 _LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
@@ -67,17 +68,26 @@ class Facts:
         return axes if not world else parse_axes(f"world={world} head={axes.words().rpartition('head=')[2]}")
 
 
-def facts_of(folder: Path, options: SequenceOptions, camera: Camera | None, depth_scale: float | None) -> Facts:
-    """Return what the options say, else camera.json in the folder, else the layout.
+def facts_of(
+    folder: Path,
+    options: SequenceOptions,
+    camera: Camera | None,
+    depth_scale: float | None,
+    *,
+    own: Camera | None = None,
+    own_scale: float | None = None,
+) -> Facts:
+    """Return what the options say, else camera.json there, else other files, else the layout.
 
-    camera, depth_scale: as the layout has them, None where it says nothing. Errors: InputError.
+    own, own_scale: as the layout's files state them. camera, depth_scale: as the layout has them,
+    None where it says nothing. Errors: InputError.
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
-    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated), camera)
-    own = stated.get("depth_scale")
-    if own is not None and options.depth_scale is None:
-        scale_of(folder / CAMERA, own)
-    scale, scale_by = first_stated(options.depth_scale, own, depth_scale)
+    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
+    named = stated.get("depth_scale")
+    if named is not None and options.depth_scale is None:
+        scale_of(folder / CAMERA, named)
+    scale, scale_by = first_stated(options.depth_scale, named or own_scale, depth_scale)
     if camera is None:
         raise InputError(
             f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
@@ -110,10 +120,14 @@ def sequence_of(
     *,
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
+    more: Rows[Assumption] = (),
+    depth_of: Callable[[Path], NDArray[Any]] = read_depth,
+    fit: Fit = fitted_depth,
 ) -> Sequence:
     """Return the sequence of pairs of files that share one camera.
 
-    track: a denser motion than the frames' own. Errors: InputError without frames.
+    track: a denser motion than the frames' own. more: facts beside those of the camera. depth_of,
+    fit: as `reading` takes them. Errors: InputError without frames.
     """
     pairs = sorted(pairs, key=lambda pair: pair.time_ns)
     if not pairs:
@@ -128,11 +142,11 @@ def sequence_of(
             pair.pose,
             fov,
             size,
-            reading(pair.colour, pair.depth, facts.depth_scale, size),
+            reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
         )
 
     frames = [frame(pair) for pair in pairs]
-    return made(reader, folder, frames, track=track, notes=notes, assumptions=facts.assumptions)
+    return made(reader, folder, frames, track=track, notes=notes, assumptions=(*facts.assumptions, *more))
 
 
 def made(
@@ -190,15 +204,25 @@ def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int
     return PoseTrack(every[order], positions[order], turns[order], axes=denser.axes, max_gap_ns=denser.max_gap_ns)
 
 
-def reading(colour: Path, depth: Path, scale: float, size: tuple[int, int]) -> Callable[[], Pictures]:
-    """Return what reads a frame from two files."""
+def reading(
+    colour: Path,
+    depth: Path,
+    scale: float,
+    size: tuple[int, int],
+    depth_of: Callable[[Path], NDArray[Any]] = read_depth,
+    fit: Fit = fitted_depth,
+) -> Callable[[], Pictures]:
+    """Return what reads a frame from two files.
+
+    depth_of: reads depth in its own unit. fit: takes it to the pixels of its colour.
+    """
 
     def read() -> Pictures:
         picture = read_colour(colour)
         if picture.shape[1::-1] != size:
             found = f"{picture.shape[1]}x{picture.shape[0]}"
             raise InputError(f"{colour}: {found} pixels; expected {size[0]}x{size[1]}, as the first frame has")
-        return as_pictures(picture, in_metres(fitted_depth(read_depth(depth), picture, depth), scale))
+        return as_pictures(picture, in_metres(fit(depth_of(depth), picture, depth), scale))
 
     return read
 
@@ -291,9 +315,9 @@ def folder_named(folder: Path, *names: str) -> Path:
     return next((folder / name for name in names if (folder / name).is_dir()), folder / names[0])
 
 
-def at_rate(options: SequenceOptions, number: int) -> int:
-    """Return the instant of a frame of files without a clock."""
-    return round(number * 1e9 / (options.frames_rate_hz or RATE_HZ))
+def at_rate(options: SequenceOptions, number: int, rate_hz: float | None = None) -> int:
+    """Return the instant of a frame of files without a clock. rate_hz: of the layout."""
+    return round(number * 1e9 / (options.frames_rate_hz or rate_hz or RATE_HZ))
 
 
 def paired(colours: Path, depths: Path) -> list[tuple[Path, Path]]:

@@ -1,0 +1,42 @@
+"""The list of what was assumed of a trace file, with who says it."""
+
+from __future__ import annotations
+
+from ..assumptions import Assumption, By
+from ..options import TraceOptions
+from ..stated import Layout
+from .axes import Axes
+
+
+def assumptions_of(
+    layout: Layout, options: TraceOptions, axes: Axes, axes_by: By, clock: str, has_position: bool
+) -> tuple[Assumption, ...]:
+    """Return every fact by which rows became poses; clock: its unit, in words."""
+    facts = [_orientation(layout), Assumption("pose", "world from head", layout.direction_by)]
+    if has_position:
+        facts.append(_length(layout, options, axes, axes_by))
+    facts.append(Assumption("axes", axes.label(), axes_by, "--axes"))
+    tilt = "" if axes.tilt is None else f", tilted to {options.up}"
+    facts.append(Assumption("up", f"{axes.up()}{tilt}", By.USER if tilt else axes_by, "--up"))
+    by = By.USER if options.rate or options.time_unit else layout.unit_by
+    facts.append(Assumption("clock", clock, by, "--time-unit"))
+    return tuple(facts)
+
+
+def _orientation(layout: Layout) -> Assumption:
+    if layout.euler is not None:
+        unit = "degrees" if layout.euler.degrees else "radians"
+        return Assumption("angles", f"{layout.euler.order.upper()}, {unit}", layout.order_by, "--euler")
+    if layout.matrix:
+        return Assumption("matrix", "row by row", layout.order_by)
+    return Assumption("quaternion", layout.order, layout.order_by, "--quat-order")
+
+
+def _length(layout: Layout, options: TraceOptions, axes: Axes, axes_by: By) -> Assumption:
+    if options.scale is not None:
+        scale, by = options.scale, By.USER
+    elif axes.metres_per_unit is not None:
+        scale, by = axes.metres_per_unit, axes_by
+    else:
+        scale, by = layout.scale, layout.scale_by
+    return Assumption("length", f"{scale:g} m per unit", by, "--scale")
