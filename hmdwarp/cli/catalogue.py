@@ -276,7 +276,7 @@ def _studies() -> list[dict[str, str]]:
 
 
 def _study_row(design: Design) -> dict[str, str]:
-    parts = [f"{part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts]
+    parts = [f"{part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in design.parts]
     return {
         "name": design.name,
         "summary": design.title,

@@ -172,7 +172,7 @@ def made(
                 f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
             )
         if before.size != after.size:
-            sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
+            sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
             raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
     apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
     if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:

@@ -42,7 +42,7 @@ class IclNuimReader(SequenceReader):
         facts = facts_of(path, options, CAMERA_OF_RENDERER, 1 / 5000)
         axes, file = facts.axes(), min(path.glob(_TRAJECTORY), default=path / "trajectory.gt.freiburg")
         colours, depths = (
-            {one.stem: one for one in pictures_in(folder_named(path, name))} for name in ("rgb", "depth")
+            {picture.stem: picture for picture in pictures_in(folder_named(path, name))} for name in ("rgb", "depth")
         )
         pairs = []
         for row in rows_of(file):

@@ -40,9 +40,9 @@ class NerfstudioReader(SequenceReader):
         file = _file(path)
         data = read_json(file)
         listed = data.get("frames")
-        if not isinstance(listed, list) or not all(isinstance(one, dict) for one in listed):
+        if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
             raise InputError(f"{file}: frames is {reprlib.repr(listed)}; expected a list of frames")
-        whole = [one for one in listed if one.get("depth_file_path")]
+        whole = [entry for entry in listed if entry.get("depth_file_path")]
         if not whole:
             raise InputError(
                 f"{file}: none of its {len(listed)} frames has a depth_file_path; expected depth for a warp"
@@ -86,7 +86,7 @@ def _picture(file: Path, where: str, name: object) -> Path:
         raise InputError(f"{where}: file_path is {name!r}; expected the name of a picture")
     path = file.parent / name
     tried = [path, *(path.with_name(path.name + ending) for ending in PICTURES)] if not path.suffix else [path]
-    return next((one for one in tried if one.is_file()), path)
+    return next((path for path in tried if path.is_file()), path)
 
 
 def _positive(where: str, key: str, data: Mapping[str, Any]) -> float | None:
