@@ -33,6 +33,7 @@ BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
+    "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
     "check rates": ("tests/check_rates.py", True),

@@ -225,8 +225,8 @@ def write_exrs(folder: Path, frames: list[Taken]) -> None:
         (folder / f"{i}.json").write_text(json.dumps(facts), encoding="utf-8")
 
 
-STATED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{FY},{CX},{CY}"))
-MIRRORED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{CY}"))
+STATED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{FY},{CX},{CY}"), depth_scale=1 / 5000)
+MIRRORED = attrs.evolve(STATED, intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{CY}"))
 MILLIMETRES = attrs.evolve(STATED, depth_scale=0.001)
 # By name: the reader that must recognise it, who writes it, and what the user has to say.
 LAYOUTS: dict[str, tuple[str, Callable[[Path, list[Taken]], None], SequenceOptions]] = {

@@ -222,9 +222,14 @@ def _formats() -> list[dict[str, str]]:
 
 
 def _layouts() -> list[dict[str, str]]:
-    from ..sources.sequences import readers
+    from ..sources.sequences import FACTS, readers
 
-    return [{"name": reader.name, "summary": reader.summary} for reader in readers]
+    rows = []
+    for reader in readers:
+        stated = {one.what: f"{one.value} ({one.source})" for one in reader.assumes}
+        facts = {what.replace(" ", "_"): stated.get(what, "") for what in FACTS}
+        rows.append({"name": reader.name, "summary": reader.summary, **facts})
+    return rows
 
 
 def _recordings() -> list[dict[str, str]]:

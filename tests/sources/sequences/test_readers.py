@@ -222,11 +222,11 @@ def test_files_that_do_not_fit_are_named(tmp_path):
     refused(folder, "trajectory.log, line 1", "without scale", options=MILLIMETRES)
 
     folder = tmp_path / "tum"
-    opened(folder, write_tum)
+    opened(folder, write_tum, STATED)
     (folder / "depth.txt").write_text("1305031102.2 depth/0.png\n1305031102.3\n")
     refused(folder, "depth.txt, line 2", "expected seconds")
     (folder / "depth.txt").write_text("5.0 depth/0.png\n")
-    refused(folder, "no frame with colour, depth and a pose")
+    refused(folder, "no frame with colour, depth and a pose", options=STATED)
 
     folder = tmp_path / "npz"
     opened(folder, write_npz)
@@ -244,11 +244,11 @@ def test_frames_without_depth_or_pose_are_left_out_with_a_note(tmp_path):
     sequence = sequences.open(file)
     assert len(sequence.frames) == 2 and "1 frames were left out" in sequence.notes[0]
 
-    opened(tmp_path / "tum", write_tum, count=3)
+    opened(tmp_path / "tum", write_tum, STATED, count=3)
     (tmp_path / "tum" / "groundtruth.txt").write_text(
         "\n".join((tmp_path / "tum" / "groundtruth.txt").read_text().splitlines()[:6]) + "\n"
     )
-    sequence = sequences.open(tmp_path / "tum")
+    sequence = sequences.open(tmp_path / "tum", STATED)
     assert len(sequence.frames) == 2 and any("no pose at their instants" in note for note in sequence.notes)
 
 
