@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from ..experiments import sweep
 from ..experiments.bench import BenchOptions, MergeOptions
 from ._options import QUIET, Said, command_line, takes
 
@@ -44,7 +45,7 @@ def _run(options: BenchOptions, quiet: bool) -> None:
         raise InputError(result.refused)
 
 
-def _tell(result) -> None:
+def _tell(result: sweep.ExperimentResult) -> None:
     from ..experiments.bench import MOST_SHOWN
     from ..experiments.bench.notes import answer
     from ..report import axes_of_traces

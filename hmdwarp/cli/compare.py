@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from ..experiments import sweep
 from ..experiments.compare.options import CompareOptions
 from ._options import QUIET, Said, command_line, takes
 
@@ -28,7 +29,7 @@ def _run(options: CompareOptions, quiet: bool) -> None:
     result.raise_failures()
 
 
-def _tell(result) -> None:
+def _tell(result: sweep.ExperimentResult) -> None:
     from ..experiments.compare import MOST_SHOWN
     from ..report.compare_page import compare_table, first_cases
     from ._show import console, paragraph

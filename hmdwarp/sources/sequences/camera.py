@@ -87,7 +87,8 @@ class Camera:
     def text(self) -> str:
         """The intrinsics in words."""
         where = f", first pixel at {self.centre:g}" if self.centre else ""
-        return ",".join(f"{number:.6g}" for number in (self.fx, self.fy, self.cx, self.cy)) + f" px{where}"
+        size = "" if self.size is None else " for {}x{}".format(*self.size)
+        return ",".join(f"{number:.6g}" for number in (self.fx, self.fy, self.cx, self.cy)) + f" px{size}{where}"
 
     @property
     def is_y_up(self) -> bool:

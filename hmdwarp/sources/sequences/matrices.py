@@ -49,7 +49,7 @@ def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assum
     origin makes them differ. Errors: InputError where two of a file are written in both ways.
     """
     below, beside = (
-        np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines])
+        np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
         for lines in ([one[3] for one in matrices], [one[:, 3] for one in matrices])
     )
     rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)

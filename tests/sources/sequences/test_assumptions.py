@@ -9,7 +9,9 @@ import attrs
 import numpy as np
 import pytest
 from PIL import Image
+from published_folders import PUBLISHED, Form
 from recorded_folders import (
+    AS_TUM,
     CX,
     CY,
     FX,
@@ -36,6 +38,7 @@ from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import FACTS, Sequence, SequenceOptions, parse_intrinsics, readers
 
 DEFAULTS = SequenceOptions()
+FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED
 
 
 def fact(sequence: Sequence, what: str) -> Assumption:
@@ -49,12 +52,12 @@ def test_every_layout_says_what_it_assumes(reader):
     assert all(one.value and isinstance(one.by, By) for one in reader.assumes)
 
 
-@pytest.mark.parametrize("name", LAYOUTS)
+@pytest.mark.parametrize("name", FORMS)
 def test_every_recording_says_who_states_each_fact(name, tmp_path):
     """Each fact is one entry; what an option states is the user's, and the others are not."""
     if name == "exr" and not HAS_EXR:
         pytest.skip("OpenEXR is not installed (pip install 'hmdwarp[exr]')")
-    _, write, options = LAYOUTS[name]
+    write, options = FORMS[name].write, FORMS[name].options
     write(tmp_path, taken(2))
     found = sequences.open(tmp_path, options)
     assert set(FACTS) <= {one.what for one in found.assumptions}
@@ -62,7 +65,7 @@ def test_every_recording_says_who_states_each_fact(name, tmp_path):
     by = {one.what: one.by for one in found.assumptions}
     assert (by["intrinsics"] is By.USER) == (options.intrinsics is not None)
     assert (by["depth scale"] is By.USER) == (options.depth_scale is not None)
-    assert By.USER not in {by["frame clock"], by["no depth"]}
+    assert (by["frame clock"] is By.USER) == (options.frames_rate_hz is not None) and by["no depth"] is not By.USER
     stated = attrs.evolve(options, frames_rate_hz=12.0, no_depth="far")
     by = {one.what: one.by for one in sequences.open(tmp_path, stated).assumptions}
     assert by["no depth"] is By.USER and (
@@ -76,8 +79,8 @@ def test_numbers_of_a_layout_are_for_its_own_pictures(write, tmp_path):
     write(tmp_path, taken(2))
     for options, words in (
         (DEFAULTS, ("36x24", "is for 640x480", "--intrinsics FX,FY,CX,CY --depth-scale METRES", "camera.json")),
-        (attrs.evolve(STATED, depth_scale=None), ("36x24", "give --depth-scale METRES")),
-        (attrs.evolve(STATED, intrinsics=None), ("36x24", "give --intrinsics FX,FY,CX,CY")),
+        (attrs.evolve(AS_TUM, depth_scale=None), ("36x24", "give --depth-scale METRES")),
+        (attrs.evolve(AS_TUM, intrinsics=None), ("36x24", "give --intrinsics FX,FY,CX,CY")),
     ):
         with pytest.raises(InputError) as caught:
             sequences.open(tmp_path, options)
@@ -97,7 +100,7 @@ def test_numbers_of_the_right_size_are_still_only_assumed(folder, by, tmp_path):
     """Those of TUM's own recordings are stated by its documents."""
     write_tum(tmp_path / folder, taken(2, (640, 480)))
     found = sequences.open(tmp_path / folder)
-    assert (fact(found, "intrinsics").value, fact(found, "intrinsics").by) == ("525,525,319.5,239.5 px", by)
+    assert (fact(found, "intrinsics").value, fact(found, "intrinsics").by) == ("525,525,319.5,239.5 px for 640x480", by)
     assert (fact(found, "depth scale").value, fact(found, "depth scale").by) == ("0.0002 m per unit", by)
 
 

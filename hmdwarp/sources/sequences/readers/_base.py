@@ -41,6 +41,7 @@ VGA: Size = (640, 480)
 CAMERA = "camera.json"
 _STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
 DEPTHS = (*PICTURES, EXR, NPY)
+Fit = Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]]
 _ROTATION_WITHIN = 1e-3
 # Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
 _LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
@@ -133,9 +134,9 @@ def scale_fact(scale: float, by: By) -> Assumption:
     return Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale")
 
 
-def in_640x480_alone(fact: Assumption) -> Assumption:
+def for_size(fact: Assumption, size: Size) -> Assumption:
     """Return the entry for a number that a layout has for pictures of that size."""
-    return attrs.evolve(fact, value=f"{fact.value}, in 640x480 alone")
+    return attrs.evolve(fact, value="{} for {}x{}".format(fact.value, *size))
 
 
 def clock_fact(options: SequenceOptions, file: str = "") -> Assumption:
@@ -165,11 +166,14 @@ def sequence_of(
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
     more: Rows[Assumption] = (),
+    depth_of: Callable[[Path], NDArray[Any]] = read_depth,
+    fit: Fit = fitted_depth,
 ) -> Sequence:
     """Return the sequence of pairs of files that share one camera.
 
-    track: a denser motion than the frames' own. more: facts beside those of the camera. Errors:
-    InputError without frames, and for pictures of another size than the layout's numbers are for.
+    track: a denser motion than the frames' own. more: facts beside those of the camera. depth_of,
+    fit: as `reading` takes them. Errors: InputError without frames, and for pictures of another
+    size than the layout's numbers are for.
     """
     pairs = sorted(pairs, key=lambda pair: pair.time_ns)
     if not pairs:
@@ -185,8 +189,8 @@ def sequence_of(
             pair.pose,
             fov,
             size,
-            reading(pair.colour, pair.depth, facts.depth_scale, size),
-            partial(read_depth, pair.depth),
+            reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
+            partial(depth_of, pair.depth),
         )
 
     frames = [frame(pair) for pair in pairs]
@@ -264,15 +268,25 @@ def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int
     return PoseTrack(every[order], positions[order], turns[order], axes=denser.axes, max_gap_ns=denser.max_gap_ns)
 
 
-def reading(colour: Path, depth: Path, scale: float, size: tuple[int, int]) -> Callable[[], Pictures]:
-    """Return what reads a frame from two files."""
+def reading(
+    colour: Path,
+    depth: Path,
+    scale: float,
+    size: tuple[int, int],
+    depth_of: Callable[[Path], NDArray[Any]] = read_depth,
+    fit: Fit = fitted_depth,
+) -> Callable[[], Pictures]:
+    """Return what reads a frame from two files.
+
+    depth_of: reads depth in its own unit. fit: takes it to the pixels of its colour.
+    """
 
     def read() -> Pictures:
         picture = read_colour(colour)
         if picture.shape[1::-1] != size:
             found = f"{picture.shape[1]}x{picture.shape[0]}"
             raise InputError(f"{colour}: {found} pixels; expected {size[0]}x{size[1]}, as the first frame has")
-        return as_pictures(picture, in_metres(fitted_depth(read_depth(depth), picture, depth), scale))
+        return as_pictures(picture, in_metres(fit(depth_of(depth), picture, depth), scale))
 
     return read
 
@@ -378,9 +392,9 @@ def folder_named(folder: Path, *names: str) -> Path:
     return next((folder / name for name in names if (folder / name).is_dir()), folder / names[0])
 
 
-def at_rate(options: SequenceOptions, number: int) -> int:
-    """Return the instant of a frame of files without a clock."""
-    return round(number * 1e9 / (options.frames_rate_hz or RATE_HZ))
+def at_rate(options: SequenceOptions, number: int, rate_hz: float | None = None) -> int:
+    """Return the instant of a frame of files without a clock. rate_hz: of the layout."""
+    return round(number * 1e9 / (options.frames_rate_hz or rate_hz or RATE_HZ))
 
 
 def paired(colours: Path, depths: Path) -> list[tuple[Path, Path]]:

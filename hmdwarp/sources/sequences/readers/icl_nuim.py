@@ -19,7 +19,7 @@ from ._base import (
     clock_fact,
     facts_of,
     folder_named,
-    in_640x480_alone,
+    for_size,
     intrinsics_fact,
     pictures_in,
     pose_of_numbers,
@@ -29,7 +29,7 @@ from ._base import (
 )
 
 # The renderer's y points up.
-CAMERA_OF_RENDERER = Camera(481.2, -480.0, 319.5, 239.5)
+CAMERA_OF_RENDERER = Camera(481.2, -480.0, 319.5, 239.5, VGA)
 _TRAJECTORY = "*.gt.freiburg"
 _UNIT = 1 / 5000
 
@@ -44,8 +44,8 @@ class IclNuimReader(SequenceReader):
     name = "icl_nuim"
     summary = f"ICL-NUIM: rgb/N.png, depth/N.png and {_TRAJECTORY}"
     assumes = (
-        in_640x480_alone(intrinsics_fact(CAMERA_OF_RENDERER, By.FORMAT)),
-        in_640x480_alone(scale_fact(_UNIT, By.FORMAT)),
+        intrinsics_fact(CAMERA_OF_RENDERER, By.FORMAT),
+        for_size(scale_fact(_UNIT, By.FORMAT), VGA),
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         Assumption(AXES, "x right, y up, z forward, in a left-handed world", By.FORMAT),
         Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),

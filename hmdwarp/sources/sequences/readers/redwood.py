@@ -20,7 +20,6 @@ from ._base import (
     clock_fact,
     facts_of,
     folder_named,
-    in_640x480_alone,
     intrinsics_fact,
     paired,
     poses_of,
@@ -48,7 +47,7 @@ class RedwoodReader(SequenceReader):
     name = "redwood"
     summary = "Redwood, Open3D: color/, depth/, trajectory.log, and maybe camera_intrinsic.json"
     assumes = (
-        in_640x480_alone(intrinsics_fact(PRIMESENSE, By.NOBODY)),
+        intrinsics_fact(PRIMESENSE, By.NOBODY),
         scale_fact(_UNIT, By.NOBODY),
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         Assumption(AXES, "x right, y down, z forward", By.FORMAT),

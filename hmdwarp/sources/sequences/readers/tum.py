@@ -20,7 +20,7 @@ from ._base import (
     Pair,
     SequenceReader,
     facts_of,
-    in_640x480_alone,
+    for_size,
     intrinsics_fact,
     rows_of,
     scale_fact,
@@ -30,8 +30,8 @@ from ._base import (
 COLOUR, DEPTH, TRAJECTORY, CALIBRATION = "rgb.txt", "depth.txt", "groundtruth.txt", "calibration.txt"
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
-ADVISED = Camera(525.0, 525.0, 319.5, 239.5)
-FREIBURG3 = Camera(535.4, 539.2, 320.1, 247.6)
+ADVISED = Camera(525.0, 525.0, 319.5, 239.5, VGA)
+FREIBURG3 = Camera(535.4, 539.2, 320.1, 247.6, VGA)
 _UNIT = 1 / 5000
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as the data set's own script has it
 _WORLD = "x,z,y"
@@ -48,8 +48,8 @@ class TumReader(SequenceReader):
     name = "tum"
     summary = f"TUM RGB-D: {COLOUR}, {DEPTH}, {TRAJECTORY} and the pictures that they name"
     assumes = (
-        in_640x480_alone(intrinsics_fact(ADVISED, By.NOBODY)),
-        in_640x480_alone(scale_fact(_UNIT, By.NOBODY)),
+        intrinsics_fact(ADVISED, By.NOBODY),
+        for_size(scale_fact(_UNIT, By.NOBODY), VGA),
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         Assumption(AXES, "x right, y down, z forward, in a world of z up", By.FORMAT),
         Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
