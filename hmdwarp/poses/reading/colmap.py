@@ -6,6 +6,7 @@ import io
 import struct
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -118,7 +119,7 @@ def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
         end = raw.find(b"\0", begin)
         name = stream.read(max(0, end - begin))
         stream.read(1)
-        yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), int(camera_id), pose)
+        yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
         stream.seek(_POINT_BYTES * _count(path, stream), io.SEEK_CUR)
 
 
@@ -137,7 +138,7 @@ def _count(path: Path, stream: io.BytesIO) -> int:
     return int(_unpacked(path, stream, struct.Struct("<Q"))[0])
 
 
-def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[float, ...]:
+def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[Any, ...]:
     data = stream.read(form.size)
     if len(data) < form.size:
         raise TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")

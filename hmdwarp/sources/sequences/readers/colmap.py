@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from ....errors import InputError, TraceError
 from ....poses.assumptions import Assumption, By
+from ....poses.reading.axes import parse_axes
 from ....poses.reading.colmap import ColmapCamera, ColmapImage, read_cameras, read_images
 from ..camera import Camera, refuse_distortion
 from ..options import SequenceOptions
 from ..picture_files import read_depth
-from ..recorded import Sequence
+from ..recorded import DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import DEPTHS, Pair, SequenceReader, at_rate, facts_of, folder_named, pose_of, sequence_of
+from ._base import DEPTHS, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, pose_of, sequence_of
 from ._dataset import axes_of, clock_of, left_out
 
 _MODELS = ("sparse/0", "sparse", ".", "colmap/sparse/0")
@@ -42,6 +43,16 @@ class ColmapReader(SequenceReader):
 
     name = "colmap"
     summary = "COLMAP: images/, sparse/0/images.txt and cameras.txt (or .bin), and depth/ or stereo/depth_maps/"
+    assumes = (
+        Assumption(INTRINSICS, "cameras.txt or cameras.bin, for each image", By.FILE, "--intrinsics"),
+        Assumption(
+            DEPTH_SCALE, "1 unit of the model in its own depth maps, else to be stated", By.FORMAT, "--depth-scale"
+        ),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(OPTICAL)),
+        Assumption(POSE, "camera from world, inverted; qw qx qy qz tx ty tz", By.FORMAT),
+        clock_of(SequenceOptions(), By.NOBODY),
+    )
 
     def fits(self, path: Path) -> int:
         return 70 if _model(path) is not None and _depths(path) is not None else 0
@@ -70,9 +81,8 @@ class ColmapReader(SequenceReader):
             )
             for at, image, depth in chosen
         ]
-        pose_by = Assumption("camera pose", "camera from world, inverted; w first", By.FORMAT)
         unit = Assumption("length", "1 m per unit of the model, whose own is any", By.NOBODY)
-        more = (axes_of(axes), pose_by, unit, clock_of(options, By.NOBODY))
+        more = (axes_of(axes), unit, clock_of(options, By.NOBODY))
         notes = left_out(len(images) - len(pairs), "no picture or no depth")
         return sequence_of(self, path, pairs, facts, notes=notes, more=more, depth_of=_depth)
 
@@ -110,8 +120,8 @@ def _camera(cameras: dict[int, ColmapCamera], key: int, model: Path) -> Camera:
         )
     facts: dict[str, Any] = dict(zip(names, camera.parameters, strict=True))
     refuse_distortion(camera.where, facts)
-    fx, fy = facts.get("fx", facts.get("f")), facts.get("fy", facts.get("f"))
-    return Camera(float(fx), float(fy), facts["cx"], facts["cy"], camera.size, _CENTRE)
+    fx, fy = (facts["f"], facts["f"]) if "f" in facts else (facts["fx"], facts["fy"])
+    return Camera(fx, fy, facts["cx"], facts["cy"], camera.size, _CENTRE)
 
 
 def _depth(path: Path) -> NDArray[Any]:

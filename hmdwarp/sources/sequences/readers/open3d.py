@@ -5,17 +5,31 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+import attrs
 
 from ....errors import InputError
 from ....poses.assumptions import Assumption, By
-from ..camera import Camera, camera_of, numbers_of, read_json
+from ....poses.reading.axes import parse_axes
+from ..camera import Camera, camera_of, read_json
+from ..matrices import by_rows, square_of
 from ..options import SequenceOptions
-from ..recorded import Sequence
+from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, folder_named, paired, pose_of_matrix, sequence_of
-from ._dataset import axes_of, clock_of
+from ._base import (
+    OPTICAL,
+    Pair,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    folder_named,
+    paired,
+    poses_of,
+    scale_fact,
+    sequence_of,
+)
+from ._dataset import axes_of, clock_of, inverse_of
 
+_UNIT = 0.001
 _CLASS = "PinholeCameraTrajectory"
 _NAMES = ("camera_trajectory.json", "trajectory.json", "key.json")
 _HEAD = 4096  # bytes that are searched for the class
@@ -30,6 +44,14 @@ class Open3DReader(SequenceReader):
 
     name = "open3d"
     summary = f"Open3D: color/, depth/ and {_NAMES[0]} of class {_CLASS}"
+    assumes = (
+        Assumption(INTRINSICS, "intrinsic_matrix of each frame", By.FILE, "--intrinsics"),
+        scale_fact(_UNIT, By.NOBODY),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(OPTICAL)),
+        Assumption(POSE, "camera from world, inverted; matrices by columns", By.FORMAT),
+        clock_of(SequenceOptions(), By.NOBODY),
+    )
 
     def fits(self, path: Path) -> int:
         return 87 if _trajectory(path) is not None and (path / "depth").is_dir() else 0
@@ -44,18 +66,22 @@ class Open3DReader(SequenceReader):
             count = len(cameras) if isinstance(cameras, list) else "no list of"
             raise InputError(f"{file}: {count} parameters for {len(files)} pictures; expected one for each")
         own = [_camera(f"{file}, parameters {at}", one) for at, one in enumerate(cameras)]
-        facts = facts_of(path, options, None, 0.001, own=own[0])
+        facts = facts_of(path, options, None, _UNIT, own=own[0], by=By.NOBODY)
         axes = facts.axes()
-        pairs = []
-        for at, ((colour, depth), camera, one) in enumerate(zip(files, own, cameras, strict=True)):
-            where = f"{file}, parameters {at}"
-            extrinsic = np.reshape(numbers_of(where, "extrinsic", one.get("extrinsic"), 16), (4, 4)).T
-            pose = pose_of_matrix(axes, where, _inverse(where, extrinsic))
-            stated = camera if options.intrinsics is None else None
-            pairs.append(Pair(colour, depth, at_rate(options, at), pose, stated))
-        pose_by = Assumption("camera pose", "camera from world, inverted; matrices by columns", By.FORMAT)
-        more = (axes_of(axes), pose_by, clock_of(options, By.NOBODY))
-        return sequence_of(self, path, pairs, facts, more=more)
+        places = [f"{file}, parameters {at}" for at in range(len(cameras))]
+        views, order = by_rows(str(file), [square_of(*one) for one in zip(places, _extrinsics(cameras), strict=True)])
+        poses, _ = poses_of(axes, list(zip(places, map(inverse_of, places, views), strict=True)))
+        stated = own if options.intrinsics is None else [None] * len(own)
+        pairs = [
+            Pair(colour, depth, at_rate(options, at), pose, camera)
+            for at, ((colour, depth), pose, camera) in enumerate(zip(files, poses, stated, strict=True))
+        ]
+        order = attrs.evolve(order, value=order.value.replace("world from camera", "camera from world, inverted"))
+        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options, By.NOBODY)))
+
+
+def _extrinsics(cameras: list[Any]) -> list[Any]:
+    return [one.get("extrinsic") for one in cameras]
 
 
 def _trajectory(path: Path) -> Path | None:
@@ -79,15 +105,6 @@ def _camera(where: str, one: Any) -> Camera:
     if camera is None:
         raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")
     return camera
-
-
-def _inverse(where: str, matrix: np.ndarray) -> np.ndarray:
-    if np.abs(matrix[3] - (0, 0, 0, 1)).max() > 1e-6:
-        raise InputError(f"{where}: extrinsic is not 16 numbers by columns; expected 0, 0, 0, 1 at every fourth")
-    turn = matrix[:3, :3].T
-    inverse = np.eye(4)
-    inverse[:3, :3], inverse[:3, 3] = turn, -turn @ matrix[:3, 3]
-    return inverse
 
 
 readers.register(Open3DReader())

@@ -14,13 +14,25 @@ from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera, refuse_distortion
 from ..options import SequenceOptions
-from ..recorded import Sequence
+from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, Row, SequenceReader, at_rate, facts_of, pictures_in, pose_of_matrix, rows_of, sequence_of
+from ._base import (
+    Pair,
+    Row,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    pictures_in,
+    pose_of_matrix,
+    rows_of,
+    scale_fact,
+    sequence_of,
+)
 from ._dataset import axes_of, clock_of, instant_ns, left_out
 
 # The world is that of ROS, x forward and z up; the camera is optical.
 _AXES = "world=-y,z,x head=x,-y,z"
+_UNIT = 0.001
 _LIST = re.compile(r"^(\w+):\s*(?:\n\s+(?:rows|cols):\s*\d+)*\s*\n\s+data:\s*\[([^\]]*)\]", re.MULTILINE)
 _NUMBER = re.compile(r"^(image_width|image_height):\s*(\d+)\s*$", re.MULTILINE)
 
@@ -34,6 +46,14 @@ class RtabMapReader(SequenceReader):
 
     name = "rtabmap"
     summary = "RTAB-Map export: NAME_rgb/, NAME_depth/, NAME_calib/ and NAME_camera_poses.txt of format 11"
+    assumes = (
+        Assumption(INTRINSICS, "NAME_calib/ID.yaml, of each image", By.FILE, "--intrinsics"),
+        scale_fact(_UNIT, By.FORMAT),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(_AXES)),
+        Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
+        Assumption(CLOCK, "seconds in the file of poses", By.FILE, "--frames-rate"),
+    )
 
     def fits(self, path: Path) -> int:
         return 91 if _poses(path) is not None and _folder(path, "rgb").is_dir() else 0
@@ -58,11 +78,10 @@ class RtabMapReader(SequenceReader):
             turned = pose_of_matrix(axes, row.where, matrix)
             pairs.append(Pair(colours[stem], depths[stem], time_ns, turned, own))
             calibrations.append(calibration)
-        facts = facts_of(path, options, None, 0.001, own=calibrations[0].camera if calibrations else None)
-        clock = Assumption("frame clock", f"seconds in {file.name}", By.FILE)
-        clock = clock if options.frames_rate_hz is None else clock_of(options, By.USER)
+        facts = facts_of(path, options, None, _UNIT, own=calibrations[0].camera if calibrations else None)
+        more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
         notes = left_out(len(colours) - len(pairs), "no depth or no pose")
-        return sequence_of(self, path, pairs, facts, notes=notes, more=(axes_of(axes), clock))
+        return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 
 
 def _poses(path: Path) -> Path | None:

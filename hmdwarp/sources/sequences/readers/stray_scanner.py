@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from ....poses.assumptions import Assumption, By
@@ -10,15 +11,17 @@ from ....poses.reading.axes import parse_axes
 from ..camera import Camera
 from ..options import SequenceOptions
 from ..picture_files import NPY, fitted_depth, read_depth
-from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
+from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from ..video_pictures import VideoPictures
 from . import readers
-from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of
+from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of, scale_fact
 from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in
 
 VIDEO, CAMERA, ODOMETRY = "rgb.mp4", "camera_matrix.csv", "odometry.csv"
 # The world is ARKit's, y up; the camera was turned to x right, y down, z forward.
 _AXES = "world=x,y,-z head=x,-y,z"
+_UNIT = 0.001
+_CLOCK = Assumption(CLOCK, f"seconds in {ODOMETRY}", By.FILE, "--frames-rate")
 _HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
 
@@ -30,14 +33,22 @@ class StrayScannerReader(SequenceReader):
 
     name = "stray_scanner"
     summary = f"Stray Scanner: {VIDEO}, depth/N.png, {ODOMETRY} and {CAMERA}"
+    assumes = (
+        Assumption(INTRINSICS, CAMERA, By.FILE, "--intrinsics"),
+        scale_fact(_UNIT, By.FORMAT),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(_AXES)),
+        Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
+        _CLOCK,
+    )
 
     def fits(self, path: Path) -> int:
         return 93 if (path / ODOMETRY).is_file() and (path / VIDEO).is_file() else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         rows, matrix = _rows(path / ODOMETRY), matrix_in(path / CAMERA, 3)
-        camera = Camera(*(float(matrix[at]) for at in ((0, 0), (1, 1), (0, 2), (1, 2))))
-        facts, axes = facts_of(path, options, None, 0.001, own=camera), parse_axes(_AXES)
+        camera = Camera(matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2])
+        facts, axes = facts_of(path, options, None, _UNIT, own=camera), parse_axes(_AXES)
         video = VideoPictures(path / VIDEO)
         fov = facts.camera.fov(video.size, str(path / CAMERA))
         depths = {int(one.stem): one for one in pictures_in(path / "depth", (".png", NPY)) if one.stem.isdigit()}
@@ -47,12 +58,12 @@ class StrayScannerReader(SequenceReader):
             if int(number) in depths:
                 time_ns = instant_ns(row) if options.frames_rate_hz is None else at_rate(options, at)
                 read = _reading(video, at, depths[int(number)], facts.depth_scale)
+                raw = partial(read_depth, depths[int(number)])
                 turned = pose_of_numbers(axes, row.where, pose)
-                frames.append(RecordedFrame(f"{VIDEO} {at}", time_ns, turned, fov, video.size, read))
-        clock = Assumption("frame clock", f"seconds in {ODOMETRY}", By.FILE)
-        clock = clock if options.frames_rate_hz is None else clock_of(options, By.USER)
+                frames.append(RecordedFrame(f"{VIDEO} {at}", time_ns, turned, fov, video.size, read, raw))
+        more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
         notes = left_out(len(rows) - len(frames), "no depth")
-        return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, axes_of(axes), clock))
+        return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
 
 
 def _rows(file: Path) -> list[Row]:
