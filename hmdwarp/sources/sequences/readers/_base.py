@@ -155,6 +155,8 @@ class Pair:
     depth: Path
     time_ns: int
     pose: Pose
+    # Of its own; None for that of all.
+    camera: Camera | None = None
 
 
 def sequence_of(
@@ -180,14 +182,13 @@ def sequence_of(
         raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {reader.summary}")
     size = size_of(pairs[0].colour)
     _refuse_other_size(reader, folder, facts, size)
-    fov = facts.camera.fov(size, str(folder))
 
     def frame(pair: Pair) -> RecordedFrame:
         return RecordedFrame(
             pair.colour.name,
             pair.time_ns,
             pair.pose,
-            fov,
+            (pair.camera or facts.camera).fov(size, str(folder)),
             size,
             reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
             partial(depth_of, pair.depth),
