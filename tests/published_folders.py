@@ -101,7 +101,7 @@ def write_tartanair(folder: Path, frames: list[Taken]) -> None:
         _save(folder / f"image_left/{i:06}_left.png", one)
         (folder / "depth_left").mkdir(exist_ok=True)
         np.save(folder / f"depth_left/{i:06}_left_depth.npy", one.depth_m)
-    lines = (seven_numbers(camera_matrix(one, NED, ned)) for one in frames)
+    lines = (seven_numbers(camera_matrix(frame, NED, ned)) for frame in frames)
     _text(folder / "pose_left.txt", "\n".join(lines) + "\n")
 
 
@@ -114,7 +114,7 @@ def write_tartanair_v2(folder: Path, frames: list[Taken]) -> None:
         Image.fromarray(np.stack([red, green, blue, alpha], axis=2), "RGBA").save(
             folder / f"depth_lcam_front/{i:06}_lcam_front_depth.png"
         )
-    lines = (seven_numbers(camera_matrix(one, NED, ned)) for one in frames)
+    lines = (seven_numbers(camera_matrix(frame, NED, ned)) for frame in frames)
     _text(folder / "pose_lcam_front.txt", "\n".join(lines) + "\n")
 
 

@@ -100,7 +100,7 @@ def test_a_pixel_is_seen_where_the_truth_sees_it(form, folder):
     frames = taken(3, step_m=0.05, step_deg=3)
     PUBLISHED[form].write(folder, frames)
     first, *_, last = sequences.open(folder, PUBLISHED[form].options).frames
-    view, other = (attrs.evolve(first.view, pose=one.pose, fov=fov_of()) for one in (frames[0], frames[-1]))
+    view, other = (attrs.evolve(first.view, pose=frame.pose, fov=fov_of()) for frame in (frames[0], frames[-1]))
     at = np.array([[5.0, 7.0], [20.0, 12.0]])
     inverse = [
         1 / np.flipud(depth)[at[:, 1].astype(int), at[:, 0].astype(int)] for depth in (first.depth_m, frames[0].depth_m)
