@@ -54,7 +54,7 @@ APART = {
     "gpu": {"geometry", "colour"},
     "scenes": {"poses", "headsets"},
     "sources": {"headsets", "link"},
-    "frames": {"gpu", "poses"},
+    "frames": {"gpu"},
     "link": {"gpu", "headsets", "scenes", "poses", "frames"},
     "client": {"link", "poses"},
     "metrics": {"client", "sources", "link"},

@@ -78,10 +78,9 @@ def convert(said: Said) -> None:
     """
     from rich.console import Console
 
-    from ..errors import InputError
+    from ..errors import InputError, unknown_name
     from ..poses.formats import formats
     from ..poses.load import load_trace
-    from ..registry import unknown_name
     from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]

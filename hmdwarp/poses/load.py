@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..errors import InputError, TraceError
-from ..registry import unknown_name
+from ..errors import InputError, TraceError, unknown_name
 from ..resources import folder, recording_names
 from .assumptions import By
 from .formats import TraceFormat, column_of, column_of_devices, formats, ordered

@@ -10,7 +10,6 @@ from typing import Any
 
 import attrs
 
-from ...client import needs_of
 from ...errors import InputError
 from ...headsets import Headset, load_headset
 from ...options import AUTO, options_of, quoted
@@ -68,7 +67,8 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
     headset, lens = source.headset, _lens(options, source.headset)
     plans = plans_for(attrs.evolve(options, lens=lens), headset, source.scene, _levels(options, headset))
-    source.check_eyes(needs_of(plans), 1 if options.view == FLAT else 2)
+    for plan in plans:
+        source.check_eyes(plan.needs, 1 if options.view == FLAT else 2)
     return options
 
 
