@@ -38,6 +38,7 @@ from ..options import (
 )
 from ..scenes.options import SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
+from .auto.levels import QualityLevel
 from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
 from .proxy_options import ProxyOptions
 from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
@@ -257,6 +258,8 @@ class PipelineOptions(Declared):
         valid=Number(),
         heading=RENDERING,
     )
+    # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
+    levels: tuple[QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.source_kind is REMOTE:
@@ -360,7 +363,7 @@ class PipelineOptions(Declared):
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
-        return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
+        return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None, levels=())
 
     def over(self, latency_ms: float, network: LinkOptions, coding: Coding) -> Self:
         """Return the options over a link that others share; what they set of it themselves stays.

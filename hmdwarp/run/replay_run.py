@@ -25,7 +25,6 @@ from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
-from .guard import settled
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
@@ -34,7 +33,7 @@ from .options import MOST_COMPARED, RunOptions
 from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
-from .short_bench import levels_for
+from .short_bench import decided
 from .trace_events import TraceEvents
 
 WORST_FRAMES = 6
@@ -62,10 +61,9 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
-    options, guard_notes = settled(options)
-    choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels, say=say, alone=True) as setup:
-        setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
+    options, choice = decided(options, say)
+    with set_up_replay(options, say=say, alone=True) as setup:
+        setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
         with QualityPool(
             workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)

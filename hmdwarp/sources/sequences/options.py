@@ -7,9 +7,10 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...options import DISPLAY, Declared, Number, names_in, option, option_of
+from ...options import DISPLAY, Declared, Number, names_in, one_of, option, option_of
 from .. import sequences
 
+HOLE, FAR = "hole", "far"  # what a pixel without depth is
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
@@ -58,6 +59,12 @@ class SequenceOptions(Declared):
         "Metres per unit of the recorded depth: 0.001 for millimetres, 0.0002 for TUM RGB-D.",
         kind=float,
         valid=Number(most=1.0, above=True),
+        study=DISPLAY,
+    )
+    no_depth: str = option(
+        HOLE,
+        "What a pixel without depth is: a hole, or infinitely far, as sky of a renderer is.",
+        valid=one_of(HOLE, FAR),
         study=DISPLAY,
     )
     frames_rate_hz: float | None = option(
