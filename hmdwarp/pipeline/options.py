@@ -38,7 +38,7 @@ from ..options import (
 )
 from ..scenes.options import SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
-from .auto.levels import QualityLevel
+from . import auto
 from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
 from .proxy_options import ProxyOptions
 from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
@@ -259,7 +259,7 @@ class PipelineOptions(Declared):
         heading=RENDERING,
     )
     # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
-    levels: tuple[QualityLevel, ...] = ()
+    levels: tuple[auto.QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.source_kind is REMOTE:

@@ -1,6 +1,8 @@
-"""Warp `auto`: quality levels and the governor that keeps a run within its time budget."""
+"""Warp `auto`: quality levels and the governor that keeps a run within its time budget.
 
-from .governor import Governor
-from .levels import QualityLevel, choose, levels_from, settings_of
+Names are in __init__.pyi; each loads its module at first use.
+"""
 
-__all__ = ["Governor", "QualityLevel", "choose", "levels_from", "settings_of"]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
