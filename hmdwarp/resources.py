@@ -12,6 +12,7 @@ __version__ = "0.1.0"
 
 # What each optional package is for. Which packages they are, pyproject.toml says.
 EXTRAS = {
+    "bags": "recorded frames and head traces in bags of ROS",
     "bench": "cv2.warpFrame among the warps of bench",
     "cluster": "--cluster",
     "draco": "glTF scenes compressed with Draco",
