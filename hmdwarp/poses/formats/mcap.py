@@ -11,7 +11,7 @@ from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
-from ..reading.record_files import COLUMNS, EXTRA, METADATA
+from ..reading.mcap_messages import COLUMNS, EXTRA, METADATA
 from ..stated import Defect, Layout
 from ..track import PoseTrack
 from ._base import TraceFormat, clock_offset_ns, formats

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..assumptions import Assumption, By
-from ..options import TraceOptions
+from ..options import INVERSE, TraceOptions
 from ..stated import Layout
 from .axes import Axes
 
@@ -12,7 +12,7 @@ def assumptions_of(
     layout: Layout, options: TraceOptions, axes: Axes, axes_by: By, clock: str, has_position: bool
 ) -> tuple[Assumption, ...]:
     """Return every fact by which rows became poses; clock: its unit, in words."""
-    facts = [_orientation(layout), Assumption("pose", "world from head", layout.direction_by)]
+    facts = [_orientation(layout), _direction(layout, options)]
     if has_position:
         facts.append(_length(layout, options, axes, axes_by))
     facts.append(Assumption("axes", axes.label(), axes_by, "--axes"))
@@ -25,11 +25,20 @@ def assumptions_of(
 
 def _orientation(layout: Layout) -> Assumption:
     if layout.euler is not None:
-        unit = "degrees" if layout.euler.degrees else "radians"
-        return Assumption("angles", f"{layout.euler.order.upper()}, {unit}", layout.order_by, "--euler")
+        return Assumption("angles", layout.euler.words(), layout.order_by, "--euler")
     if layout.matrix:
-        return Assumption("matrix", "row by row", layout.order_by)
+        return Assumption("matrix", layout.matrix, layout.order_by, "--matrix")
     return Assumption("quaternion", layout.order, layout.order_by, "--quat-order")
+
+
+def _direction(layout: Layout, options: TraceOptions) -> Assumption:
+    by = By.USER if options.pose else layout.direction_by
+    return Assumption("pose", "head from world" if is_inverse(layout, options) else "world from head", by, "--pose")
+
+
+def is_inverse(layout: Layout, options: TraceOptions) -> bool:
+    """Return whether a file's poses are head from world."""
+    return layout.inverse if options.pose is None else options.pose == INVERSE
 
 
 def _length(layout: Layout, options: TraceOptions, axes: Axes, axes_by: By) -> Assumption:
