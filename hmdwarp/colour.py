@@ -23,7 +23,8 @@ def srgb_from_linear(linear: ArrayLike) -> NDArray[np.floating]:
         values = np.where(values > 0, np.minimum(values, 1), 0)
     # In binary 1.055 - 0.055 is not quite 1, and white must stay white.
     curve = np.where(values < 1, 1.055 * values ** (1 / 2.4) - 0.055, 1)
-    return np.where(values <= 0.0031308, 12.92 * values, curve).astype(values.dtype)
+    srgb: NDArray[np.floating] = np.where(values <= 0.0031308, 12.92 * values, curve).astype(values.dtype)
+    return srgb
 
 
 def linear_from_srgb(srgb: ArrayLike) -> NDArray[np.floating]:
@@ -34,7 +35,8 @@ def linear_from_srgb(srgb: ArrayLike) -> NDArray[np.floating]:
     """
     values = np.asarray(srgb)
     if values.dtype == np.uint8:
-        return _linear_of_byte()[values]
+        light: NDArray[np.floating] = _linear_of_byte()[values]
+        return light
     values = values if values.dtype == np.float32 else values.astype(np.float64)
     with np.errstate(invalid="ignore"):
         values = np.where(values > 0, np.minimum(values, 1), 0)
@@ -65,7 +67,8 @@ def picture_from_linear(rgba: ArrayLike) -> NDArray[np.uint8]:
 
 
 def _to_byte(srgb: NDArray[np.floating]) -> NDArray[np.uint8]:
-    return np.floor(srgb * 255 + 0.5).astype(np.uint8)
+    encoded: NDArray[np.uint8] = np.floor(srgb * 255 + 0.5).astype(np.uint8)
+    return encoded
 
 
 @functools.cache

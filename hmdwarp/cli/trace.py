@@ -17,6 +17,7 @@ from ._options import JSON, Said, as_json, takes
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rich.console import Console
     from rich.table import Table
 
     from ..poses import LoadedTrace
@@ -261,7 +262,7 @@ def _assumption_table(loaded: LoadedTrace) -> Table:
     return table
 
 
-def _print_defects(console, loaded: LoadedTrace) -> None:
+def _print_defects(console: Console, loaded: LoadedTrace) -> None:
     from rich.text import Text
 
     from ..report import counted

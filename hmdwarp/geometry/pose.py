@@ -45,7 +45,7 @@ def _unit_quaternion(value: ArrayLike) -> Vector:
     # 1.1e-16): q -> Pose -> q is bit-exact.
     if largest <= 1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15:
         return given
-    array = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
+    array: Vector = given / largest  # so that neither 1e-200 nor 1e200 under- or overflows in the norm
     array /= np.sqrt(array @ array)
     array.flags.writeable = False
     return array

@@ -200,7 +200,7 @@ def drawing_into(framebuffer: moderngl.Framebuffer, flags: int | None = None) ->
     """
     if framebuffer.extra is None:
         framebuffer.extra = {}
-    made = framebuffer.extra
+    made: dict[int | None, moderngl.Scope] = framebuffer.extra
     if flags not in made:
         made[flags] = framebuffer.ctx.scope(framebuffer, flags)
     return made[flags]

@@ -22,11 +22,9 @@ def _address_of() -> Callable[[bytes], int | None]:
     """Return the driver's function loader; either library knows the current context's functions."""
     for library, name in _LOADERS:
         try:
-            find = getattr(ctypes.CDLL(library), name)
+            return ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_char_p)((name, ctypes.CDLL(library)))
         except (OSError, AttributeError):
             continue
-        find.restype, find.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
-        return find
     raise MachineError(
         f"this machine has neither {' nor '.join(library for library, _ in _LOADERS)}: install libegl1 or libgl1"
     )

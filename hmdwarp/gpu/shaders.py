@@ -319,4 +319,5 @@ class ShaderLibrary:
         key = (*paths, *sorted(defines.items()))
         if key not in self._cache:
             self._cache[key] = make()
-        return self._cache[key]
+        program: Program = self._cache[key]
+        return program

@@ -124,7 +124,7 @@ def _pixels_per_rad(eye: EyeImage) -> float:
     """Return the most pixels that an angle covers: in a corner of the picture, to its middle."""
     left, right, down, up = eye.view.fov.tangents
     per_tangent = max(eye.size[0] / (right - left), eye.size[1] / (up - down))
-    return per_tangent * (1 + max(left * left, right * right) + max(down * down, up * up))
+    return float(per_tangent * (1 + max(left * left, right * right) + max(down * down, up * up)))
 
 
 def _by_head(eye: EyeImage, view: View, nearest: float) -> float:

@@ -268,10 +268,8 @@ def _depth_error(coding: Coding, step: float) -> float:
 
 def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float:
     """Return how densely pictures of a field of view and size are drawn: of both axes the most."""
-    return max(
-        max(size[0] / (right - left), size[1] / (up - down))
-        for size, (left, right, down, up) in ((size, fov.tangents) for fov, size in pictures)
-    )
+    sides = ((size, fov.tangents) for fov, size in pictures)
+    return float(max(max(w / (right - left), h / (up - down)) for (w, h), (left, right, down, up) in sides))
 
 
 def _milliseconds_since(started_ns: int) -> float:

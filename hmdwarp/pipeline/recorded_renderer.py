@@ -189,4 +189,5 @@ def _nearest(inverse: NDArray[np.floating], size: Size, box: Box) -> NDArray[np.
         (low + (np.arange(n) + 0.5) * (high - low) / n).astype(int)
         for low, high, n in ((box[1], box[3], size[1]), (box[0], box[2], size[0]))
     )
-    return inverse[row[:, None], column]
+    nearest: NDArray[np.floating] = inverse[row[:, None], column]
+    return nearest

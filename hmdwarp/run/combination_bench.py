@@ -116,7 +116,7 @@ class Comparison:
             left, right = (inputs.shown for inputs in refresh.inputs)
             shared = SharedSurface(left, right, truths[0].inverse_depth, truths[1].inverse_depth)
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
-        coverages: dict[str, list[NDArray]] = {}
+        coverages: dict[str, list[NDArray[np.floating]]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
             warp = measured.combination.group

@@ -156,7 +156,7 @@ def frames_used(
     drawn: dict[int, list[int]] = {}
     pacer = Pacer(server_rate_hz, schedule.rate_hz)
     history = History(needs.others.past, needs.others.spacing_ns, lambda frame: None)
-    link: Link = LinkOptions().link(link_ns, history.offer)
+    link: Link[_Drawn] = LinkOptions().link(link_ns, history.offer)
     for number, instant_ns in schedule.numbered():
         drawn[number] = pacer.due(instant_ns)
         for drawn_ns in drawn[number]:

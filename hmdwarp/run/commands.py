@@ -11,7 +11,7 @@ import attrs
 from ..client.variants import every_fill, every_warp
 from ..display import Command, Lost, control
 from ..errors import InputError, MachineError
-from ..pipeline.options import AUTO
+from ..options import AUTO
 from ..scenes import SceneOptions, scenes
 from .host import PipelineHost
 from .options import BOTH, FLAT, LiveOptions

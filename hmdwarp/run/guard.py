@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ..geometry import Fov, Pose
 from ..headsets import Headset, load_headset
+from ..options import AUTO
 from ..pipeline.link_times import expected_age_ns
-from ..pipeline.options import AUTO
 from ..poses import PoseSample, PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate

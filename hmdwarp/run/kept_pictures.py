@@ -12,6 +12,7 @@ from ..report import OutputFolder
 from .run_summary import EYES
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from ..pipeline.loop import Refresh
@@ -53,7 +54,7 @@ class Pictures:
             self._under_way.append(self._writer.submit(self._write, name, download(result.panel.texture)))
         self.count += 1
 
-    def _write(self, name: str, linear: NDArray) -> None:
+    def _write(self, name: str, linear: NDArray[np.floating]) -> None:
         self._out.write_png(name, picture_from_linear(linear))
 
     def close(self) -> None:

@@ -75,7 +75,8 @@ class Thinned:
     def measured(self, *names: str) -> NDArray[np.float64]:
         """Return the measured values of these columns, concatenated."""
         values = np.concatenate([self.column(name) for name in names])
-        return values[~np.isnan(values)]
+        kept: NDArray[np.float64] = values[~np.isnan(values)]
+        return kept
 
 
 class Events:

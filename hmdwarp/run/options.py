@@ -11,6 +11,7 @@ import attrs
 
 from ..errors import InputError
 from ..options import (
+    AUTO,
     DISPLAY,
     PICTURE,
     Declared,
@@ -23,7 +24,7 @@ from ..options import (
     out_field,
     same_as,
 )
-from ..pipeline.options import AUTO, DISPLAYED, PipelineOptions
+from ..pipeline.options import DISPLAYED, PipelineOptions
 from ..pipeline.source_kinds import RECORDING, REMOTE, SourceKind
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions

@@ -64,7 +64,7 @@ def _to_nearest(camera: NDArray[np.float64]) -> NDArray[np.float64]:
     return shear
 
 
-def opencv_depth(inverse_depth: NDArray) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+def opencv_depth(inverse_depth: NDArray[np.floating]) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
     """Return depth in metres, and the mask of the pixels that have one."""
     known = np.isfinite(inverse_depth) & (inverse_depth >= 0)
     depth = 1 / np.maximum(np.where(known, inverse_depth, 1), 1 / FAR_M)

@@ -16,7 +16,7 @@ def shown_picture(result: EyeResult) -> NDArray[np.uint8]:
     return picture_from_linear(download(result.shown.texture))
 
 
-def coverage(result: EyeResult) -> NDArray:
+def coverage(result: EyeResult) -> NDArray[np.floating]:
     """Return the coverage (h, w) after the warp, before the fill."""
     assert result.warped is not None
     return download(result.warped.texture)[..., 3]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -18,22 +18,22 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
+from ..options import AUTO
 from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
-from .guard import settled
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
 from .misses import about_misses, about_without
-from .options import AUTO, MOST_COMPARED, RunOptions
+from .options import MOST_COMPARED, RunOptions
 from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
-from .short_bench import levels_for
+from .short_bench import decided
 from .trace_events import TraceEvents
 
 WORST_FRAMES = 6
@@ -61,10 +61,9 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
-    options, guard_notes = settled(options)
-    choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels, say=say, alone=True) as setup:
-        setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
+    options, choice = decided(options, say)
+    with set_up_replay(options, say=say, alone=True) as setup:
+        setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
         with QualityPool(
             workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
@@ -245,7 +244,7 @@ def _nothing_arrived(setup: ReplaySetup) -> str:
     )
 
 
-def _video(setup: ReplaySetup, out: OutputFolder | None):
+def _video(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[VideoWriter | None]:
     if not setup.options.video or out is None:
         return nullcontext()
     wide, high = setup.size
@@ -253,7 +252,7 @@ def _video(setup: ReplaySetup, out: OutputFolder | None):
     return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
 
 
-def _events(setup: ReplaySetup, out: OutputFolder | None):
+def _events(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[TraceEvents | None]:
     options = setup.options
     if options.trace_events is None or out is None:
         return nullcontext()

@@ -8,6 +8,8 @@ from contextlib import closing
 from typing import TYPE_CHECKING
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
 from ..frames import Needs
@@ -115,6 +117,6 @@ def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
-def _pictures(frame: Frame) -> Iterator[tuple]:
+def _pictures(frame: Frame) -> Iterator[tuple[NDArray[np.floating], NDArray[np.floating]]]:
     for eye in frame.eyes:
         yield download(eye.colour), download(eye.inverse_depth)

@@ -82,5 +82,5 @@ def band_count(first: View, last: View, size: tuple[int, int]) -> int:
     turn = first.pose.angle_to(last.pose)
     step = float(np.linalg.norm(last.pose.position_m - first.pose.position_m))
     pixels = math.degrees(turn + step / NEAR_M) * first.fov.pixels_per_degree(size)
-    wanted = 2 ** math.ceil(math.log2(max(pixels / PIXELS_PER_BAND, 1)))
+    wanted: int = 2 ** math.ceil(math.log2(max(pixels / PIXELS_PER_BAND, 1)))
     return min(wanted, MOST_BANDS, size[1])

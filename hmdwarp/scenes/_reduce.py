@@ -72,7 +72,7 @@ def reduced(
 
 def _smaller(texture: Texture, scale: float) -> Texture:
     """Return the texture at that scale."""
-    return Texture(texture.name, lambda: scaled(texture, scale), texture.srgb, texture.repeat)
+    return Texture(texture.name, lambda: scaled(texture, scale), texture.srgb, texture.repeat, texture.emission)
 
 
 def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:

@@ -9,6 +9,8 @@ import re
 from contextlib import suppress
 from itertools import combinations, product
 
+import attrs
+import numpy as np
 import pytest
 from client_scene import ClientScene
 from worlds import every_choice
@@ -28,7 +30,7 @@ from hmdwarp.image.picture_arrays import ENCODINGS
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.scenes import load_scene, scenes
+from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.server import MIRRORS, Server
 
 from .preprocessor import Sides, value_of, walk
@@ -75,6 +77,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
         ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
         _compile_effects(gpu, Tools(carry, 1, geometry=ClientScene(gpu)))
+        server = Server(gpu, _shining(load_scene("planes")))
+        server.draw(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), (8, 6))
         server = Server(gpu, load_scene("planes"))
         depth = allocate(gpu.gl, (8, 6), SCALAR)
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
@@ -94,6 +98,12 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         return gpu.shaders.used
     finally:
         gpu.shaders = before
+
+
+def _shining(scene: Scene) -> Scene:
+    white = np.full((1, 1, 3), 255, np.uint8)
+    textures = [Texture(each.name, each.image, emission=Emission(white, (1, 1, 1))) for each in scene.textures]
+    return attrs.evolve(scene, textures=textures)
 
 
 def _take_textures_over(gpu: Gpu) -> None:

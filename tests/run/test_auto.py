@@ -318,7 +318,8 @@ def test_a_trial_leaves_out_what_is_out_of_reach(few):
 def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
     """Frames carry the layers of every level; a level that needs none of them gets none."""
     levels = (QualityLevel("forward", "none", 1.0, 0.2), QualityLevel("layered", "none", 2.0, 0.1))
-    with set_up_replay(small(warp="auto", budget_ms=budget_ms, client="class-3", against=""), levels=levels) as setup:
+    options = small(warp="auto", budget_ms=budget_ms, client="class-3", against="", levels=levels)
+    with set_up_replay(options) as setup:
         setup.loop.draw(setup.schedule.first_ns)
         refresh = setup.loop.show(setup.schedule.first_ns + setup.schedule.age_ns)
         assert all("peeled" in eye for eye in refresh.frame.eyes)
@@ -332,7 +333,7 @@ def test_what_the_compared_warp_needs_is_not_handed_to_the_run(tmp_path, against
 
 def test_a_replay_compiles_every_level_at_the_start(tmp_path):
     levels = levels_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path)), lens_ms).levels
-    with set_up_replay(small(**auto(tmp_path)), levels=levels) as setup:
+    with set_up_replay(small(**auto(tmp_path), levels=levels)) as setup:
         compiled = setup.gpu.shaders.compiled
         for level in levels:
             one = setup.compensator(

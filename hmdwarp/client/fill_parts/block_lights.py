@@ -34,7 +34,9 @@ def sample_offsets(count: int, reach_pixels: float) -> NDArray[np.int32]:
     plastic = 1.32471795724474602596
     k = np.arange(1, count + 1)
     ring, turn = (SEED + k / plastic) % 1, 2 * np.pi * ((SEED + k / plastic**2) % 1)
-    return np.rint(reach_pixels * ring[:, None] ** 2 * np.stack([np.cos(turn), np.sin(turn)], axis=1)).astype(np.int32)
+    places = reach_pixels * ring[:, None] ** 2 * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    offsets: NDArray[np.int32] = np.rint(places).astype(np.int32)
+    return offsets
 
 
 class BlockLights:

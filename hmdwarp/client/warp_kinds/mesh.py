@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError, MachineError
 from ...geometry import View, WarpMap
@@ -111,10 +112,11 @@ def ring_px(ring: float, size: tuple[int, int]) -> tuple[int, int, int, int]:
     return x, y, across, up
 
 
-def _indices(side: int) -> np.ndarray:
+def _indices(side: int) -> NDArray[np.uint32]:
     """Return (cells, 6) vertices of the two triangles of each cell, both turning to the left."""
     y, x = (part.reshape(-1, 1) for part in np.mgrid[: side - 1, : side - 1])
-    return (y * side + x + np.array([0, 1, side, side, 1, side + 1])).astype(np.uint32)
+    indices: NDArray[np.uint32] = (y * side + x + np.array([0, 1, side, side, 1, side + 1])).astype(np.uint32)
+    return indices
 
 
 VERTEX_BLOCKS, BINDINGS = 2, 10  # buffers that the vertex shaders read, and all that are bound

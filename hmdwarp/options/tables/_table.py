@@ -93,20 +93,24 @@ class Table:
 
     def text(self, key: str, default: Any = _NEEDED) -> str:
         """Return a non-empty text."""
-        return self._checked(key, default, lambda value: isinstance(value, str) and value.strip(), "a text")
+        text: str = self._checked(key, default, lambda value: isinstance(value, str) and value.strip(), "a text")
+        return text
 
     def line(self, key: str, default: Any = _NEEDED) -> str:
         """Return a one-line text without control characters."""
-        self.text(key, default)
-        return self._checked(key, default, str.isprintable, "a text of one line, without control characters")
+        text = self.text(key, default)
+        self._checked(key, default, str.isprintable, "a text of one line, without control characters")
+        return text
 
     def word(self, key: str, known: Sequence[str], default: Any = _NEEDED) -> str:
         """Return one of the allowed words."""
-        return self._checked(key, default, lambda value: value in known, _listed(known))
+        word: str = self._checked(key, default, lambda value: value in known, _listed(known))
+        return word
 
     def flag(self, key: str, default: Any = _NEEDED) -> bool:
         """Return a boolean."""
-        return self._checked(key, default, lambda value: isinstance(value, bool), "true or false")
+        flag: bool = self._checked(key, default, lambda value: isinstance(value, bool), "true or false")
+        return flag
 
     def number(self, key: str, default: Any = _NEEDED) -> float:
         """Return a finite number."""
@@ -126,7 +130,8 @@ class Table:
         def is_within(value: Any) -> bool:
             return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
 
-        return self._checked(key, default, is_within, f"a whole number {_range(least, most)}")
+        number: int = self._checked(key, default, is_within, f"a whole number {_range(least, most)}")
+        return number
 
     def numbers(self, key: str, count: int | None = None) -> tuple[float, ...]:
         """Return finite numbers, `count` of them (None: any number)."""

@@ -1,0 +1,151 @@
+"""Data sets and recorders: what of a folder is missing or wrong is named in one line."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from PIL import Image
+from published_folders import PUBLISHED, write_scannet, write_tartanair
+from recorded_folders import FX, STATED, fov_of, taken
+
+from hmdwarp import WarpMap
+from hmdwarp.errors import InputError
+from hmdwarp.poses.assumptions import By
+from hmdwarp.sources import sequences
+from hmdwarp.sources.sequences import SequenceOptions
+
+# By form: a file, what takes its place (None: it is gone), and words of the error.
+WRONG = [
+    ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n0 1 x 0\n", ("pose.txt, line 2", "expected 4 numbers")),
+    ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n", ("pose.txt", "1 lines; expected a matrix")),
+    ("seven_scenes", "frame-000001.color.png", "no picture", ("color.png", "not a picture")),
+    ("scannet", "intrinsic/intrinsic_color.txt", "1 2 3\n", ("intrinsic_color.txt", "expected a matrix")),
+    ("scannet", "intrinsic/extrinsic_depth.txt", "1 0 0 .1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", ("extrinsic_depth", "unit")),
+    ("replica", "traj.txt", "1 0 0\n", ("1 poses, and a picture frame000002.jpg",)),
+    ("replica", "traj.txt", "\n".join(["1 0 0"] * 3), ("traj.txt, line 1", "expected 16 finite numbers")),
+    ("replica", "../cam_params.json", '{"camera": {"w": 36}}', ("cam_params.json: h is None",)),
+    ("tartanair", "pose_left.txt", "\n".join(["0 0 0 0 0 0"] * 3), ("pose_left.txt, line 1", "7 finite numbers")),
+    ("tartanair", "pose_left.txt", "0 0 0 0 0 0 1\n", ("1 poses, and a picture 2",)),
+]
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder whose parent belongs to the same test."""
+    (tmp_path / "taken").mkdir()
+    return tmp_path / "taken"
+
+
+@pytest.mark.parametrize(("form", "file", "content", "words"), WRONG)
+def test_what_is_wrong_is_named_in_one_line(form, file, content, words, folder):
+    PUBLISHED[form].write(folder, taken(3))
+    if content is None:
+        (folder / file).unlink()
+    else:
+        (folder / file).write_text(content)
+    with pytest.raises(InputError) as caught:
+        for frame in sequences.open(
+            folder, attrs.evolve(PUBLISHED[form].options, layout=PUBLISHED[form].reader)
+        ).frames:
+            frame.read()
+    message = str(caught.value)
+    assert all(word in message for word in words) and "\n" not in message, message
+
+
+@pytest.mark.parametrize("form", PUBLISHED)
+def test_a_layout_by_name_refuses_an_empty_folder(form, tmp_path):
+    with pytest.raises(InputError, match="expected|no such file|cannot be read") as caught:
+        sequences.open(tmp_path, attrs.evolve(PUBLISHED[form].options, layout=PUBLISHED[form].reader))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("form", PUBLISHED)
+def test_what_the_folder_does_not_state_is_an_entry(form, folder):
+    """Intrinsics, the depth's unit, axes and the clock, each with who says so."""
+    PUBLISHED[form].write(folder, taken(2))
+    entries = sequences.open(folder, PUBLISHED[form].options).assumptions
+    assert {"intrinsics", "depth scale", "camera axes", "frame clock"} <= {entry.what for entry in entries}
+    if PUBLISHED[form].options.intrinsics is not None:
+        assert next(entry.by for entry in entries if entry.what == "intrinsics") is By.USER
+
+
+@pytest.mark.parametrize("form", PUBLISHED)
+def test_a_pixel_is_seen_where_the_truth_sees_it(form, folder):
+    """By the warp map from first to last: an error of axes, scale or inverse moves it."""
+    frames = taken(3, step_m=0.05, step_deg=3)
+    PUBLISHED[form].write(folder, frames)
+    first, *_, last = sequences.open(folder, PUBLISHED[form].options).frames
+    view, other = (attrs.evolve(first.view, pose=one.pose, fov=fov_of()) for one in (frames[0], frames[-1]))
+    at = np.array([[5.0, 7.0], [20.0, 12.0]])
+    inverse = [
+        1 / np.flipud(depth)[at[:, 1].astype(int), at[:, 0].astype(int)] for depth in (first.depth_m, frames[0].depth_m)
+    ]
+    found, expected = (
+        WarpMap.between(one, first.size, two, first.size).apply(at + 0.5, depth)[0]
+        for (one, two), depth in zip(((first.view, last.view), (view, other)), inverse, strict=True)
+    )
+    assert np.abs(found - expected).max() < 0.02 and np.abs(expected - at - 0.5).max() > 1
+
+
+@pytest.mark.parametrize(("form", "bad"), [("seven_scenes", "nan"), ("scannet", "-inf")])
+def test_frames_without_a_pose_are_left_out_and_counted(form, bad, folder):
+    PUBLISHED[form].write(folder, taken(4))
+    file = next(folder.rglob("*1*.txt"))
+    file.write_text("\n".join([f"{bad} " * 4] * 4))
+    sequence = sequences.open(folder, PUBLISHED[form].options)
+    assert [frame.time_ns for frame in sequence.frames] == [taken(4)[i].time_ns for i in (0, 2, 3)]
+    assert "1 frames were left out: no depth, or no pose of finite numbers." in sequence.notes
+
+
+def test_a_scene_of_seven_scenes_names_its_sequences(tmp_path):
+    for name in ("seq-01", "seq-02"):
+        PUBLISHED["seven_scenes"].write(tmp_path / name, taken(1))
+    with pytest.raises(InputError, match="holds the sequences seq-01, seq-02: name one"):
+        sequences.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("form", "size"), [("tartanair", (640, 480)), ("tartanair_v2", (640, 640)), ("seven_scenes", (640, 480))]
+)
+def test_a_camera_of_a_data_set_is_for_its_own_size(form, size, folder):
+    """And taken there: TartanAir sees 90 degrees across, evenly about the middle."""
+    PUBLISHED[form].write(folder, taken(1, size))
+    sequence = sequences.open(folder)
+    left, right, down, up = sequence.frames[0].fov.tangents
+    if form != "seven_scenes":
+        assert (left, right) == pytest.approx((-1, 1)) and -down == pytest.approx(up)
+    assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is By.FORMAT
+    with pytest.raises(InputError, match=f"for {size[0]}x{size[1]} pixels, its pictures have 36x24"):
+        PUBLISHED[form].write(folder, taken(1))
+        sequences.open(folder)
+
+
+def test_depth_of_fewer_pixels_goes_through_both_cameras(folder):
+    """Every second pixel: the nearest to the colour's ray, and none beyond the depth's border."""
+    write_scannet(folder, taken(1), stride=2)
+    found, true = sequences.open(folder).frames[0].depth_m, taken(1)[0].depth_m
+    row, column = (np.rint(np.arange(count) / 2).astype(int) for count in true.shape)
+    inside = (row < 12)[:, None] & (column < 18)
+    expected = np.where(inside, true[::2, ::2][row.clip(0, 11)[:, None], column.clip(0, 17)], 0)
+    assert np.abs(found - expected).max() <= 0.5e-3 + 1e-6 and inside.mean() > 0.9
+
+
+def test_colour_that_was_shrunk_to_its_depth_has_the_camera_of_the_depth(folder):
+    """Its own file is still that of the larger pictures; without another it is refused."""
+    write_scannet(folder, taken(1))
+    larger = "1170 0 648 0\n0 1170 484 0\n0 0 1 0\n0 0 0 1\n"
+    (folder / "intrinsic/intrinsic_color.txt").write_text(larger)
+    left, right, _, _ = sequences.open(folder).frames[0].fov.tangents
+    assert right - left == pytest.approx(36 / FX)
+    (folder / "intrinsic/intrinsic_depth.txt").write_text(larger)
+    with pytest.raises(InputError, match="its centre at 648,484, which is not the middle of pictures of 36x24"):
+        sequences.open(folder)
+
+
+def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
+    write_tartanair(folder, taken(1))
+    (folder / "depth_left/000000_left_depth.npy").unlink()
+    Image.fromarray(taken(1)[0].colour).save(folder / "depth_left/000000_left_depth.png")
+    with pytest.raises(InputError, match="3 channels; expected four bytes a pixel"):
+        sequences.open(folder, SequenceOptions(intrinsics=STATED.intrinsics)).frames[0].read()
