@@ -34,6 +34,7 @@ BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
+    "trace formats": ("-m hmdwarp list formats --markdown", True),
     "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
@@ -268,7 +269,7 @@ def lists_of_tests(_: Path) -> None:
     from hard_cases.registry import markdown as hard_cases_table
 
     replace("hard-cases", hard_cases_table())
-    replace("layouts", layouts.layouts_table())
+    replace("trace layouts", layouts.layouts_table())
     replace("contradicted", layouts.contradicted_text())
 
 
@@ -296,7 +297,7 @@ OWN: Mapping[str, Callable[..., None]] = {
     "kills": kills,
     "keys": keys,
     "hard-cases": lists_of_tests,
-    "layouts": lists_of_tests,
+    "trace layouts": lists_of_tests,
     "pictures": pictures,
     "readme": readme,
     # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.

@@ -1,4 +1,4 @@
-"""Files in the forms that other people's software writes, each with a truth computed another way."""
+"""Files as other people's software writes them, each with a truth computed another way."""
 
 from __future__ import annotations
 
@@ -50,6 +50,11 @@ def value(loaded: LoadedTrace, what: str) -> str:
     return next(one.value for one in loaded.assumptions if one.what == what)
 
 
+def fields(*columns: np.ndarray) -> list[list[str]]:
+    """Rows of numbers with every digit, side by side."""
+    return [list(map(repr, row)) for row in np.column_stack(columns).tolist()]
+
+
 def refusal(path: Path, **stated) -> str:
     with pytest.raises(HmdwarpError) as error:
         load_trace(path, TraceOptions(**stated))
@@ -67,7 +72,10 @@ def in_axes(track: PoseTrack, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("order", ["rows", "columns"])
-@pytest.mark.parametrize("form", ["bare", "among others", "m00", "M11", "m[0][0]", "flat names", "nested", "flat", "typed array", "cell"])  # fmt: skip
+@pytest.mark.parametrize(
+    "form",
+    ["bare", "among others", "m00", "M11", "m[0][0]", "flat names", "nested", "flat", "typed array", "cell"],
+)
 def test_the_place_of_0_0_0_1_says_rows_or_columns(tmp_path, form, order):
     """Column-major as WebXR, three.js, glm, ARKit and .NET write them."""
     matrices = poses() if order == "rows" else poses().transpose(0, 2, 1)
@@ -97,7 +105,7 @@ def test_the_place_of_0_0_0_1_says_rows_or_columns(tmp_path, form, order):
         path = write(tmp_path / "m.csv", table, header=names)
     loaded = load_trace(path)
     assert same_motion(loaded.track, TRACK, atol=1e-6)
-    assert by(loaded, "matrix") is By.FILE and value(loaded, "matrix").startswith(f"by {order}")
+    assert by(loaded, "orientation") is By.FILE and value(loaded, "orientation").startswith(f"matrix by {order}")
 
 
 def test_a_4x3_matrix_by_columns_is_told_from_a_3x4_by_rows(tmp_path):
@@ -105,7 +113,7 @@ def test_a_4x3_matrix_by_columns_is_told_from_a_3x4_by_rows(tmp_path):
     table = [[repr(t), *map(repr, m)] for t, m in zip(SECONDS.tolist(), columns, strict=True)]
     loaded = load_trace(write(tmp_path / "m.txt", table, header="", separator=" "))
     assert same_motion(loaded.track, TRACK, atol=1e-6)
-    assert value(loaded, "matrix") == "by columns (4x3)"
+    assert value(loaded, "orientation") == "matrix by columns (4x3)"
 
 
 def test_nine_numbers_are_by_rows_unless_the_motion_shows_columns(tmp_path):
@@ -113,21 +121,21 @@ def test_nine_numbers_are_by_rows_unless_the_motion_shows_columns(tmp_path):
     turns = Rotation.from_quat(walk.orientation_xyzw).as_matrix()
     names = "time,x,y,z," + ",".join(f"r{r}{c}" for r in range(3) for c in range(3))
     for order, numbers in (("rows", turns), ("columns", turns.transpose(0, 2, 1))):
-        table = [[str(t / 1e9), *map(repr, [*p, *m])]
-                 for t, p, m in zip(walk.time_ns.tolist(), walk.position_m.tolist(), numbers.reshape(-1, 9).tolist(), strict=True)]  # fmt: skip
+        table = fields(walk.time_ns / 1e9, walk.position_m, numbers.reshape(-1, 9))
         path = write(tmp_path / "r.csv", table, names)
         loaded = load_trace(path, TraceOptions(matrix=order))
-        assert by(loaded, "matrix") is By.USER
+        assert by(loaded, "orientation") is By.USER
         assert np.abs(loaded.track.position_m - walk.position_m).max() < EXACT
         assert np.abs(Rotation.from_quat(loaded.track.orientation_xyzw).as_matrix() - turns).max() < 1e-6
         if order == "rows":
-            assert by(load_trace(path), "matrix") is By.NOBODY
+            assert by(load_trace(path), "orientation") is By.NOBODY
         else:
             assert "--matrix columns" in refusal(path)
 
 
 def test_stated_columns_name_a_matrix(tmp_path):
-    table = [["9", repr(t), *map(repr, m), "7"] for t, m in zip(SECONDS.tolist(), poses().reshape(-1, 16).tolist(), strict=True)]  # fmt: skip
+    nines = np.full(len(TRACK), 9)
+    table = fields(nines, SECONDS, poses().reshape(-1, 16), nines)
     path = write(tmp_path / "m.csv", table, header=",".join(f"c{'abcdefghijklmnopqrs'[i]}" for i in range(19)))
     assert same_motion(load_trace(path, TraceOptions(columns="t=2,m=3-18")).track, TRACK, atol=1e-6)
     assert "are no rotations" in refusal(path, columns="t=2,m=2-17")
@@ -140,8 +148,7 @@ def test_stated_columns_name_a_matrix(tmp_path):
 def test_poses_the_other_way_round_are_suggested_by_the_motion_and_read_on_request(tmp_path, name):
     truth = load_trace(name).track
     turned = inverse(truth)
-    table = [[str(t / 1e9), *map(repr, [*p, *q])] for t, p, q in
-             zip(turned.time_ns.tolist(), turned.position_m.tolist(), turned.orientation_xyzw.tolist(), strict=True)]  # fmt: skip
+    table = fields(turned.time_ns / 1e9, turned.position_m, turned.orientation_xyzw)
     path = write(tmp_path / "i.csv", table)
     loaded = load_trace(path)
     assert any("--pose inverse" in str(d) for d in loaded.defects if d.kind == "pose-contradicted")
@@ -152,16 +159,10 @@ def test_poses_the_other_way_round_are_suggested_by_the_motion_and_read_on_reque
     assert "pose-contradicted" not in kinds(load_trace(name))
 
 
-@pytest.mark.parametrize(
-    ("name", "way"),
-    [
-        ("c2w", "direct"),
-        ("T_world_cam", "direct"),
-        ("worldToCamera", "inverse"),
-        ("T_cw", None),
-        ("extrinsic", "inverse"),
-    ],  # fmt: skip
-)
+WAYS = {"c2w": "direct", "T_world_cam": "direct", "worldToCamera": "inverse", "extrinsic": "inverse", "pose": None}
+
+
+@pytest.mark.parametrize(("name", "way"), WAYS.items())
 def test_names_of_poses_say_which_way_they_go(tmp_path, name, way):
     matrices = np.linalg.inv(poses()) if way == "inverse" else poses()
     path = tmp_path / "m.json"
@@ -175,7 +176,7 @@ def test_names_of_poses_say_which_way_they_go(tmp_path, name, way):
 
 
 def iwer_frames(track: PoseTrack) -> list[list]:
-    """Frames as ActionRecorder.compressActionFrame of meta-quest/immersive-web-emulation-runtime."""
+    """Frames as ActionRecorder.compressActionFrame of IWER has them."""
     rows = zip((track.time_ns / 1e6 + 1234.5).tolist(), track.position_m, track.orientation_xyzw, strict=True)
     ray = [0, 0.158, 1.215, -0.409, 0, 0, 0, 1, [0, 0, 0, 0, 0, 0, 1], [[0, 0, 0], None, 0]]
     return [[round(t, 1), *p.round(3).tolist(), *q.round(3).tolist(), *([ray] if t > 1300 else [])] for t, p, q in rows]
@@ -199,18 +200,27 @@ def records() -> list[dict]:
     ]
 
 
-FLAT = [[t, *p, *q] for t, p, q in zip(SECONDS.tolist(), TRACK.position_m.tolist(), TRACK.orientation_xyzw.tolist(), strict=True)]  # fmt: skip
+FLAT = np.column_stack([SECONDS, TRACK.position_m, TRACK.orientation_xyzw]).tolist()
 NAMES = ["t", "x", "y", "z", "qx", "qy", "qz", "qw"]
 JSON_FORMS = {
     "header first": [{"version": 2, "device": "Quest 3", "started": "2026-11-26"}, *records()],
     "names first": [NAMES, *FLAT],
     "columns and data": {"columns": NAMES, "index": list(range(len(FLAT))), "data": FLAT},
-    "table schema": {"schema": {"fields": [{"name": n, "type": "number"} for n in NAMES]}, "data": [dict(zip(NAMES, r, strict=True)) for r in FLAT]},
+    "table schema": {
+        "schema": {"fields": [{"name": name, "type": "number"} for name in NAMES]},
+        "data": [dict(zip(NAMES, row, strict=True)) for row in FLAT],
+    },
     "a list for each column": {"device": "Quest", **{n: [r[i] for r in FLAT] for i, n in enumerate(NAMES)}},
-    "columns of vectors": {"time": [r[0] for r in FLAT], "position": [r[1:4] for r in FLAT], "rotation": [dict(zip("xyzw", r[4:], strict=True)) for r in FLAT]},
-    "events between": [one for i, r in enumerate(records()) for one in ([{"event": "click", "n": i}, r] if i % 7 == 3 else [r])],
+    "columns of vectors": {
+        "time": [row[0] for row in FLAT],
+        "position": [row[1:4] for row in FLAT],
+        "rotation": [dict(zip("xyzw", row[4:], strict=True)) for row in FLAT],
+    },
+    "events between": [
+        one for i, r in enumerate(records()) for one in ([{"event": "click"}, r] if i % 7 == 3 else [r])
+    ],
     "one recording in a list": [{"name": "take 1", "samples": records()}],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("lines", [False, True])
@@ -221,10 +231,7 @@ def test_json_with_entries_that_are_no_poses(tmp_path, form, lines):
         pytest.skip("no form of JSON lines")
     path = tmp_path / "r.json"
     path.write_text("\n".join(map(json.dumps, document)) if lines else json.dumps(document))
-    try:
-        loaded = load_trace(path)
-    except HmdwarpError as error:  # a list of four leaves its order open
-        pytest.fail(str(error))
+    loaded = load_trace(path)
     assert same_motion(loaded.track, TRACK, atol=EXACT)
     assert ("record-of-another-kind" in kinds(loaded)) == (form in ("header first", "events between"))
 
@@ -251,10 +258,16 @@ VECTORS = {
     "semicolons around commas": vector_rows("{:.4f},{:.4f},{:.4f}", "{:.5f},{:.5f},{:.5f},{:.5f}", ";"),
     "tabs around blanks in brackets": vector_rows("({:.4f} {:.4f} {:.4f})", "({:.5f} {:.5f} {:.5f} {:.5f})", "\t"),
     "type names": vector_rows("Vector3({:.4f}, {:.4f}, {:.4f})", "Quaternion(x={:.5f}, y={:.5f}, z={:.5f}, w={:.5f})"),
-    "JSON in quotes": vector_rows('"{{x: {:.4f}, y: {:.4f}, z: {:.4f}}}"', '"{{x: {:.5f}, y: {:.5f}, z: {:.5f}, w: {:.5f}}}"'),
+    "JSON in quotes": vector_rows(
+        '"{{x: {:.4f}, y: {:.4f}, z: {:.4f}}}"', '"{{x: {:.5f}, y: {:.5f}, z: {:.5f}, w: {:.5f}}}"'
+    ),
     "no header": vector_rows("({:.4f}, {:.4f}, {:.4f})", "({:.5f}, {:.5f}, {:.5f}, {:.5f})", header=""),
-    "letters in the header": vector_rows('"({:.4f}, {:.4f}, {:.4f})"', '"({3:.5f}, {0:.5f}, {1:.5f}, {2:.5f})"', header='Time,"Head Position (x, y, z)","Head Rotation (w, x, y, z)"'),
-}  # fmt: skip
+    "letters in the header": vector_rows(
+        '"({:.4f}, {:.4f}, {:.4f})"',
+        '"({3:.5f}, {0:.5f}, {1:.5f}, {2:.5f})"',
+        header='Time,"Head Position (x, y, z)","Head Rotation (w, x, y, z)"',
+    ),
+}
 
 
 @pytest.mark.parametrize("form", VECTORS)
@@ -265,7 +278,7 @@ def test_several_numbers_in_a_cell(tmp_path, form):
     assert loaded.format == "vectors"
     assert same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=ROUNDED)
     named = form in ("type names", "JSON in quotes", "letters in the header")
-    assert by(loaded, "quaternion") is (By.FILE if named else By.NOBODY)
+    assert by(loaded, "orientation") is (By.FILE if named else By.NOBODY)
     assert by(loaded, "columns") is (By.NOBODY if form == "no header" else By.FILE)
 
 
@@ -285,9 +298,8 @@ def unreal_rotator(q: np.ndarray) -> tuple[float, float, float]:
     return float(pitch), float(yaw), float(roll)
 
 
-@pytest.mark.parametrize("form", ["quaternion", "rotator"])
-def test_unreals_strings(tmp_path, form):
-    """FVector::ToString, FQuat::ToString and FRotator::ToString: centimetres, left-handed, z up."""
+def unreal(path: Path, form: str = "quaternion") -> Path:
+    """Write ToString of FVector, FQuat and FRotator: centimetres, left-handed, z up."""
     places, turns = in_axes(TRACK, "unreal")
     rows = ["Time,Location,Rotation"]
     for t, p, q in zip(SECONDS.tolist(), 100 * places, turns, strict=True):
@@ -295,8 +307,13 @@ def test_unreals_strings(tmp_path, form):
         if form == "rotator":
             turn = "P={:.6f} Y={:.6f} R={:.6f}".format(*unreal_rotator(q))
         rows.append("{:.6f},X={:.3f} Y={:.3f} Z={:.3f},{}".format(t, *p, turn))
-    path = tmp_path / "u.csv"
     path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("form", ["quaternion", "rotator"])
+def test_unreals_strings(tmp_path, form):
+    path = unreal(tmp_path / "u.csv", form)
     loaded = load_trace(path)
     assert loaded.format == "unreal" and by(loaded, "axes") is By.FORMAT
     assert same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=1e-5)
@@ -317,24 +334,24 @@ def test_unreals_strings(tmp_path, form):
 )
 def test_rotation_vectors(tmp_path, names, unit):
     vectors = TURNS.as_rotvec(degrees=unit == "deg")
-    table = [[repr(t), *map(repr, [*p, *v])] for t, p, v in zip(SECONDS.tolist(), TRACK.position_m.tolist(), vectors.tolist(), strict=True)]  # fmt: skip
+    table = fields(SECONDS, TRACK.position_m, vectors)
     loaded = load_trace(write(tmp_path / "v.csv", table, names))
     assert same_motion(loaded.track, TRACK, atol=1e-6)
-    assert by(loaded, "angles") is (By.FILE if unit else By.NOBODY)
+    assert by(loaded, "orientation") is (By.FILE if unit else By.NOBODY)
 
 
 def test_an_axis_beside_its_angle(tmp_path):
     vectors = TURNS.as_rotvec()
     angles = np.linalg.norm(vectors, axis=1)
-    rows = np.column_stack([SECONDS, TRACK.position_m, vectors / angles[:, None], angles]).tolist()
-    path = write(tmp_path / "a.csv", [list(map(repr, r)) for r in rows], "time,px,py,pz,axis_x,axis_y,axis_z,angle")
+    rows = fields(SECONDS, TRACK.position_m, vectors / angles[:, None], angles)
+    path = write(tmp_path / "a.csv", rows, "time,px,py,pz,axis_x,axis_y,axis_z,angle")
     assert same_motion(load_trace(path).track, TRACK, atol=1e-6)
     stated = TraceOptions(columns="t=1,p=2+3+4,a=5+6+7+8")
     assert same_motion(load_trace(path, stated).track, TRACK, atol=1e-6)
 
 
 def test_three_bare_angles_may_be_a_vector_where_the_user_says_so(tmp_path):
-    table = [list(map(repr, r)) for r in np.column_stack([SECONDS, TRACK.position_m, TURNS.as_rotvec()]).tolist()]
+    table = fields(SECONDS, TRACK.position_m, TURNS.as_rotvec())
     path = write(tmp_path / "v.csv", table, "time,x,y,z,rot_x,rot_y,rot_z")
     assert "vector,rad" in refusal(path)
     for stated in (TraceOptions(euler="vector,rad"), TraceOptions(columns="t=1,p=2+3+4,r=5+6+7")):
@@ -344,8 +361,8 @@ def test_three_bare_angles_may_be_a_vector_where_the_user_says_so(tmp_path):
 # Motion capture
 
 
-def test_motive_exports(tmp_path):
-    """As OptiTrack's documentation of Data Export: CSV has them, and the data of pathviewr."""
+def motive(path: Path, lost: int = -1) -> list[str]:
+    """Write an export as OptiTrack's Data Export: CSV has it, and the data of pathviewr."""
     about = "Format Version,1.23,Take Name,take,Take Notes,,Capture Frame Rate,60.000000,Export Frame Rate,60.000000,"
     about += "Capture Start Time,2019-09-18 04.30.02.695 PM,Total Frames in Take,120,Total Exported Frames,120,"
     about += "Rotation Type,Quaternion,Length Units,Millimeters,Coordinate Space,Global"
@@ -361,10 +378,15 @@ def test_motive_exports(tmp_path):
         "Frame,Time (Seconds)," + ",".join([*"XYZWXYZ", ""] * 2 + [*"XYZ"]),
     ]
     for i, (t, p, q) in enumerate(zip(SECONDS.tolist(), TRACK.position_m, TRACK.orientation_xyzw, strict=True)):
-        hmd = [*map(repr, [*q.tolist(), *(1000 * p).tolist()]), "0.1"] if i != 50 else [""] * 8
+        hmd = [*map(repr, [*q.tolist(), *(1000 * p).tolist()]), "0.1"] if i != lost else [""] * 8
         lines.append(",".join([str(i), repr(t), *"0001", *"123", "0.1", *hmd, *"123"]))
-    path = tmp_path / "take.csv"
     path.write_text("\n".join(lines) + "\n")
+    return lines
+
+
+def test_motive_exports(tmp_path):
+    path = tmp_path / "take.csv"
+    lines = motive(path, lost=50)
     loaded = load_trace(path)
     assert (loaded.format, loaded.device, len(loaded.track)) == ("motive", "HMD", len(TRACK) - 1)
     kept = np.arange(len(TRACK)) != 50
@@ -375,27 +397,32 @@ def test_motive_exports(tmp_path):
     assert "without rigid bodies" in refusal(path)
 
 
-def test_qualisys_exports(tmp_path):
-    """As QTM's manual has them under 6DOF data (.tsv): millimetres, Rot[] by columns."""
+def qualisys(path: Path, clocked: bool = True) -> Path:
+    """Write an export as QTM's manual has it under 6DOF data (.tsv): mm, Rot[] by columns."""
     keys = ["NO_OF_FRAMES\t120", "NO_OF_CAMERAS\t8", "NO_OF_BODIES\t2", "FREQUENCY\t60", "NO_OF_ANALOG\t0"]
     keys += ["ANALOG_FREQUENCY\t0", "DESCRIPTION\t--", "TIME_STAMP\t2020-01-22, 17:47:17\t22107.99179716"]
     keys += ["DATA_INCLUDED\t6D", "BODY_NAMES\tKnife\tHead"]
     each = "X\tY\tZ\tRoll\tPitch\tYaw\tResidual\t" + "\t".join(f"Rot[{i}]" for i in range(9))
+    first = "Frame\tTime\t" if clocked else ""
+    lines = [*keys, f"{first}Knife {each}\tHead {each}\t"]
+    for i, (t, m) in enumerate(zip(SECONDS.tolist(), poses(), strict=True)):
+        numbers = [*(1000 * m[:3, 3]).tolist(), 1.0, 2.0, 3.0, 0.5, *m[:3, :3].T.ravel().tolist()]
+        clock = [str(i + 1), f"{t:.5f}"] if clocked else []
+        lines.append("\t".join([*clock, *["1.0"] * 7, *"100010001", *map(repr, numbers), ""]))
+    path.write_text("\r\n".join(lines) + "\r\n")
+    return path
+
+
+def test_qualisys_exports(tmp_path):
     for clocked in (True, False):
-        lines = [*keys, f"{'Frame	Time	' if clocked else ''}Knife {each}\tHead {each}\t"]
-        for i, (t, m) in enumerate(zip(SECONDS.tolist(), poses(), strict=True)):
-            numbers = [*(1000 * m[:3, 3]).tolist(), 1.0, 2.0, 3.0, 0.5, *m[:3, :3].T.ravel().tolist()]
-            first = [str(i + 1), f"{t:.5f}"] if clocked else []
-            lines.append("\t".join([*first, *["1.0"] * 7, *"100010001", *map(repr, numbers), ""]))
-        path = tmp_path / "head_6D.tsv"
-        path.write_text("\r\n".join(lines) + "\r\n")
+        path = qualisys(tmp_path / "head_6D.tsv", clocked)
         loaded = load_trace(path)
         assert (loaded.format, loaded.device) == ("qualisys", "Head")
         assert np.abs(loaded.track.position_m - TRACK.position_m).max() < EXACT
         turn = Rotation.from_quat(loaded.track.orientation_xyzw).inv() * TURNS
         assert turn.magnitude().max() < 1e-6
         assert abs(loaded.track.duration_ns - TRACK.duration_ns) < 20_000
-        assert by(loaded, "matrix") is By.FORMAT and by(loaded, "length") is By.FORMAT
+        assert by(loaded, "orientation") is By.FORMAT and by(loaded, "length") is By.FORMAT
 
 
 def bids(folder: Path, channels: list[tuple[str, ...]], rows: np.ndarray, frame: dict | None = None, **about) -> Path:
@@ -413,7 +440,6 @@ def bids(folder: Path, channels: list[tuple[str, ...]], rows: np.ndarray, frame:
 
 def test_bids_motion_with_quaternions_in_unitys_axes(tmp_path):
     places, turns = in_axes(TRACK, "unity")
-    point = ("head", "n/a", "global")
     channels = [(f"h_{p}", p, "ORNT", "head", "n/a", "global") for p in ("quat_w", "quat_x", "quat_y", "quat_z")]
     channels += [(f"hand_{p}", p, "POS", "hand", "m", "global") for p in "xyz"]
     channels += [(f"h_{p}", p, "POS", "head", "mm", "global") for p in "xyz"]
@@ -421,7 +447,7 @@ def test_bids_motion_with_quaternions_in_unitys_axes(tmp_path):
     frame = {"SpatialAxes": "RSA", "RotationRule": "left-hand"}
     path = bids(tmp_path, channels, rows, frame)
     loaded = load_trace(path)
-    assert loaded.format == "bids" and point
+    assert loaded.format == "bids"
     assert same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=1e-6)
     assert by(loaded, "axes") is By.FILE and by(loaded, "length") is By.FILE and by(loaded, "clock") is By.FORMAT
     (tmp_path / "sub-01_task-walk_tracksys-hmd_channels.tsv").unlink()
@@ -441,7 +467,7 @@ def test_bids_motion_with_angles_and_latency(tmp_path, rule):
     frame = {"SpatialAxes": "ALS", "RotationOrder": "ZXY", "RotationRule": rule}
     loaded = load_trace(bids(tmp_path, channels, np.column_stack([SECONDS, places, angles]), frame))
     assert same_motion(loaded.track, TRACK, atol=1e-6)
-    assert by(loaded, "angles") is By.FILE
+    assert by(loaded, "orientation") is By.FILE
 
 
 def test_our_own_bids_export_comes_back(tmp_path):
@@ -474,7 +500,7 @@ def test_clocks_of_32_bits_are_counted_on(tmp_path, unit, step_ns, signed):
     loaded = load_trace(stamped(tmp_path, ticks.tolist(), f"time_{unit}", long))
     assert len(loaded.track) == 600 and len(loaded.segments) == 1
     assert abs(loaded.track.duration_ns - long.duration_ns) <= step_ns
-    assert "clock-wrap" in kinds(loaded) and by(loaded, "wrap") is By.NOBODY
+    assert "clock-wrap" in kinds(loaded) and by(loaded, "clock wrap") is By.NOBODY
 
 
 def test_a_32_bit_clock_of_microseconds_written_as_seconds(tmp_path):
@@ -509,7 +535,7 @@ def test_auto_turns_a_tilted_world_upright_as_up_advises(tmp_path):
     truth = load_trace("look-around").track
     tilt = Rotation.from_euler("xz", [50, 35], degrees=True)
     turned = truth.evolve(
-        position_m=tilt.apply(truth.position_m),
+        position_m=tilt.apply(truth.position_m.copy()),
         orientation_xyzw=(tilt * Rotation.from_quat(truth.orientation_xyzw)).as_quat(),
     )
     path = stamped(tmp_path, (turned.time_ns / 1e9).tolist(), "time_s", turned)
@@ -519,7 +545,8 @@ def test_auto_turns_a_tilted_world_upright_as_up_advises(tmp_path):
     assert "tilt-set" in kinds(loaded) and by(loaded, "up") is By.MOTION
     crown = Rotation.from_quat(loaded.track.orientation_xyzw).apply([0, 1, 0])
     true = Rotation.from_quat(truth.orientation_xyzw).apply([0, 1, 0])
-    assert np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", crown, true), -1, 1))).max() < 5
+    # What is left is less than what is worth a note.
+    assert np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", crown, true), -1, 1))).max() < 10
 
 
 def test_gravity_columns_set_a_tilted_world_upright(tmp_path):
@@ -528,8 +555,8 @@ def test_gravity_columns_set_a_tilted_world_upright(tmp_path):
     down = tilt.apply([0, -9.81, 0])
     names = "time_s,x,y,z,qx,qy,qz,qw,gravity_x_world,gravity_y_world,gravity_z_world"
     quaternions = (tilt * Rotation.from_quat(truth.orientation_xyzw)).as_quat()
-    rows = np.column_stack([truth.time_ns / 1e9, tilt.apply(truth.position_m), quaternions, np.tile(down, (len(truth), 1))])  # fmt: skip
-    path = write(tmp_path / "g.csv", [list(map(repr, r)) for r in rows.tolist()], names)
+    places, gravity = tilt.apply(truth.position_m.copy()), np.tile(down, (len(truth), 1))
+    path = write(tmp_path / "g.csv", fields(truth.time_ns / 1e9, places, quaternions, gravity), names)
     loaded = load_trace(path, TraceOptions(axes="auto"))
     assert by(loaded, "up") is By.FILE
     height = loaded.track.position_m[:, 1]

@@ -13,12 +13,14 @@ from ...errors import InputError, TraceError
 from ...registry import Registry
 from ..assumptions import Assumption, By
 from ..options import AXIS_ANGLE, INVERSE, VECTOR, Euler, TraceOptions, parse_euler
+from ..reading.assumed import AXES, CLOCK, COLUMNS, DIRECTION, LENGTH, ORIENTATION, POSE
 from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
 from ..reading.columns import UNRANKED, Columns, direction_of, find_columns, head_rank
 from ..reading.file_head import Head, is_number
 from ..reading.matrices import Matrix, matrix_in, named_matrices, read_matrix
 from ..reading.rows import RowReader
+from ..reading.times import UNIT_NAMES
 from ..stated import Defect, Layout
 from ..track import PoseTrack
 
@@ -44,6 +46,8 @@ class TraceFormat:
     header: tuple[str, ...] = ()  # names of columns that every such file has
     likelihood = 90  # of a file with that header, see `sniff`
     facts: Mapping[str, Any] = {}  # what the format states: fields of Layout
+    order = ""  # of an orientation's numbers, in words; "": as the names of its columns say
+    order_by = By.FILE
     bare_order = ""  # of quaternions in files without a header: xyzw or wxyz; "" where there are none
     writes = False  # whether `write` works
     binary = False  # whether `write` takes a stream of bytes
@@ -61,6 +65,24 @@ class TraceFormat:
             unit = self.facts.get("unit") if options.format else None
             return unnamed_layout(head, options, self.name, self.bare_order, unit)
         return named_layout(head, options, **{**self.facts, **head.source.made.facts})
+
+    def assumes(self) -> tuple[Assumption, ...]:
+        """Return what is taken where neither a file nor the user says it, and who says so."""
+        facts, axes = self.facts, parse_axes(self.facts.get("axes", OPENXR))
+        axes_by = facts.get("axes_by", By.NOBODY)
+        unit, scale = facts.get("unit"), facts.get("scale", axes.metres_per_unit or 1.0)
+        scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.NOBODY)
+        bare = f", {self.bare_order} without a header" if self.bare_order else ""
+        order = self.order or f"as the names say{bare}"
+        return (
+            Assumption(
+                CLOCK, UNIT_NAMES[unit] if unit else "what makes a tracker's rate", By.FORMAT if unit else By.NOBODY
+            ),
+            Assumption(LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
+            Assumption(AXES, axes.label(), axes_by, "--axes"),
+            Assumption(ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
+            Assumption(POSE, DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY), "--pose"),
+        )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
@@ -81,7 +103,7 @@ class TraceFormat:
         cleaner = Cleaner(head, rows, layout, options, reader.ends_with_newline)
         loaded = cleaner.clean(self.origin(head))
         columns = _columns_read(head, layout, loaded.device)
-        read = Assumption("columns", columns, layout.columns_by, "--columns")
+        read = Assumption(COLUMNS, columns, layout.columns_by, "--columns")
         return attrs.evolve(loaded, format=self.name, columns=columns, assumptions=(read, *loaded.assumptions))
 
     def origin(self, head: Head) -> str:

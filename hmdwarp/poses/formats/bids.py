@@ -10,6 +10,7 @@ class Bids(TraceFormat):
     name = "bids"
     kind = "bids"
     summary = "BIDS motion.tsv, described by its channels.tsv; seconds, units and axes as stated"
+    order = "quaternion by its components, or RotationOrder"
     facts = {"unit": "s", "direction_by": By.FORMAT}
 
 

@@ -10,6 +10,7 @@ class Iwer(TraceFormat):
     name = "iwer"
     kind = "iwer"
     summary = "frames of an IWER ActionRecorder: JSON with schema and frames; ms, OpenXR axes"
+    order = "quaternion xyzw"
     facts = {
         "unit": "ms",
         "axes_by": By.FORMAT,

@@ -23,6 +23,7 @@ class Matrices(TraceFormat):
     """
 
     name = "matrices"
+    order = "where 0,0,0,1 or the rotation lies"
     summary = "3x4 or 4x4 matrices, 12 or 16 numbers by rows or columns, perhaps beside others; metres"
 
     def sniff(self, head: Head, options: TraceOptions) -> int:

@@ -10,6 +10,7 @@ class Motive(TraceFormat):
     name = "motive"
     kind = "motive"
     summary = "CSV of OptiTrack's Motive, seven lines of header; rigid bodies, seconds, unit of length stated"
+    order = "quaternion by the names of its columns"
     facts = {"unit": "s", "direction_by": By.FORMAT}
 
 

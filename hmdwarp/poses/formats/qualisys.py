@@ -10,7 +10,11 @@ class Qualisys(TraceFormat):
     name = "qualisys"
     kind = "qualisys"
     summary = "TSV of Qualisys Track Manager with 6D data; seconds, mm, matrices by columns"
-    facts = {"unit": "s", "direction_by": By.FORMAT}
+    order = "matrix by columns"
+    facts = {
+        **{"unit": "s", "scale": 0.001, "scale_by": By.FORMAT},
+        **{"order_by": By.FORMAT, "direction_by": By.FORMAT},
+    }
 
 
 formats.register(Qualisys())

@@ -1,5 +1,6 @@
 """Tables with a vector or a quaternion in one cell."""
 
+from ..assumptions import By
 from ._base import TraceFormat, formats
 
 
@@ -8,6 +9,8 @@ class Vectors(TraceFormat):
 
     name = "vectors"
     kind = "vectors"
+    order = "quaternion xyzw, unless labelled"
+    order_by = By.NOBODY
     summary = "several numbers in a cell: (x, y, z), [x y z], x=1 y=2, as Unity, NumPy and Python print"
 
 

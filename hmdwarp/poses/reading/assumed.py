@@ -7,6 +7,11 @@ from ..options import INVERSE, TraceOptions
 from ..stated import Layout
 from .axes import Axes
 
+COLUMNS, ORIENTATION, POSE, LENGTH, AXES, UP, CLOCK, WRAP = (
+    *("columns", "orientation", "pose", "length", "axes", "up", "clock", "clock wrap"),
+)
+DIRECTION = ("world from head", "head from world")  # of poses as they are, and of inverse ones
+
 
 def assumptions_of(
     layout: Layout, options: TraceOptions, axes: Axes, axes_by: By, clock: str, has_position: bool
@@ -15,25 +20,25 @@ def assumptions_of(
     facts = [_orientation(layout), _direction(layout, options)]
     if has_position:
         facts.append(_length(layout, options, axes, axes_by))
-    facts.append(Assumption("axes", axes.label(), axes_by, "--axes"))
+    facts.append(Assumption(AXES, axes.label(), axes_by, "--axes"))
     tilt = "" if axes.tilt is None else f", tilted to {options.up}"
-    facts.append(Assumption("up", f"{axes.up()}{tilt}", By.USER if tilt else axes_by, "--up"))
+    facts.append(Assumption(UP, f"{axes.up()}{tilt}", By.USER if tilt else axes_by, "--up"))
     by = By.USER if options.rate or options.time_unit else layout.unit_by
-    facts.append(Assumption("clock", clock, by, "--time-unit"))
+    facts.append(Assumption(CLOCK, clock, by, "--time-unit"))
     return tuple(facts)
 
 
 def _orientation(layout: Layout) -> Assumption:
     if layout.euler is not None:
-        return Assumption("angles", layout.euler.words(), layout.order_by, "--euler")
+        return Assumption(ORIENTATION, f"angles {layout.euler.words()}", layout.order_by, "--euler")
     if layout.matrix:
-        return Assumption("matrix", layout.matrix, layout.order_by, "--matrix")
-    return Assumption("quaternion", layout.order, layout.order_by, "--quat-order")
+        return Assumption(ORIENTATION, f"matrix {layout.matrix}", layout.order_by, "--matrix")
+    return Assumption(ORIENTATION, f"quaternion {layout.order}", layout.order_by, "--quat-order")
 
 
 def _direction(layout: Layout, options: TraceOptions) -> Assumption:
     by = By.USER if options.pose else layout.direction_by
-    return Assumption("pose", "head from world" if is_inverse(layout, options) else "world from head", by, "--pose")
+    return Assumption(POSE, DIRECTION[is_inverse(layout, options)], by, "--pose")
 
 
 def is_inverse(layout: Layout, options: TraceOptions) -> bool:
@@ -48,4 +53,4 @@ def _length(layout: Layout, options: TraceOptions, axes: Axes, axes_by: By) -> A
         scale, by = axes.metres_per_unit, axes_by
     else:
         scale, by = layout.scale, layout.scale_by
-    return Assumption("length", f"{scale:g} m per unit", by, "--scale")
+    return Assumption(LENGTH, f"{scale:g} m per unit", by, "--scale")

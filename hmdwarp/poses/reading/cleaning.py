@@ -18,7 +18,7 @@ from ..assumptions import Assumption, By
 from ..options import DIRECT, INVERSE, TraceOptions
 from ..stated import AXES_BY, Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
-from .assumed import assumptions_of, is_inverse
+from .assumed import WRAP, assumptions_of, is_inverse
 from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted, upright
 from .clocks import Wraps, absurd_rows, midnights, wraps_of
 from .columns import head_rank
@@ -180,7 +180,7 @@ class Cleaner:
         facts = assumptions_of(
             self.layout, self.options, self.axes, self.axes_by, self.time_unit, self.rows.position is not None
         )
-        wrap = (Assumption("wrap", self.wrap, By.NOBODY),) if self.wrap else ()
+        wrap = (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
         up = attrs.evolve(facts[-2], value=self.upright, by=self.upright_by) if self.upright else facts[-2]
         return (*facts[:-2], up, facts[-1], *wrap)
 
