@@ -161,7 +161,7 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(file.read())
     if (export := export_reader(path, start)) is not None:
-        return export.made(path, file.read().decode("utf-8-sig", "replace"))
+        return export(path, file.read().decode("utf-8-sig", "replace"))
     if holds_vectors(start.decode("utf-8", "replace").splitlines()):
         return table_of_cells(file.read().decode("utf-8-sig", "replace"))
     return None

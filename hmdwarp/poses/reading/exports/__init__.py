@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from ..made import Made
@@ -10,9 +11,9 @@ from . import bids, motive, qualisys
 _KINDS = (motive, qualisys, bids)
 
 
-def export_reader(path: Path, start: bytes):
-    """Return the module that reads such a file, None for any other. start: its first bytes."""
-    return next((module for module in _KINDS if module.fits(path, start)), None)
+def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
+    """Return what reads such an export, None for any other file. start: its first bytes."""
+    return next((module.made for module in _KINDS if module.fits(path, start)), None)
 
 
 __all__ = ["Made", "export_reader"]
