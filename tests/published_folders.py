@@ -146,7 +146,7 @@ def ros(v: np.ndarray) -> np.ndarray:
     return np.array([-v[2], -v[0], v[1]])
 
 
-_ROBOT = np.array([[0.0, 0, 1, 0.1], [-1, 0, 0, 0.02], [0, -1, 0, 0.3]])  # from the optical frame
+ROBOT = np.array([[0.0, 0, 1, 0.1], [-1, 0, 0, 0.02], [0, -1, 0, 0.3]])  # from the optical frame
 _CALIBRATION = """%YAML:1.0
 ---
 camera_name: "{name}"
@@ -173,14 +173,14 @@ def write_rtabmap(folder: Path, frames: list[Taken], robot: bool = False) -> Non
     """Write with ids as names. robot: poses of its frame in place of the camera's."""
     wide, high = frames[0].colour.shape[1::-1]
     lines = ["#timestamp x y z qx qy qz qw id"]
-    local = np.vstack([_ROBOT, [0, 0, 0, 1]])
+    local = np.vstack([ROBOT, [0, 0, 0, 1]])
     for i, one in enumerate(frames, 7):
         _save(folder / f"map_rgb/{i}.jpg", one)
         write_depth(folder / f"map_depth/{i}.png", one, 1000)
         matrix = camera_matrix(one, OPTICAL, ros)
         matrix = matrix @ np.linalg.inv(local) if robot else matrix
         lines.append(f"{seconds(1_700_000_000 * 10**9 + one.time_ns)} {seven_numbers(matrix)} {i}")
-        numbers = ", ".join(map(str, _ROBOT.ravel()))
+        numbers = ", ".join(map(str, ROBOT.ravel()))
         text = _CALIBRATION.format(name=i, wide=wide, high=high, FX=FX, FY=FY, CX=CX, CY=CY, local=numbers)
         _text(folder / f"map_calib/{i}.yaml", text)
     _text(folder / f"map_{'' if robot else 'camera_'}poses.txt", "\n".join(lines) + "\n")

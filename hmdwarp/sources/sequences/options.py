@@ -80,6 +80,11 @@ class SequenceOptions(Declared):
         valid=Number(least=1e-3, most=1e4),
         study=DISPLAY,
     )
+    frames_topics: str | None = option(
+        None,
+        "Topics of a bag of recorded frames, where it holds several: colour=TOPIC,depth=TOPIC,info=TOPIC,pose=TOPIC.",
+        study=DISPLAY,
+    )
     # On each side.
     crop: int = option(
         0,
