@@ -14,7 +14,7 @@ from .formats import TraceFormat, column_of, column_of_devices, formats, of_matr
 from .options import AXIS_ANGLE, VECTOR, Euler, TraceOptions, parse_euler
 from .reading.cleaning import LoadedTrace
 from .reading.file_head import Head, read_head
-from .reading.matrices import read_matrix
+from .reading.matrix_cells import read_matrix
 from .stated import Layout
 
 _SYNTAX = (

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError
 from .cells import holds_vectors, table_of_cells
-from .exports import export_reader
 from .json_records import table_of_json
 from .made import Made
 from .mcap_messages import MAGIC, table_of_mcap
+from .motion_capture import export_reader
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64

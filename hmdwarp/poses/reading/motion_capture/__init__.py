@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..made import Made
-from . import bids, motive, qualisys
+from . import bids_motion, motive_csv, qualisys_tsv
 
-_KINDS = (motive, qualisys, bids)
+_KINDS = (motive_csv, qualisys_tsv, bids_motion)
 
 
 def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
