@@ -72,7 +72,7 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize(("form", "file", "content", "words"), WRONG)
-def test_what_is_wrong_is_named_in_one_line(form, file, content, words, folder):
+def test_faults_are_named_in_one_line(form, file, content, words, folder):
     PUBLISHED[form].write(folder, taken(3))
     if content is None:
         (folder / file).unlink()
@@ -95,7 +95,7 @@ def test_a_layout_by_name_refuses_an_empty_folder(form, tmp_path):
 
 
 @pytest.mark.parametrize("form", PUBLISHED)
-def test_what_the_folder_does_not_state_is_an_entry(form, folder):
+def test_assumptions_about_a_folder_are_entries(form, folder):
     """Intrinsics, the depth's unit, axes and the clock, each with who says so."""
     PUBLISHED[form].write(folder, taken(2))
     entries = sequences.open(folder, PUBLISHED[form].options).assumptions
