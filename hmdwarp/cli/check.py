@@ -1,4 +1,4 @@
-"""hmdwarp check: which conventions make somebody's frames agree with each other."""
+"""hmdwarp check: the conventions under which frames agree with each other."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def test_live_shows_one_eye_in_the_flat_view(folder, tmp_path):
         (RunOptions, {"frames": None, "trace": "walk", "repair": "edges"}, "--repair edges: a rendered scene"),
     ],
 )
-def test_what_recorded_frames_cannot_do_is_refused(kind, said, told, folder):
+def test_options_beyond_recorded_frames_are_refused(kind, said, told, folder):
     with pytest.raises(InputError) as caught:
         kind.of({"frames": folder, **said})
     assert told in str(caught.value)

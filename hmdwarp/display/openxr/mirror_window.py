@@ -1,4 +1,4 @@
-"""A desktop window beside the headset: it mirrors the left eye and reads the keys."""
+"""A desktop window that mirrors the left eye of the headset and reads the keys."""
 
 from __future__ import annotations
 

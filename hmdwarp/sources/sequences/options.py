@@ -76,6 +76,12 @@ class SequenceOptions(Declared):
         valid=Number(least=1e-3, most=1e4),
         study=DISPLAY,
     )
+    # See `poses.reading.axes.parse_axes`.
+    frames_axes: str | None = option(
+        None,
+        "Axes of the poses of recorded frames: a preset (hmdwarp list axes), or world=right,up,forward head=..",
+        study=DISPLAY,
+    )
     frames_topics: str | None = option(
         None,
         "Topics of a bag of recorded frames, where it holds several: colour=TOPIC,depth=TOPIC,info=TOPIC,pose=TOPIC.",
