@@ -21,7 +21,7 @@ def run(said: Said) -> None:
     _run(SessionOptions.of(said), said["quiet"])
 
 
-def _run(options: store.SessionOptions, quiet: bool) -> None:
+def _run(options: SessionOptions, quiet: bool) -> None:
     """Run it, and exit with a status of its own where the session was interrupted.
 
     The closing words are printed by then; the usual "nothing unfinished is left" would be wrong.
