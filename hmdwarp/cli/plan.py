@@ -154,7 +154,8 @@ def _auto_from_file(
 
     found = levels_from_file(bench, options, None)
     first = best_within(found.levels, options.budget_ms)
-    frame = _frame(options, headset, plans_for(options, headset, scene, found.levels, **told))
+    chosen = attrs.evolve(options, levels=found.levels)
+    frame = _frame(options, headset, plans_for(chosen, headset, scene, **told))
 
     def show() -> None:
         typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")

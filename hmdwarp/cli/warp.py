@@ -1,4 +1,4 @@
-"""hmdwarp warp: somebody's own RGB-D frame, to another pose."""
+"""hmdwarp warp: your own RGB-D frame, to another pose."""
 
 from __future__ import annotations
 

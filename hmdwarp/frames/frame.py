@@ -38,7 +38,7 @@ class EyeImage:
     drawn_ns: int = 0
     # 1/m by which a code may have changed the inverse depth of nearly every pixel; 0 as drawn.
     depth_error: float = 0.0
-    # False where nobody asked for the picture: it is empty, the further layers are there.
+    # False where the picture was not requested: it is empty, the further layers are there.
     is_drawn: bool = True
 
     @property

@@ -102,7 +102,7 @@ class Clips:
     def finish(self) -> None:
         """Rate what no clip is full with; what follows begins a new one.
 
-        A single picture is no clip, and is left out beside others.
+        A single picture is no clip, and is left out where there are others.
         """
         for (eye, which), clip in self._open.items():
             if len(clip) > 1 or (clip and which not in self._clips):

@@ -80,7 +80,7 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     default: a factor, or an attrs.Factory; then `more` says what it makes. more: what only some
     commands take, added to the help that all share.
     """
-    # No default on the command line, to tell a guard that was said from one that was not.
+    # No default on the command line, to tell a guard that was set from one that was not.
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
     said = f" [default: {default:g}]" if isinstance(default, float) else ""
     return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)

@@ -42,6 +42,7 @@ from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_wi
 
 if TYPE_CHECKING:
     from ..geometry import GuardBand
+    from .auto.levels import QualityLevel
 
 
 # What tells one scene from another.
@@ -259,6 +260,8 @@ class PipelineOptions(Declared):
         valid=Number(),
         heading=RENDERING,
     )
+    # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
+    levels: tuple[QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.source_kind is REMOTE:
@@ -286,7 +289,7 @@ class PipelineOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
-        usual = {one.name: one.default for one in options_of(cls)}
+        usual = {option.name: option.default for option in options_of(cls)}
         said = with_strategy(with_frames(said, usual), usual)
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
@@ -362,7 +365,7 @@ class PipelineOptions(Declared):
 
     def with_pair(self, warp: str, fill: str) -> Self:
         """Return the options with this warp and fill, in place of an automatic choice."""
-        return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None)
+        return attrs.evolve(self, warp=warp, fill=fill, client=self.client_name, budget_ms=None, bench=None, levels=())
 
     def over(self, latency_ms: float, network: LinkOptions, coding: Coding) -> Self:
         """Return the options over a link that others share; what they set of it themselves stays.

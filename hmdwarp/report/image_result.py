@@ -27,7 +27,7 @@ class ImageResult:
     colour: NDArray[np.float32]
     # (h, w), 0 for a hole.
     coverage: NDArray[np.float32]
-    # (h, w) metres along -z, inf infinitely far, NaN unknown; None where it was not asked for.
+    # (h, w) metres along -z, inf infinitely far, NaN unknown; None where it was not requested.
     depth_m: NDArray[np.floating] | None
     time_ms: Mapping[str, float]
     # The view that it shows.

@@ -98,7 +98,7 @@ class LateClient:
     def _again(self, made: Refresh, instant_ns: int, *, stale: bool) -> Refresh:
         refresh = self._setup.loop.again(made, instant_ns)
         if self._turner is not None:
-            turned = tuple(self._turned(self._turner, *one) for one in zip(made.eyes, refresh.inputs, strict=True))
+            turned = tuple(self._turned(self._turner, *pair) for pair in zip(made.eyes, refresh.inputs, strict=True))
             self._setup.gpu.timer.collect()
             refresh = attrs.evolve(refresh, eyes=turned)
         return refresh if stale else attrs.evolve(refresh, laps=made.laps)

@@ -34,7 +34,9 @@ def wall(tmp_path_factory):
     """A camera that stands still before a wall."""
     path = tmp_path_factory.mktemp("recorded") / "wall"
     path.mkdir()
-    write_npz(path, [attrs.evolve(one, depth_m=np.full_like(one.depth_m, WALL_M)) for one in taken(6, SIZE, 0, 0)])
+    write_npz(
+        path, [attrs.evolve(frame, depth_m=np.full_like(frame.depth_m, WALL_M)) for frame in taken(6, SIZE, 0, 0)]
+    )
     return path
 
 
@@ -132,7 +134,7 @@ def test_live_shows_one_eye_in_the_flat_view(folder, tmp_path):
         (RunOptions, {"frames": None, "trace": "walk", "repair": "edges"}, "--repair edges: a rendered scene"),
     ],
 )
-def test_what_recorded_frames_cannot_do_is_refused(kind, said, told, folder):
+def test_options_beyond_recorded_frames_are_refused(kind, said, told, folder):
     with pytest.raises(InputError) as caught:
         kind.of({"frames": folder, **said})
     assert told in str(caught.value)

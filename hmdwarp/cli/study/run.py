@@ -27,7 +27,7 @@ def run(said: Said) -> None:
 def _run(options: SessionOptions, quiet: bool) -> None:
     """Run it, and exit with a status of its own where the session was interrupted.
 
-    The closing words are said by then; the usual line "nothing unfinished is left" would be wrong.
+    The closing words are printed by then; the usual "nothing unfinished is left" would be wrong.
     """
     from ...study.session import run_session
 

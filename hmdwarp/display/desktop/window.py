@@ -46,7 +46,7 @@ class WindowContext:
 
 
 class Window:
-    """A window for pictures of (w, h) `wanted` pixels, with a column beside them.
+    """A window for pictures of (w, h) `wanted` pixels, with a column next to them.
 
     column: its width in pixels at a content scale of 1.
     Errors: MachineError with the reason why there is no window, or no OpenGL 4.3 in it.

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...errors import InputError
-from ...options import DISPLAY, Declared, Number, names_in, option, option_of
+from ...options import DISPLAY, Declared, Number, names_in, one_of, option, option_of
 
 if TYPE_CHECKING:
     from .camera import Camera
 
+HOLE, FAR = "hole", "far"  # what a pixel without depth is
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
@@ -64,6 +65,12 @@ class SequenceOptions(Declared):
         valid=Number(most=1.0, above=True),
         study=DISPLAY,
     )
+    no_depth: str = option(
+        HOLE,
+        "What a pixel without depth is: a hole, or infinitely far, as sky of a renderer is.",
+        valid=one_of(HOLE, FAR),
+        study=DISPLAY,
+    )
     frames_rate_hz: float | None = option(
         None,
         f"Recorded frames per second, where the files have no clock; by default {RATE_HZ:g}.",
@@ -71,6 +78,17 @@ class SequenceOptions(Declared):
         unit="Hz",
         name="frames_rate",
         valid=Number(least=1e-3, most=1e4),
+        study=DISPLAY,
+    )
+    # See `poses.reading.axes.parse_axes`.
+    frames_axes: str | None = option(
+        None,
+        "Axes of the poses of recorded frames: a preset (hmdwarp list axes), or world=right,up,forward head=..",
+        study=DISPLAY,
+    )
+    frames_topics: str | None = option(
+        None,
+        "Topics of a bag of recorded frames, where it holds several: colour=TOPIC,depth=TOPIC,info=TOPIC,pose=TOPIC.",
         study=DISPLAY,
     )
     # On each side.

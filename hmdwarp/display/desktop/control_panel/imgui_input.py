@@ -118,7 +118,7 @@ class ImGuiInput:
     def _moved(self, x: float, y: float) -> None:
         place = None if self.captured else self._in_pixels(x, y)
         self._place = place or self._place
-        # A position beside the panel counts too: a slider must follow a mouse that slips off.
+        # A position outside the panel counts too: a slider must follow a mouse that slips off.
         self._note(lambda io: io.add_mouse_pos_event(*((place[0] - self.left, place[1]) if place else NOWHERE)))
 
     def _entered(self, entered: int) -> None:
