@@ -355,7 +355,7 @@ def test_colour_comes_back_as_it_went_in_or_as_requested(given, result):
 
 def test_a_hidden_area_with_alpha_0_brings_no_black_into_view():
     """Corners that a headset's lens never shows, which the engine left black, far away or near."""
-    y, x = np.mgrid[-1 : 1 : 48j, -1 : 1 : 64j]
+    y, x = np.mgrid[-1:1:48j, -1:1:64j]
     seen = x**2 + y**2 < 1.1
     colour = np.where(seen[..., None], np.uint8(200), np.uint8(0)) * np.ones(3, np.uint8)
     fov = Fov.symmetric(1.2, 1.0)
