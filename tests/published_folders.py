@@ -246,6 +246,34 @@ def write_colmap_dense(folder: Path, frames: list[Taken]) -> None:
     (folder / "sparse/cameras.bin").write_bytes(camera)
 
 
+def write_traced(folder: Path, frames: list[Taken]) -> None:
+    """Write pictures named by the clock of a trace in TUM's format, which has more poses."""
+    _text(folder / "intrinsics.txt", f"{FX} 0 {CX}\n0 {FY} {CY}\n0 0 1\n")
+    lines = ["# timestamp tx ty tz qx qy qz qw"]
+    for i, one in enumerate(frames):
+        stamp = seconds(1_700_000_000 * 10**9 + one.time_ns)
+        _save(folder / f"rgb/{stamp}.png", one)
+        write_depth(folder / f"depth/{stamp}.png", one, 1000)
+        lines.append(f"{stamp} {seven_numbers(camera_matrix(one, OPTICAL, y_down))}")
+        if i + 1 < len(frames):
+            between = attrs.evolve(one, pose=one.pose.towards(frames[i + 1].pose, 0.5))
+            stamp = seconds(1_700_000_000 * 10**9 + (one.time_ns + frames[i + 1].time_ns) // 2)
+            lines.append(f"{stamp} {seven_numbers(camera_matrix(between, OPTICAL, y_down))}")
+    _text(folder / "trajectory.txt", "\n".join(lines) + "\n")
+
+
+def write_traced_matrices(folder: Path, frames: list[Taken]) -> None:
+    """Write a matrix for each picture in the axes of OpenXR, and metres as floats."""
+    _text(folder / "intrinsics.json", json.dumps({"fx": FX, "fy": FY, "cx": CX, "cy": CY}))
+    lines = []
+    for i, one in enumerate(frames):
+        _save(folder / f"color/{i:04}.png", one)
+        (folder / "depth").mkdir(exist_ok=True)
+        np.save(folder / f"depth/{i:04}.npy", one.depth_m)
+        lines.append(" ".join(f"{x:.12g}" for x in camera_matrix(one, ("right", "up", "back"), np.asarray)[:3].ravel()))
+    _text(folder / "poses.txt", "\n".join(lines) + "\n")
+
+
 @attrs.frozen
 class Form:
     """A folder of one layout: the reader that must recognise it, who writes it, what is stated."""
@@ -269,5 +297,9 @@ PUBLISHED = {
     "open3d": Form("open3d", write_open3d),
     "colmap": Form("colmap", write_colmap, SequenceOptions(depth_scale=0.001)),
     "colmap_dense": Form("colmap", write_colmap_dense),
+    "traced": Form("traced", write_traced, SequenceOptions(depth_scale=0.001)),
+    "traced_matrices": Form(
+        "traced", write_traced_matrices, SequenceOptions(frames_axes="openxr", frames_rate_hz=30.0)
+    ),
     "tartanair_v2": Form("tartanair", write_tartanair_v2, attrs.evolve(STATED, frames_rate_hz=30.0)),
 }

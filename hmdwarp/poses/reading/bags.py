@@ -23,7 +23,7 @@ def bag_at(path: Path) -> Path | None:
         return path if path.suffix in ENDINGS else None
     if (path / _METADATA).is_file():
         return path
-    found = [one for one in path.glob("*") if one.suffix in ENDINGS or (one / _METADATA).is_file()]
+    found = [place for place in path.glob("*") if place.suffix in ENDINGS or (place / _METADATA).is_file()]
     return found[0] if len(found) == 1 else None
 
 
@@ -45,17 +45,21 @@ class Bag:
             raise self._damaged(error) from None
         weakref.finalize(self, self._reader.close)
         # Type by topic, as ROS 1 names it: sensor_msgs/Image.
-        self.topics = {one.topic: one.msgtype.replace("/msg/", "/") for one in self._reader.connections}
+        self.topics = {
+            connection.topic: connection.msgtype.replace("/msg/", "/") for connection in self._reader.connections
+        }
 
     def messages(
         self, topics: Collection[str], first_ns: int | None = None, last_ns: int | None = None
     ) -> Iterator[tuple[str, int, Any]]:
         """Yield topic, time of logging in ns and message, of the instants from first to last."""
-        chosen = [one for one in self._reader.connections if one.topic in topics]
+        chosen = [connection for connection in self._reader.connections if connection.topic in topics]
         stop_ns = None if last_ns is None else last_ns + 1
         try:
-            for one, time_ns, raw in self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ():
-                yield one.topic, time_ns, self._reader.deserialize(raw, one.msgtype)
+            for connection, time_ns, raw in (
+                self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ()
+            ):
+                yield connection.topic, time_ns, self._reader.deserialize(raw, connection.msgtype)
         except HmdwarpError:
             raise
         except Exception as error:  # as above

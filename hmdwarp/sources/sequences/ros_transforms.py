@@ -39,8 +39,8 @@ class Motion:
         from scipy.spatial.transform import Rotation
 
         if self._track is None:
-            turns = Rotation.from_matrix([one[:3, :3] for one in self._matrices]).as_quat()
-            positions = np.array([one[:3, 3] for one in self._matrices])
+            turns = Rotation.from_matrix([matrix[:3, :3] for matrix in self._matrices]).as_quat()
+            positions = np.array([matrix[:3, 3] for matrix in self._matrices])
             self._track = PoseTrack(self._times - self._times[0], positions, turns)
         sample = self._track.at(time_ns - int(self._times[0]))
         if sample.origin is Origin.HELD:
@@ -56,12 +56,12 @@ class Transforms:
     def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
         samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
         self._still: dict[str, tuple[str, Matrix]] = {}
-        for one in still:
-            parent, child = (name.strip("/") for name in (one.header.frame_id, one.child_frame_id))
-            self._still[child] = parent, matrix_of(one.transform.translation, one.transform.rotation)
-        for one in moving:
-            parent, child = (name.strip("/") for name in (one.header.frame_id, one.child_frame_id))
-            sample = stamp_ns(one.header.stamp), one.transform.translation, one.transform.rotation
+        for transform in still:
+            parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
+            self._still[child] = parent, matrix_of(transform.transform.translation, transform.transform.rotation)
+        for transform in moving:
+            parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
+            sample = stamp_ns(transform.header.stamp), transform.transform.translation, transform.transform.rotation
             samples.setdefault((child, parent), []).append(sample)
         self._moving = {child: (parent, Motion(found)) for (child, parent), found in samples.items()}
 

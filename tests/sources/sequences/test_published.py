@@ -51,6 +51,16 @@ WRONG = [
     ("colmap", "sparse/0/cameras.txt", "1 OPENCV_FISHEYE 36 24 1 1 1 1 0 0 0 0\n", ("camera model OPENCV_FISHEYE",)),
     ("colmap_dense", "sparse/images.bin", "cut", ("images.bin", "ends in the middle")),
     ("colmap_dense", "stereo/depth_maps/0001.png.geometric.bin", "36&24&1&cut", ("geometric.bin", "as many floats")),
+    ("traced", "trajectory.txt", None, ("no file of poses; expected one head trace",)),
+    (
+        "traced",
+        "trajectory.txt",
+        "# timestamp tx ty tz qx qy qz qw\nno row\n",
+        ("trajectory.txt", "no rows of numbers"),
+    ),
+    ("traced", "groundtruth.csv", "t\n", ("groundtruth.csv, trajectory.txt; expected one head trace",)),
+    ("traced", "intrinsics.txt", "40 0 17\n0 42 11\n", ("intrinsics.txt: 6 numbers; expected fx fy cx cy",)),
+    ("traced_matrices", "poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n" * 2, ("2 poses in poses.txt for 3 pictures",)),
 ]
 
 
@@ -205,3 +215,34 @@ def test_an_image_of_colmap_without_depth_is_left_out(folder):
     sequence = sequences.open(folder, PUBLISHED["colmap"].options)
     assert [frame.name for frame in sequence.frames] == ["0000.png", "0002.png"]
     assert sequence.notes == ("1 frames were left out: no picture or no depth.",)
+
+
+def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_axes(folder):
+    PUBLISHED["traced"].write(folder, taken(3))
+    sequence = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(sequence.track) == 5
+    said = {entry.what: (entry.value, entry.by) for entry in sequence.assumptions}
+    assert said["camera axes"] == ("x right, y down, z forward, of world and camera", By.NOBODY)
+    assert said["frame clock"] == ("pictures are named by the trace's clock, in s", By.FILE)
+    file = folder / "trajectory.txt"
+    file.write_text("# axes: opencv\n" + file.read_text())
+    again = sequences.open(folder, PUBLISHED["traced"].options)
+    assert next(entry.by for entry in again.assumptions if entry.what == "camera axes") is By.FILE
+    assert again.frames[2].pose.isclose(sequence.frames[2].pose, 1e-12)
+
+
+def test_pictures_beyond_the_trace_are_left_out(folder):
+    PUBLISHED["traced"].write(folder, taken(4))
+    file = folder / "trajectory.txt"
+    file.write_text("\n".join(file.read_text().splitlines()[:6]) + "\n")
+    sequence = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(sequence.frames) == 3
+    assert "1 frames were left out: the trace has no pose at their instants." in sequence.notes
+
+
+@pytest.mark.parametrize(("option", "takes"), [("frames_axes", "traced"), ("frames_topics", "rosbag")])
+def test_an_option_that_a_layout_does_not_take_is_refused(option, takes, folder):
+    PUBLISHED["replica"].write(folder, taken(1))
+    flag = f"--{option.replace('_', '-')}"
+    with pytest.raises(InputError, match=f"{flag}: layout replica does not take it; expected {takes}"):
+        sequences.open(folder, SequenceOptions(**{option: "openxr"}))

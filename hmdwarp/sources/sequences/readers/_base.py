@@ -52,6 +52,8 @@ class SequenceReader:
 
     name = ""  # for --layout
     summary = ""  # its files, in one line
+    # Of the options that few layouts take (frames_axes, frames_topics), those that this one does.
+    takes: tuple[str, ...] = ()
     # What is taken for each of FACTS where files and options do not say it, and who says that.
     assumes: tuple[Assumption, ...] = ()
 

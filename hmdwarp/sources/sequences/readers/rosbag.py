@@ -59,6 +59,7 @@ class RosBagReader(SequenceReader):
 
     name = "rosbag"
     summary = "bag of ROS 1 or 2 (.bag, .db3, .mcap): colour, registered depth, CameraInfo, and TF, odometry or poses"
+    takes = ("frames_topics",)
     assumes = (
         Assumption(INTRINSICS, "K of CameraInfo, or P of a rectified topic", By.FILE, "--intrinsics"),
         Assumption(DEPTH_SCALE, "0.001 m per unit of 16UC1, 1 of 32FC1", By.FORMAT, "--depth-scale"),
@@ -94,7 +95,7 @@ class RosBagReader(SequenceReader):
         pose_at, said = _poses(bag, tree, topics, colours[0].frame)
         frames = []
         for at, colour in enumerate(colours):
-            depth = min(depths, key=lambda one: abs(one.time_ns - colour.time_ns))
+            depth = min(depths, key=lambda picture: abs(picture.time_ns - colour.time_ns))
             matrix = pose_at(colour.time_ns) if abs(depth.time_ns - colour.time_ns) <= _WITHIN_NS else None
             if matrix is not None:
                 time_ns = colour.time_ns if options.frames_rate_hz is None else at_rate(options, at)
@@ -129,7 +130,7 @@ def _stamped(bag: Bag, topic: str) -> list[_Stamped]:
         found.append(_Stamped(stamp_ns(message.header.stamp), logged_ns, number, frame))
     if not found:
         raise InputError(f"{bag.path}: no message of {topic}; expected pictures")
-    return sorted({one.time_ns: one for one in found}.values(), key=lambda one: one.time_ns)
+    return sorted({picture.time_ns: picture for picture in found}.values(), key=lambda picture: picture.time_ns)
 
 
 @attrs.frozen
@@ -181,7 +182,7 @@ def _kinds(bag: Bag, topics: Iterable[str]) -> dict[str, str]:
 
 def _one(path: Path, what: str, fitting: list[str], held: dict[str, str]) -> str:
     """Return the only topic, the raw one where it is compressed too. Errors: InputError."""
-    raw = [one for one in fitting if one.rpartition("/")[0] not in fitting]
+    raw = [topic for topic in fitting if topic.rpartition("/")[0] not in fitting]
     if len(raw) == 1:
         return raw[0]
     found = f"several topics of {what} ({', '.join(raw)})" if raw else f"no topic of {what}; it holds {_held(held)}"
@@ -274,8 +275,10 @@ def _motion(bag: Bag, topic: str) -> tuple[Motion, str]:
     return Motion(samples), body
 
 
-def _pixels(bag: Bag, topic: str, one: _Stamped) -> Any:
-    return pixels_of(f"{bag.path}, {topic} at {one.time_ns} ns", bag.message(topic, one.logged_ns, one.number))
+def _pixels(bag: Bag, topic: str, picture: _Stamped) -> Any:
+    return pixels_of(
+        f"{bag.path}, {topic} at {picture.time_ns} ns", bag.message(topic, picture.logged_ns, picture.number)
+    )
 
 
 def _pictures(bag: Bag, topics: _Topics, colour: _Stamped, depth: Callable[[], Any], scale: float) -> Pictures:

@@ -62,7 +62,9 @@ class RtabMapReader(SequenceReader):
         file = _poses(path)
         if file is None:
             raise InputError(f"{path}: no NAME_camera_poses.txt and no NAME_poses.txt; expected {self.summary}")
-        colours, depths = ({one.stem: one for one in pictures_in(_folder(path, side))} for side in ("rgb", "depth"))
+        colours, depths = (
+            {picture.stem: picture for picture in pictures_in(_folder(path, side))} for side in ("rgb", "depth")
+        )
         rows, axes = rows_of(file), parse_axes(_AXES)
         pairs, calibrations = [], []
         for at, row in enumerate(rows):
@@ -87,7 +89,7 @@ class RtabMapReader(SequenceReader):
 def _poses(path: Path) -> Path | None:
     """Return the poses of the camera, else those of the robot."""
     found = [*path.glob("*_camera_poses.txt"), *path.glob("*_poses.txt")] if path.is_dir() else []
-    return next((one for one in found if not one.name.endswith("_scan_poses.txt")), None)
+    return next((file for file in found if not file.name.endswith("_scan_poses.txt")), None)
 
 
 def _folder(path: Path, side: str) -> Path:

@@ -51,7 +51,7 @@ class StrayScannerReader(SequenceReader):
         facts, axes = facts_of(path, options, None, _UNIT, own=camera), parse_axes(_AXES)
         video = VideoPictures(path / VIDEO)
         fov = facts.camera.fov(video.size, str(path / CAMERA))
-        depths = {int(one.stem): one for one in pictures_in(path / "depth", (".png", NPY)) if one.stem.isdigit()}
+        depths = {int(file.stem): file for file in pictures_in(path / "depth", (".png", NPY)) if file.stem.isdigit()}
         frames = []
         for at, row in enumerate(rows):
             _, number, *pose = row.floats(len(row.words))[: len(_HEADER)]
