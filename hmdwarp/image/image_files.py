@@ -14,6 +14,7 @@ from ..errors import InputError, listed
 from ..geometry import View
 from ..report import atomic, jpeg_bytes, png_bytes, write_bytes
 from ..resources import import_extra
+from ..sources.sequences.exr import write_exr
 from .warper import WarpedImage
 
 
@@ -38,8 +39,6 @@ def _jpeg(path: Path, image: WarpedImage, _: View) -> None:
 
 
 def _exr(path: Path, image: WarpedImage, _: View) -> None:
-    from ..sources.sequences.exr import write_exr
-
     assert image.depth_m is not None  # TAKES_DEPTH
     with atomic(path) as temporary:
         write_exr(temporary, image.colour, image.coverage, image.depth_m)
