@@ -219,7 +219,11 @@ def _headset_row(headset: Headset) -> dict[str, str]:
 def _formats() -> list[dict[str, str]]:
     from ..poses.formats import formats
 
-    return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in formats]
+    rows = []
+    for one in formats:
+        facts = {fact.what: f"{fact.value} ({_stated_by(fact)})" for fact in one.assumes()}
+        rows.append({"name": one.name, "summary": one.summary, "can_write": "yes" if one.writes else "no", **facts})
+    return rows
 
 
 def _layouts() -> list[dict[str, str]]:
