@@ -41,8 +41,13 @@ class ColmapImage:
     where: str
     name: str
     camera_id: int
-    position: NDArray[np.float64]  # (3,) of the camera in the world
+    pose: tuple[float, ...]  # as the file has it, camera from world: qw qx qy qz tx ty tz
     rotation: NDArray[np.float64]  # (3, 3) world from camera
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """(3,) of the camera in the world."""
+        return np.asarray(-self.rotation @ np.array(self.pose[4:]))
 
 
 @attrs.frozen
@@ -93,8 +98,7 @@ def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapIm
     length = float(np.linalg.norm((w, x, y, z)))
     if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
         raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
-    world_from_camera = Rotation.from_quat((x, y, z, w)).as_matrix().T
-    return ColmapImage(where, name, camera_id, -world_from_camera @ np.array(moved), world_from_camera)
+    return ColmapImage(where, name, camera_id, tuple(pose), Rotation.from_quat((x, y, z, w)).as_matrix().T)
 
 
 def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:

@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from .bags import MAGICS as BAGS
+from .bags import table_of_bag
 from .cells import holds_vectors, table_of_cells
 from .exports import export_reader
 from .json_records import table_of_json
@@ -158,6 +160,8 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
         size = whole.seek(0, os.SEEK_END)
         whole.seek(0)
         return table_of_mcap(path, whole, size)
+    if start.startswith(BAGS):
+        return table_of_bag(path)
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(file.read())
     if (export := export_reader(path, start)) is not None:
@@ -194,7 +198,7 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
 
 def _inside(path: Path) -> str:
     try:
-        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap"))
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3"))
     except OSError:
         return ""
     return f", for instance {found[0]} in it" if found else ""

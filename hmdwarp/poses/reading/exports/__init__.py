@@ -1,4 +1,4 @@
-"""Exports of motion capture: a table of several bodies under a header of several lines."""
+"""Exports of motion capture and of COLMAP, whose rows are no plain rows."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..made import Made
-from . import bids, motive, qualisys
+from . import bids, colmap, motive, qualisys
 
-_KINDS = (motive, qualisys, bids)
+_KINDS = (motive, qualisys, bids, colmap)
 
 
 def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
