@@ -6,15 +6,14 @@ import re
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, TraceError
-from ..registry import unknown_name
+from ..errors import InputError, TraceError, unknown_name
 from ..resources import folder, recording_names
 from .assumptions import By
 from .formats import TraceFormat, column_of, column_of_devices, formats, of_matrix, ordered
 from .options import AXIS_ANGLE, VECTOR, Euler, TraceOptions, parse_euler
 from .reading.cleaning import LoadedTrace
 from .reading.file_head import Head, read_head
-from .reading.matrices import read_matrix
+from .reading.matrix_cells import read_matrix
 from .stated import Layout
 
 _SYNTAX = (

@@ -13,7 +13,8 @@ from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
-from hmdwarp.study.export.head_motion import channels_json, channels_text, motion_text
+from hmdwarp.study.export import motion_text
+from hmdwarp.study.export.head_motion import channels_json, channels_text
 
 from .traces import head, kinds, same_motion, write
 

@@ -18,7 +18,8 @@ from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
 from ..reading.columns import UNRANKED, Columns, direction_of, find_columns, head_rank
 from ..reading.file_head import Head, is_number
-from ..reading.matrices import Matrix, matrix_in, named_matrices, read_matrix
+from ..reading.matrix_cells import Matrix, matrix_in, read_matrix
+from ..reading.matrix_names import named_matrices
 from ..reading.rows import RowReader
 from ..reading.times import UNIT_NAMES
 from ..stated import Defect, Layout

@@ -8,7 +8,8 @@ from ...errors import TraceError
 from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.file_head import Head, is_number
-from ..reading.matrices import Cells, bare_matrices, read_matrix
+from ..reading.matrix_cells import bare_matrices, read_matrix
+from ..reading.matrix_names import Cells
 from ..stated import Layout
 from ._base import TraceFormat, formats, of_matrix
 

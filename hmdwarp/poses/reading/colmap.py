@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from .made import Made, rows_text
 
-MARK = "Image list with two lines of data per image"  # in the comment above the images
+MARK = b"Image list with two lines of data per image"  # in the comment above the images
+COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 # Name and number of parameters of each camera model, by its number in binary files.
 _MODELS = (
     ("SIMPLE_PINHOLE", 3),
@@ -64,6 +66,12 @@ def read_images(path: Path) -> list[ColmapImage]:
     """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
     rows = _images_in_binary(path) if path.suffix == ".bin" else images_in_text(path, _bytes(path))
     return sorted(rows, key=lambda image: image.name)
+
+
+def table_of_colmap(path: Path, raw: bytes) -> Made:
+    """Return the poses of images.txt in the order of the names. Errors: TraceError."""
+    images = sorted(images_in_text(path, raw), key=lambda image: image.name)
+    return Made("colmap", rows_text(map(repr, image.pose) for image in images), COLUMNS)
 
 
 def read_cameras(path: Path) -> dict[int, ColmapCamera]:

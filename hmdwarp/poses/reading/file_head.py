@@ -21,10 +21,11 @@ from ...errors import TraceError
 from .bags import MAGICS as BAGS
 from .bags import table_of_bag
 from .cells import holds_vectors, table_of_cells
-from .exports import export_reader
+from .colmap import MARK, table_of_colmap
 from .json_records import table_of_json
 from .made import Made
 from .mcap_messages import MAGIC, table_of_mcap
+from .motion_capture import export_reader
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
@@ -160,10 +161,14 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
         size = whole.seek(0, os.SEEK_END)
         whole.seek(0)
         return table_of_mcap(path, whole, size)
-    if start.startswith(BAGS):
-        return table_of_bag(path)
+    return table_of_bag(path) if start.startswith(BAGS) else _made_of_text(path, start, file)
+
+
+def _made_of_text(path: Path, start: bytes, file: BinaryIO) -> Made | None:
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(file.read())
+    if MARK in start[:200]:
+        return table_of_colmap(path, file.read())
     if (export := export_reader(path, start)) is not None:
         return export(path, file.read().decode("utf-8-sig", "replace"))
     if holds_vectors(start.decode("utf-8", "replace").splitlines()):

@@ -11,7 +11,7 @@ from ...errors import counted
 from ..stated import Defect
 from .columns import find_columns, names_rotation
 from .made import Made, rows_text
-from .matrices import named_matrices
+from .matrix_names import named_matrices
 
 _LEAST_RECORDS = 2
 _NAMES = ("columns", "header", "headers", "fields", "names", "keys")

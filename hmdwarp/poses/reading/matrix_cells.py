@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections import defaultdict
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
 import attrs
 import numpy as np
 from numpy.typing import NDArray
@@ -14,15 +9,9 @@ from numpy.typing import NDArray
 from ...errors import TraceError
 from ..assumptions import By
 from ..options import COLUMNS, ROWS
-from .columns import head_rank
+from .file_head import Head
+from .matrix_names import SHAPES, Cells
 
-if TYPE_CHECKING:
-    from .file_head import Head
-
-Cells = tuple[int, ...]  # columns of 9, 12 or 16 numbers in the order of the file
-_CELL = re.compile(r"(.*?)[._\[\s]*([0-4])[\]._,\s]*\[?([0-4])\]?$")
-_PLACE = re.compile(r"(.*?)[._\[\s]*(\d{1,2})\]?$")
-_SHAPES = {16: (4, 4), 12: (3, 4), 9: (3, 3)}
 _OFF = 0.02
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])
 
@@ -35,40 +24,6 @@ class Matrix:
     position: tuple[int, int, int] | None
     words: str  # how the numbers are ordered
     by: By
-
-
-def named_matrices(names: list[str]) -> list[Cells]:
-    """Return the columns of every matrix that names number: m00 .. m33, r11 .. r33, T.0 .. T.15."""
-    found = [*_by_row_and_column(names), *_by_place(names)]
-    return [cells for _, cells in sorted(found, key=lambda one: (head_rank(one[0]), -len(one[1])))]
-
-
-def _by_row_and_column(names: list[str]) -> Iterator[tuple[str, Cells]]:
-    cells: dict[str, dict[tuple[int, int], int]] = defaultdict(dict)
-    for i, name in enumerate(names):
-        if found := _CELL.match(name):
-            cells[found[1]].setdefault((int(found[2]), int(found[3])), i)
-    for name, group in cells.items():
-        for rows, columns in _SHAPES.values():
-            whole = next((first for first in (0, 1) if _grid(first, rows, columns) <= set(group)), None)
-            if whole is not None:
-                yield name, tuple(group[cell] for cell in sorted(_grid(whole, rows, columns)))
-                break
-
-
-def _grid(first: int, rows: int, columns: int) -> set[tuple[int, int]]:
-    return {(first + r, first + c) for r in range(rows) for c in range(columns)}
-
-
-def _by_place(names: list[str]) -> Iterator[tuple[str, Cells]]:
-    places: dict[str, dict[int, int]] = defaultdict(dict)
-    for i, name in enumerate(names):
-        if found := _PLACE.match(name):
-            places[found[1]].setdefault(int(found[2]), i)
-    for name, group in places.items():
-        first = min(group)
-        if len(group) in _SHAPES and first <= 1 and set(group) == set(range(first, first + len(group))):
-            yield name, tuple(group[place] for place in sorted(group))
 
 
 def matrix_in(head: Head, candidates: list[Cells], order: str | None) -> Matrix | None:
@@ -116,7 +71,7 @@ def _arranged(head: Head, cells: Cells, order: str | None) -> Matrix | None:
 
 def _places(count: int, order: str) -> tuple[Cells, tuple[int, int, int] | None]:
     """Return the places of the rotation's nine numbers row by row, and of the position's three."""
-    rows, columns = _SHAPES[count]
+    rows, columns = SHAPES[count]
     grid = np.arange(count).reshape(rows, columns) if order == ROWS else np.arange(count).reshape(columns, rows).T
     place = grid[:3, 3].tolist() if columns == 4 else None
     return tuple(grid[:3, :3].ravel().tolist()), place

@@ -1,4 +1,4 @@
-"""Exports of motion capture and of COLMAP, whose rows are no plain rows."""
+"""Exports of motion capture: a table of several bodies under a header of several lines."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ..made import Made
-from . import bids, colmap, motive, qualisys
+from . import bids_motion, motive_csv, qualisys_tsv
 
-_KINDS = (motive, qualisys, bids, colmap)
+_KINDS = (motive_csv, qualisys_tsv, bids_motion)
 
 
 def export_reader(path: Path, start: bytes) -> Callable[[Path, str], Made] | None:
