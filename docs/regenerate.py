@@ -1,14 +1,15 @@
 """Run what the figures in README.md and docs/ come from, and write them there: `make docs`.
 
-`make docs OPTIONS=fills` renews one table (or picture), `OPTIONS="fills link"` two; without OPTIONS
-all that need nothing but this machine. Every figure is printed by the program; edit nothing between
-the markers by hand. A name may have files of earlier runs to use instead of a new one:
+`make docs OPTIONS=fills` renews one table (or picture), `OPTIONS="fills link"` two, `OPTIONS=help`
+lists their names; without OPTIONS all that need nothing but this machine. Edit nothing between the
+markers by hand. A name may have files of earlier runs to use instead of a new one:
 `bench:FILE,FILE` takes bench.json at 200 ms and at later ones, `strategies:FILE` compare.json,
 `thesis:FILE,..` results.json, `gpu:FILE,..` gpu.json of `make bench-gpu`.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 import os
@@ -33,6 +34,8 @@ BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
+    "trace formats": ("-m hmdwarp list formats --markdown", True),
+    "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
     "check rates": ("tests/check_rates.py", True),
@@ -122,7 +125,7 @@ def bench(folder: Path, *ready: str) -> None:
     replace("warps", warps_table([row for row in rows if row["latency_ms"] == 200]))
     replace("warps later", later_table([row for row in rows if row["latency_ms"] > 200]))
     pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
-    readme(folder)
+    replace("results", front_page())
 
 
 def _flip(row: Mapping[str, Any]) -> float:
@@ -169,14 +172,9 @@ def later_table(rows: Sequence[dict[str, Any]]) -> str:
     return markdown(heads, cells, texts=2)
 
 
-def readme(_: Path) -> None:
-    """Write the tables of README.md: those of docs/, less some columns. Runs nothing."""
-    replace("results", front_page())
-
-
 def front_page() -> str:
     """Return both tables of README.md, each with a line that says what it shows."""
-    defaults = "From the thesis's method to the default, one change after the other: 200 ms late, 480x600 an eye."
+    defaults = "From the thesis's method to the default, one change at a time: 200 ms late, 480x600 an eye."
     machine = text_of("machine").split(";")[1].strip()
     warps = f"200 ms late, guard band 1.5, 1280x800 an eye, {machine}; each warp with the fill of the lowest FLIP."
     warps = textwrap.fill(" ".join(warps.split()), 100, break_on_hyphens=False)
@@ -266,7 +264,7 @@ def lists_of_tests(_: Path) -> None:
     from hard_cases.registry import markdown as hard_cases_table
 
     replace("hard-cases", hard_cases_table())
-    replace("layouts", layouts.layouts_table())
+    replace("trace layouts", layouts.layouts_table())
     replace("contradicted", layouts.contradicted_text())
 
 
@@ -294,9 +292,9 @@ OWN: Mapping[str, Callable[..., None]] = {
     "kills": kills,
     "keys": keys,
     "hard-cases": lists_of_tests,
-    "layouts": lists_of_tests,
+    "trace layouts": lists_of_tests,
     "pictures": pictures,
-    "readme": readme,
+    "readme": lambda _: replace("results", front_page()),
     # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.
     "gpu": lambda _, *ready: [gpu_tables.file_section(data) for data in read(ready)],
     "thesis-gpu": lambda folder, *ready: thesis(folder, *ready, marker="thesis gpu"),
@@ -304,19 +302,18 @@ OWN: Mapping[str, Callable[..., None]] = {
 
 
 def main() -> None:
-    parts = [*PRINTED, *REPLAYS, *OWN]
-    with tempfile.TemporaryDirectory() as name:
-        for part in sys.argv[1:] or [each for each in parts if not each.endswith("gpu")]:
+    jobs: dict[str, Callable[..., None]] = {name: functools.partial(printed, name) for name in PRINTED}
+    jobs |= {name: functools.partial(replays, name) for name in REPLAYS} | OWN
+    jobs = {name.replace(" ", "-"): job for name, job in jobs.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        for part in sys.argv[1:] or [name for name in jobs if not name.endswith("gpu")]:
             which, _, ready = part.partition(":")
-            which = which if which in parts else which.replace("-", " ")
-            if which in PRINTED:
-                printed(which, Path(name))
-            elif which in REPLAYS:
-                replays(which, Path(name))
-            elif which in OWN:
-                OWN[which](Path(name), *filter(None, ready.split(",")))
+            if which == "help":
+                print("\n".join(jobs))
+            elif which not in jobs:
+                raise SystemExit(f"{which}: expected one of {', '.join(jobs)}")
             else:
-                raise SystemExit(f"{which}: expected one of {', '.join(parts)}")
+                jobs[which](Path(folder), *filter(None, ready.split(",")))
 
 
 if __name__ == "__main__":

@@ -73,8 +73,8 @@ def results(recorded: list[Recording], cases: int, done: Iterable[int] = (), fau
         names = two_misreadings(rng) if faults == 2 else (list(MISREADINGS)[case % len(MISREADINGS)],)
         right, wrong = right_and_wrong(recorded[rng.integers(len(recorded))], names, rng)
         answer = check(Stated(wrong))
-        named = [one.name for one in answer.findings if not one.as_stated]
-        left = [one.name for one in answer.findings if not one.told]
+        named = [finding.name for finding in answer.findings if not finding.as_stated]
+        left = [finding.name for finding in answer.findings if not finding.told]
         told = answer.agree and answer.decision.is_told
         off = off_px(right, wrong, answer.reading, "rows up" in names) if told else math.inf
         yield Result(case, " + ".join(names), named if told else [], left, told, off, cases)
@@ -90,7 +90,9 @@ def off_px(right: Frames, wrong: Frames, reading: Reading, turned_over: bool) ->
     pixel, seen = found.pixel.copy(), found.seen
     if turned_over:
         pixel[..., 1] = pixel[..., 1] if reading.depth_rows_up else height - 1 - pixel[..., 1]
-        pixel, seen = (one.reshape(2, height, -1, *one.shape[2:])[:, ::-1].reshape(one.shape) for one in (pixel, seen))
+        pixel, seen = (
+            values.reshape(2, height, -1, *values.shape[2:])[:, ::-1].reshape(values.shape) for values in (pixel, seen)
+        )
     both = seen & there.seen
     return float(np.percentile(np.linalg.norm(pixel - there.pixel, axis=-1)[both], 90)) if both.any() else math.inf
 
@@ -98,23 +100,23 @@ def off_px(right: Frames, wrong: Frames, reading: Reading, turned_over: bool) ->
 def missed_of(found: Iterable[Result]) -> tuple[Counter[str], Counter[str]]:
     """Return how often each misreading was tried, and how often it alone was not what was named."""
     tried, missed = Counter[str](), Counter[str]()
-    for one in found:
-        tried[one.misread] += 1
-        missed[one.misread] += not one.is_right
+    for trial in found:
+        tried[trial.misread] += 1
+        missed[trial.misread] += not trial.is_right
     return tried, missed
 
 
 def table(found: Iterable[Result]) -> Iterator[str]:
     """Yield a line for each misreading: how often it was tried, and what came of it."""
     counts: dict[str, Counter[str]] = {name: Counter() for name in MISREADINGS}
-    for one in found:
-        for name in one.misread.split(" + "):
-            counts[name][one.outcome] += 1
+    for trial in found:
+        for name in trial.misread.split(" + "):
+            counts[name][trial.outcome] += 1
     yield "| misread as | cases | right | cannot tell | wrong |"
     yield "| --- | ---: | ---: | ---: | ---: |"
     for name, count in counts.items():
         if count:
-            yield f"| {name} | {count.total()} | " + " | ".join(str(count[one]) for one in OUTCOMES) + " |"
+            yield f"| {name} | {count.total()} | " + " | ".join(str(count[outcome]) for outcome in OUTCOMES) + " |"
 
 
 def resumed(out: Path, cases: int) -> list[Result]:
@@ -124,7 +126,7 @@ def resumed(out: Path, cases: int) -> list[Result]:
     with out.open("r+b") as file:
         file.truncate(len(whole))
     found = [Result(**json.loads(line)) for line in whole.splitlines()]
-    if other := {one.of for one in found} - {cases}:
+    if other := {trial.of for trial in found} - {cases}:
         raise SystemExit(f"{out} has results of {other.pop()} cases, {cases} are wanted: take another file")
     return found
 
@@ -149,15 +151,15 @@ def main() -> None:
     with Gpu() as gpu:
         recorded = recorded_for(gpu, cases)
     until = time.monotonic() + given.minutes * 60
-    for one in results(recorded, cases, [one.case for one in found], faults):
-        found.append(one)
+    for result in results(recorded, cases, [trial.case for trial in found], faults):
+        found.append(result)
         if out is not None:
             with out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(attrs.asdict(one)) + "\n")
+                file.write(json.dumps(attrs.asdict(result)) + "\n")
         if time.monotonic() > until:
             break
-    outcomes = Counter(one.outcome for one in found)
-    shares = ", ".join(f"{outcomes[one]} {one}" for one in OUTCOMES)
+    outcomes = Counter(trial.outcome for trial in found)
+    shares = ", ".join(f"{outcomes[outcome]} {outcome}" for outcome in OUTCOMES)
     print(f"Of {len(found)} random cases with {faults} {'fault' if faults == 1 else 'faults'}: {shares}.\n")
     print("\n".join(table(found)))
 

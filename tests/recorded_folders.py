@@ -73,7 +73,7 @@ def _take(pose: Pose, time_ns: int, size: tuple[int, int]) -> Taken:
     return Taken(colour.round().astype(np.uint8), depth.astype(np.float32), pose, time_ns)
 
 
-def _matrix(one: Taken, columns: tuple[str, str, str], world: Callable[[Vectors], Vectors]) -> Vectors:
+def camera_matrix(one: Taken, columns: tuple[str, str, str], world: Callable[[Vectors], Vectors]) -> Vectors:
     """Return camera to world with these directions as columns, in a file's world."""
     out = np.eye(4)
     out[:3, :3] = np.stack([world(one.basis[name]) for name in columns], axis=1)
@@ -81,11 +81,13 @@ def _matrix(one: Taken, columns: tuple[str, str, str], world: Callable[[Vectors]
     return out
 
 
-def _z_up(v: Vectors) -> Vectors:
+def z_up(v: Vectors) -> Vectors:
+    """World with x right, y forward, z up."""
     return np.array([v[0], -v[2], v[1]])
 
 
-def _y_down(v: Vectors) -> Vectors:
+def y_down(v: Vectors) -> Vectors:
+    """World of the first camera: x right, y down, z forward."""
     return np.array([v[0], -v[1], -v[2]])
 
 
@@ -96,15 +98,21 @@ def _left_handed(v: Vectors) -> Vectors:
 OPTICAL = ("right", "down", "forward")
 
 
-def _seven(matrix: Vectors) -> str:
+def seven_numbers(matrix: Vectors) -> str:
+    """Return x y z qx qy qz qw."""
     return " ".join(f"{x:.12g}" for x in (*matrix[:3, 3], *Rotation.from_matrix(matrix[:3, :3]).as_quat()))
 
 
 def _pictures(colour: Path, depth: Path, one: Taken, per_metre: float) -> None:
-    for path in (colour, depth):
-        path.parent.mkdir(parents=True, exist_ok=True)
+    colour.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(one.colour).save(colour)
-    Image.fromarray(np.rint(one.depth_m * per_metre).astype(np.uint16)).save(depth)
+    write_depth(depth, one, per_metre)
+
+
+def write_depth(path: Path, one: Taken, per_metre: float) -> None:
+    """Write whole numbers of 16 bits."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(np.rint(one.depth_m * per_metre).astype(np.uint16)).save(path)
 
 
 def _numbered(folder: Path, frames: list[Taken], colour: str, per_metre: float) -> None:
@@ -118,11 +126,13 @@ def write_tum(folder: Path, frames: list[Taken]) -> None:
     for i, one in enumerate(frames):
         _pictures(folder / f"rgb/{i}.png", folder / f"depth/{i}.png", one, 5000)
         time_ns = 1305031102_175304000 + one.time_ns
-        colours.append(f"{_seconds(time_ns)} rgb/{i}.png")
-        depths.append(f"{_seconds(time_ns + 5_000_000)} depth/{i}.png")
+        colours.append(f"{seconds(time_ns)} rgb/{i}.png")
+        depths.append(f"{seconds(time_ns + 5_000_000)} depth/{i}.png")
         for part, pose in enumerate([one.pose] if i == len(frames) - 1 else _thirds(one.pose, frames[i + 1].pose)):
             at = round(part * (1e9 / RATE_HZ) / 3)
-            poses.append(f"{_seconds(time_ns + at)} {_seven(_matrix(attrs.evolve(one, pose=pose), OPTICAL, _z_up))}")
+            poses.append(
+                f"{seconds(time_ns + at)} {seven_numbers(camera_matrix(attrs.evolve(one, pose=pose), OPTICAL, z_up))}"
+            )
     for name, lines in (("rgb", colours), ("depth", depths), ("groundtruth", poses)):
         (folder / f"{name}.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -131,21 +141,25 @@ def _thirds(one: Pose, other: Pose) -> list[Pose]:
     return [one, one.towards(other, 1 / 3), one.towards(other, 2 / 3)]
 
 
-def _seconds(time_ns: int) -> str:
+def seconds(time_ns: int) -> str:
+    """Return seconds with nine decimals."""
     return f"{time_ns // 10**9}.{time_ns % 10**9:09d}"
 
 
 def write_icl_nuim(folder: Path, frames: list[Taken]) -> None:
     """Write with y up and a left-handed world, as the renderer has it."""
     _numbered(folder, frames, "rgb", 5000)
-    rows = (f"{i} {_seven(_matrix(one, ('right', 'up', 'forward'), _left_handed))}" for i, one in enumerate(frames))
+    rows = (
+        f"{i} {seven_numbers(camera_matrix(one, ('right', 'up', 'forward'), _left_handed))}"
+        for i, one in enumerate(frames)
+    )
     (folder / "livingRoom0.gt.freiburg").write_text("\n".join(rows), encoding="utf-8")
 
 
 def write_numbered(folder: Path, frames: list[Taken]) -> None:
     """Write with a line of a pose for each picture."""
     _numbered(folder, frames, "color", 1000)
-    rows = (_seven(_matrix(one, OPTICAL, _y_down)) for one in frames)
+    rows = (seven_numbers(camera_matrix(frame, OPTICAL, y_down)) for frame in frames)
     (folder / "pose.txt").write_text("\n".join(rows), encoding="utf-8")
 
 
@@ -154,7 +168,10 @@ def write_redwood(folder: Path, frames: list[Taken]) -> None:
     _numbered(folder, frames, "color", 1000)
     lines = []
     for i, one in enumerate(frames):
-        lines += [f"{i} {i} {i + 1}", *(" ".join(f"{x:.12g}" for x in row) for row in _matrix(one, OPTICAL, _y_down))]
+        lines += [
+            f"{i} {i} {i + 1}",
+            *(" ".join(f"{x:.12g}" for x in row) for row in camera_matrix(one, OPTICAL, y_down)),
+        ]
     (folder / "trajectory.log").write_text("\n".join(lines), encoding="utf-8")
     wide, high = frames[0].colour.shape[1::-1]
     camera = {"width": wide, "height": high, "intrinsic_matrix": [FX, 0, 0, 0, FY, 0, CX, CY, 1]}
@@ -168,7 +185,7 @@ def write_nerfstudio(folder: Path, frames: list[Taken]) -> None:
         {
             "file_path": f"images/{i}.png",
             "depth_file_path": f"depth/{i}.png",
-            "transform_matrix": _matrix(one, ("right", "up", "back"), _z_up).tolist(),
+            "transform_matrix": camera_matrix(one, ("right", "up", "back"), z_up).tolist(),
         }
         for i, one in enumerate(frames)
     ]
@@ -226,11 +243,12 @@ def write_exrs(folder: Path, frames: list[Taken]) -> None:
 
 
 STATED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{FY},{CX},{CY}"))
-MIRRORED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{CY}"))
+AS_TUM = attrs.evolve(STATED, depth_scale=1 / 5000)
+MIRRORED = attrs.evolve(AS_TUM, intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{CY}"))
 MILLIMETRES = attrs.evolve(STATED, depth_scale=0.001)
 # By name: the reader that must recognise it, who writes it, and what the user has to say.
 LAYOUTS: dict[str, tuple[str, Callable[[Path, list[Taken]], None], SequenceOptions]] = {
-    "tum": ("tum", write_tum, STATED),
+    "tum": ("tum", write_tum, AS_TUM),
     "icl_nuim": ("icl_nuim", write_icl_nuim, MIRRORED),
     "numbered": ("numbered", write_numbered, MILLIMETRES),
     "redwood": ("redwood", write_redwood, SequenceOptions()),

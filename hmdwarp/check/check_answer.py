@@ -141,7 +141,9 @@ def check(stated: Stated) -> Answer:
         agreement(search, Reading()),
         agreement(search, best),
         likeness(search, best),
-        () if decision.is_told else tuple(_values(one.reading, stated) for one in (decision.best, *decision.rivals)),
+        ()
+        if decision.is_told
+        else tuple(_values(possible.reading, stated) for possible in (decision.best, *decision.rivals)),
         tuple(code(best, stated)) if decision.is_told else (),
     )
 
@@ -170,7 +172,7 @@ def _finding(decision: Decision, name: str) -> Finding:
     if not decision.is_told and name in may_differ:
         return _unknown(Finding(name, label, value(Reading(), stated, name), True, True), untold(decision))
     if name in differences(best):
-        margins = [_margin(decision, one) for one in _others(decision.search, best, name)]
+        margins = [_margin(decision, rival) for rival in _others(decision.search, best, name)]
         sure = min(margins, default=0.0)
         return Finding(name, label, value(best, stated, name), False, True, sure if sure >= SURE else None)
     finding = Finding(name, label, value(best, stated, name), True, True)
@@ -192,7 +194,7 @@ def _as_stated(decision: Decision, finding: Finding) -> Finding:
     others = list(_others(search, best, name))
     if not others:
         return finding
-    margins = [_margin(decision, one) for one in others]
+    margins = [_margin(decision, rival) for rival in others]
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
@@ -221,17 +223,19 @@ def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     if name == RAY:
         yield attrs.evolve(best, along=0.0 if best.along else 1.0)
         return
-    for one in search.discrete(best):
-        if set(differences(one)) ^ set(differences(best)) <= {name} and one.along == best.along:
-            before, after = (value(which, search.stated, name) for which in (best, one))
+    for near in search.discrete(best):
+        if set(differences(near)) ^ set(differences(best)) <= {name} and near.along == best.along:
+            before, after = (value(which, search.stated, name) for which in (best, near))
             if before != after:
-                yield one
+                yield near
 
 
 def _margin(decision: Decision, other: Reading) -> float:
     """Return by how many standard errors of the coarse score another reading is worse."""
     coarse = decision.search.coarse
-    better, worse = (coarse.by_block(np.nan_to_num(coarse.score(one)))[0] for one in (decision.best.reading, other))
+    better, worse = (
+        coarse.by_block(np.nan_to_num(coarse.score(reading)))[0] for reading in (decision.best.reading, other)
+    )
     return standard_errors(better - worse)
 
 

@@ -44,7 +44,7 @@ class Decision:
     @property
     def causes(self) -> tuple[tuple[str, ...], ...]:
         """The conventions that differ: of the best reading first, then of its rivals."""
-        return tuple(dict.fromkeys(differences(one.reading) for one in (self.best, *self.rivals)))
+        return tuple(dict.fromkeys(differences(possible.reading) for possible in (self.best, *self.rivals)))
 
 
 def likeness(search: Search, reading: Reading) -> float:
@@ -87,7 +87,7 @@ def decide(search: Search) -> Decision:
         if not explains(search, search.best(found)):
             found += _two(search, plain)
     close = _close(search, found)
-    readings = list(dict.fromkeys([*(one.reading for one in close), plain]))
+    readings = list(dict.fromkeys([*(fitted.reading for fitted in close), plain]))
     noise = Noise.of(search.fine.residuals(readings[0]))
     found_numbers = NumberSearch(search, _simplest(search, _candidates(search, readings, noise)), readings).found()
     return _decided(search, _stepped(search, found_numbers, readings), readings)
@@ -107,18 +107,18 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
     best, rivals, besides = found.best, found.rivals, found.besides
     others = _candidates(search, readings, found.noise)
     if best.changes > 1:
-        best = _simplest(search, [best, *(one for one in others if one.changes)])
+        best = _simplest(search, [best, *(other for other in others if other.changes)])
         rivals, besides = (rivals, besides) if best is found.best else ((), ())
     if best.changes:
         most = agreement(search, best.reading)
         as_good = (
-            one
-            for one in others
-            if 0 < one.changes <= best.changes
-            and without_numbers(one.reading) != without_numbers(best.reading)
-            and differences(one.reading) != differences(best.reading)
-            and margin(one, best) < SURE
-            and agreement(search, one.reading) >= _AS_GOOD * most
+            other
+            for other in others
+            if 0 < other.changes <= best.changes
+            and without_numbers(other.reading) != without_numbers(best.reading)
+            and differences(other.reading) != differences(best.reading)
+            and margin(other, best) < SURE
+            and agreement(search, other.reading) >= _AS_GOOD * most
         )
         rivals += tuple(as_good)
     if best.changes > _MOST_CHANGES:  # with so many, others may do as well
@@ -127,7 +127,7 @@ def _decided(search: Search, found: Numbers, readings: Sequence[Reading]) -> Dec
 
 
 def _candidates(search: Search, readings: Sequence[Reading], noise: Noise) -> list[Candidate]:
-    return [search.candidate(one, noise, len(differences(one))) for one in readings]
+    return [search.candidate(reading, noise, len(differences(reading))) for reading in readings]
 
 
 def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
@@ -176,12 +176,12 @@ def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]
 
 def _two(search: Search, plain: Reading) -> list[Reading]:
     """Return readings of two conventions that differ."""
-    singles = [one for one in search.discrete(plain) if ROWS not in differences(one)]
+    singles = [reading for reading in search.discrete(plain) if ROWS not in differences(reading)]
     found = list(search.rows(plain))
     both: list[Reading] = []
     cameras = [search.best(way) for way in search.cameras(plain)]
-    for one in [*singles, *found, *cameras]:
-        both += [two for two in search.discrete(one) if len(differences(two)) == 2]
-        both += _best_of(search, search.usual_numbers(one))
-        both += [search.best(way) for way in search.cameras(one)]
+    for single in [*singles, *found, *cameras]:
+        both += [two for two in search.discrete(single) if len(differences(two)) == 2]
+        both += _best_of(search, search.usual_numbers(single))
+        both += [search.best(way) for way in search.cameras(single)]
     return both

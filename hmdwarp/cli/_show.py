@@ -9,10 +9,11 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ..errors import InputError
 from ._signals import end_if_asked
 
 if TYPE_CHECKING:
@@ -102,7 +103,7 @@ class _Lines:
         def run() -> None:
             self._estimated.wait(LINE_EVERY_S)
             while not over.is_set():
-                with suppress(OSError):  # nobody reads any more
+                with suppress(OSError):  # the reader is gone
                     screen.print(self.line(), soft_wrap=True)
                 over.wait(LINE_EVERY_S)
 
@@ -126,8 +127,23 @@ def sayer(quiet: bool) -> Callable[[str], None]:
     return (lambda text: None) if quiet else lambda text: typer.echo(text, err=True)
 
 
+def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], None], *options: Any, quiet: bool) -> None:
+    """Run an experiment with its progress, tell what was found, then raise what failed.
+
+    what: the steps of its progress.
+    """
+    with steps(what, quiet=quiet) as (progress, _):
+        result = run(*options, progress, sayer(quiet))
+    if not quiet:
+        tell(result)
+        typer.echo(f"report: {result.report}")
+    result.raise_failures()
+    if result.refused:  # after the results are written: they are good, the budget was not
+        raise InputError(result.refused)
+
+
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
-    """Names on the left, their texts wrapped beside them, line by line."""
+    """Names on the left, their texts wrapped next to them, line by line."""
     rows = list(rows)
     left = indent + max((len(name) for name, _ in rows), default=0) + 2
     width = max(left + 24, _width())

@@ -15,16 +15,14 @@ from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import EyeSizes, frame_bytes, video_pixels
 from ..gpu.context import Gpu
-from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
 from ..poses.pose_source import Moment
 from ..sources.server import Renderer
 from .auto.adaptive import AdaptiveCompensator
 from .auto.governor import Governor
-from .auto.levels import QualityLevel
 from .changes import Changes
-from .channel import Channel
+from .channel import Channel, ChannelSetup
 from .frame_source import Target, settling
 from .layers_read import Reads
 from .link_times import check_held, expected_age_ns
@@ -48,29 +46,34 @@ class Pipeline:
     plan: Plan
     requested: PoseRequest
     sizes: EyeSizes
-    gpu: Gpu
+    options: PipelineOptions
+    source: Source
+    target: Target
     server: Renderer
     geometry: ClientScene
     channel: Channel
     loop: Loop
     # Chooses the warp; None where the options name one.
     auto: AdaptiveCompensator | None
-    lens_of: Headset | None
-    _options: PipelineOptions
     _made: list[Compensator | AdaptiveCompensator]
     _cleanup: ExitStack
+
+    @property
+    def gpu(self) -> Gpu:
+        """The GPU that it is on."""
+        return self.target.gpu
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
         self.channel.read_beside(Reads.of([plan]))
-        made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
-        self._made.append(made)
-        return made
+        return self._compensator(plan, self.sizes)
 
     def compensator_of_shown(self, plan: Plan) -> Compensator:
         """Return a compensator for finished pictures, before the lens; freed with the pipeline."""
-        sizes = attrs.evolve(self.sizes, rendered=self.sizes.shown)
-        made = _compensator(self._options, self.gpu, plan, self.lens_of, sizes, self.geometry)
+        return self._compensator(plan, attrs.evolve(self.sizes, rendered=self.sizes.shown))
+
+    def _compensator(self, plan: Plan, sizes: EyeSizes) -> Compensator:
+        made = _compensator(self.options, self.target, plan, sizes, self.geometry)
         self._made.append(made)
         return made
 
@@ -79,9 +82,7 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made = _compensator(self._options, self.gpu, plan, self.lens_of, self.sizes, self.geometry)
-        before = self.loop.compensator
-        self._made.append(made)
+        made, before = self._compensator(plan, self.sizes), self.loop.compensator
         self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)
@@ -108,15 +109,14 @@ def build_pipeline(
     target: Target,
     plans: Several[Plan],
     requested: PoseRequest,
-    levels: tuple[QualityLevel, ...] = (),
     moment_of: MomentOf = Moment,
 ) -> Pipeline:
     """Compile and allocate the whole pipeline.
 
-    plans: one, or one for each quality level. moment_of: where recorded frames are at an instant.
+    plans: as plans_for returns them. moment_of: where recorded frames are at an instant.
     Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
     """
-    needs, gpu, lens_of = requested.needs, target.gpu, target.lens_of
+    needs, gpu = requested.needs, target.gpu
     sizes = eye_sizes(requested.guard, target.eyes, requested.size)
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
@@ -130,31 +130,25 @@ def build_pipeline(
         stack.callback(history.close)
         # It waits for the next refresh at most.
         age_ns = expected_age_ns(options, target.link_latency_ns + round(1e9 / target.rate_hz), target.rate_hz)
-        channel = frames.channel(
-            options.client_link,
-            target.link_latency_ns,
-            source.coder(options.coding, target.rate_hz, age_ns),
-            Reads.of(plans),
-            history.offer,
-            target.rate_hz,
-            settling(frames, geometry),
-        )
+        coder = source.coder(options.coding, target.rate_hz, age_ns)
+        ends = (coder, Reads.of(plans), history.offer, settling(frames, geometry))
+        channel = frames.channel(ChannelSetup(options.client_link, target.link_latency_ns, target.rate_hz, *ends))
         stack.callback(channel.close)
         with ExitStack() as unfinished:
             compensators = []
             for plan in plans:
-                compensators.append(_compensator(options, gpu, plan, lens_of, sizes, geometry))
+                compensators.append(_compensator(options, target, plan, sizes, geometry))
                 unfinished.callback(compensators[-1].close)
             unfinished.pop_all()
         auto = None
-        if levels and options.budget_ms is not None:
-            governor = Governor(levels, options.budget_ms)
-            auto = AdaptiveCompensator(governor, dict(zip(levels, compensators, strict=True)))
+        if options.levels and options.budget_ms is not None:
+            governor = Governor(options.levels, options.budget_ms)
+            auto = AdaptiveCompensator(governor, dict(zip(options.levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
         changes = Changes(source.scene) if options.network.send == CHANGES else None
         loop = Loop(requested, frames, channel, history, compensator, target.eyes, changes)
-        parts = (gpu, server, geometry, channel, loop, auto, lens_of, options)
-        return Pipeline(compensator.plan, requested, sizes, *parts, [compensator], stack.pop_all())
+        parts = (requested, sizes, options, source, target, server, geometry, channel, loop, auto)
+        return Pipeline(compensator.plan, *parts, [compensator], stack.pop_all())
 
 
 def _check_decoder(options: PipelineOptions, plans: Several[Plan], sizes: EyeSizes, rate_hz: float) -> None:
@@ -172,7 +166,7 @@ def _check_decoder(options: PipelineOptions, plans: Several[Plan], sizes: EyeSiz
 
 
 def _compensator(
-    options: PipelineOptions, gpu: Gpu, plan: Plan, headset: Headset | None, sizes: EyeSizes, geometry: ClientScene
+    options: PipelineOptions, target: Target, plan: Plan, sizes: EyeSizes, geometry: ClientScene
 ) -> Compensator:
     kind = SizedCompensator if options.network.overload == RESOLUTION else Compensator
-    return kind(gpu, plan, headset, sizes.rendered, sizes.shown, geometry)
+    return kind(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, geometry)

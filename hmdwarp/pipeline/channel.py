@@ -4,21 +4,36 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from ..link import SCALES, Pacer
+from ..frames import Frame
+from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats
 from ..sources.feed.message import request_bytes
 from .frame_coder import CodedFrame, Coder
 from .layers_read import Reads
 
-if TYPE_CHECKING:
-    from ..frames import Frame
-    from ..link import Link, LinkOptions, TransitStats
-
 # Called with a frame, whether it arrived, and when the sender hears of it.
 Settled = Callable[["Frame", bool, int], None]
+
+
+@attrs.frozen(eq=False)
+class ChannelSetup:
+    """What a channel is made for: the network, what is coded, and who gets the frames."""
+
+    network: LinkOptions
+    latency_ns: int
+    # Refresh rate of the display.
+    rate_hz: float
+    # None for frames that arrive as drawn.
+    coder: Coder | None
+    # What the client reads of a frame; no other layer is coded or counted.
+    reads: Reads
+    # Called with each frame that the client used and no longer needs.
+    offer: Callable[[Frame], None]
+    # As of the link, with frames as they arrived.
+    settled: Settled = lambda frame, arrived, heard_ns: None  # noqa: E731
 
 
 class Channel:
@@ -29,25 +44,13 @@ class Channel:
     server that is still at work on a frame, or whose client is, draws none: the slowest stage sets
     the pace.
 
-    coder: None for frames that arrive as drawn. reads: what the client reads of a frame; no other
-    layer is coded or counted. offer: called with each frame that the client used and no longer
-    needs. recycle: called with each frame that it never used. settled: as of the link, with frames
-    as they arrived. rate_hz: of the display.
+    recycle: called with each frame that the client never used.
     """
 
-    def __init__(
-        self,
-        network: LinkOptions,
-        latency_ns: int,
-        coder: Coder | None,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        recycle: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Settled = lambda frame, arrived, heard_ns: None,
-    ) -> None:
-        self._coder, self._reads, self._beside = coder, reads, Reads()
-        self.latency_ns = latency_ns
+    def __init__(self, setup: ChannelSetup, recycle: Callable[[Frame], None]) -> None:
+        network, coder, rate_hz = setup.network, setup.coder, setup.rate_hz
+        self._coder, self._reads, self._beside = coder, setup.reads, Reads()
+        self.latency_ns = setup.latency_ns
         self._pacer = Pacer(network.server_rate_hz, rate_hz)
         self._stages = network.response
         # When the server can draw again, and how long the last frame was decoded.
@@ -63,12 +66,12 @@ class Channel:
         # Summary of what stands before this link, given the refreshes per second.
         self.before: Callable[[float], dict[str, Any]] | None = None
         self.link: Link[CodedFrame] = network.link(
-            latency_ns,
-            discard=lambda coded: offer(coded.frame),
+            setup.latency_ns,
+            discard=lambda coded: setup.offer(coded.frame),
             wasted=lambda coded: recycle(coded.frame),
             receive=coder.receive if coder is not None else None,
             decoding=self._decoding,
-            settled=lambda coded, arrived, heard_ns: settled(coded.frame, arrived, heard_ns),
+            settled=lambda coded, arrived, heard_ns: setup.settled(coded.frame, arrived, heard_ns),
         )
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Protocol
 
 import attrs
@@ -12,12 +11,10 @@ from ..frames import Frame
 from ..geometry import Eyes, Guard, GuardBand
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..link import LinkOptions, scaled_size
+from ..link import scaled_size
 from ..poses import PoseSample
 from ..sources.server import Renderer
-from .channel import Channel, Settled
-from .frame_coder import Coder
-from .layers_read import Reads
+from .channel import Channel, ChannelSetup, Settled
 from .requested import PoseRequest
 
 
@@ -54,17 +51,8 @@ class FrameSource(Protocol):
     def recycle(self, frame: Frame) -> None:
         """Take back a frame that is no longer needed."""
 
-    def channel(
-        self,
-        link: LinkOptions,
-        latency_ns: int,
-        coder: Coder | None,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Settled,
-    ) -> Channel:
-        """Return the channel that the frames come through, see Channel."""
+    def channel(self, setup: ChannelSetup) -> Channel:
+        """Return the channel that the frames come through."""
 
 
 @attrs.frozen(eq=False)
@@ -107,18 +95,9 @@ class ServerFrames:
         """Return the frame to the server's pools."""
         self.server.recycle(frame)
 
-    def channel(
-        self,
-        link: LinkOptions,
-        latency_ns: int,
-        coder: Coder | None,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Settled,
-    ) -> Channel:
+    def channel(self, setup: ChannelSetup) -> Channel:
         """Return a channel over the link."""
-        return Channel(link, latency_ns, coder, reads, offer, self.recycle, rate_hz, settled)
+        return Channel(setup, self.recycle)
 
     def _resolution(self, scale: float) -> tuple[tuple[int, int], Guard]:
         """Return the size to draw in, without the guard band, and the guard band."""

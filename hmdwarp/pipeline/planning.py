@@ -16,7 +16,6 @@ from ..errors import InputError, PlanError
 from ..headsets import Headset
 from ..options import AUTO, Choice
 from ..scenes import Scene
-from .auto.levels import QualityLevel
 from .options import PipelineOptions
 from .proxy_options import ProxyOptions
 from .source_kinds import PROXY
@@ -26,17 +25,16 @@ def plans_for(
     options: PipelineOptions,
     headset: Headset | None,
     scene: Scene | None,
-    levels: tuple[QualityLevel, ...] = (),
     **beyond: Any,
 ) -> list[Plan]:
-    """Return the plans of a run: one, or one for each quality level if it chooses its warp.
+    """Return the plans of a run: one, or one for each level that it chooses from.
 
     beyond, errors: as build_plan_for.
     """
     if options.warp != AUTO:
         return [build_plan_for(options, headset, scene, **beyond)]
-    chosen = [options.with_pair(level.warp, level.fill) for level in levels]
-    return [build_plan_for(one, headset, scene, shares_frames=True, **beyond) for one in chosen]
+    chosen = [options.with_pair(level.warp, level.fill) for level in options.levels]
+    return [build_plan_for(run, headset, scene, shares_frames=True, **beyond) for run in chosen]
 
 
 def build_plan_for(

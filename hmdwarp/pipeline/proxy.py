@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack
 from typing import Any
 
@@ -17,12 +17,10 @@ from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, GuardBand, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..gpu.timers import Laps
-from ..link import LinkOptions
 from ..metrics import middle_and_tail
 from ..poses import PoseSample
 from ..sources.server import Renderer
-from .channel import Channel, Settled
-from .frame_coder import Coder
+from .channel import Channel, ChannelSetup
 from .frame_source import ServerFrames, Target, settling
 from .layers_read import Reads
 from .link_times import age_over_ns, held_over, refreshes_of
@@ -117,7 +115,7 @@ class Proxy:
         self._recorded = False
         timer = self._gpu.timer
         with timer.stage("copy"):
-            eyes = tuple(self._kept(one, now_ns) for one in refresh.eyes)
+            eyes = tuple(self._kept(eye, now_ns) for eye in refresh.eyes)
         return Frame(eyes, now_ns, head, Laps(*refresh.laps, timer.lap()))
 
     def _kept(self, made: EyeResult, now_ns: int) -> EyeImage:
@@ -134,18 +132,9 @@ class Proxy:
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Do nothing: no picture is sent twice."""
 
-    def channel(
-        self,
-        link: LinkOptions,
-        latency_ns: int,
-        coder: Coder | None,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Settled,
-    ) -> Channel:
+    def channel(self, setup: ChannelSetup) -> Channel:
         """Return the channel to the client."""
-        found = Channel(link, latency_ns, coder, reads, offer, self.recycle, rate_hz, settled)
+        found = Channel(setup, self.recycle)
         found.before = self.summary
         return found
 
@@ -241,8 +230,8 @@ class ProxySource(Source):
             age_ns=age_ns,
         )
         frames, coder = ServerFrames(server, request, eyes), self.coder(asked.coding, rate_hz, age_ns)
-        reads, settled = Reads.of([plan]), settling(frames, geometry)
-        channel = Channel(first, latency_ns, coder, reads, history.offer, frames.recycle, rate_hz, settled)
+        ends = (coder, Reads.of([plan]), history.offer, settling(frames, geometry))
+        channel = frames.channel(ChannelSetup(first, latency_ns, rate_hz, *ends))
         stack.callback(channel.close)
         loop = Loop(request, frames, channel, history, compensator, eyes)
         about = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -16,7 +16,6 @@ from ..frames.layers import layers
 from ..geometry import Eyes, Pose, View
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
-from ..link import LinkOptions
 from ..link.codec import Coding
 from ..poses import PoseSample
 from ..poses.pose_source import Moment
@@ -27,17 +26,16 @@ from ..sources.feed.message import FrameMessage
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.viewer import Viewer
 from ..sources.server import Renderer, Target
-from .channel import Channel, Settled
+from .channel import Channel, ChannelSetup
 from .feed_coding import depth_error, wish_of
 from .feed_layers import made
 from .frame_coder import Coder
 from .frame_source import Target as Shown
-from .layers_read import Reads
 from .options import PipelineOptions
 from .recorded_renderer import MomentOf
 from .remote import Pending, Remote, ViewsApart
 from .requested import PoseRequest
-from .source import Options, Source, nothing
+from .source import FirstRequest, Options, Source, nothing
 from .source_kinds import REMOTE, SERVER_SCENE
 
 _MS = 1e6
@@ -95,24 +93,14 @@ class RemoteSource(Source):
         if (after.latency_ms, after.scene) != (before.latency_ms, before.scene):
             raise InputError("latency and scene are the server's, where frames come from one: they stay")
 
-    def measured(
-        self,
-        options: Options,
-        head: PoseSample,
-        views: Sequence[View],
-        rate_hz: float,
-        needs: Needs,
-        *,
-        holds: bool,
-        keeps: bool,
-        say: Callable[[str], None],
-    ) -> Options:
+    def measured(self, options: Options, first: FirstRequest) -> Options:
         """Connect, and return the options with the latency that is measured, in place of theirs."""
         assert options.size is not None
-        remote = self._remote = Remote(self.feed, holds=holds, keeps=keeps, say=say)
-        remote.wish = wish_of(options.coding, rate_hz, views, options.size, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(head, views, options.guard_band, options.size, needs)
-        remote.wish = wish_of(options.coding, rate_hz, views, options.size, longest_ns * 1e-9 + 1 / rate_hz)
+        remote = self._remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
+        wanted = (options.coding, first.rate_hz, first.views, options.size)
+        remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
+        longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
+        remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
     @property
@@ -246,34 +234,16 @@ class RemoteFrames:
         """Return the frame's textures to the pools."""
         self.server.recycle(frame)
 
-    def channel(
-        self,
-        link: LinkOptions,
-        latency_ns: int,
-        coder: Coder | None,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Settled,
-    ) -> Channel:
+    def channel(self, setup: ChannelSetup) -> Channel:
         """Return the channel of what arrives by the feed."""
-        return RemoteChannel(self, latency_ns, reads, offer, rate_hz, settled, link)
+        return RemoteChannel(setup, self)
 
 
 class RemoteChannel(Channel):
     """The channel of frames that arrive by the feed: their delay is measured, not set."""
 
-    def __init__(
-        self,
-        frames: RemoteFrames,
-        latency_ns: int,
-        reads: Reads,
-        offer: Callable[[Frame], None],
-        rate_hz: float,
-        settled: Settled,
-        network: LinkOptions,
-    ) -> None:
-        super().__init__(network, latency_ns, None, reads, offer, frames.recycle, rate_hz, settled)
+    def __init__(self, setup: ChannelSetup, frames: RemoteFrames) -> None:
+        super().__init__(setup, frames.recycle)
         self._remote, self._frames_of = frames.remote, frames
         self._measured_ns = self._render_ns = 0
         self._sent: Counter[str] = Counter()

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from functools import cached_property
 from typing import Any, TypeVar
 
+import attrs
 import numpy as np
 
 from ..client.plan import Plan
@@ -28,6 +29,21 @@ from .requested import PoseRequest
 from .source_kinds import SCENE, SourceKind
 
 Options = TypeVar("Options", bound=PipelineOptions)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class FirstRequest:
+    """What a server elsewhere is asked for first, to measure the way to it."""
+
+    # Of one instant.
+    head: PoseSample
+    views: Sequence[View]
+    rate_hz: float
+    needs: Needs
+    # See Remote.
+    holds: bool
+    keeps: bool
+    say: Callable[[str], None]
 
 
 class Source:
@@ -105,21 +121,10 @@ class Source:
     def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
         """Check that a run can go on with these options. Errors: InputError."""
 
-    def measured(
-        self,
-        options: Options,
-        head: PoseSample,
-        views: Sequence[View],
-        rate_hz: float,
-        needs: Needs,
-        *,
-        holds: bool,
-        keeps: bool,
-        say: Callable[[str], None],
-    ) -> Options:
+    def measured(self, options: Options, first: FirstRequest) -> Options:
         """Connect where frames come from elsewhere, and return the options with the way's latency.
 
-        head, views: of one instant. holds, keeps, say: see Remote. Errors: as Remote.measure.
+        Errors: as Remote.measure.
         """
         return options
 

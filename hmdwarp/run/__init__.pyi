@@ -10,6 +10,7 @@ from .guard import needed_factors as needed_factors
 from .hole_counter import HoleCounter as HoleCounter
 from .host import PipelineHost as PipelineHost
 from .host import checked_source as checked_source
+from .host import on_screen as on_screen
 from .lines import Lines as Lines
 from .live_log import LiveLog as LiveLog
 from .live_log import LiveResult as LiveResult
@@ -44,6 +45,8 @@ from .replay_setup import ReplaySetup as ReplaySetup
 from .replay_setup import set_up_replay as set_up_replay
 from .serve_options import ServeOptions as ServeOptions
 from .serve_run import serve as serve
+from .setup import EmulatedScreen as EmulatedScreen
+from .setup import RunSetup as RunSetup
 from .short_bench import levels_by_short_bench as levels_by_short_bench
 from .truth import draw_truth as draw_truth
 from .watchdog import Watchdog as Watchdog

@@ -22,10 +22,10 @@ from ..pipeline.source import Source
 from ..pipeline.source_choice import source_of
 from ..poses import Origin, PoseSample
 from ..poses.pose_source import LoopedSource, Moment
-from .bench_levels import LevelSet, levels_from_file
+from .bench_levels import levels_from_file
 from .options import OFFSCREEN, LiveOptions
 from .pose_request import RecentPoses, check_names
-from .setup import RunSetup
+from .setup import EmulatedScreen, RunSetup
 
 
 def checked_source(options: LiveOptions, source: Source | None = None) -> Source:
@@ -41,6 +41,23 @@ def checked_source(options: LiveOptions, source: Source | None = None) -> Source
         plans = plans_for(attrs.evolve(options, lens="none", fused=False), None, source.scene)
         source.check(plans, needs_of(plans))
     return source
+
+
+def on_screen(options: LiveOptions, screen: Display | EmulatedScreen) -> LiveOptions:
+    """Return the options with what `auto` stands for there: the lens, and the levels of the warp.
+
+    The lens is "none" where the program has none to correct: a runtime that corrects its own
+    refuses another correction. Errors: as levels_from_file.
+    """
+    lens, headset = options.lens, screen.headset
+    if headset is None and not screen.distorts:
+        lens = "none"
+    elif lens == AUTO:
+        lens = "radial" if headset is not None and headset.lens is not None else "none"
+    if options.bench is not None:
+        sized = attrs.evolve(options, lens="none", size=options.size or screen.size)
+        options = attrs.evolve(options, levels=levels_from_file(options.bench, sized, None).levels)
+    return attrs.evolve(options, lens=lens)
 
 
 class PipelineHost:
@@ -115,7 +132,7 @@ class PipelineHost:
         same = {name: getattr(before, name) for name in ("warp", "fill", "lens")}
         if AUTO in (before.warp, options.warp) or attrs.evolve(options, **same) != before:
             return False
-        (plan,) = self._plans(options, self.source, LevelSet())
+        (plan,) = self._set_up(options, self.source).plans
         carried = self.pipeline.requested
         if not carried.needs.serve(plan.needs) or Reads.of([plan]).pictures > carried.pictures:
             return False
@@ -150,40 +167,14 @@ class PipelineHost:
         if guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
             self._rebuild(options)
 
-    def _levels_for(self, options: LiveOptions) -> LevelSet:
-        if options.bench is None:
-            return LevelSet()
-        size = options.size or self._display.size
-        return levels_from_file(options.bench, attrs.evolve(options, lens="none", size=size), None)
-
-    def _plans(self, options: LiveOptions, source: Source, choice: LevelSet) -> list[Plan]:
-        shown = self._display
-        fixed = {"distorts": shown.distorts, "takes_depth": shown.takes_depth}
-        lens = self._lens(options)
-        return plans_for(attrs.evolve(options, lens=lens), shown.headset, source.scene, choice.levels, **fixed)
-
-    def _lens(self, options: LiveOptions) -> str:
-        """Return "none" where the program has no lens to correct.
-
-        A runtime that corrects its own lens refuses another correction.
-        """
-        headset = self._display.headset
-        if headset is None and not self._display.distorts:
-            return "none"
-        if options.lens != AUTO:
-            return options.lens
-        return "radial" if headset is not None and headset.lens is not None else "none"
-
     def _set_up(self, options: LiveOptions, source: Source) -> RunSetup[LiveOptions]:
-        shown, choice = self._display, self._levels_for(options)
-        plans = self._plans(options, source, choice)
-        return RunSetup.of(options, source, shown.eyes, shown.size, shown.rate_hz, plans, choice.levels)
+        return RunSetup.of(on_screen(options, self._display), source, self._display)
 
     def _build(self, setup: RunSetup[LiveOptions]) -> Pipeline:
         shown, link_ns, poses = self._display, latency_ns(setup.options), self._display.source
         moment_of = poses.moment if isinstance(poses, LoopedSource) else Moment
         recent = self._recent
-        return setup.build(shown.gpu, shown.headset, recent, recent.track_until, link_ns, link_ns, moment_of=moment_of)
+        return setup.build(shown.gpu, recent, recent.track_until, link_ns, link_ns, moment_of=moment_of)
 
     def close(self) -> None:
         """Free the pipeline, and hang up."""

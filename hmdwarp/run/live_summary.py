@@ -6,24 +6,21 @@ It has the keys of a replay's, so that the same tools compare both, and `live`.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ..display import Display
 from ..errors import counted
-from ..geometry import Pose
 from ..metrics import aggregate_columns, middle_and_tail
 from .frame_rows import STAGE_COLUMNS
+from .host import PipelineHost
+from .kept_pictures import Pictures
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .misses import MEASURED, STANDS, TURNED
 from .options import OPENXR, LiveOptions
-from .run_summary import Facts, chosen_passes, machine_of, summary_of
-
-if TYPE_CHECKING:
-    from .host import PipelineHost
-    from .kept_pictures import Pictures
+from .run_summary import Facts, chosen_passes
 
 
 @attrs.frozen(eq=False)
@@ -52,33 +49,13 @@ class LiveFacts:
 
 def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) -> LiveFacts:
     """Return the facts of a run on this display."""
-    gpu, size, plan = display.gpu, options.size or display.size, host.plan
-    (view, *_) = display.eyes.views(Pose())
     headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
     named = options.record or options.trace
     own = display.about.get("trace") if host.source.kind.has_head else ""
-    shared = Facts(
-        options=options,
-        trace=Path(named).stem if named else own or display.name,
-        scene=host.source.scene.name,
-        effects=list(plan.effects),
-        headset=headset,
-        sizes=host.pipeline.sizes,
-        rate_hz=display.rate_hz,
-        pixels_per_degree=view.fov.pixels_per_degree(size),
-        machine=machine_of(gpu),
-        clock=gpu.timer.clock,
-        trace_axes=display.about.get("trace_axes", ""),
-        recorded=host.source.entry,
-    )
-    return LiveFacts(
-        shared,
-        options,
-        display.name,
-        dict(display.about),
-        plan.lens.name,
-        (*host.source.notes, *host.source.scene.notes),
-    )
+    trace, axes = Path(named).stem if named else own or display.name, display.about.get("trace_axes", "")
+    shared = Facts.of(host.pipeline, trace, headset, display.rate_hz, axes)
+    notes = (*host.source.notes, *host.source.scene.notes)
+    return LiveFacts(shared, options, display.name, dict(display.about), host.plan.lens.name, notes)
 
 
 def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, pictures: Pictures | None) -> dict[str, Any]:
@@ -98,7 +75,7 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
         "notes": [*facts.scene_notes, *options.notes, *_notes(figures.events, live, pictures)],
         "live": live,
     }
-    return summary_of(facts.shared, chosen_passes(options, facts.lens), frames, more)
+    return facts.shared.summary(chosen_passes(options, facts.lens), frames, more)
 
 
 def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels,
 from .frame_rows import Row
 from .log import ReplayLog
 from .replay_setup import ReplaySetup
-from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names, machine_of, summary_of
+from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names
 
 _OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference", "miss")
 
@@ -40,31 +40,15 @@ class ReplayResult:
         return self.folder / "report.html"
 
 
-def facts_of(setup: ReplaySetup) -> Facts:
-    """Return the keys of summary.json that are known before the run."""
-    return Facts(
-        options=setup.options,
-        trace=setup.track.name or setup.trace.path.stem,
-        scene=setup.scene.name,
-        effects=list(setup.plan.effects),
-        headset=setup.headset.name,
-        sizes=setup.pipeline.sizes,
-        rate_hz=setup.schedule.rate_hz,
-        pixels_per_degree=setup.pixels_per_degree,
-        machine=machine_of(setup.gpu),
-        clock=setup.gpu.timer.clock,
-        trace_axes=setup.track.axes,
-        recorded=setup.source.entry,
-    )
-
-
 def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:
     """Return the keys of summary.json for the named passes on the frames of `setup`.
 
     rows: as of frames.csv; those of one frame may be several.
     """
+    name = setup.track.name or setup.trace.path.stem
+    facts = Facts.of(setup.pipeline, name, setup.headset.name, setup.schedule.rate_hz, setup.track.axes)
     frames = len({row["frame"] for row in rows})
-    return summary_of(facts_of(setup), passes, frames, {**aggregate(rows), "notes": setup.notes})
+    return facts.summary(passes, frames, {**aggregate(rows), "notes": setup.notes})
 
 
 def result_of(

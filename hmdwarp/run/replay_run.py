@@ -25,7 +25,6 @@ from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
-from .guard import settled
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .log import ReplayLog
 from .measuring import MAIN, Probe
@@ -34,7 +33,7 @@ from .options import MOST_COMPARED, RunOptions
 from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED
-from .short_bench import levels_for
+from .short_bench import decided
 from .trace_events import TraceEvents
 
 WORST_FRAMES = 6
@@ -62,10 +61,9 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
-    options, guard_notes = settled(options)
-    choice = levels_for(options, say)
-    with set_up_replay(options, levels=choice.levels, say=say, alone=True) as setup:
-        setup.notes.extend((*guard_notes, *choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1)))
+    options, choice = decided(options, say)
+    with set_up_replay(options, say=say, alone=True) as setup:
+        setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
         with QualityPool(
             workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
@@ -289,7 +287,7 @@ def _keep_every(setup: ReplaySetup) -> int | None:
 def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:
     """Return the `jod` of summary.json; others: the warps that the run is compared with."""
     clips.finish()
-    return {**clips.entry(MAIN, others), **({"against": [clips.entry(one) for one in others]} if others else {})}
+    return {**clips.entry(MAIN, others), **({"against": [clips.entry(other) for other in others]} if others else {})}
 
 
 def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]) -> str:
@@ -314,7 +312,7 @@ def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
 def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]]:
     """Return the rows of each comparison; none where nothing was measured."""
     figures = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
-    return [log.compared(*one) for one in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
+    return [log.compared(*pair) for pair in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
 
 
 __all__ = ["Measured", "ReplayResult", "figures", "measured", "replay"]

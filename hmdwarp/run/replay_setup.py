@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-import operator
 from collections.abc import Callable
 from contextlib import ExitStack
 
@@ -11,17 +9,16 @@ import attrs
 import numpy as np
 
 from ..client.compensator import Compensator
-from ..client.plan import Plan
+from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..pipeline.auto.adaptive import AdaptiveCompensator
-from ..pipeline.auto.levels import QualityLevel
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Loop
-from ..pipeline.planning import plan_against, plans_for
+from ..pipeline.planning import plan_against
 from ..pipeline.source import Source
 from ..pipeline.source_choice import source_of
 from ..pipeline.source_kinds import SERVER_SCENE
@@ -31,7 +28,7 @@ from ..sources.server import Renderer
 from .options import RunOptions
 from .pose_request import check_names
 from .schedule import Schedule, schedule_for, schedule_of
-from .setup import RunSetup
+from .setup import EmulatedScreen, RunSetup
 
 
 @attrs.frozen(eq=False)
@@ -41,18 +38,34 @@ class ReplaySetup:
     Use as a context manager: it frees the GPU on exit.
     """
 
-    options: RunOptions
-    source: Source
+    run: RunSetup[RunOptions]
     trace: LoadedTrace
     # The trace, moved to where the scene can be walked in.
     track: PoseTrack
-    # (w, h) of one eye.
-    size: tuple[int, int]
     schedule: Schedule
-    gpu: Gpu
     pipeline: Pipeline
     notes: list[str]
     _cleanup: ExitStack
+
+    @property
+    def options(self) -> RunOptions:
+        """The options, with the measured latency where frames come from elsewhere."""
+        return self.run.options
+
+    @property
+    def source(self) -> Source:
+        """What gives the frames."""
+        return self.run.source
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) of one eye."""
+        return self.run.size
+
+    @property
+    def gpu(self) -> Gpu:
+        """The GPU that all of it is on."""
+        return self.pipeline.gpu
 
     @property
     def scene(self) -> Scene:
@@ -108,24 +121,23 @@ class ReplaySetup:
 def set_up_replay(
     options: RunOptions,
     also: Needs | None = None,
-    levels: tuple[QualityLevel, ...] = (),
     say: Callable[[str], None] = lambda text: None,
     *,
     alone: bool = False,
 ) -> ReplaySetup:
     """Load, check, then start the GPU.
 
-    also: layers that frames must carry for plans other than the run's. levels: candidates of warp
-    "auto". say: called with a sentence once all is checked, before what takes seconds. alone:
-    whether other plans on these frames take their inputs from WholePictures; a picture that the
-    run's own plan does not read is not drawn then.
+    options: decided, see short_bench.decided. also: layers that frames must carry for plans other
+    than the run's. say: called with a sentence once all is checked, before what takes seconds.
+    alone: whether other plans on these frames take their inputs from WholePictures; a picture that
+    the run's own plan does not read is not drawn then.
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
     check_names(options)
     source = source_of(options)
     options, headset = source.fitted(options), source.headset
-    against = _needs_of_against(options)
+    against = [plan_against(options, *pair) for pair in options.compared]
     trace = source.head(load_trace(options.trace, options.trace_options) if options.trace else None)
     assert trace is not None, "options without a trace have a source with a head"
     trace = _on_its_own_clock(trace) if options.as_recorded else trace
@@ -133,9 +145,7 @@ def set_up_replay(
     schedule = None if source.is_timed else schedule_for(options, source, trace, rate_hz)
     if options.scene == SERVER_SCENE and not source.is_timed:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
-    plans = plans_for(options, headset, source.scene, levels)
-    needs = against | (also or Needs())
-    run = RunSetup.of(options, source, headset, headset.eye_size_px, rate_hz, plans, levels, needs)
+    run = RunSetup.of(options, source, EmulatedScreen(headset, headset), needs_of(against) | (also or Needs()))
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
     with ExitStack() as stack:
         stack.callback(source.close)
@@ -150,12 +160,11 @@ def set_up_replay(
         stack.callback(poses.close)
         link_ns = schedule.link_latency_ns(options)
         pipeline = stack.enter_context(
-            run.build(gpu, headset, poses, lambda now_ns: track, schedule.age_ns, link_ns, all_pictures=not alone)
+            run.build(gpu, poses, lambda now_ns: track, schedule.age_ns, link_ns, all_pictures=not alone)
         )
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
         notes.extend(options.notes)
-        parts = (options, source, trace, track, run.size, schedule, gpu, pipeline, notes)
-        return ReplaySetup(*parts, stack.pop_all())
+        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all())
 
 
 def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
@@ -190,7 +199,3 @@ def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
     return attrs.evolve(
         trace, track=track.evolve(time_ns=track.time_ns + track.epoch_ns, epoch_ns=0, max_gap_ns=track.max_gap_ns)
     )
-
-
-def _needs_of_against(options: RunOptions) -> Needs:
-    return functools.reduce(operator.or_, (plan_against(options, *pair).needs for pair in options.compared), Needs())

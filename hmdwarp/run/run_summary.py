@@ -13,9 +13,11 @@ from typing import Any
 import attrs
 
 from ..frames import EyeSizes
+from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..options import AUTO
 from ..pipeline.auto.adaptive import AdaptiveCompensator
+from ..pipeline.build import Pipeline
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..report import SCHEMA
@@ -65,45 +67,64 @@ class Facts:
     # Of recorded frames: folder, layout, frames, size, fov_deg and eye_distance_mm.
     recorded: dict[str, Any] | None = None
 
+    @classmethod
+    def of(cls, pipeline: Pipeline, trace: str, headset: str, rate_hz: float, trace_axes: str = "") -> Facts:
+        """Return the facts of a run through this pipeline. rate_hz: of the display."""
+        gpu, shown, source = pipeline.gpu, pipeline.sizes.shown, pipeline.source
+        (view, *_) = pipeline.target.eyes.views(Pose())
+        return cls(
+            options=pipeline.options,
+            trace=trace,
+            scene=source.scene.name,
+            effects=list(pipeline.plan.effects),
+            headset=headset,
+            sizes=pipeline.sizes,
+            rate_hz=rate_hz,
+            pixels_per_degree=view.fov.pixels_per_degree(shown),
+            machine=machine_of(gpu),
+            clock=gpu.timer.clock,
+            trace_axes=trace_axes,
+            recorded=source.entry,
+        )
+
+    def summary(self, passes: tuple[str, str, str], frames: int, figures: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the keys of summary.json.
+
+        passes: names of warp, fill and lens. frames: number of shown refreshes. figures: `time_ms`,
+        `quality` and any further keys.
+        """
+        options, (warp, fill, lens) = self.options, passes
+        return {
+            "schema": SCHEMA,
+            "hmdwarp": __version__,
+            "trace": self.trace,
+            **({"trace_axes": self.trace_axes} if self.trace_axes else {}),
+            "scene": self.scene,
+            **({"recorded": self.recorded} if self.recorded is not None else {}),
+            "effects": self.effects,
+            "latency_ms": options.latency_ms,
+            **({"strategy": options.strategy} if options.strategy else {}),
+            "warp": warp,
+            "fill": fill,
+            "lens": lens,
+            "headset": self.headset,
+            "size": list(self.sizes.shown),
+            "frames": frames,
+            "rate_hz": self.rate_hz,
+            "server_rate_hz": options.network.server_rate_hz,
+            "guard": options.guard_band.factors(self.sizes.shown).entry,
+            "rendered": rendered_entry(options.guard_band, self.sizes),
+            "predict": options.predict,
+            "pixels_per_degree": self.pixels_per_degree,
+            "machine": self.machine,
+            "clock": self.clock,
+            **figures,
+        }
+
 
 def machine_of(gpu: Gpu) -> dict[str, Any]:
     """Return the `machine` of summary.json."""
     return {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
-
-
-def summary_of(facts: Facts, passes: tuple[str, str, str], frames: int, figures: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of summary.json.
-
-    passes: names of warp, fill and lens. frames: number of shown refreshes. figures: `time_ms`,
-    `quality` and any further keys.
-    """
-    options, (warp, fill, lens) = facts.options, passes
-    return {
-        "schema": SCHEMA,
-        "hmdwarp": __version__,
-        "trace": facts.trace,
-        **({"trace_axes": facts.trace_axes} if facts.trace_axes else {}),
-        "scene": facts.scene,
-        **({"recorded": facts.recorded} if facts.recorded is not None else {}),
-        "effects": facts.effects,
-        "latency_ms": options.latency_ms,
-        **({"strategy": options.strategy} if options.strategy else {}),
-        "warp": warp,
-        "fill": fill,
-        "lens": lens,
-        "headset": facts.headset,
-        "size": list(facts.sizes.shown),
-        "frames": frames,
-        "rate_hz": facts.rate_hz,
-        "server_rate_hz": options.network.server_rate_hz,
-        "guard": options.guard_band.factors(facts.sizes.shown).entry,
-        "rendered": rendered_entry(options.guard_band, facts.sizes),
-        "predict": options.predict,
-        "pixels_per_degree": facts.pixels_per_degree,
-        "machine": facts.machine,
-        "clock": facts.clock,
-        **figures,
-    }
 
 
 def chosen_passes(options: PipelineOptions, lens: str) -> tuple[str, str, str]:

@@ -24,6 +24,7 @@ from ..scenes import load_scene
 from .bench_levels import LevelSet, levels_from_file
 from .combination_bench import Comparison, Measured
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
+from .guard import settled
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 from .side_by_side import refreshes
@@ -38,20 +39,23 @@ REACH = 2.0
 Say = Callable[[str], None]
 
 
-def levels_for(options: RunOptions, say: Say = lambda text: None) -> LevelSet:
-    """Return the levels that warp "auto" chooses from; empty for any other warp.
+def decided(options: RunOptions, say: Say = lambda text: None) -> tuple[RunOptions, LevelSet]:
+    """Return the options with what `auto` stands for in them, and the origin of that with notes.
 
-    say: called with a sentence before a short bench starts.
-    Errors: as levels_from_file; as set_up_replay; InputError if nothing fits the budget.
+    The guard band becomes a number, and warp "auto" gets its levels. say: called with a sentence
+    before a short bench starts.
+    Errors: as settled; as levels_from_file; as set_up_replay; InputError if nothing fits the
+    budget.
     """
+    options, notes = settled(options)
     if options.warp != AUTO:
-        return LevelSet()
+        return options, LevelSet(notes=notes)
     if options.bench is None:
         found = levels_by_short_bench(options, say)
     else:
         found = levels_from_file(options.bench, options, lambda: lens_ms(options))
     best_within(found.levels, options.budget_ms)
-    return found
+    return attrs.evolve(options, levels=found.levels), attrs.evolve(found, notes=(*notes, *found.notes))
 
 
 def candidates(options: PipelineOptions) -> list[Combination]:
@@ -131,8 +135,8 @@ def _stages(setup: ReplaySetup, combinations: Sequence[Combination], rounds: int
         compensator, inputs = setup.compensator(combination.plan), setup.loop.inputs(refresh, combination.plan.needs)
         found: list[tuple[str, float]] = []
         for round_ in range(rounds + 1):
-            for one in inputs:
-                compensator.run(one)
+            for eye_inputs in inputs:
+                compensator.run(eye_inputs)
             stages = setup.gpu.timer.collect()
             found += stages if round_ else []
         yield found

@@ -3,6 +3,7 @@ from ._load import load_scene as load_scene
 from ._load import slow_in as slow_in
 from ._mesh import Body as Body
 from ._mesh import Deformation as Deformation
+from ._mesh import Emission as Emission
 from ._mesh import Material as Material
 from ._mesh import Mesh as Mesh
 from ._mesh import Motion as Motion

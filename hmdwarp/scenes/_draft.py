@@ -29,6 +29,7 @@ class Look:
     # (3, 3), which takes the file's texture coordinates (u, v, 1) to those of the picture.
     uv_transform: Array = attrs.field(factory=lambda: np.eye(3))
     unlit: bool = False  # no light falls on it: it shines in its own colour
+    emission: Array = attrs.field(factory=lambda: np.zeros(3))  # (3,) linear, where no picture has it
 
 
 @attrs.frozen(eq=False)
@@ -71,14 +72,14 @@ class Draft:
             positions,
             normals,
             self.uv,
-            self.colour * lit[:, None],
+            self.colour * lit[:, None] + look.emission,
             self.triangles,
             look.texture,
             look.double_sided,
             look.material,
             self.body,
             self.driven.seen_from(origin) if self.driven is not None else None,
-            self.colour,
+            self.colour + look.emission if self.is_surface else self.colour,
         )
 
 

@@ -13,7 +13,7 @@ from ..geometry import Pose
 from ._draft import Draft
 from ._gltf_scene import GltfContent
 from ._mesh import Body, Texture
-from ._mesh_files import drafts_of, is_closed, unreadable
+from ._mesh_files import drafts_of, unreadable
 from ._notes import Notes, add_hints, check_size
 from ._scene import Background, Scene
 from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, free_place, is_inside, place_at
@@ -40,7 +40,7 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
     try:
         with np.errstate(all="ignore"):
             if path.suffix.lower() in (".glb", ".gltf"):
-                content = GltfContent(path, units, options.animation, notes, is_closed)
+                content = GltfContent(path, units, options.animation, notes)
                 return _scene(path, options, notes, content.drafts, content.textures, content)
             if options.animation is not None:
                 raise InputError(f"--animation '{options.animation}': only glTF files have animations; leave it out")

@@ -15,7 +15,7 @@ import json
 import struct
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
+from urllib.parse import unquote, unquote_to_bytes
 
 import attrs
 import numpy as np
@@ -23,7 +23,9 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..resources import install_line
+from ._gltf_specular import SPECULAR
 from ._notes import Notes
+from ._picture_files import read_beside, rgba_of
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 _HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk
@@ -97,15 +99,15 @@ class GltfFile:
         if not isinstance(uri, str):
             raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
         if uri.startswith("data:"):
+            head, _, data = uri.partition(",")
             try:
-                return base64.b64decode(unquote(uri.partition(",")[2]), validate=True)
+                return base64.b64decode(unquote(data), validate=True) if ";base64" in head else unquote_to_bytes(data)
             except (binascii.Error, ValueError) as error:
                 raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
-        other = self.path.parent / unquote(uri)
         try:
-            return other.read_bytes()
+            return read_beside(self.path.parent, uri)
         except (OSError, ValueError) as error:
-            raise self.error(f"{user} lies in '{uri}', which cannot be read; put it beside the scene file") from error
+            raise self.error(f"{user} lies in '{uri}', which cannot be read: {error}") from error
 
     def error(self, what: str) -> SceneError:
         """Return an error that names the file."""
@@ -206,7 +208,7 @@ class GltfFile:
         else:
             data = self.view(self.item("bufferViews", found.get("bufferView"), f"{user} (image {index})"))
         try:
-            return np.array(Image.open(io.BytesIO(data)).convert("RGBA"))
+            return rgba_of(Image.open(io.BytesIO(data)))
         except (OSError, ValueError, SyntaxError, TypeError) as error:
             raise self.error(
                 f"{user}: image {index}, {len(data)} bytes that begin with {data[:8]!r}, cannot be decoded; expected "
@@ -242,16 +244,20 @@ def is_mirror(material: dict[str, Any]) -> bool:
     return isinstance(metallic, int | float) and isinstance(rough, int | float) and metallic >= 0.95 and rough <= 0.05
 
 
-DRACO, INSTANCING, LIGHTS, KTX2 = (
+DRACO, INSTANCING, LIGHTS, KTX2, VISIBILITY = (
     "KHR_draco_mesh_compression",
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_texture_basisu",
+    "KHR_node_visibility",
 )
 READ = {
     DRACO,
     INSTANCING,
+    SPECULAR,
+    VISIBILITY,
     "EXT_texture_webp",
+    "KHR_materials_emissive_strength",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
@@ -265,7 +271,6 @@ _TOOLS = {
     "EXT_meshopt_compression": _COPY,
     "KHR_meshopt_compression": _COPY,
     KTX2: "gltf-transform ktxdecompress",
-    "KHR_materials_pbrSpecularGlossiness": "gltf-transform metalrough",
 }
 # They describe the file, not the picture.
 _SILENT = {"KHR_xmp", "KHR_xmp_json_ld"}

@@ -114,6 +114,15 @@ def _indices(value: ArrayLike) -> NDArray[np.uint32]:
     return _rows(value, np.uint32, 3)
 
 
+@attrs.frozen(eq=False)
+class Emission:
+    """Light of a surface's own, which is drawn on top of what the light shows."""
+
+    image: NDArray[np.uint8]  # (h, w, 3) sRGB, top row first, on the texture coordinates of its texture
+    factor: tuple[float, ...] = attrs.field(converter=_rgb)  # linear, 0 or more, times the image
+    repeat: bool = True  # as of a texture
+
+
 @attrs.define(eq=False, frozen=True, slots=False)
 class Texture:
     """An image on a surface.
@@ -126,6 +135,7 @@ class Texture:
     _source: NDArray[np.uint8] | Callable[[], NDArray[np.uint8]] = attrs.field(alias="image")
     srgb: bool = True  # values are sRGB, else linear
     repeat: bool = True  # wraps around outside 0..1, else its border is continued
+    emission: Emission | None = None  # what shines on the surfaces that have this texture
 
     def __attrs_post_init__(self) -> None:
         if not callable(self._source):

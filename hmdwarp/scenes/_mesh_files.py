@@ -17,6 +17,7 @@ from ..errors import SceneError
 from ._draft import Draft, Look, normals_of
 from ._mesh import Material, Texture
 from ._notes import Notes
+from ._picture_files import rgba_of
 
 Array = NDArray[np.float64]
 GREY = 0.5
@@ -219,7 +220,7 @@ def _picture_of(material: Any) -> NDArray[np.uint8] | None:
     """Return the picture of a material as (h, w, 3) bytes."""
     picture = getattr(material, "image", None)
     try:
-        return None if picture is None else np.asarray(picture.convert("RGB"), dtype=np.uint8)
+        return None if picture is None else rgba_of(picture)[..., :3]
     except (OSError, ValueError, SyntaxError):  # Pillow decodes late: a cut-off picture shows only here
         return None
 

@@ -125,8 +125,9 @@ class Pieces:
         return self._bytes_of([*self.at_start, *self.meshes], used)
 
     def _bytes_of(self, meshes: Sequence[Mesh], textures: Iterable[int]) -> int:
-        """Return the bytes of meshes and textures, packed."""
-        images = (self.scene.textures[texture].image for texture in textures)
+        """Return the bytes of meshes, textures, and all that they emit, packed."""
+        images = [self.scene.textures[texture].image for texture in textures]
+        images += [each.emission.image for each in self.scene.textures if each.emission is not None]
         return len(self._packed(list(enumerate(meshes)))) + sum(len(_png(image)) for image in images)
 
     def under_lamps(self, mesh: Mesh) -> bool:
@@ -272,7 +273,8 @@ def _with_arrays(
 
 def _grey(texture: Texture) -> Texture:
     """Return a texture of the same size and nature without content."""
-    return Texture(texture.name, lambda: np.full_like(texture.image, 128), texture.srgb, texture.repeat)
+    image = lambda: np.full_like(texture.image, 128)  # noqa: E731
+    return Texture(texture.name, image, texture.srgb, texture.repeat, texture.emission)
 
 
 def _png(image: NDArray[np.uint8]) -> bytes:

@@ -48,8 +48,9 @@ class PointCells:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        # Of each texture that was looked up, see _levels.
+        # Of each texture that was looked up, by its id, see _levels; and those made of emissions.
         self._levels: dict[int, list[NDArray[np.float32]]] = {}
+        self._shining: dict[int, Texture] = {}
         meshes = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.deformation is None]
         rows, owner = _split(meshes, scene)
         self._meshes = meshes
@@ -108,19 +109,33 @@ class PointCells:
         found = np.einsum("nk,nkc->nc", weights, self._rows[own][which])
         steps = np.rint((found[:, :3] - self.low[cell]) / self.edge[cell] * _STEPS).clip(0, _STEPS).astype(np.uint32)
         packed = steps[:, 0] | steps[:, 1] << np.uint32(POSITION_BITS) | steps[:, 2] << np.uint32(2 * POSITION_BITS)
-        light = self._texture(int(self._mesh_of[cell]), found[:, 3:5], self._texels[own][which] * spacing)
-        colours = srgb8_from_linear(np.minimum(light * found[:, 5:8], 1).astype(np.float32))
+        mesh, texels = self._meshes[int(self._mesh_of[cell])], self._texels[own][which] * spacing
+        light = self._texture(mesh, found[:, 3:5], texels)
+        light = light * found[:, 5:8] + self._emission(mesh, found[:, 3:5], texels)
+        colours = srgb8_from_linear(np.minimum(light, 1).astype(np.float32))
         return SurfacePoints(packed, octahedral(self._normal[own][which]), colours)
 
-    def _texture(self, mesh: int, uv: Array, texels: Array) -> Array:
+    def _texture(self, mesh: Mesh, uv: Array, texels: Array) -> Array:
         """Return the texture's linear colour, averaged over squares of about so many texels."""
-        index = self._meshes[mesh].texture
-        if index < 0:
+        if mesh.texture < 0:
             return np.ones((len(uv), 3))
-        texture = self.scene.textures[index]
-        if index not in self._levels:
-            self._levels[index] = _levels(texture)
-        levels = self._levels[index]
+        return self._looked_up(self.scene.textures[mesh.texture], uv, texels)
+
+    def _emission(self, mesh: Mesh, uv: Array, texels: Array) -> Array:
+        """Return what its surface emits there; averaged alike."""
+        texture = self.scene.textures[mesh.texture] if mesh.texture >= 0 else None
+        if texture is None or texture.emission is None:
+            return np.zeros((len(uv), 3))
+        key = id(texture.emission)
+        if key not in self._shining:
+            self._shining[key] = Texture("emission", texture.emission.image, repeat=texture.emission.repeat)
+        ratio = np.sqrt(texture.emission.image[..., 0].size / texture.image[..., 0].size)
+        return self._looked_up(self._shining[key], uv, texels * ratio) * texture.emission.factor
+
+    def _looked_up(self, texture: Texture, uv: Array, texels: Array) -> Array:
+        if id(texture) not in self._levels:
+            self._levels[id(texture)] = _levels(texture)
+        levels = self._levels[id(texture)]
         level = np.clip(np.rint(np.log2(np.maximum(texels, 1e-9))), 0, len(levels) - 1).astype(int)
         out = np.empty((len(uv), 3))
         for number in np.unique(level):

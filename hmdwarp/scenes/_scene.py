@@ -221,6 +221,9 @@ class Scene:
                 )
             if not 0 <= mesh.body <= len(self.bodies):
                 raise SceneError(f"mesh '{mesh.name}' belongs to body {mesh.body}, the scene has {len(self.bodies)}")
+        shining = next((texture.name for texture in self.textures if texture.emission is not None), None)
+        if self.lamps and shining is not None:
+            raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
         if problem := problem_with(self.meshes, self.lamps):
             raise SceneError(problem)
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)

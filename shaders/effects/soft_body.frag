@@ -1,9 +1,11 @@
-// What deforms without its light; with LATE also under its baked light, and where the late picture
+// What deforms without its light, but with what it emits; with LATE also under its baked light, and where the late picture
 // had the same place of the surface.
 // In: uv, albedo, baked colour; metres along the axes of the late picture's eye. Out: albedo with
 // coverage 1, inverse depth; baked colour; the place, and the surface's normal there, away from the
 // side that is seen now.
 // Source: Nehab et al. 2007, Accelerating Real-Time Shading with Reverse Reprojection Caching.
+#include "lib/emission.glsl"
+
 uniform sampler2D surface;
 
 in vec2 uv;
@@ -20,10 +22,11 @@ layout(location = 4) out vec4 late_normal;
 
 void main() {
     vec3 texel = texture(surface, uv).rgb;
-    albedo = vec4(texel * light, 1.0);
+    vec3 shining = emitted(uv);
+    albedo = vec4(texel * light + shining, 1.0);
     inverse_depth = gl_FragCoord.w;
 #if LATE
-    lit = vec4(texel * baked, 1.0);
+    lit = vec4(texel * baked + shining, 1.0);
     late_place = vec4(place, 1.0);
     vec3 away = cross(dFdy(place), dFdx(place));
     late_normal = vec4(away / max(length(away), 1e-20), 0.0);

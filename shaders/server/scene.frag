@@ -2,10 +2,14 @@
 // coverage 1, and inverse depth; with PEEL only of what lies behind the previous layer. With
 // SPLATTED or VOXELS indirect light is from a picture or a grid and not from the light atlas. With
 // RECEIVERS the normal and the light atlas in place of colour.
+// EMISSION adds what the surface emits.
 // In: uv of the surface, linear light. Out: linear RGBA; inverse depth in 1/m along -z.
 // Source: GLSL 4.30 specification, 7.1: gl_FragCoord.w is 1 / w_clip, so it is the inverse depth
 // itself, linear across a triangle; Everitt 2001, Interactive Order-Independent Transparency
 // (peeling).
+#ifdef EMISSION
+#include "lib/emission.glsl"
+#endif
 #ifdef PEEL
 #include "lib/peel.glsl"
 #endif
@@ -47,6 +51,11 @@ void main() {
 #ifdef COLOUR
     // Before a discard: after it the neighbours' uv, and so the mip level, would be undefined
     vec3 texel = texture(surface, uv).rgb;
+#ifdef EMISSION
+    vec3 shining = emitted(uv);
+#else
+    const vec3 shining = vec3(0.0);
+#endif
 #endif
 #ifdef PEEL
     if (!behind(gl_FragCoord.w)) discard;
@@ -65,9 +74,9 @@ void main() {
 #endif
         shown = albedo * (direct_light(place, facing_way) + indirect_light);
     }
-    colour = vec4(texel * shown, 1.0);
+    colour = vec4(texel * shown + shining, 1.0);
 #else
-    colour = vec4(texel * light, 1.0);
+    colour = vec4(texel * light + shining, 1.0);
 #endif
 #endif
 #ifdef RECEIVERS

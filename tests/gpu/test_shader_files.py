@@ -9,6 +9,8 @@ import re
 from contextlib import suppress
 from itertools import combinations, product
 
+import attrs
+import numpy as np
 import pytest
 from client_scene import ClientScene
 from worlds import every_choice
@@ -28,7 +30,7 @@ from hmdwarp.image.picture_arrays import ENCODINGS
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.scenes import load_scene, scenes
+from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.server import MIRRORS, Server
 
 from .preprocessor import Sides, value_of, walk
@@ -66,7 +68,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
         warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(one_colour)).close()
         for spec in every_choice():
-            with suppress(MachineError):  # test_what_this_machine_cannot_compile_is_told says so
+            with suppress(MachineError):  # test_shaders_that_this_machine_cannot_compile_are_reported says so
                 _compile_all(gpu, spec, libraries)
         for spec in every_fill():
             for choice in parse_fills(spec):
@@ -75,6 +77,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
         ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
         _compile_effects(gpu, Tools(carry, 1, geometry=ClientScene(gpu)))
+        server = Server(gpu, _shining(load_scene("planes")))
+        server.draw(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), (8, 6))
         server = Server(gpu, load_scene("planes"))
         depth = allocate(gpu.gl, (8, 6), SCALAR)
         view = View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7))
@@ -94,6 +98,12 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         return gpu.shaders.used
     finally:
         gpu.shaders = before
+
+
+def _shining(scene: Scene) -> Scene:
+    white = np.full((1, 1, 3), 255, np.uint8)
+    textures = [Texture(each.name, each.image, emission=Emission(white, (1, 1, 1))) for each in scene.textures]
+    return attrs.evolve(scene, textures=textures)
 
 
 def _take_textures_over(gpu: Gpu) -> None:
@@ -158,7 +168,7 @@ def test_every_stage_is_compiled_as_the_program_uses_it(gpu, variants):
 
 
 @pytest.mark.parametrize("name", [n for n in STAGES if "#extension" in (ROOT / n).read_text(encoding="utf-8")])
-def test_what_this_machine_cannot_compile_is_told(gpu, variants, name):
+def test_shaders_that_this_machine_cannot_compile_are_reported(gpu, variants, name):
     if missing := lacking(gpu, name):
         pytest.skip(
             f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in "
@@ -227,7 +237,7 @@ def test_every_compute_shader_checks_its_bounds_first(name):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_what_is_writeonly_is_never_read(name):
+def test_writeonly_images_are_never_read(name):
     """Mesa compiles it, NVIDIA refuses it."""
     assert not read_though_writeonly((ROOT / name).read_text(encoding="utf-8"))
 

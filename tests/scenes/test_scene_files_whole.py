@@ -32,7 +32,6 @@ def needing(*names: str) -> Glb:
     [
         ("EXT_meshopt_compression", "'gltf-transform copy thing.glb thing-plain.glb' removes it"),
         ("KHR_texture_basisu", "'gltf-transform ktxdecompress thing.glb thing-plain.glb' removes it"),
-        ("KHR_materials_pbrSpecularGlossiness", "'gltf-transform metalrough thing.glb thing-plain.glb' removes it"),
         ("ACME_unheard_of", "export it without"),
     ],
 )
@@ -246,7 +245,7 @@ def test_a_gltf_without_its_files_says_which(tmp_path):
     (note,) = load_scene(tmp_path / "thing.gltf", IN_PLACE).notes
     assert "images cannot be read, drawn plain: " in note and "picture%200.png" in note
     (tmp_path / "all numbers.bin").unlink()
-    with pytest.raises(SceneError, match=r"buffer 0 lies in 'all%20numbers\.bin', which cannot be read; put it beside"):
+    with pytest.raises(SceneError, match=r"buffer 0 lies in 'all%20numbers\.bin', which cannot be read: .* beside"):
         load_scene(tmp_path / "thing.gltf")
 
 

@@ -100,7 +100,7 @@ class DeformingBodies(Store):
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             framebuffer.clear(-1.0, -1.0, -1.0, -1.0, depth=1.0)
             for one, vertices in zip(bodies, arrays, strict=True):
-                draw_moving(self._gpu.gl, program, one, vertices, view, time_ns)
+                draw_moving(self._gpu.gl, program, one, vertices, view, time_ns, emitting=True)
 
     def weights(self) -> list[dict[str, Any]]:
         return [whole_weight(self._scene)]

@@ -1,4 +1,4 @@
-"""Sections of a bench beside its rows: error against motion, and warps fused with the lens."""
+"""Sections of a bench besides its rows: error against motion, and warps fused with the lens."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ...geometry import Pose
 from ...gpu.textures import Canvas, download
 from ...link import LinkOptions
 from ...metrics import Compared, QualityJob, QualityPool, sharpness
-from ...pipeline.channel import Channel
+from ...pipeline.channel import Channel, ChannelSetup
 from ...pipeline.frame_source import ServerFrames
 from ...pipeline.layers_read import Reads
 from ...pipeline.loop import Loop
@@ -128,8 +128,8 @@ def _loop(setup: ReplaySetup, warps: list[Combination], source: Scripted, stack:
     needs = needs_of(c.plan for c in warps)
     history = History(needs.others.past, needs.others.spacing_ns, setup.server.recycle)
     stack.callback(history.close)
-    recycle, rate_hz = setup.server.recycle, setup.schedule.rate_hz
-    channel = Channel(LinkOptions(), 0, None, Reads(), history.offer, recycle, rate_hz)
+    through = ChannelSetup(LinkOptions(), 0, setup.schedule.rate_hz, None, Reads(), history.offer)
+    channel = Channel(through, setup.server.recycle)
     stack.callback(channel.close)
     request = PoseRequest(source, None, setup.size, setup.options.guard_band, needs)
     frames = ServerFrames(setup.server, request, setup.headset)

@@ -15,7 +15,7 @@ from ...scenes import Scene
 from .lighting import Indirect, Lighting
 from .moving import STAYS, Moving, Place
 from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
-from .upload import Batch, SceneBuffers
+from .upload import Batch, SceneBuffers, emits
 from .visibility import Draws, Visibility, draws_of
 
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
@@ -60,10 +60,12 @@ class ScenePasses:
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
         lit = self._lit_defines()
         self._is_lit = bool(lit)
-        self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit)
+        self._emits = self._coloured and emits(scene)
+        shining = {"EMISSION": 1} if self._emits else {}
+        self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = self._vertex_array(gpu, buffers)
-        self._of_moving = [self._vertex_array(gpu, one.buffers) for one in self.moving]
+        self._of_moving = [self._vertex_array(gpu, drawing.buffers) for drawing in self.moving]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
@@ -83,7 +85,7 @@ class ScenePasses:
     @property
     def revision(self) -> int:
         """Counts changes of what is drawn, apart from textures."""
-        return self.buffers.revision + sum(one.buffers.revision for one in self.moving)
+        return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
         """Draw the whole picture at that instant over the previous content."""
@@ -107,8 +109,8 @@ class ScenePasses:
         self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
-        for one in self.moving:
-            one.set_time(time_ns)
+        for drawing in self.moving:
+            drawing.set_time(time_ns)
         if self.lighting is not None:
             self.lighting.use(self._surface.uniforms, time_ns)
         gl = self._gl
@@ -154,7 +156,7 @@ class ScenePasses:
             draws = visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
         for batch in draw_chunks(self._gl, vertices, buffers, draws):
             if self._coloured:
-                batch.texture.use(0)
+                batch.use(self._surface.uniforms, emits=self._emits)
 
     def _seen_from(self, view: View, place: Place) -> Place:
         """Return where surfaces are seen from."""
@@ -199,10 +201,12 @@ def draw_moving(
     time_ns: int,
     *,
     textured: bool = True,
+    emitting: bool = False,
 ) -> None:
     """Draw one moving thing at that instant into the bound framebuffer, by any program.
 
     The program takes clip_from_scene. textured: bind each batch's texture to unit 0.
+    emitting: it includes lib/emission.glsl.
     """
     one.set_time(time_ns)
     place = one.place(view)
@@ -211,7 +215,7 @@ def draw_moving(
     chunks = one.buffers.chunks
     for batch in draw_chunks(gl, vertices, one.buffers, draws_of(chunks, visible(chunks.boxes, clip), place.eye)):
         if textured:
-            batch.texture.use(0)
+            batch.use(draw.uniforms, emits=emitting)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

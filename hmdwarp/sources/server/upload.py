@@ -11,12 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...gpu.context import Gpu
-from ...gpu.textures import check_size, flip_rows
-from ...scenes import Mesh, Scene, Texture, chunks_of
+from ...gpu.shaders import Uniforms
+from ...gpu.textures import check_size, flip_rows, release_all
+from ...scenes import Emission, Mesh, Scene, Texture, chunks_of
 from .projection import boxes_of
 from .visibility import Chunks, Visibility
 
 SRGB8_ALPHA8 = 0x8C43
+EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
+
+
+def emits(scene: Scene) -> bool:
+    """Return whether a texture of the scene emits, so that its surfaces need EMISSION."""
+    return any(texture.emission is not None for texture in scene.textures)
 
 
 @attrs.frozen(eq=False)
@@ -26,6 +33,22 @@ class Batch:
     texture: moderngl.Texture
     # Whether both sides of a triangle are visible; else back faces are culled.
     double_sided: bool
+    emission: Shine
+
+    def use(self, uniforms: Uniforms, *, emits: bool) -> None:
+        """Bind its texture to unit 0; emits: also what it emits, for lib/emission.glsl."""
+        self.texture.use(0)
+        if emits:
+            self.emission.texture.use(EMISSION_UNIT)
+            uniforms.set(emission=EMISSION_UNIT, emission_factor=self.emission.factor)
+
+
+@attrs.frozen(eq=False)
+class Shine:
+    """What the surfaces with a texture emit: a texture of its own times a linear colour."""
+
+    texture: moderngl.Texture
+    factor: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
 def upload_texture(gpu: Gpu, texture: Texture) -> moderngl.Texture:
@@ -53,10 +76,15 @@ class SceneTextures:
     def __init__(self, gpu: Gpu, scene: Scene) -> None:
         white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
         self._made = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+        self._shines = {k: _shine(gpu, one.emission) for k, one in enumerate(scene.textures) if one.emission}
         self.revision = 0  # counts changes
 
     def __getitem__(self, index: int) -> moderngl.Texture:
         return self._made[index]
+
+    def shine(self, index: int) -> Shine:
+        """Return what the surfaces with that texture emit."""
+        return self._shines.get(index) or Shine(self._made[-1])
 
     def put(self, index: int, image: NDArray[np.uint8]) -> None:
         """Replace the image of one texture by another of the same size."""
@@ -66,8 +94,11 @@ class SceneTextures:
 
     def close(self) -> None:
         """Free them."""
-        for texture in self._made:
-            texture.release()
+        release_all(*self._made, *(shine.texture for shine in self._shines.values()))
+
+
+def _shine(gpu: Gpu, emission: Emission) -> Shine:
+    return Shine(upload_texture(gpu, Texture("emission", emission.image, repeat=emission.repeat)), emission.factor)
 
 
 class SceneBuffers:
@@ -148,7 +179,7 @@ class SceneBuffers:
                     indices.append(chunk.ravel() + np.uint32(start))
                     batch_of.append(len(self.batches))
                     owner.append(number)
-            self.batches.append(Batch(textures[texture], double_sided))
+            self.batches.append(Batch(textures[texture], double_sided, textures.shine(texture)))
         count = np.array([len(part) for part in indices], np.int64)
         low, high = np.array(boxes, np.float64).reshape(-1, 2, 3).transpose(1, 0, 2)
         around = boxes_of((low + high) / 2, (high - low) / 2)

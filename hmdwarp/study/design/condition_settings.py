@@ -8,16 +8,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import attrs
-
-from ...client import needs_of
+from ...display.desktop import window_view
 from ...errors import InputError
 from ...headsets import Headset, load_headset
-from ...options import AUTO, options_of, quoted
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
-from ...pipeline import QualityLevel, SceneKey, Source, guarded_size, plans_for
-from ...run import FLAT, LiveOptions, checked_source, levels_from_file
+from ...options import options_of, quoted
+from ...pipeline import SceneKey, Source, guarded_size
+from ...run import EmulatedScreen, LiveOptions, RunSetup, checked_source, on_screen
 
 # Kinds of values in the file, which takes a number wherever the command line takes a numeric text.
 _TEXT, _NUMBER, _WHOLE, _FLAG = "a text", "a number", "a whole number", "true or false"
@@ -66,9 +64,9 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
     if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
         _check_guard(options, load_headset(options.headset))
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
-    headset, lens = source.headset, _lens(options, source.headset)
-    plans = plans_for(attrs.evolve(options, lens=lens), headset, source.scene, _levels(options, headset))
-    source.check_eyes(needs_of(plans), 1 if options.view == FLAT else 2)
+    eyes = window_view(options.view, source.headset, options.size).eyes
+    screen = EmulatedScreen(source.headset, eyes)
+    RunSetup.of(on_screen(source.fitted(options), screen), source, screen)
     return options
 
 
@@ -77,21 +75,6 @@ def _check_guard(options: LiveOptions, headset: Headset) -> None:
     if max(width, height) > _MOST_PIXELS:
         found = f"{options.guard_band} makes frames of {width}x{height} pixels"
         raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
-
-
-def _lens(options: LiveOptions, headset: Headset) -> str:
-    """Return the lens of a window for this headset."""
-    if options.lens != AUTO:
-        return options.lens
-    return "radial" if headset.lens is not None else "none"
-
-
-def _levels(options: LiveOptions, headset: Headset) -> tuple[QualityLevel, ...]:
-    """Return what warp auto chooses from."""
-    if options.bench is None:
-        return ()
-    sized = attrs.evolve(options, lens="none", size=options.size or headset.eye_size_px)
-    return levels_from_file(options.bench, sized, None).levels
 
 
 def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence[str] = ()) -> dict[str, object]:

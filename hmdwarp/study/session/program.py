@@ -14,7 +14,7 @@ import attrs
 
 from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
-from ...pipeline import source_of
+from ...pipeline import SceneKey, Source, source_of
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
 from ..console import Console, make_console
@@ -58,7 +58,7 @@ def run_session(
     if options.lsl:
         load_lsl()  # refuses a machine without it, before there is a store
     with ExitStack() as stack:
-        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
+        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program last
         folder = store_folder(design, options.store, options.origin)
         store = stack.enter_context(Store(folder, create=True, study=design.name, say=say))
         part, design = _planned(options, design, store)
@@ -69,16 +69,17 @@ def run_session(
         first = design.part(part).conditions[0]
         live = live_options(first.settings, source=options.source, trace=options.trace)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))
-        display = stack.enter_context(
-            closing(open_display(live, source_of(live), watchdog.watching, console.say, CONTROLS, briefly=True))
-        )
+        sources = {live.scene_key: source_of(live)}
+        where = (live, sources[live.scene_key], watchdog.watching, console.say, CONTROLS)
+        display = stack.enter_context(closing(open_display(*where, briefly=True)))
         markers: Markers = NoMarkers()
         if options.lsl:
             about = {"study": design.name, "title": design.title}
             name = f"hmdwarp study {design.name}"
             markers = stack.enter_context(closing(marker_stream(display, name, about)))
             console.say(markers.describe())
-        return _Program(options, design, part, ending, store, console, words, display, markers, live, answers_for).run()
+        parts = (options, design, part, ending, store, console, words, display, markers, live, answers_for)
+        return _Program(*parts, sources).run()
 
 
 def _planned(options: SessionOptions, design: Design, store: Store) -> tuple[str, Design]:
@@ -126,6 +127,7 @@ class _Program:
     markers: Markers
     live: LiveOptions  # between trials there is no pipeline, but the driver asks for these options
     answers_for: Callable[[Session], Respondent]
+    sources: dict[SceneKey, Source]  # those that are open
 
     def run(self) -> Session:
         """Begin or resume, and leave the session as it ended."""
@@ -188,9 +190,10 @@ class _Program:
             markers=self.markers,
         )
         every = self._all_options()
-        frames = {key: source_of(options) for key, options in {options.scene_key: options for options in every}.items()}
+        for options in every:
+            self.sources[options.scene_key] = self.sources.get(options.scene_key) or source_of(options)
         wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
-        trials = TrialRunner(context, self.ending, self._options_of, wait_s, frames)
+        trials = TrialRunner(context, self.ending, self._options_of, wait_s, self.sources)
         self.words.recording = lambda: trials.recording
         no_pipeline: Any = _NoPipeline(self.live)
         answers = store.answers(session)

@@ -1,0 +1,260 @@
+"""Materials of a glTF file as looks: base colour, emission, alpha, glass and mirrors."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..colour import linear_from_srgb, srgb8_from_linear
+from ..errors import SceneError
+from ._draft import Look
+from ._gltf_file import KTX2, GltfFile, is_mirror
+from ._gltf_specular import SPECULAR, as_metal
+from ._mesh import Emission, Material, Texture
+from ._notes import Notes
+
+Array = NDArray[np.float64]
+_WHITE = np.full((1, 1, 3), 255, np.uint8)
+_REPEAT, _CLAMP = 10497, 33071  # wrapS and wrapT of a sampler
+
+
+@attrs.frozen(eq=False)
+class _Blend:
+    alpha: float
+    see_through: bool
+    head_locked: bool
+    colour: Array
+
+
+@attrs.frozen(eq=False)
+class _Shining:
+    factor: Array  # (3,) linear
+    info: dict[str, Any]  # of its picture, as the file has it
+    image: NDArray[np.uint8] | None
+
+
+class Looks:
+    """Looks of all materials of a file, each made once, and the textures they use."""
+
+    def __init__(self, file: GltfFile, notes: Notes) -> None:
+        self._file, self._notes = file, notes
+        self._made: dict[tuple[Any, ...], Look | None] = {}
+        self.textures: list[Texture] = []
+
+    def look_of(self, primitive: dict[str, Any], head_locked: bool) -> Look | None:
+        """Return the look of a primitive; None if it is wholly cut away."""
+        key = (primitive.get("material"), head_locked)
+        if key not in self._made:
+            material = self._file.item("materials", key[0], "a mesh") if key[0] is not None else {}
+            self._made[key] = self._look(material, f"material '{material.get('name') or key[0]}'", head_locked)
+        return self._made[key]
+
+    def has_alpha(self, primitive: dict[str, Any]) -> bool:
+        """Return whether alpha counts in a primitive's material."""
+        number = primitive.get("material")
+        return number is not None and self._file.items("materials")[number].get("alphaMode", "OPAQUE") != "OPAQUE"
+
+    def _look(self, gltf: dict[str, Any], name: str, head_locked: bool) -> Look | None:
+        gltf, image = self._surface(gltf, name)
+        plain = gltf.get("pbrMetallicRoughness") or {}
+        factor = np.array(plain.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)), np.float64)
+        if factor.shape != (4,) or not np.isfinite(factor).all():
+            raise self._file.error(
+                f"{name}: base colour {plain.get('baseColorFactor')!r} is not four finite numbers; export it again"
+            )
+        mode, base = gltf.get("alphaMode", "OPAQUE"), plain.get("baseColorTexture") or {}
+        alpha = float(np.clip(factor[3], 0, 1)) if mode != "OPAQUE" else 1.0
+        if mode == "MASK":
+            cutoff = float(gltf.get("alphaCutoff", 0.5))
+            if image is None and alpha < cutoff:
+                return None
+            image, alpha = (None if image is None else _cut(image, alpha, cutoff)), 1.0
+        elif mode != "BLEND" and image is not None:
+            image = image[..., :3]
+        # A mask without holes, or a blend that lets nothing pass, is a surface like any other.
+        see_through = mode in ("MASK", "BLEND") and (
+            alpha < 1 or (image is not None and image.shape[2] == 4 and int(image[..., 3].min()) < 255)
+        )
+        material = self._material(gltf, name, _Blend(alpha, see_through, head_locked, factor[:3]))
+        colour = np.clip(factor[:3], 0, None)
+        shining = self._shining(gltf, name, material, is_pictured=image is not None)
+        if image is None and shining is not None and shining.image is not None:
+            base = shining.info
+        emission = None if shining is None else self._emission(shining, base, name, is_pictured=image is not None)
+        texture = self._add(name, image, srgb=True, repeat=self._repeats(base, name), emission=emission)
+        coordinates, transform = _place_of(base)
+        return Look(
+            colour,
+            texture,
+            material,
+            bool(gltf.get("doubleSided")),
+            coordinates,
+            self._uv_transform(transform, name),
+            "KHR_materials_unlit" in (gltf.get("extensions") or {}),
+            np.zeros(3) if shining is None or emission is not None else shining.factor,
+        )
+
+    def _surface(self, gltf: dict[str, Any], name: str) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:
+        """Return the material by metal and roughness, and the picture of its base colour."""
+        found = (gltf.get("extensions") or {}).get(SPECULAR)
+        if found is None:
+            return gltf, self._image((gltf.get("pbrMetallicRoughness") or {}).get("baseColorTexture") or {}, name)
+        infos = [found.get(key) or {} for key in ("diffuseTexture", "specularGlossinessTexture")]
+        images = [self._image(info, name) for info in infos]
+        if all(image is not None for image in images) and _place_of(infos[0]) != _place_of(infos[1]):
+            self._notes.add("a specular picture with texture coordinates of its own is drawn at its mean", name)
+            images[1] = _mean_of(images[1])
+        surface, image = as_metal(found, images[0], images[1])
+        info = next((info for info, one in zip(infos, images, strict=True) if one is not None), {})
+        return gltf | {"pbrMetallicRoughness": surface | {"baseColorTexture": info}}, image
+
+    def _shining(self, gltf: dict[str, Any], name: str, material: Material, *, is_pictured: bool) -> _Shining | None:
+        """Return how a material emits, None if not.
+
+        Source: Khronos 2022, KHR_materials_emissive_strength.
+        """
+        strength = ((gltf.get("extensions") or {}).get("KHR_materials_emissive_strength") or {}).get("emissiveStrength")
+        factor = np.array(gltf.get("emissiveFactor", (0, 0, 0)), np.float64) * (1.0 if strength is None else strength)
+        if factor.shape != (3,) or not np.isfinite(factor).all():
+            raise self._file.error(f"{name}: its emission is not three finite numbers; export it again")
+        if not (factor > 0).any():
+            return None
+        info = gltf.get("emissiveTexture") or {}
+        found = _Shining(np.maximum(factor, 0), info, self._image(info, name, channels=3))
+        is_plain = found.image is None and not is_pictured and not material.transmission
+        if (material.see_through or material.head_locked) and not is_plain:
+            self._notes.add("the emission of what is see-through or fixed to the head is left out", name)
+            return None
+        return found
+
+    def _emission(self, shining: _Shining, base: dict[str, Any], name: str, *, is_pictured: bool) -> Emission | None:
+        """Return the emission as a picture, None if a colour without one says it."""
+        if shining.image is None:
+            return Emission(_WHITE, shining.factor) if is_pictured else None
+        image = shining.image
+        if _place_of(base) != _place_of(shining.info):
+            self._notes.add("emission with texture coordinates of its own is drawn at its mean", name)
+            image = _mean_of(image)
+        return Emission(image, shining.factor, self._repeats(shining.info, name))
+
+    def _uv_transform(self, found: dict[str, Any], name: str) -> Array:
+        """Return (3, 3) of KHR_texture_transform."""
+        (x, y), (across, down) = found.get("offset", (0.0, 0.0)), found.get("scale", (1.0, 1.0))
+        sine, cosine = np.sin(found.get("rotation", 0.0)), np.cos(found.get("rotation", 0.0))
+        matrix = np.array([(cosine * across, sine * down, x), (-sine * across, cosine * down, y), (0, 0, 1)])
+        if not np.isfinite(matrix).all():
+            raise self._file.error(f"{name}: its KHR_texture_transform is not made of finite numbers; export it again")
+        return matrix
+
+    def _material(self, gltf: dict[str, Any], name: str, blend: _Blend) -> Material:
+        if blend.head_locked:
+            return Material(head_locked=True, opacity=blend.alpha)
+        extensions, extras = (gltf.get(key) or {} for key in ("extensions", "extras"))
+        passes = self._transmission(gltf, name, extensions.get("KHR_materials_transmission") or {})
+        reflectivity = self._reflectivity(gltf, name, blend.colour)
+        if passes > 0 or blend.see_through:
+            if reflectivity:
+                self._notes.add("what mirrors and is see-through does not mirror", name)
+            return Material(see_through=True, opacity=blend.alpha, transmission=passes)
+        if not reflectivity:
+            return Material()
+        bumps = gltf.get("normalTexture") or {}
+        image = self._image(bumps, name, channels=3)
+        normal_map = self._add(f"{name}-normal", image, srgb=False, repeat=self._repeats(bumps, name))
+        return Material(
+            reflectivity=reflectivity,
+            normal_map=normal_map,
+            normal_scale=float(bumps.get("scale", 1.0)),
+            curved=bool(extras.get("curved", False)),
+        )
+
+    def _transmission(self, gltf: dict[str, Any], name: str, glass: dict[str, Any]) -> float:
+        """Return the share of light that passes where the surface covers: none of what is metal.
+
+        The blend of alpha is apart from it: what alpha does not cover passes untouched.
+        Source: Khronos 2021, KHR_materials_transmission; glTF 2.0 Specification, B.2 (materials).
+        """
+        passes = float(np.clip(glass.get("transmissionFactor", 0.0), 0, 1))
+        if not passes:
+            return 0.0
+        if "transmissionTexture" in glass:
+            self._notes.add("a transmission texture is left out, drawn with its factor everywhere", name)
+        surface = gltf.get("pbrMetallicRoughness") or {}
+        image = self._image(surface.get("metallicRoughnessTexture") or {}, name, channels=3)
+        metal = float(np.clip(surface.get("metallicFactor", 1.0), 0, 1))
+        metal *= 1.0 if image is None else float(image[..., 2].mean()) / 255
+        if metal == 1:
+            self._notes.add("a metal transmits no light: what its alpha leaves free passes, nothing else", name)
+        return passes * (1 - metal)
+
+    def _reflectivity(self, gltf: dict[str, Any], name: str, colour: Array) -> float:
+        """Return `reflectivity` of the extras, else the base colour of a polished metal."""
+        share = (gltf.get("extras") or {}).get("reflectivity")
+        if share is None:
+            return float(np.clip(colour, 0, 1).mean()) if is_mirror(gltf) else 0.0
+        if not isinstance(share, int | float) or not 0 <= share <= 1:
+            raise self._file.error(f"{name}: reflectivity {share!r} in its extras; expected a share of 0 to 1")
+        return float(share)
+
+    def _image(self, info: dict[str, Any], name: str, channels: int = 4) -> NDArray[np.uint8] | None:
+        """Return (h, w, channels) bytes; None, with a note, if the image cannot be decoded."""
+        if "index" not in info:
+            return None
+        texture = self._file.item("textures", info["index"], name)
+        extensions = texture.get("extensions") or {}
+        source = (extensions.get("EXT_texture_webp") or {}).get("source", texture.get("source"))
+        if source is None and KTX2 in extensions:
+            self._notes.add(
+                "KTX2 images are not read, drawn plain ('gltf-transform ktxdecompress' converts them)", name
+            )
+            return None
+        try:
+            return self._file.image(source, name)[..., :channels]
+        except SceneError as error:
+            self._notes.add("images cannot be read, drawn plain", str(error).removeprefix(f"{self._file.path}: "))
+            return None
+
+    def _repeats(self, info: dict[str, Any], name: str) -> bool:
+        """Return whether a texture wraps around; else its border is continued."""
+        texture = self._file.item("textures", info["index"], name) if "index" in info else {}
+        sampler = self._file.item("samplers", texture["sampler"], name) if "sampler" in texture else {}
+        ways = {sampler.get(key, _REPEAT) for key in ("wrapS", "wrapT")}
+        if not ways <= {_REPEAT, _CLAMP} or len(ways) > 1:
+            self._notes.add("textures that are mirrored, or wrap on one axis alone, wrap on both", name)
+        return ways != {_CLAMP}
+
+    def _add(
+        self,
+        name: str,
+        image: NDArray[np.uint8] | None,
+        *,
+        srgb: bool,
+        repeat: bool,
+        emission: Emission | None = None,
+    ) -> int:
+        if image is None and emission is None:
+            return -1
+        self.textures.append(Texture(name, _WHITE if image is None else image, srgb, repeat, emission))
+        return len(self.textures) - 1
+
+
+def _place_of(info: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+    """Return the attribute with a picture's texture coordinates, and its KHR_texture_transform."""
+    transform = (info.get("extensions") or {}).get("KHR_texture_transform") or {}
+    number = transform.get("texCoord", info.get("texCoord", 0))
+    return f"TEXCOORD_{number}", {key: value for key, value in transform.items() if key != "texCoord"}
+
+
+def _mean_of(image: NDArray[np.uint8] | None) -> NDArray[np.uint8]:
+    """Return one pixel: the mean of an sRGB picture in linear light."""
+    assert image is not None
+    return srgb8_from_linear(linear_from_srgb(image).mean(axis=(0, 1), keepdims=True))
+
+
+def _cut(image: NDArray[np.uint8], alpha: float, cutoff: float) -> NDArray[np.uint8]:
+    out = image.copy()
+    out[..., 3] = np.where(image[..., 3] / 255 * alpha >= cutoff, 255, 0)
+    return out

@@ -1,0 +1,292 @@
+"""Data sets and recorders: what of a folder is missing or wrong is named in one line."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from PIL import Image
+from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
+from recorded_folders import FX, SIZE, STATED, fov_of, taken
+from ros_bags import BAGS, HAS_ROSBAGS
+
+from hmdwarp import View, Warper, WarpMap
+from hmdwarp.errors import InputError
+from hmdwarp.poses.assumptions import By
+from hmdwarp.sources import sequences
+from hmdwarp.sources.sequences import SequenceOptions
+
+STRAY = "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
+# By form: a file, what takes its place (None: it is gone), and words of the error.
+WRONG = [
+    ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n0 1 x 0\n", ("pose.txt, line 2", "expected 4 numbers")),
+    ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n", ("pose.txt", "1 lines; expected a matrix")),
+    ("seven_scenes", "frame-000001.color.png", "no picture", ("color.png", "not a picture")),
+    ("scannet", "intrinsic/intrinsic_color.txt", "1 2 3\n", ("intrinsic_color.txt", "expected a matrix")),
+    ("scannet", "intrinsic/extrinsic_depth.txt", "1 0 0 .1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", ("extrinsic_depth", "unit")),
+    ("replica", "traj.txt", "1 0 0\n", ("1 poses, and a picture frame000002.jpg",)),
+    ("replica", "traj.txt", "\n".join(["1 0 0"] * 3), ("traj.txt, line 1", "expected 16 finite numbers")),
+    ("replica", "../cam_params.json", '{"camera": {"w": 36}}', ("cam_params.json: h is None",)),
+    ("tartanair", "pose_left.txt", "\n".join(["0 0 0 0 0 0"] * 3), ("pose_left.txt, line 1", "7 finite numbers")),
+    ("tartanair", "pose_left.txt", "0 0 0 0 0 0 1\n", ("1 poses, and a picture 2",)),
+    ("stray_scanner", "odometry.csv", "x, y, z\n1, 2, 3\n", ("odometry.csv, line 1", "the header timestamp, frame")),
+    ("stray_scanner", "odometry.csv", STRAY + "1.0, 000000, 1, 2\n", ("odometry.csv, line 2", "9 finite numbers")),
+    (
+        "stray_scanner",
+        "odometry.csv",
+        STRAY + "1.0, 000000, 0, 0, 0, 0, 0, 0, 2\n",
+        ("line 2", "quaternion of length 2"),
+    ),
+    ("stray_scanner", "rgb.mp4", "no video", ("rgb.mp4", "not a video")),
+    ("stray_scanner", "camera_matrix.csv", None, ("camera_matrix.csv", "cannot be read")),
+    ("rtabmap", "map_camera_poses.txt", "1.0 0 0 0 0 0 0 1\n", ("poses.txt, line 1", "--poses_format 11")),
+    ("rtabmap", "map_calib/8.yaml", None, ("8.yaml", "expected the calibration of its image")),
+    ("rtabmap", "map_calib/8.yaml", "image_width: 36\n", ("8.yaml", "camera_matrix of 9 numbers")),
+    ("open3d", "camera_trajectory.json", '{"class_name": "PinholeCameraTrajectory"}', ("no list of parameters",)),
+    ("open3d", "color/00002.png", None, ("3 parameters for 2 pictures",)),
+    ("colmap", "sparse/0/images.txt", "1 1 0 0 0 0 0\n", ("images.txt, line 1", "IMAGE_ID QW QX QY QZ")),
+    ("colmap", "sparse/0/images.txt", "1 2 0 0 0 0 0 0 1 0000.png\n", ("images.txt, line 1", "quaternion of length 2")),
+    ("colmap", "sparse/0/cameras.txt", "2 PINHOLE 36 24 1 1 1 1\n", ("name camera 1",)),
+    ("colmap", "sparse/0/cameras.txt", "1 PINHOLE 36 24 1 1 1\n", ("line 1", "3 parameters of PINHOLE; expected 4")),
+    ("colmap", "sparse/0/cameras.txt", "1 SIMPLE_RADIAL 36 24 40 18 12 0.1\n", ("line 1", "k1 is 0.1")),
+    ("colmap", "sparse/0/cameras.txt", "1 OPENCV_FISHEYE 36 24 1 1 1 1 0 0 0 0\n", ("camera model OPENCV_FISHEYE",)),
+    ("colmap_dense", "sparse/images.bin", "cut", ("images.bin", "ends in the middle")),
+    ("colmap_dense", "stereo/depth_maps/0001.png.geometric.bin", "36&24&1&cut", ("geometric.bin", "as many floats")),
+    ("traced", "trajectory.txt", None, ("no file of poses; expected one head trace",)),
+    (
+        "traced",
+        "trajectory.txt",
+        "# timestamp tx ty tz qx qy qz qw\nno row\n",
+        ("trajectory.txt", "no rows of numbers"),
+    ),
+    ("traced", "groundtruth.csv", "t\n", ("groundtruth.csv, trajectory.txt; expected one head trace",)),
+    ("traced", "intrinsics.txt", "40 0 17\n0 42 11\n", ("intrinsics.txt: 6 numbers; expected fx fy cx cy",)),
+    ("traced_matrices", "poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n" * 2, ("2 poses in poses.txt for 3 pictures",)),
+]
+
+
+ALL = PUBLISHED | BAGS
+
+
+def need(form: str) -> None:
+    if form in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder whose parent belongs to the same test."""
+    (tmp_path / "taken").mkdir()
+    return tmp_path / "taken"
+
+
+@pytest.mark.parametrize(("form", "file", "content", "words"), WRONG)
+def test_faults_are_named_in_one_line(form, file, content, words, folder):
+    PUBLISHED[form].write(folder, taken(3))
+    if content is None:
+        (folder / file).unlink()
+    else:
+        (folder / file).write_text(content)
+    with pytest.raises(InputError) as caught:
+        for frame in sequences.open(
+            folder, attrs.evolve(PUBLISHED[form].options, layout=PUBLISHED[form].reader)
+        ).frames:
+            frame.read()
+    message = str(caught.value)
+    assert all(word in message for word in words) and "\n" not in message, message
+
+
+@pytest.mark.parametrize("form", PUBLISHED)
+def test_a_layout_by_name_refuses_an_empty_folder(form, tmp_path):
+    with pytest.raises(InputError, match="expected|no such file|cannot be read") as caught:
+        sequences.open(tmp_path, attrs.evolve(PUBLISHED[form].options, layout=PUBLISHED[form].reader))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("form", PUBLISHED)
+def test_assumptions_about_a_folder_are_entries(form, folder):
+    """Intrinsics, the depth's unit, axes and the clock, each with who says so."""
+    PUBLISHED[form].write(folder, taken(2))
+    entries = sequences.open(folder, PUBLISHED[form].options).assumptions
+    assert {"intrinsics", "depth scale", "camera axes", "frame clock"} <= {entry.what for entry in entries}
+    if PUBLISHED[form].options.intrinsics is not None:
+        assert next(entry.by for entry in entries if entry.what == "intrinsics") is By.USER
+
+
+@pytest.mark.parametrize("form", PUBLISHED)
+def test_a_pixel_is_seen_where_the_truth_sees_it(form, folder):
+    """By the warp map from first to last: an error of axes, scale or inverse moves it."""
+    frames = taken(3, step_m=0.05, step_deg=3)
+    PUBLISHED[form].write(folder, frames)
+    first, *_, last = sequences.open(folder, PUBLISHED[form].options).frames
+    view, other = (attrs.evolve(first.view, pose=frame.pose, fov=fov_of()) for frame in (frames[0], frames[-1]))
+    at = np.array([[5.0, 7.0], [20.0, 12.0]])
+    inverse = [
+        1 / np.flipud(depth)[at[:, 1].astype(int), at[:, 0].astype(int)] for depth in (first.depth_m, frames[0].depth_m)
+    ]
+    found, expected = (
+        WarpMap.between(one, first.size, two, first.size).apply(at + 0.5, depth)[0]
+        for (one, two), depth in zip(((first.view, last.view), (view, other)), inverse, strict=True)
+    )
+    assert np.abs(found - expected).max() < 0.02 and np.abs(expected - at - 0.5).max() > 1
+
+
+@pytest.fixture(scope="module")
+def warper():
+    with Warper(SIZE, fill="none") as warper:
+        yield warper
+
+
+@pytest.mark.parametrize("form", ALL)
+def test_a_warp_of_what_is_read_is_the_warp_of_the_truth(form, folder, warper):
+    """From the first frame to the last: within what a JPEG and half a step of depth change."""
+    frames = taken(3, step_m=0.05, step_deg=3)
+    need(form)
+    ALL[form].write(folder, frames)
+    first, *_, last = sequences.open(folder, ALL[form].options).frames
+    rendered, shown = (View(one.pose, fov_of()) for one in (frames[0], frames[-1]))
+    true = warper.warp(frames[0].colour, frames[0].depth_m, rendered=rendered, shown=shown)
+    found = warper.warp(*first.read(), rendered=first.view, shown=last.view)
+    both = (true.coverage > 0.999) & (found.coverage > 0.999)
+    assert both.mean() > 0.7 and (both == (true.coverage > 0.999)).mean() > 0.97
+    assert np.abs(found.colour.astype(int) - true.colour)[both].mean() < 1.5
+    assert np.abs(true.colour.astype(int) - frames[0].colour)[both].mean() > 10
+
+
+@pytest.mark.parametrize(("form", "bad"), [("seven_scenes", "nan"), ("scannet", "-inf")])
+def test_frames_without_a_pose_are_left_out_and_counted(form, bad, folder):
+    PUBLISHED[form].write(folder, taken(4))
+    file = next(folder.rglob("*1*.txt"))
+    file.write_text("\n".join([f"{bad} " * 4] * 4))
+    sequence = sequences.open(folder, PUBLISHED[form].options)
+    assert [frame.time_ns for frame in sequence.frames] == [taken(4)[i].time_ns for i in (0, 2, 3)]
+    assert "1 frames were left out: no depth, or no pose of finite numbers." in sequence.notes
+
+
+def test_a_scene_of_seven_scenes_names_its_sequences(tmp_path):
+    for name in ("seq-01", "seq-02"):
+        PUBLISHED["seven_scenes"].write(tmp_path / name, taken(1))
+    with pytest.raises(InputError, match="holds the sequences seq-01, seq-02: name one"):
+        sequences.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("form", "size"), [("tartanair", (640, 480)), ("tartanair_v2", (640, 640)), ("seven_scenes", (640, 480))]
+)
+def test_a_camera_of_a_data_set_is_for_its_own_size(form, size, folder):
+    """And taken there: TartanAir sees 90 degrees across, evenly about the middle."""
+    PUBLISHED[form].write(folder, taken(1, size))
+    sequence = sequences.open(folder)
+    left, right, down, up = sequence.frames[0].fov.tangents
+    if form != "seven_scenes":
+        assert (left, right) == pytest.approx((-1, 1)) and -down == pytest.approx(up)
+    assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is By.FORMAT
+    with pytest.raises(InputError, match=f"for {size[0]}x{size[1]} pixels, its pictures have 36x24"):
+        PUBLISHED[form].write(folder, taken(1))
+        sequences.open(folder)
+
+
+def test_depth_of_fewer_pixels_goes_through_both_cameras(folder):
+    """Every second pixel: the nearest to the colour's ray, and none beyond the depth's border."""
+    write_scannet(folder, taken(1), stride=2)
+    found, true = sequences.open(folder).frames[0].depth_m, taken(1)[0].depth_m
+    row, column = (np.rint(np.arange(count) / 2).astype(int) for count in true.shape)
+    inside = (row < 12)[:, None] & (column < 18)
+    expected = np.where(inside, true[::2, ::2][row.clip(0, 11)[:, None], column.clip(0, 17)], 0)
+    assert np.abs(found - expected).max() <= 0.5e-3 + 1e-6 and inside.mean() > 0.9
+
+
+def test_colour_that_was_shrunk_to_its_depth_has_the_camera_of_the_depth(folder):
+    """Its own file is still that of the larger pictures; without another it is refused."""
+    write_scannet(folder, taken(1))
+    larger = "1170 0 648 0\n0 1170 484 0\n0 0 1 0\n0 0 0 1\n"
+    (folder / "intrinsic/intrinsic_color.txt").write_text(larger)
+    left, right, _, _ = sequences.open(folder).frames[0].fov.tangents
+    assert right - left == pytest.approx(36 / FX)
+    (folder / "intrinsic/intrinsic_depth.txt").write_text(larger)
+    with pytest.raises(InputError, match="its centre at 648,484, which is not the middle of pictures of 36x24"):
+        sequences.open(folder)
+
+
+def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
+    write_tartanair(folder, taken(1))
+    (folder / "depth_left/000000_left_depth.npy").unlink()
+    Image.fromarray(taken(1)[0].colour).save(folder / "depth_left/000000_left_depth.png")
+    with pytest.raises(InputError, match="3 channels; expected four bytes a pixel"):
+        sequences.open(folder, SequenceOptions(intrinsics=STATED.intrinsics)).frames[0].read()
+
+
+def test_pictures_of_a_video_are_read_in_any_order(folder):
+    PUBLISHED["stray_scanner"].write(folder, taken(4))
+    frames = sequences.open(folder).frames
+    for at in (3, 0, 2, 2, 1):
+        assert np.array_equal(frames[at].colour, taken(4)[at].colour)
+
+
+def test_depth_of_a_telephone_has_fewer_pixels_than_its_video(folder):
+    """Each covers two by two of the colour's pixels."""
+    write_stray_scanner(folder, taken(1), stride=2)
+    found = sequences.open(folder).frames[0].depth_m
+    assert np.array_equal(found, np.repeat(np.repeat(found[::2, ::2], 2, 0), 2, 1)) and found.shape == (24, 36)
+
+
+def test_a_focus_that_breathes_is_taken_in_the_middle(folder):
+    """Within 0.5 % of the width at the border, and beyond it each frame has its own."""
+    write_stray_scanner(folder, taken(3), focus=(1.0, 1.002, 1.004))
+    sequence = sequences.open(folder)
+    left, right, _, _ = sequence.frames[0].fov.tangents
+    assert right - left == pytest.approx(36 / FX / 1.002)
+    assert len({frame.fov for frame in sequence.frames}) == 1
+    assert "differ from frame to frame, by up to" in sequence.notes[0]
+    write_stray_scanner(folder, taken(3), focus=(1.0, 1.1, 1.2))
+    wide = [frame.fov.tangents[1] - frame.fov.tangents[0] for frame in sequences.open(folder).frames]
+    assert wide == pytest.approx([36 / FX, 36 / FX / 1.1, 36 / FX / 1.2])
+
+
+def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):
+    """Its own stereo is in the unit of its poses; that of a depth camera is not."""
+    PUBLISHED["colmap"].write(folder, taken(1))
+    with pytest.raises(InputError, match="--depth-scale"):
+        sequences.open(folder)
+    assert "length: 1 m per unit of the model, whose own is any (nobody says so)" in [
+        str(entry) for entry in sequences.open(folder, PUBLISHED["colmap"].options).assumptions
+    ]
+
+
+def test_an_image_of_colmap_without_depth_is_left_out(folder):
+    PUBLISHED["colmap"].write(folder, taken(3))
+    (folder / "depth/0001.png").unlink()
+    sequence = sequences.open(folder, PUBLISHED["colmap"].options)
+    assert [frame.name for frame in sequence.frames] == ["0000.png", "0002.png"]
+    assert sequence.notes == ("1 frames were left out: no picture or no depth.",)
+
+
+def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_axes(folder):
+    PUBLISHED["traced"].write(folder, taken(3))
+    sequence = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(sequence.track) == 5
+    said = {entry.what: (entry.value, entry.by) for entry in sequence.assumptions}
+    assert said["camera axes"] == ("x right, y down, z forward, of world and camera", By.NOBODY)
+    assert said["frame clock"] == ("pictures are named by the trace's clock, in s", By.FILE)
+    file = folder / "trajectory.txt"
+    file.write_text("# axes: opencv\n" + file.read_text())
+    again = sequences.open(folder, PUBLISHED["traced"].options)
+    assert next(entry.by for entry in again.assumptions if entry.what == "camera axes") is By.FILE
+    assert again.frames[2].pose.isclose(sequence.frames[2].pose, 1e-12)
+
+
+def test_pictures_beyond_the_trace_are_left_out(folder):
+    PUBLISHED["traced"].write(folder, taken(4))
+    file = folder / "trajectory.txt"
+    file.write_text("\n".join(file.read_text().splitlines()[:6]) + "\n")
+    sequence = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(sequence.frames) == 3
+    assert "1 frames were left out: the trace has no pose at their instants." in sequence.notes
+
+
+@pytest.mark.parametrize(("option", "takes"), [("frames_axes", "traced"), ("frames_topics", "rosbag")])
+def test_an_option_that_a_layout_does_not_take_is_refused(option, takes, folder):
+    PUBLISHED["replica"].write(folder, taken(1))
+    flag = f"--{option.replace('_', '-')}"
+    with pytest.raises(InputError, match=f"{flag}: layout replica does not take it; expected {takes}"):
+        sequences.open(folder, SequenceOptions(**{option: "openxr"}))
