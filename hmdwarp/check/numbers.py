@@ -155,7 +155,7 @@ class NumberSearch:
         union = {*names, *others}
         union -= {SCALE} if PLANES in union else set()
         both = self._model(tuple(name for name in self._names if name in union))
-        return not all(self._sureness(both, name) > SURE for name in union - {*others})
+        return not all(self._sureness(both, name) > _SECOND * SURE for name in union - {*others})
 
     def _besides(self, best: Candidate) -> tuple[str, ...]:
         """Return what surely differs besides, where all numbers at once fit surely better."""
