@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
-from recorded_folders import FX, SIZE, STATED, fov_of, taken
+from recorded_folders import FX, MIRRORED, SIZE, STATED, fov_of, taken
 from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp import View, Warper, WarpMap
@@ -206,6 +206,13 @@ def test_colour_that_was_shrunk_to_its_depth_has_the_camera_of_the_depth(folder)
     (folder / "intrinsic/intrinsic_depth.txt").write_text(larger)
     with pytest.raises(InputError, match="its centre at 648,484, which is not the middle of pictures of 36x24"):
         sequences.open(folder)
+
+
+@pytest.mark.parametrize("form", ["tartanair", "stray_scanner", "rtabmap"])
+def test_a_camera_with_y_up_is_refused_where_the_layout_has_it_down(form, folder):
+    PUBLISHED[form].write(folder, taken(1))
+    with pytest.raises(InputError, match="fy is -42; expected above 0"):
+        sequences.open(folder, MIRRORED)
 
 
 def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
