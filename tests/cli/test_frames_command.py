@@ -25,9 +25,8 @@ def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
     folder = tmp_path / "taken"
     write_tum(folder, taken(6))
     run = ("replay", "--frames", folder, "--latency", 100, "--metrics-every", 5, "--workers", 0, "--images", 0)
-    command(*run, "--out", tmp_path / "out").refused(
-        "pictures of 36x24", "--intrinsics FX,FY,CX,CY --depth-scale METRES"
-    )
+    remedy = "--intrinsics FX,FY,CX,CY --depth-scale METRES"
+    command(*run, "--out", tmp_path / "out").refused("pictures of 36x24", remedy)
     stated = ("--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.0002, "--layout", "tum")
     command(*run, *stated, "--out", tmp_path / "out").done()
     kept = {one["what"]: one for one in json.loads((tmp_path / "out" / "summary.json").read_text())["assumptions"]}

@@ -15,7 +15,8 @@ LOOKED_AT = 3  # frames of a sequence: decoding one takes milliseconds
 _LEAST_AREA, _LEAST_TOP, _LEAST_SIDE = 0.04, 0.15, 0.3
 _FINEST = 160  # narrower than one over this of the picture's width, a region is no sky
 # Metres to the nearest surface: beyond, a head that moves by a tenth of it at most is rarely meant.
-_FAR_M, _MOVED = 40.0, 0.1
+# Beyond the farthest it is sky, written as a large number.
+_FAR_M, _FARTHEST_M, _MOVED = 40.0, 2e4, 0.1
 _UNITS = {"centimetres": 0.01, "millimetres": 0.001}
 
 
@@ -69,7 +70,7 @@ def about_unit(depths: Several[NDArray[np.floating]], moved_m: float, option: st
     """
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
     near = float(np.quantile(known, 0.01)) if len(known) else 0.0
-    if near <= _FAR_M or not 0 < moved_m < _MOVED * near:
+    if not _FAR_M < near <= _FARTHEST_M or not 0 < moved_m < _MOVED * near:
         return []
     readings = [f"{option.format(unit)} takes it as {name}: {near * unit:.3g} m" for name, unit in _UNITS.items()]
     return [
