@@ -69,7 +69,7 @@ def about_unit(depths: Several[NDArray[np.floating]], moved_m: float, option: st
     depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
     """
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
-    near = float(np.quantile(known, 0.01)) if len(known) else 0.0
+    near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0
     if not _FAR_M < near <= _FARTHEST_M or not 0 < moved_m < _MOVED * near:
         return []
     readings = [f"{option.format(unit)} takes it as {name}: {near * unit:.3g} m" for name, unit in _UNITS.items()]
