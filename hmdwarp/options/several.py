@@ -39,7 +39,7 @@ def several(
 ) -> Any:
     """Return an attrs field that takes several values of another class' option, each once.
 
-    Its name, unit, limits and parser are the option's. default: () if nothing said means all that
+    Its name, unit, limits and parser are the option's. default: () if unset means all that
     there are. help: in place of its own. split: from one text of the command line to values.
     each: converter of one value. about: as for `option`.
     """

@@ -10,6 +10,7 @@ import numpy as np
 from ..client.effects import effects
 from ..client.lens import lenses
 from ..client.variants import parse_fills, parse_indirect, parse_warp
+from ..errors import unknown_name
 from ..frames import Needs
 from ..link import CHANGES
 from ..link.codec import check_codec
@@ -19,7 +20,6 @@ from ..pipeline.requested import PoseRequest
 from ..poses import PoseSample, PoseSource, PoseTrack
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
-from ..registry import unknown_name
 from ..sources.server.draw import MIRRORS
 
 KEPT_NS = 1_000_000_000
@@ -99,9 +99,9 @@ class RecentPoses:
         self.head_at(now_ns)
         kept = list(self._kept)
         return PoseTrack(
-            time_ns=np.array([one.time_ns for one in kept]),
-            position_m=np.array([one.pose.position_m for one in kept]),
-            orientation_xyzw=np.array([one.pose.orientation_xyzw for one in kept]),
+            time_ns=np.array([pose.time_ns for pose in kept]),
+            position_m=np.array([pose.pose.position_m for pose in kept]),
+            orientation_xyzw=np.array([pose.pose.orientation_xyzw for pose in kept]),
         )
 
     def close(self) -> None:

@@ -35,10 +35,11 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--jitter", "uniform"), "expected milliseconds"),
         (("--jitter", "uniform:300"), "before they were sent"),
         (("--loss", "2"), "share of the frames"),
-        (("--loss", "p=0.1"), "expected p="),
-        (("--loss", "p=0.1,r=7"), "probability from 0 to 1"),
+        (("--loss", "p=0.1,r=0.5"), "--loss-burst"),
+        (("--loss-burst", "2"), "without --loss"),
         (("--bandwidth", "0"), "leave it out for a link without a limit"),
         (("--bandwidth", "abc"), "expected Mbit/s"),
+        (("--bandwidth", "50,queue=100"), "--queue"),
         (("--delay-trace", "nowhere.csv"), "nowhere.csv: the delay trace cannot be read"),
         (("--link-seed", "-1"), "seed -1"),
         (("--codec", "h265"), "unknown codec 'h265': did you mean"),
@@ -56,7 +57,7 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--fill", "interpolate+"), "unknown fill ''"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_in_one_line(command, tmp_path, options, told):
+def test_impossible_values_are_refused_in_one_line(command, tmp_path, options, told):
     command(*QUICK, "--out", tmp_path / "out", *options).refused(told)
     assert not (tmp_path / "out").exists()
 
@@ -82,14 +83,14 @@ def test_a_delay_trace_is_followed(command, tmp_path):
     assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
 
 
-def test_what_the_link_did_is_printed_where_it_did_something(command, tmp_path):
+def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
     options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
     out = (
         command(*(part for part in QUICK if part != "--quiet"), "--seconds", "1", "--out", tmp_path / "out", *options)
         .done()
         .out
     )
-    assert "lost on the network" in out and "Mbit/s" in out and "this machine's stages on top" in out
+    assert "lost on the network" in out and "Mbit/s" in out and "latency plus this machine's stages" in out
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")

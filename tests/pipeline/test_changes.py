@@ -13,7 +13,7 @@ from replays import rows_of, run
 from hmdwarp.frames import Frame
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import Gpu, download
-from hmdwarp.link import LinkOptions
+from hmdwarp.link import GilbertElliott, LinkOptions
 from hmdwarp.pipeline import Changes
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.scenes import load_scene
@@ -75,7 +75,7 @@ def test_no_point_moves_farther_than_the_bound_says_and_the_bound_is_tight(gpu, 
         assert bound <= 1.1 * farthest, "without parallax it is the motion of a corner"
 
 
-def test_nothing_moves_for_a_head_at_rest_and_everything_before_the_first_frame(gpu):
+def test_a_head_at_rest_changes_nothing_and_the_first_frame_everything(gpu):
     scene = load_scene("room")
     server, changes = Server(gpu, scene), Changes(scene)
     view = View(scene.viewpoint, FOV)
@@ -91,7 +91,7 @@ def test_nothing_moves_for_a_head_at_rest_and_everything_before_the_first_frame(
 
 
 @pytest.mark.parametrize("scene_name", ["workshop", "parade"])
-def test_what_moves_by_itself_counts(gpu, scene_name):
+def test_moving_bodies_count_as_changes(gpu, scene_name):
     scene = load_scene(scene_name)
     server, changes = Server(gpu, scene), Changes(scene)
     view = View(scene.viewpoint, FOV)
@@ -134,7 +134,7 @@ def test_a_still_head_before_moving_bodies_sends_on(tmp_path):
 
 
 def test_a_lost_frame_is_sent_again_when_the_server_hears_of_it(tmp_path):
-    network = LinkOptions.of({"send": "changes", "loss": "p=1,r=0.5,good=1,bad=0.9", "link_seed": 1})
+    network = LinkOptions(send="changes", loss=GilbertElliott(1, 0.5, 1, 0.9), seed=1)
     options = {"trace": trace_of(tmp_path / "still.txt", seconds=8.0), "latency_ms": 50.0, "seconds": 4.0}
     frames = run(tmp_path / "out", network=network, **options).summary["link"]["frames"]
     assert frames["lost"] >= 1 and frames["shown"] == 1

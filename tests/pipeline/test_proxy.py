@@ -111,13 +111,13 @@ def test_a_slow_server_does_not_slow_the_client_down(tmp_path):
     first_ms=st.sampled_from([0.0, 10.0, 50.0, 75.0]),
     latency_ms=st.sampled_from([0.0, 20.0, 50.0]),
     jitter_ms=st.integers(0, 20),
-    loss=st.sampled_from(["", "0.2", "p=0.2,r=0.5"]),
+    loss=st.sampled_from([{}, {"loss": "0.2"}, {"loss": "0.3", "loss_burst": 2.0}]),
     rate=st.sampled_from([None, 15.0, 25.0]),
     seed=st.integers(0, 9),
 )
 def test_no_frame_is_early_and_none_comes_after_a_newer_one(first_ms, latency_ms, jitter_ms, loss, rate, seed):
     """On both links, whatever the second one does and however slow the server is."""
-    said = {"loss": loss, "link_seed": seed, "server_rate": rate}
+    said = {**loss, "link_seed": seed, "server_rate": rate}
     if jitter_ms:
         said["jitter"] = f"uniform:{min(jitter_ms, int(latency_ms))}"
     network = LinkOptions.of(said)
@@ -192,7 +192,7 @@ def test_without_one_nothing_is_told_of_it(tmp_path):
         ({"proxy": True, "proxy_latency": -1.0}, "--proxy-latency -1 ms: expected"),
     ],
 )
-def test_what_makes_no_sense_is_refused(said, words):
+def test_contradictory_options_are_refused(said, words):
     with pytest.raises(InputError, match=words):
         build_plan_for(PipelineOptions.of(said), None, None)
 
@@ -217,6 +217,6 @@ def test_plan_tells_both():
     assert [step["name"] for step in told["passes"]] == ["warp none", "lens radial"]
     assert "warp iterative" in [step["name"] for step in told["proxy"]["passes"]]
     assert list(told["frame"]["layers"]) == ["rendered.colour"]
-    assert any("the proxy compensates it" in one["reason"] for one in told["left_out"])
+    assert any("the proxy compensates it" in entry["reason"] for entry in told["left_out"])
     done = hmdwarp("plan", "--strategy", "proxy", "--size", "96x80")
     assert "Passes of the proxy, in order:" in done.stdout

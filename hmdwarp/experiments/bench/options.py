@@ -74,7 +74,7 @@ class BenchOptions(RecordedOptions):
         "systems do. Settings follow a colon, as in mesh:cut=slope.",
         split=split_names,
     )
-    # Beside the warps that are named, or alone.
+    # In addition to the warps that are named, or alone.
     strategies: tuple[str, ...] = several(
         _RUN.strategy,
         (),

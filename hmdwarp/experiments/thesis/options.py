@@ -26,7 +26,7 @@ def _names(texts: list[str]) -> tuple[str, ...]:
 class ThesisOptions(ExperimentOptions):
     """Which experiments of the thesis to run again, and how large.
 
-    Errors: UnknownNameError for an experiment that there is not; InputError for a size beside
+    Errors: UnknownNameError for an unknown experiment; InputError for a size with
     `quick`.
     """
 

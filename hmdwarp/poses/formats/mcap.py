@@ -11,7 +11,7 @@ from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
-from ..reading.record_files import COLUMNS, EXTRA, METADATA
+from ..reading.mcap_messages import COLUMNS, EXTRA, METADATA
 from ..stated import Defect, Layout
 from ..track import PoseTrack
 from ._base import TraceFormat, clock_offset_ns, formats
@@ -56,6 +56,11 @@ class Mcap(TraceFormat):
     writes = True
     binary = True
     axes_written = AXES
+    order = "quaternion xyzw"
+    facts = {
+        **{"unit": "ns", "axes": AXES, "axes_by": By.FORMAT, "scale_by": By.FORMAT},
+        **{"order_by": By.FORMAT, "direction_by": By.FORMAT},
+    }
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         return 100 if head.source.kind == self.name else 0
@@ -66,17 +71,12 @@ class Mcap(TraceFormat):
         stamped = any(int(row[0]) for row in head.rows)
         return Layout(
             time=COLUMNS.index("stamp_ns" if stamped else "log_time_ns"),
-            unit="ns",
             unit_by=By.FORMAT,
             columns_by=By.FORMAT,
-            order_by=By.FORMAT,
-            scale_by=By.FORMAT,
-            direction_by=By.FORMAT,
+            **self.facts,
             device=COLUMNS.index("topic"),
             position=(3, 4, 5),
             orientation=(6, 7, 8, 9),
-            axes=AXES,
-            axes_by=By.FORMAT,
             caveats=() if stamped else (_UNSTAMPED,),
         )
 

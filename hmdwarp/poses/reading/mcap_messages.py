@@ -1,4 +1,4 @@
-"""Records of JSON and MCAP files as the rows of a table, to be read like any other trace."""
+"""Messages of MCAP files as the rows of a table, to be read like any other trace."""
 
 from __future__ import annotations
 
@@ -14,9 +14,8 @@ import attrs
 from ...errors import HmdwarpError, TraceError
 from ...resources import import_extra
 from ..stated import Defect
-from .columns import names_rotation
+from .made import Made
 
-_LEAST_RECORDS = 2  # of a JSON file
 MAGIC = b"\x89MCAP0\r\n"
 EXTRA = "mcap"
 METADATA = "hmdwarp"  # name of the record that states the axes and the origin
@@ -37,74 +36,6 @@ _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", 
 _PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
 
 
-def table_of_json(raw: bytes) -> bytes | None:
-    """Return comma-separated rows below a header for JSON lines, or for a document with a list.
-
-    Names of nested objects are joined by a dot; three numbers in a list become x, y and z, and four
-    of a rotation its q0 to q3. None where the bytes are no JSON with records.
-    """
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return None
-    records = _records(text)
-    if len(records) < _LEAST_RECORDS:
-        return None
-    rows = [_flat(record) for record in records]
-    names = list(dict.fromkeys(name for row in rows[:100] for name in row))
-    named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
-    lines = [",".join(names)] if named else []
-    lines += [",".join(str(row.get(name, "")) for name in names) for row in rows]
-    return "\n".join([*lines, ""]).encode()
-
-
-def _records(text: str) -> list[Any]:
-    try:
-        return _longest_list(json.loads(text))
-    except ValueError:
-        pass
-    try:
-        return [json.loads(line) for line in text.splitlines() if line.strip()]
-    except ValueError:
-        return []
-
-
-def _longest_list(document: Any) -> list[Any]:
-    """Return the longest list of objects or of lists anywhere in a document."""
-    if isinstance(document, list):
-        return document if document and all(isinstance(item, dict | list) for item in document) else []
-    if isinstance(document, dict):
-        return max(map(_longest_list, document.values()), key=len, default=[])
-    return []
-
-
-def _flat(value: Any, name: str = "") -> dict[str, Any]:
-    if isinstance(value, dict):
-        parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
-    elif isinstance(value, list):
-        parts = [(one, part) for one, part in zip(_names_in(value, name), value, strict=True)]
-    else:
-        return {name: "" if value is None else str(value).replace(",", " ").replace("\n", " ")}
-    return {key: number for one, part in parts for key, number in _flat(part, one).items()}
-
-
-def _names_in(values: list[Any], name: str) -> list[str]:
-    if len(values) == 3 and not any(isinstance(value, list) for value in values):
-        return [f"{name}.{axis}" for axis in "xyz"]
-    if len(values) == 4 and names_rotation(name):
-        return [f"{name}.q{i}" for i in range(4)]
-    return [f"{name}.{i}" for i in range(len(values))]
-
-
-@attrs.frozen
-class McapTable:
-    """What an MCAP file holds of poses."""
-
-    text: bytes  # comma-separated rows below comments and COLUMNS
-    defects: tuple[Defect, ...]
-    nested: dict[str, Defect]  # by topic: its poses are in a frame that has a pose itself
-
-
 @attrs.frozen
 class _Pose:
     stamp_ns: int  # 0 where the message has none
@@ -113,7 +44,7 @@ class _Pose:
     numbers: tuple[float, ...]  # position, then quaternion xyzw
 
 
-def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> McapTable:
+def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
     """Return every pose of the messages that hold one, in the order they were logged.
 
     Errors: TraceError without any, or for damaged data; MachineError where `mcap` is missing.
@@ -135,7 +66,7 @@ class _Reading:
         self._frames: dict[str, str] = {}  # by topic of a transform: its parent
         self._children: dict[str, str] = {}  # by frame: the frame it is in
 
-    def table(self) -> McapTable:
+    def table(self) -> Made:
         rows = []
         for topic, logged_ns, pose in self._poses():
             if pose.child:
@@ -148,7 +79,7 @@ class _Reading:
         if not rows:
             raise TraceError(f"{self.path} is an MCAP file without poses{self._others()}: expected {_wanted()}")
         text = "\n".join([*self._comments, ",".join(COLUMNS), *rows, ""]).encode()
-        return McapTable(text, tuple(self._defects), dict(self._nested()))
+        return Made("mcap", text, defects=tuple(self._defects), nested=dict(self._nested()))
 
     def _nested(self) -> Iterator[tuple[str, Defect]]:
         for name, parent in self._frames.items():
