@@ -78,7 +78,8 @@ class TracedReader(SequenceReader):
             *left_out(len(files) - len(pairs), "the trace has no pose at their instants"),
         ]
         direction = next((fact for fact in trace.assumptions if fact.what == "pose"), None)
-        more = [axes, Assumption(CLOCK, clock, By.FILE if "named" in clock else By.NOBODY)]
+        by = By.FILE if "named" in clock else By.NOBODY if options.frames_rate_hz is None else By.USER
+        more = [axes, Assumption(CLOCK, clock, by)]
         more += [] if direction is None else [attrs.evolve(direction, what=POSE)]
         return sequence_of(self, path, pairs, facts, track=track, notes=notes, more=more)
 
