@@ -311,6 +311,12 @@ def test_a_count_is_no_clock(folder):
         sequences.open(folder, PUBLISHED["traced"].options)
 
 
+def test_a_stated_rate_takes_the_place_of_the_trace_s_clock(folder):
+    PUBLISHED["traced"].write(folder, taken(3))
+    sequence = sequences.open(folder, attrs.evolve(PUBLISHED["traced"].options, frames_rate_hz=10.0))
+    assert sequence.rate_hz == pytest.approx(10) and sequence.frames[2].pose.isclose(taken(3)[2].pose, 1e-9)
+
+
 def test_pictures_beyond_the_trace_are_left_out(folder):
     PUBLISHED["traced"].write(folder, taken(4))
     file = folder / "trajectory.txt"

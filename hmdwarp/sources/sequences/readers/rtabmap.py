@@ -33,7 +33,7 @@ from ._dataset import axes_of, clock_of, instant_ns, left_out, refuse_y_up, shar
 # The world is that of ROS, x forward and z up; the camera is optical.
 _AXES = "world=-y,z,x head=x,-y,z"
 _UNIT = 0.001
-_LIST = re.compile(r"^(\w+):\s*(?:\n\s+(?:rows|cols):\s*\d+)*\s*\n\s+data:\s*\[([^\]]*)\]", re.MULTILINE)
+_LIST = re.compile(r"^(\w+):[^\n]*\n(?:\s+(?:rows|cols|dt):[^\n]*\n)*\s+data:\s*\[([^\]]*)\]", re.MULTILINE)
 _NUMBER = re.compile(r"^(image_width|image_height):\s*(\d+)\s*$", re.MULTILINE)
 
 
