@@ -101,11 +101,11 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
         folder / "a.txt", files.fields(files.SECONDS[:100], files.poses(TRACK).reshape(-1, 16)), ""
     ),
     "mcap": lambda folder: save(TRACK, folder / "a.mcap", "mcap"),
-    "motive": lambda folder: (files.motive(folder / "a.csv"), folder / "a.csv")[1],
+    "motive": lambda folder: files.lined(folder / "a.csv", files.motive()),
     "multiviewpoint": lambda folder: write(folder / "a.txt", TURNED, "timestamp viewpoint w x y z", " "),
     "named": _table(f"time,{_TIMED}"),
     "native": lambda folder: save(TRACK, folder / "a.csv", "native"),
-    "qualisys": lambda folder: files.qualisys(folder / "a.tsv"),
+    "qualisys": lambda folder: files.lined(folder / "a.tsv", files.qualisys()),
     "questset": _table(f"LeftTouchPosX,time,{_HEAD}", "wxyz", "0"),
     "ros2_csv": lambda folder: write(
         folder / "a.csv",
@@ -116,7 +116,7 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
         folder / "a.csv", rows(TRACK, stamp=lambda ns: str(638 * 10**15 + ns // 100)), f"timestamp,{_TIMED}"
     ),
     "tum": lambda folder: save(TRACK, folder / "a.tum", "tum"),
-    "unreal": lambda folder: files.unreal(folder / "a.csv"),
+    "unreal": lambda folder: files.lined(folder / "a.csv", files.unreal()),
     "vectors": _text(files.VECTORS["NumPy"]),
 }
 _MARKS = {param.values[0]: param.marks for param in WRITERS}
