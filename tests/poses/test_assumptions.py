@@ -62,6 +62,12 @@ def test_an_assumption_says_who_says_it(who, said):
     assert assumption_rows([one]) == [{"what": "length", "value": "1 m per unit", "by": who.value, "option": "--scale"}]
 
 
+def test_notes_name_what_nobody_says(tmp_path):
+    notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes()
+    assert any("as nobody says it" in note and "length 1 m per unit (--scale states it)" in note for note in notes)
+    assert load_trace("walk").notes() == []
+
+
 def test_the_first_that_states_a_fact_is_believed():
     assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
     assert first_stated(None, None, None) == (None, By.NOBODY)

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
 from .. import quaternions
-from ..assumptions import Assumption, By
+from ..assumptions import Assumption, By, unstated
 from ..options import TraceOptions
 from ..stated import Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
 from .alignment import Alignment
-from .assumed import WRAP, is_inverse
+from .assumed import AXES, UP, WRAP, is_inverse
 from .clocks import Wraps, absurd_rows, midnights, wraps_of
 from .columns import head_rank
 from .file_head import Head
@@ -73,9 +73,10 @@ class LoadedTrace:
     assumptions: tuple[Assumption, ...] = ()  # every fact by which the file was read, and who says it
 
     def notes(self) -> list[str]:
-        """Return a line for each defect, and one for axes that are only assumed."""
+        """Return a line for each defect, and of the facts that are only assumed."""
         assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
-        return [*assumed, *map(str, self.defects)]
+        others = (one for one in self.assumptions if one.what not in (AXES, UP))
+        return [*assumed, *(f"The trace: {note}" for note in unstated(others)), *map(str, self.defects)]
 
     @property
     def axes(self) -> str:
