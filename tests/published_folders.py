@@ -129,16 +129,24 @@ def write_video(path: Path, frames: list[Taken]) -> None:
         container.mux(stream.encode())
 
 
-def write_stray_scanner(folder: Path, frames: list[Taken], stride: int = 1) -> None:
-    """Write with the world of ARKit, which is OpenXR's. stride: of the depth's pixels."""
+def write_stray_scanner(folder: Path, frames: list[Taken], stride: int = 1, focus: tuple[float, ...] = ()) -> None:
+    """Write with the world of ARKit, which is OpenXR's.
+
+    stride: of the depth's pixels. focus: of each frame, as a share of FX, in the app's later form.
+    """
     write_video(folder / "rgb.mp4", frames)
-    lines = ["timestamp, frame, x, y, z, qx, qy, qz, qw"]
+    later = ", fx, fy, cx, cy, distortion_center_x, distortion_center_y" if focus else ""
+    lines = [f"timestamp, frame, x, y, z, qx, qy, qz, qw{later}"]
     for i, one in enumerate(frames):
         write_depth(folder / f"depth/{i:06}.png", attrs.evolve(one, depth_m=one.depth_m[::stride, ::stride]), 1000)
         pose = seven_numbers(camera_matrix(one, OPTICAL, np.asarray)).replace(" ", ", ")
-        lines.append(f"{seconds(1000 * 10**9 + one.time_ns)}, {i:06}, {pose}")
+        lines.append(f"{seconds(1000 * 10**9 + one.time_ns)}, {i:06}, {pose}{_focused(focus, i)}")
     _text(folder / "odometry.csv", "\n".join(lines) + "\n")
     _text(folder / "camera_matrix.csv", f"{FX}, 0.0, {CX}\n0.0, {FY}, {CY}\n0.0, 0.0, 1.0")
+
+
+def _focused(focus: tuple[float, ...], number: int) -> str:
+    return f", {FX * focus[number]}, {FY * focus[number]}, {CX}, {CY}, , " if focus else ""
 
 
 def ros(v: np.ndarray) -> np.ndarray:
@@ -292,6 +300,7 @@ PUBLISHED = {
     "replica": Form("replica", write_replica, colour_within=JPEG),
     "tartanair": Form("tartanair", write_tartanair, STATED),
     "stray_scanner": Form("stray_scanner", write_stray_scanner),
+    "stray_scanner_later": Form("stray_scanner", partial(write_stray_scanner, focus=(1.0,) * 9)),
     "rtabmap": Form("rtabmap", write_rtabmap, colour_within=JPEG),
     "rtabmap_robot": Form("rtabmap", partial(write_rtabmap, robot=True), colour_within=JPEG),
     "open3d": Form("open3d", write_open3d),

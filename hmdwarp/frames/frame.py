@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import attrs
 
 from ..geometry import View
+from ..poses import PoseSample
 from .layers import Layer, layers
 from .needs import Needs
 
 if TYPE_CHECKING:
     import moderngl
-
-    from ..gpu.timers import Lap
-    from ..poses import PoseSample
 
 
 @attrs.frozen(eq=False)
@@ -82,6 +80,13 @@ class EyeImage:
             yield from layer.textures(data)
 
 
+class Timed(Protocol):
+    """The GPU's work for a frame, as gpu.timers.Lap has it."""
+
+    def read(self) -> Iterable[tuple[str, float]]:
+        """Return (stage, ms) of each stage; waits for the GPU if it has not finished."""
+
+
 @attrs.frozen(eq=False)
 class Frame:
     """All eyes as the server drew them."""
@@ -92,7 +97,7 @@ class Frame:
     # are known.
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
-    drawing: Lap | None = None
+    drawing: Timed | None = None
     # Milliseconds of work on its way, by name (render, encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
 

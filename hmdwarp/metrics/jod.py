@@ -11,16 +11,14 @@ from __future__ import annotations
 import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ..resources import import_extra
+from .job import Compared
 from .metric import Figure
-
-if TYPE_CHECKING:
-    from .job import Compared
 
 EXTRA, PACKAGE = "jod", "cvvdp"
 TRUTH_JOD = 10.0

@@ -5,16 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import attrs
 
 from ..errors import InputError
+from ..geometry import GuardBand
 from .declared import option
 from .limits import Number
-
-if TYPE_CHECKING:
-    from ..geometry import GuardBand
 
 AUTO = "auto"
 # Of a run and a bench; with prediction auto gains hardly more at 200 ms, and draws more.
@@ -107,8 +105,6 @@ def check_one_guard(said: Mapping[str, Any]) -> None:
 
 def guard_band(options: HasGuard) -> GuardBand:
     """Return the guard band of the options. Errors: InputError while it is "auto"."""
-    from ..geometry import GuardBand
-
     if isinstance(options.guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
     return GuardBand.of(options.guard) if options.rendered_size is None else GuardBand(size=options.rendered_size)

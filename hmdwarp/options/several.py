@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, listed
 from .declared import Option, option, option_of
 
 Split = Callable[[str], list[str]]
@@ -45,10 +45,10 @@ def several(
     """
     one = option_of(field)
     said = (help or one.help).removesuffix(".")
-    shown = f"; by default {' and '.join(map(_text, default))}" if default else ""
+    shown = f"; by default {listed([*map(_text, default)])}" if default else ""
     return option(
         default,
-        f"{said}{shown}. For several, repeat it{', or put commas between' if not about.get('positional') else ''}.",
+        f"{said}{shown}. For several, repeat it{' or use commas' if not about.get('positional') else ''}.",
         **{
             "name": one.name,
             "kind": list,

@@ -6,8 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, TraceError
-from ..registry import unknown_name
+from ..errors import InputError, TraceError, unknown_name
 from ..resources import folder, recording_names
 from .assumptions import By
 from .formats import TraceFormat, column_of, column_of_devices, formats, of_matrix, ordered

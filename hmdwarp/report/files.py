@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, MachineError
+from .pictures import png_bytes
 
 _STEM = 60  # characters of a name that a partial file's name has
 _NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
@@ -246,6 +247,4 @@ def _field(value: Any) -> Any:
 
 def write_png(path: str | os.PathLike[str], picture: NDArray[Any]) -> None:
     """Write an (h, w, 3) or (h, w) uint8 picture, top row first, as PNG. Errors: as write_bytes."""
-    from .pictures import png_bytes
-
     write_bytes(path, png_bytes(picture))

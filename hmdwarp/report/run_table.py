@@ -79,7 +79,7 @@ def how_sure(summary: Summary, *, mark: str | None) -> str:
     mark: None where nothing is compared.
     """
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
-        return f"No intervals{f' and no {mark}' if mark else ''}: they take {LEAST_INSTANTS} measured refreshes"
+        return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
     return "±: 95 % interval of the mean" + (f"; {mark}: the best of the line, for sure (95 %)" if mark else "")
 
 

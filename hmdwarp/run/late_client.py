@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
@@ -14,9 +14,7 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for
 from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
-
-if TYPE_CHECKING:
-    from .replay_setup import ReplaySetup
+from .replay_setup import ReplaySetup
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
 

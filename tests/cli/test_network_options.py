@@ -90,7 +90,7 @@ def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
         .done()
         .out
     )
-    assert "lost on the network" in out and "Mbit/s" in out and "this machine's stages on top" in out
+    assert "lost on the network" in out and "Mbit/s" in out and "latency plus this machine's stages" in out
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")

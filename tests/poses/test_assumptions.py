@@ -8,6 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from published_folders import write_colmap
+from recorded_folders import taken
+from ros_bags import HAS_ROSBAGS, write_ros1
 
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import Assumption, By, assumption_rows, first_stated
@@ -98,6 +101,7 @@ _EYES = "Position{0},Position{1},Position{2},Quaternion{0},Quaternion{1},Quatern
 TURNED = [[row[0], "0", *row[4:]] for row in rows(TRACK, "wxyz")]
 SAMPLES: dict[str, Callable[[Path], Path]] = {
     "bids": _bids,
+    "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
     "euroc": lambda folder: save(TRACK, folder / "a.csv", "euroc"),
     "eyenavgs": _table(f"ViewIndex,FOV1,GazePosX,Timestamp,{_EYES}", "xyzw", "0", "1", "0"),
     "frame_wxyz": lambda folder: write(folder / "a.txt", TURNED, "", " "),
@@ -113,6 +117,7 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
     "native": lambda folder: save(TRACK, folder / "a.csv", "native"),
     "qualisys": lambda folder: files.lined(folder / "a.tsv", files.qualisys()),
     "questset": _table(f"LeftTouchPosX,time,{_HEAD}", "wxyz", "0"),
+    "rosbag": lambda folder: (write_ros1(folder, taken(3)), folder / "taken.bag")[1],
     "ros2_csv": lambda folder: write(
         folder / "a.csv",
         [["1", str(i * 10**7), *row[1:]] for i, row in enumerate(rows(TRACK))],
@@ -126,12 +131,14 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
     "vectors": _text(files.VECTORS["NumPy"]),
 }
 _MARKS = {param.values[0]: param.marks for param in WRITERS}
+_MARKS["rosbag"] = (pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed"),)
+_OPTIONS = {"colmap": TraceOptions(rate=90.0)}  # of files without a clock
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_MARKS.get(name, ())) for name in formats.names()])
 def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
     """A new format needs a sample here."""
-    loaded = load_trace(SAMPLES[name](tmp_path))
+    loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
     assert loaded.format == name
     entries = {one.what: one for one in loaded.assumptions}
     known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
 
 import attrs
 import typer
 
+from ...study import store
 from ...study.session import SessionOptions
 from .._options import QUIET, Said, takes
 from .._signals import Ended
-
-if TYPE_CHECKING:
-    from ...study.store import Session
 
 INTERRUPTED = 130
 
@@ -32,10 +29,10 @@ def _run(options: SessionOptions, quiet: bool) -> None:
     from ...study.session import run_session
 
     said: list[str] = []
-    ends: list[Session] = []
+    ends: list[store.Session] = []
     status = INTERRUPTED
 
-    def end(session: Session) -> None:
+    def end(session: store.Session) -> None:
         ends.append(session)
         if quiet and options.participant.lower() == "new":
             typer.echo(session.code)

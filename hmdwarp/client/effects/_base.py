@@ -8,11 +8,11 @@ from typing import ClassVar
 
 import attrs
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...frames import Needs
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
-from ...registry import Registry, unknown_name
+from ...registry import Registry
 from ...scenes import Mesh, Scene
 from ..carry import Carry
 from ..client_scene import ClientScene

@@ -8,17 +8,14 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
 from .layout import Size, window_size
-from .window_system import XConnection, last_error, mode_of, screen_of, screen_text
-
-if TYPE_CHECKING:
-    from .window_system import VideoMode, WindowHandle
+from .window_system import VideoMode, WindowHandle, XConnection, last_error, mode_of, screen_of, screen_text
 
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 _NO_ERROR = 0  # GL_NO_ERROR

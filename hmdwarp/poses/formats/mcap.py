@@ -11,7 +11,8 @@ from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
-from ..reading.mcap_messages import COLUMNS, EXTRA, METADATA
+from ..reading.mcap_messages import EXTRA, METADATA
+from ..reading.pose_messages import COLUMNS
 from ..stated import Defect, Layout
 from ..track import PoseTrack
 from ._base import TraceFormat, clock_offset_ns, formats
@@ -51,8 +52,9 @@ class Mcap(TraceFormat):
     schemas; ROS REP 103 and REP 105.
     """
 
-    name = "mcap"
+    name = kind = "mcap"
     summary = "MCAP of ROS 2 or Foxglove: poses, transforms, odometry; ROS axes (pip install 'hmdwarp[mcap]')"
+    file = "MCAP file"  # for messages
     writes = True
     binary = True
     axes_written = AXES
@@ -62,12 +64,9 @@ class Mcap(TraceFormat):
         **{"order_by": By.FORMAT, "direction_by": By.FORMAT},
     }
 
-    def sniff(self, head: Head, options: TraceOptions) -> int:
-        return 100 if head.source.kind == self.name else 0
-
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        if head.source.kind != self.name:
-            raise TraceError(f"{head.path} is no MCAP file ({head.describe()}): leave --format out, or name its own")
+        if head.source.kind != self.kind:
+            raise TraceError(f"{head.path} is no {self.file} ({head.describe()}): leave --format out, or name its own")
         stamped = any(int(row[0]) for row in head.rows)
         return Layout(
             time=COLUMNS.index("stamp_ns" if stamped else "log_time_ns"),

@@ -11,9 +11,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...options.tables import Table
-from ...registry import unknown_name
 from .. import quaternions
 
 OPENXR = "openxr"

@@ -10,6 +10,8 @@ from typing import Any
 
 from ...errors import HmdwarpError, TraceError
 from ...resources import import_extra
+from .made import Made
+from .pose_messages import PoseMessages, StampedPose, has_poses, poses_in
 
 EXTRA = "bags"
 MAGICS = (b"#ROSBAG V2.0", b"SQLite format 3\x00")  # of files that only rosbags reads
@@ -81,3 +83,24 @@ class Bag:
 def stamp_ns(stamp: Any) -> int:
     """Return the nanoseconds of a stamp."""
     return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def table_of_bag(path: Path) -> Made:
+    """Return every pose of the messages that hold one, in the order they were logged.
+
+    Errors: TraceError without any, or for damaged data; MachineError where rosbags is missing.
+    """
+    return _Reading(path).table()
+
+
+class _Reading(PoseMessages):
+    kind = "rosbag"
+    file = "a bag"
+    wanted = "of ROS 1 or ROS 2"
+
+    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
+        bag = Bag(self.path)
+        self.held = {topic: name for topic, name in bag.topics.items() if not has_poses(name)}
+        for topic, logged_ns, message in bag.messages(bag.topics.keys() - self.held.keys()):
+            for pose in poses_in(bag.topics[topic], message):
+                yield topic, logged_ns, pose

@@ -18,7 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from .bags import MAGICS as BAGS
+from .bags import table_of_bag
 from .cells import holds_vectors, table_of_cells
+from .colmap import MARK, table_of_colmap
 from .json_records import table_of_json
 from .made import Made
 from .mcap_messages import MAGIC, table_of_mcap
@@ -158,8 +161,14 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
         size = whole.seek(0, os.SEEK_END)
         whole.seek(0)
         return table_of_mcap(path, whole, size)
+    return table_of_bag(path) if start.startswith(BAGS) else _made_of_text(path, start, file)
+
+
+def _made_of_text(path: Path, start: bytes, file: BinaryIO) -> Made | None:
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
         return table_of_json(file.read())
+    if MARK in start[:200]:
+        return table_of_colmap(path, file.read())
     if (export := export_reader(path, start)) is not None:
         return export(path, file.read().decode("utf-8-sig", "replace"))
     if holds_vectors(start.decode("utf-8", "replace").splitlines()):
@@ -194,7 +203,7 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
 
 def _inside(path: Path) -> str:
     try:
-        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap"))
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3"))
     except OSError:
         return ""
     return f", for instance {found[0]} in it" if found else ""

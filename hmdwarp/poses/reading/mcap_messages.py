@@ -3,45 +3,20 @@
 from __future__ import annotations
 
 import json
-import operator
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import IO, Any
 
-import attrs
-
 from ...errors import HmdwarpError, TraceError
 from ...resources import import_extra
 from ..stated import Defect
 from .made import Made
+from .pose_messages import PoseMessages, StampedPose, has_poses, poses_in
 
 MAGIC = b"\x89MCAP0\r\n"
 EXTRA = "mcap"
 METADATA = "hmdwarp"  # name of the record that states the axes and the origin
-COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
-# Where messages have their time, the frame they are in, the frame they move, and their pose.
-_STAMPED = ("header.stamp", "header.frame_id")
-_FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
-    "foxglove.PoseInFrame": ("timestamp", "frame_id", None, "pose.position", "pose.orientation"),
-    "foxglove.FrameTransform": ("timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"),
-    "geometry_msgs/PoseStamped": (*_STAMPED, None, "pose.position", "pose.orientation"),
-    "geometry_msgs/PoseWithCovarianceStamped": (*_STAMPED, None, "pose.pose.position", "pose.pose.orientation"),
-    "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
-    "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
-}
-_LISTS = {"foxglove.FrameTransforms": "foxglove.FrameTransform", "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped"}
-_STATIC = "tf_static"  # topic of transforms that never change: no head
-_XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
-_PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
-
-
-@attrs.frozen
-class _Pose:
-    stamp_ns: int  # 0 where the message has none
-    parent: str
-    child: str
-    numbers: tuple[float, ...]  # position, then quaternion xyzw
 
 
 def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
@@ -52,47 +27,21 @@ def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
     return _Reading(path, stream, size).table()
 
 
-class _Reading:
+class _Reading(PoseMessages):
+    kind = "mcap"
+    file = "an MCAP file"
+    wanted = "as JSON, protobuf or ROS 2's CDR"
+
     def __init__(self, path: Path, stream: IO[bytes], size: int) -> None:
-        self.path, self.stream = path, stream
+        super().__init__(path)
+        self.stream = stream
         self._mcap = import_extra("mcap.reader", "mcap", EXTRA)
         self._how = {"validate_crcs": True, "record_size_limit": size}
         modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
         self._factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
         self._decoders: dict[int, Callable[[bytes], Any] | None] = {}
-        self._comments: list[str] = []
-        self._defects: list[Defect] = []
-        self._held: dict[str, str] = {}  # what the other topics hold, in words
-        self._frames: dict[str, str] = {}  # by topic of a transform: its parent
-        self._children: dict[str, str] = {}  # by frame: the frame it is in
 
-    def table(self) -> Made:
-        rows = []
-        for topic, logged_ns, pose in self._poses():
-            if pose.child:
-                self._children.setdefault(pose.child, pose.parent)
-            if topic.rpartition("/")[2] == _STATIC:
-                continue
-            name = " ".join(f"{topic} {pose.child}".replace(",", " ").replace('"', " ").split())
-            self._frames.setdefault(name, pose.parent)
-            rows.append(",".join((str(pose.stamp_ns), str(logged_ns), name, *map(repr, pose.numbers))))
-        if not rows:
-            raise TraceError(f"{self.path} is an MCAP file without poses{self._others()}: expected {_wanted()}")
-        text = "\n".join([*self._comments, ",".join(COLUMNS), *rows, ""]).encode()
-        return Made("mcap", text, defects=tuple(self._defects), nested=dict(self._nested()))
-
-    def _nested(self) -> Iterator[tuple[str, Defect]]:
-        for name, parent in self._frames.items():
-            if parent in self._children:
-                what = f"its poses are in frame '{parent}', which is itself in frame '{self._children[parent]}'"
-                yield name, Defect("frame-nested", what, "taken as they are; transforms are not chained")
-
-    def _others(self) -> str:
-        held = [f"{topic} ({what})" for topic, what in self._held.items()]
-        return f" that can be read; it holds {', '.join(held[:8])}" if held else ""
-
-    def _poses(self) -> Iterator[tuple[str, int, _Pose]]:
-        """Yield topic, time of logging and pose. Errors: TraceError."""
+    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
         count = 0
         reader, whole = self._reader()
         try:
@@ -100,7 +49,7 @@ class _Reading:
                 name = "" if schema is None else schema.name.replace("/msg/", "/")
                 decode = self._decoder(name, schema, channel)
                 if decode is not None:
-                    for pose in _poses_in(name, decode(message.data)):
+                    for pose in poses_in(name, decode(message.data)):
                         count += 1
                         yield channel.topic, message.log_time, pose
         except HmdwarpError:
@@ -110,7 +59,7 @@ class _Reading:
             if whole is not None or not count:
                 raise TraceError(f"{self.path}: its MCAP data are damaged ({why}): copy or record it again") from None
             what = f"the file ends in the middle, after {count} poses ({why})"
-            self._defects.append(Defect("file-cut", what, "read up to there"))
+            self.defects.append(Defect("file-cut", what, "read up to there"))
 
     def _reader(self) -> tuple[Any, Any]:
         """Return a reader, and the index of a file that was closed as it should be, else None."""
@@ -127,7 +76,7 @@ class _Reading:
 
     def _state(self, reader: Any) -> None:
         stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
-        self._comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
+        self.comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
 
     def _topics(self, index: Any) -> list[str] | None:
         """Return the topics with poses; None for all. Only their parts of the file are read."""
@@ -142,9 +91,9 @@ class _Reading:
 
     def _decoder(self, name: str, schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
         if channel.id not in self._decoders:
-            found = self._decoder_of(schema, channel.message_encoding) if name in _FIELDS or name in _LISTS else None
+            found = self._decoder_of(schema, channel.message_encoding) if has_poses(name) else None
             if found is None:
-                self._held[channel.topic] = f"{name or 'no schema'}, {channel.message_encoding}"
+                self.held[channel.topic] = f"{name or 'no schema'}, {channel.message_encoding}"
             self._decoders[channel.id] = found
         return self._decoders[channel.id]
 
@@ -152,24 +101,3 @@ class _Reading:
         if encoding == "json":
             return lambda data: json.loads(data, object_hook=lambda found: SimpleNamespace(**found))
         return next(filter(None, (f.decoder_for(encoding, schema) for f in self._factories)), None)
-
-
-def _poses_in(name: str, message: Any) -> Iterator[_Pose]:
-    if name in _LISTS:
-        for transform in message.transforms:
-            yield from _poses_in(_LISTS[name], transform)
-        return
-    stamp, parent, child, position, orientation = (
-        "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]
-    )
-    numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
-    yield _Pose(_nanoseconds(stamp), parent, child, numbers)
-
-
-def _nanoseconds(stamp: Any) -> int:
-    whole, rest = next(pair for pair in _PARTS_OF_STAMPS if all(hasattr(stamp, part) for part in pair))
-    return int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
-
-
-def _wanted() -> str:
-    return f"messages of {', '.join([*_FIELDS, *_LISTS])}, as JSON, protobuf or ROS 2's CDR"

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
-from recorded_folders import FX, STATED, fov_of, taken
+from recorded_folders import FX, SIZE, STATED, fov_of, taken
+from ros_bags import BAGS, HAS_ROSBAGS
 
-from hmdwarp import WarpMap
+from hmdwarp import View, Warper, WarpMap
 from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
@@ -62,6 +63,14 @@ WRONG = [
     ("traced", "intrinsics.txt", "40 0 17\n0 42 11\n", ("intrinsics.txt: 6 numbers; expected fx fy cx cy",)),
     ("traced_matrices", "poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n" * 2, ("2 poses in poses.txt for 3 pictures",)),
 ]
+
+
+ALL = PUBLISHED | BAGS
+
+
+def need(form: str) -> None:
+    if form in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
 
 
 @pytest.fixture
@@ -120,6 +129,28 @@ def test_a_pixel_is_seen_where_the_truth_sees_it(form, folder):
         for (one, two), depth in zip(((first.view, last.view), (view, other)), inverse, strict=True)
     )
     assert np.abs(found - expected).max() < 0.02 and np.abs(expected - at - 0.5).max() > 1
+
+
+@pytest.fixture(scope="module")
+def warper():
+    with Warper(SIZE, fill="none") as warper:
+        yield warper
+
+
+@pytest.mark.parametrize("form", ALL)
+def test_a_warp_of_what_is_read_is_the_warp_of_the_truth(form, folder, warper):
+    """From the first frame to the last: within what a JPEG and half a step of depth change."""
+    frames = taken(3, step_m=0.05, step_deg=3)
+    need(form)
+    ALL[form].write(folder, frames)
+    first, *_, last = sequences.open(folder, ALL[form].options).frames
+    rendered, shown = (View(one.pose, fov_of()) for one in (frames[0], frames[-1]))
+    true = warper.warp(frames[0].colour, frames[0].depth_m, rendered=rendered, shown=shown)
+    found = warper.warp(*first.read(), rendered=first.view, shown=last.view)
+    both = (true.coverage > 0.999) & (found.coverage > 0.999)
+    assert both.mean() > 0.7 and (both == (true.coverage > 0.999)).mean() > 0.97
+    assert np.abs(found.colour.astype(int) - true.colour)[both].mean() < 1.5
+    assert np.abs(true.colour.astype(int) - frames[0].colour)[both].mean() > 10
 
 
 @pytest.mark.parametrize(("form", "bad"), [("seven_scenes", "nan"), ("scannet", "-inf")])
@@ -197,6 +228,19 @@ def test_depth_of_a_telephone_has_fewer_pixels_than_its_video(folder):
     write_stray_scanner(folder, taken(1), stride=2)
     found = sequences.open(folder).frames[0].depth_m
     assert np.array_equal(found, np.repeat(np.repeat(found[::2, ::2], 2, 0), 2, 1)) and found.shape == (24, 36)
+
+
+def test_a_focus_that_breathes_is_taken_in_the_middle(folder):
+    """Within 0.5 % of the width at the border, and beyond it each frame has its own."""
+    write_stray_scanner(folder, taken(3), focus=(1.0, 1.002, 1.004))
+    sequence = sequences.open(folder)
+    left, right, _, _ = sequence.frames[0].fov.tangents
+    assert right - left == pytest.approx(36 / FX / 1.002)
+    assert len({frame.fov for frame in sequence.frames}) == 1
+    assert "differ from frame to frame, by up to" in sequence.notes[0]
+    write_stray_scanner(folder, taken(3), focus=(1.0, 1.1, 1.2))
+    wide = [frame.fov.tangents[1] - frame.fov.tangents[0] for frame in sequences.open(folder).frames]
+    assert wide == pytest.approx([36 / FX, 36 / FX / 1.1, 36 / FX / 1.2])
 
 
 def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import glfw
 from imgui_bundle import imgui
 
 from ..window_input import label
-
-if TYPE_CHECKING:
-    from ..window_system import WindowHandle
+from ..window_system import WindowHandle
 
 NOWHERE = (-3.4e38, -3.4e38)  # Dear ImGui's value for an absent mouse
 BUTTONS = 3  # left, right, middle

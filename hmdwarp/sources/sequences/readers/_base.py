@@ -362,6 +362,10 @@ class Row:
             raise self.wrong(f"{count} finite numbers")
         return values
 
+    def first(self, count: int) -> list[float]:
+        """Return its first numbers, whatever follows. Errors: as floats."""
+        return attrs.evolve(self, words=self.words[:count]).floats(count)
+
     def wrong(self, expected: str) -> InputError:
         """Return the error for another content than expected."""
         return InputError(f"{self.where}: '{' '.join(self.words)[:60]}'; expected {expected}")
