@@ -17,11 +17,11 @@ from ..assumptions import Assumption, By, unstated
 from ..options import TraceOptions
 from ..stated import Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
-from .alignment import Alignment
 from .assumed import AXES, UP, WRAP, is_inverse
 from .clocks import Wraps, absurd_rows, midnights, wraps_of
 from .columns import head_rank
 from .file_head import Head
+from .judged_axes import JudgedAxes
 from .plausibility import (
     find_jumps,
     inverted,
@@ -101,7 +101,7 @@ class Cleaner:
         self.segments: list[Segment] = []
         self.time_ns: NDArray[np.int64] = np.zeros(0, np.int64)  # of each row, once `read_times` has run
         self.time_unit = ""
-        self.alignment = Alignment(layout, options, self.where, self._note)
+        self.judged = JudgedAxes(layout, options, self.where, self._note)
         self.wrap = ""  # where the clock begins again, in words
         self.epoch_ns = 0
         self.device = ""
@@ -125,7 +125,7 @@ class Cleaner:
         self.report_repeats()
         self.report_gaps()
         jumps = self.find_jumps()
-        self.alignment.report_tilt(self.rows.orientation)
+        self.judged.report_tilt(self.rows.orientation)
         self.need_two_rows()
         track = PoseTrack(
             self.time_ns - self.time_ns[0],
@@ -133,7 +133,7 @@ class Cleaner:
             self.rows.orientation,
             name=self.path.stem,
             origin=origin,
-            axes=self.alignment.words(),
+            axes=self.judged.words(),
             notes=[str(d) for d in self.defects],
             epoch_ns=self.epoch_ns,
             jumps=jumps,
@@ -147,9 +147,9 @@ class Cleaner:
             self.segments,
             self.time_unit,
             "",
-            self.alignment.axes_by is By.NOBODY,
+            self.judged.axes_by is By.NOBODY,
             self.device,
-            (*self.alignment.assumptions(self.layout, self.time_unit, self.rows.position is not None), *wrap),
+            (*self.judged.assumptions(self.layout, self.time_unit, self.rows.position is not None), *wrap),
         )
 
     def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
@@ -389,7 +389,7 @@ class Cleaner:
         if not run or not (default or run >= 3):
             return
         change = slice(run - 1, run + 1)
-        metres = None if p is None else p[change] * self.alignment.scale()
+        metres = None if p is None else p[change] * self.judged.scale()
         if not len(find_jumps(self.time_ns[change], q[change], metres)):
             return
         what = f"the first {run} rows hold one default pose, then the head jumps"
@@ -453,9 +453,9 @@ class Cleaner:
 
     def turn_and_scale(self) -> None:
         """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
-        self.alignment.weigh(self.time_ns, self.rows)
-        self.alignment.axes.apply(self.rows.position, self.rows.orientation)
-        scale = self.alignment.scale()
+        self.judged.weigh(self.time_ns, self.rows)
+        self.judged.axes.apply(self.rows.position, self.rows.orientation)
+        scale = self.judged.scale()
         if self.rows.position is None:
             self._note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
         elif scale != 1:

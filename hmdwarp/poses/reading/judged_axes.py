@@ -45,7 +45,7 @@ _ORDERS = {
 Note = Callable[[str, str, str], None]  # records a defect: its kind, what it is, what was done
 
 
-class Alignment:
+class JudgedAxes:
     """What turns a file's poses into OpenXR's axes, and who says so."""
 
     def __init__(self, layout: Layout, options: TraceOptions, where: str, note: Note) -> None:
