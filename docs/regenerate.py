@@ -34,6 +34,7 @@ BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
+    "trace formats": ("-m hmdwarp list formats --markdown", True),
     "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
@@ -124,7 +125,7 @@ def bench(folder: Path, *ready: str) -> None:
     replace("warps", warps_table([row for row in rows if row["latency_ms"] == 200]))
     replace("warps later", later_table([row for row in rows if row["latency_ms"] > 200]))
     pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
-    readme(folder)
+    replace("results", front_page())
 
 
 def _flip(row: Mapping[str, Any]) -> float:
@@ -171,14 +172,9 @@ def later_table(rows: Sequence[dict[str, Any]]) -> str:
     return markdown(heads, cells, texts=2)
 
 
-def readme(_: Path) -> None:
-    """Write the tables of README.md: those of docs/, less some columns. Runs nothing."""
-    replace("results", front_page())
-
-
 def front_page() -> str:
     """Return both tables of README.md, each with a line that says what it shows."""
-    defaults = "From the thesis's method to the default, one change after the other: 200 ms late, 480x600 an eye."
+    defaults = "From the thesis's method to the default, one change at a time: 200 ms late, 480x600 an eye."
     machine = text_of("machine").split(";")[1].strip()
     warps = f"200 ms late, guard band 1.5, 1280x800 an eye, {machine}; each warp with the fill of the lowest FLIP."
     warps = textwrap.fill(" ".join(warps.split()), 100, break_on_hyphens=False)
@@ -268,7 +264,7 @@ def lists_of_tests(_: Path) -> None:
     from hard_cases.registry import markdown as hard_cases_table
 
     replace("hard-cases", hard_cases_table())
-    replace("layouts", layouts.layouts_table())
+    replace("trace layouts", layouts.layouts_table())
     replace("contradicted", layouts.contradicted_text())
 
 
@@ -296,9 +292,9 @@ OWN: Mapping[str, Callable[..., None]] = {
     "kills": kills,
     "keys": keys,
     "hard-cases": lists_of_tests,
-    "layouts": lists_of_tests,
+    "trace layouts": lists_of_tests,
     "pictures": pictures,
-    "readme": readme,
+    "readme": lambda _: replace("results", front_page()),
     # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.
     "gpu": lambda _, *ready: [gpu_tables.file_section(data) for data in read(ready)],
     "thesis-gpu": lambda folder, *ready: thesis(folder, *ready, marker="thesis gpu"),

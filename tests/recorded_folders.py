@@ -159,7 +159,7 @@ def write_icl_nuim(folder: Path, frames: list[Taken]) -> None:
 def write_numbered(folder: Path, frames: list[Taken]) -> None:
     """Write with a line of a pose for each picture."""
     _numbered(folder, frames, "color", 1000)
-    rows = (seven_numbers(camera_matrix(one, OPTICAL, y_down)) for one in frames)
+    rows = (seven_numbers(camera_matrix(frame, OPTICAL, y_down)) for frame in frames)
     (folder / "pose.txt").write_text("\n".join(rows), encoding="utf-8")
 
 

@@ -1,16 +1,12 @@
-"""hmdwarp check: which conventions make somebody's frames agree with each other."""
+"""hmdwarp check: the conventions under which frames agree with each other."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import typer
 
+from .. import check as conventions
 from ..check.options import CheckOptions
 from ._options import JSON, Said, as_json, takes
-
-if TYPE_CHECKING:
-    from ..check import Answer
 
 
 @takes(CheckOptions, JSON)
@@ -39,19 +35,19 @@ def check(said: Said) -> None:
         typer.echo(f"picture: {options.out}")
 
 
-def _print(answer: Answer) -> None:
+def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
     paragraph(answer.headline())
     if not answer.agree:
         return
-    width = max(len(one.label) for one in answer.findings)
-    for one in (one for one in answer.findings if one.told):
-        mark = "" if one.as_stated else "  <- not as stated"
-        sure = f"  ({one.margin:.0f} standard errors ahead)" if one.margin is not None else ""
-        typer.echo(f"  {one.label:<{width}}  {one.value}{sure}{mark}")
-    for one in (one for one in answer.findings if not one.told):
-        paragraph(f"{one.label} cannot be told from these frames: {one.why}")
+    width = max(len(finding.label) for finding in answer.findings)
+    for finding in (finding for finding in answer.findings if finding.told):
+        mark = "" if finding.as_stated else "  <- not as stated"
+        sure = f"  ({finding.margin:.0f} standard errors ahead)" if finding.margin is not None else ""
+        typer.echo(f"  {finding.label:<{width}}  {finding.value}{sure}{mark}")
+    for finding in (finding for finding in answer.findings if not finding.told):
+        paragraph(f"{finding.label} cannot be told from these frames: {finding.why}")
     for other in answer.as_good:
         paragraph(f"These frames agree as well with {other}")
     if answer.code:

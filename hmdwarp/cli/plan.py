@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import typer
 
+from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, DEFAULT_GUARD, Option
 from ..pipeline.options import PipelineOptions
@@ -16,11 +17,6 @@ from ..pipeline.source_kinds import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
-
-if TYPE_CHECKING:
-    from ..client.plan import Plan, Step
-    from ..headsets import Headset
-    from ..pipeline import Source
 
 REPLAY = "replay"
 # 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
@@ -35,19 +31,15 @@ def plan(said: Said) -> None:
 
     Tells what makes the scene slow to draw, and what to do about it.
     """
-    from ..headsets import load_headset
-    from ..pipeline import source_of
-    from ..scenes import slow_in
-
     source = said["source"]
-    load_headset(said["headset"])
+    headsets.load_headset(said["headset"])
     kind, told = _driver(source)
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
-    frames = source_of(options)
+    frames = pipeline.source_of(options)
     options = frames.fitted(options)
-    slow, noted = list(slow_in(frames.scene)), [*frames.notes, *frames.scene.notes]
+    slow, noted = list(scenes.slow_in(frames.scene)), [*frames.notes, *frames.scene.notes]
     about = (_auto if options.warp == AUTO else _passes)(options, frames, told)
     if said["json"]:
         names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
@@ -71,7 +63,7 @@ class _About:
     notes: list[str] = attrs.field(factory=list)
 
 
-def _passes(options: PipelineOptions, source: Source, told: dict[str, Any]) -> _About:
+def _passes(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for, proxy_plan_for
 
     built = build_plan_for(options, source.headset, source.scene, **told)
@@ -123,7 +115,7 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, source: Source, told: dict[str, Any]) -> _About:
+def _auto(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
 
@@ -143,7 +135,7 @@ def _auto(options: PipelineOptions, source: Source, told: dict[str, Any]) -> _Ab
     return _About({"budget_ms": options.budget_ms, "instants": INSTANTS, "tries": tried}, show)
 
 
-def _auto_from_file(bench: Path, options: PipelineOptions, source: Source, told: dict[str, Any]) -> _About:
+def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.auto.levels import best_within
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
@@ -175,7 +167,7 @@ def _auto_from_file(bench: Path, options: PipelineOptions, source: Source, told:
     return _About(data, show, list(found.notes))
 
 
-def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dict[str, Any]:
+def _frame(options: PipelineOptions, headset: headsets.Headset, plans: list[client.Plan]) -> dict[str, Any]:
     """Return the bytes of frames that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..frames import frame_bytes
@@ -219,6 +211,6 @@ def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _told(step: Step) -> str:
+def _told(step: client.Step) -> str:
     reads = f"reads {', '.join(step.reads)}; " if step.reads else ""
     return f"{step.reason}\n{reads}writes {', '.join(step.writes)}"

@@ -5,10 +5,10 @@ from __future__ import annotations
 from ..client.effects import effects
 from ..client.lens import lenses
 from ..client.variants import parse_fills, parse_indirect, parse_warp
+from ..errors import unknown_name
 from ..link.codec import check_codec
 from ..options import AUTO
 from ..poses.predictors import predictors
-from ..registry import unknown_name
 from ..sources.feed.options import FeedOptions
 from ..sources.server.draw import MIRRORS
 from .options import PipelineOptions

@@ -46,7 +46,7 @@ def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
         times = [s["time_ms"][figure.name] for s in summaries]
         rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
     if "miss" in summary:
-        entries = [one.get("miss", {}) for one in summaries]
+        entries = [summary.get("miss", {}) for summary in summaries]
         rows += [Row(each, tuple((each.text(e.get(each.name)), "") for e in entries), None) for each in MISS_FIGURES]
     return rows
 
@@ -62,9 +62,12 @@ def _best(figure: Figure, baselines: Sequence[Summary]) -> int | None:
     if figure.name not in _CONTESTS or not baselines:
         return None
     sign = 1 if metrics.get(figure.name).higher_is_better else -1
-    found = [one.get("difference", {}).get(figure.name) for one in baselines]
+    found = [baseline.get("difference", {}).get(figure.name) for baseline in baselines]
     # How much better the run is than each, 0 where that is not sure.
-    gains = [sign * one["mean"] if one and excludes_zero(one["interval"]) else 0.0 for one in found]
+    gains = [
+        sign * difference["mean"] if difference and excludes_zero(difference["interval"]) else 0.0
+        for difference in found
+    ]
     if min(gains) > 0:
         return 0
     return 1 + gains.index(min(gains)) if min(gains) < 0 else None
@@ -76,7 +79,7 @@ def how_sure(summary: Summary, *, mark: str | None) -> str:
     mark: None where nothing is compared.
     """
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
-        return f"No intervals{f' and no {mark}' if mark else ''}: they take {LEAST_INSTANTS} measured refreshes"
+        return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
     return "±: 95 % interval of the mean" + (f"; {mark}: the best of the line, for sure (95 %)" if mark else "")
 
 
@@ -90,10 +93,10 @@ def column_names(summary: Summary, *baselines: Summary) -> list[str]:
 
 
 def summary_table(summary: Summary, *baselines: Summary) -> Table:
-    """Return the table that ends a run: means (medians for times) with the bad tail beside them.
+    """Return the table that ends a run: means (medians for times) with the bad tail next to them.
 
     The best column of each quality line is bold and starred, so that it reads without colour too.
-    Only the first baseline has its tail beside it, where a terminal has room for no more.
+    Only the first baseline has its tail next to it, where a terminal has room for no more.
     """
     from rich.text import Text
 
@@ -126,5 +129,7 @@ def _head(figure: Figure) -> str:
 def _caption(summary: Summary, baselines: Sequence[Summary]) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: the worst 5 % begin there", f"times: median per eye, {clock}"]
-    lines[1] += "".join(f"; {one['warp']}: fill {one['fill']}, lens {one['lens']}" for one in baselines)
+    lines[1] += "".join(
+        f"; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
+    )
     return "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
@@ -14,9 +14,7 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for
 from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
-
-if TYPE_CHECKING:
-    from .replay_setup import ReplaySetup
+from .replay_setup import ReplaySetup
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
 
@@ -98,7 +96,7 @@ class LateClient:
     def _again(self, made: Refresh, instant_ns: int, *, stale: bool) -> Refresh:
         refresh = self._setup.loop.again(made, instant_ns)
         if self._turner is not None:
-            turned = tuple(self._turned(self._turner, *one) for one in zip(made.eyes, refresh.inputs, strict=True))
+            turned = tuple(self._turned(self._turner, *pair) for pair in zip(made.eyes, refresh.inputs, strict=True))
             self._setup.gpu.timer.collect()
             refresh = attrs.evolve(refresh, eyes=turned)
         return refresh if stale else attrs.evolve(refresh, laps=made.laps)

@@ -68,9 +68,9 @@ class RecentPoses:
         self.head_at(now_ns)
         kept = list(self._kept)
         return PoseTrack(
-            time_ns=np.array([one.time_ns for one in kept]),
-            position_m=np.array([one.pose.position_m for one in kept]),
-            orientation_xyzw=np.array([one.pose.orientation_xyzw for one in kept]),
+            time_ns=np.array([pose.time_ns for pose in kept]),
+            position_m=np.array([pose.pose.position_m for pose in kept]),
+            orientation_xyzw=np.array([pose.pose.orientation_xyzw for pose in kept]),
         )
 
     def close(self) -> None:

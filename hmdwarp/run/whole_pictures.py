@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 
+from ..client.inputs import PassInputs
+from ..client.plan import Plan
+from ..frames import EyeImage, Frame
 from ..frames.layers import layers
 from ..pipeline.layers_read import Reads
-
-if TYPE_CHECKING:
-    from ..client.inputs import PassInputs
-    from ..client.plan import Plan
-    from ..frames import EyeImage, Frame
-    from ..pipeline.loop import Loop, Refresh
-    from ..sources.server import Renderer
+from ..pipeline.loop import Loop, Refresh
+from ..sources.server import Renderer
 
 
 class WholePictures:
@@ -39,7 +35,7 @@ class WholePictures:
         if refresh.frame is not self._frame:
             self.close()
             self._frame = refresh.frame
-        return tuple(attrs.evolve(one, rendered=self._whole(one)) for one in every)
+        return tuple(attrs.evolve(eye_inputs, rendered=self._whole(eye_inputs)) for eye_inputs in every)
 
     def _whole(self, inputs: PassInputs) -> EyeImage:
         image = inputs.rendered

@@ -7,9 +7,10 @@ Diffuse Surfaces; Cohen and Wallace 1993, Radiosity and Realistic Image Synthesi
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -18,14 +19,8 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ._cache import cache_folder, read_arrays, write_arrays
-from ._scene import ATLAS, NEAREST_M
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from ._mesh import Mesh, Texture
-    from ._scene import Background, Lamp, Scene
+from ._mesh import Mesh, Texture
+from ._scene import ATLAS, NEAREST_M, Background, Lamp, Scene
 
 Array = NDArray[np.float64]
 VERSION = 2  # of stored rays; counted up with every change of them
@@ -425,7 +420,7 @@ def _corners_of(meshes: Sequence[Mesh]) -> Array:
 
 def _joined(first: Receivers, other: Receivers) -> Receivers:
     names = [field.name for field in attrs.fields(Patches)]
-    patches = Patches(*(np.concatenate([getattr(one.patches, name) for one in (first, other)]) for name in names))
+    patches = Patches(*(np.concatenate([getattr(scene.patches, name) for scene in (first, other)]) for name in names))
     corners, atlas = (
         np.concatenate(pair) for pair in ((first.blockers.corners, other.blockers.corners), (first.atlas, other.atlas))
     )
@@ -485,7 +480,7 @@ def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder:
     receivers = _still_receivers(meshes, textures)
     path = (folder or cache_folder()) / f"light-{_key(receivers, rays)}.npz"
     stored, shape = read_arrays(path, ("patch", "far")), (len(receivers.patches), rays)
-    if stored is not None and [one.shape for one in stored] == [shape, shape]:
+    if stored is not None and [array.shape for array in stored] == [shape, shape]:
         return _Rays(*_begun(receivers.patches, slice(None), rays), *stored)
     found = _cast(receivers, slice(None), rays)
     with suppress(OSError):

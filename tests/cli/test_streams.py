@@ -91,7 +91,7 @@ def test_quiet_prints_nothing(command, tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_nobody_complains_of_a_home_that_cannot_be_written(program, tmp_path):
+def test_a_read_only_home_causes_no_message(program, tmp_path):
     # The cache has a place: without one Mesa says so by itself.
     nowhere = {"HOME": os.devnull, "XDG_CONFIG_HOME": "", "MPLCONFIGDIR": "", "XDG_CACHE_HOME": str(tmp_path)}
     done = program(*REPLAY, tmp_path / "out", "--quiet", env=nowhere).done()
@@ -131,7 +131,7 @@ def test_a_terminal_without_the_table_s_characters_gets_question_marks(encoding,
     environment = {**ENVIRONMENT, "PYTHONIOENCODING": encoding}
     trace = tmp_path / "st\u2026.csv"  # an ellipsis, which neither has
     trace.write_bytes((folder("recordings") / "still.csv").read_bytes())
-    arguments = [str(trace) if one == "still" else one for one in REPLAY]
+    arguments = [str(trace) if argument == "still" else argument for argument in REPLAY]
     out = str(tmp_path / "out")
     done = subprocess.run([*PROGRAM, *arguments, out], capture_output=True, env=environment, check=False)
     assert done.returncode == 0 and not complaints(done.stderr)

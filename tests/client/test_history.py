@@ -24,11 +24,11 @@ def frame(drawn_ns: int) -> Frame:
 
 
 @given(KEEPS, SPACINGS, INSTANTS)
-def test_what_is_held_is_within_the_limits(keep, spacing_ns, instants):
+def test_held_frames_keep_within_the_limits(keep, spacing_ns, instants):
     history = History(keep, spacing_ns, lambda _: None)
     for now in instants:
         history.offer(frame(now))
-        held = [one.drawn_ns for one in history.frames]
+        held = [frame.drawn_ns for frame in history.frames]
         assert len(held) <= keep
         assert held == sorted(held, reverse=True), "newest first"
         assert all(newer - older >= spacing_ns for newer, older in zip(held, held[1:], strict=False))
@@ -54,7 +54,7 @@ def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, instan
 
 
 @given(SPACINGS, INSTANTS)
-def test_who_keeps_none_gives_each_back_at_once(spacing_ns, instants):
+def test_a_history_of_none_returns_each_frame_at_once(spacing_ns, instants):
     discarded: list[Frame] = []
     history = History(0, spacing_ns, discarded.append)
     for number, now in enumerate(instants, start=1):
@@ -67,5 +67,5 @@ def test_the_oldest_goes_when_a_newer_one_comes():
     history = History(2, 10 * MS, discarded.append)
     for now in (0, 5, 10, 14, 20, 30):
         history.offer(frame(now * MS))
-    assert [one.drawn_ns // MS for one in history.frames] == [30, 20]
-    assert [one.drawn_ns // MS for one in discarded] == [5, 14, 0, 10]
+    assert [frame.drawn_ns // MS for frame in history.frames] == [30, 20]
+    assert [frame.drawn_ns // MS for frame in discarded] == [5, 14, 0, 10]

@@ -156,7 +156,7 @@ def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
 
 def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
     choice = parse_warp(spec)
-    peeled = tuple(Surface(*world._textures(gpu, one.colour, one.inverse_depth)) for one in world.layers)
+    peeled = tuple(Surface(*world._textures(gpu, layer.colour, layer.inverse_depth)) for layer in world.layers)
     rendered = world.rendered.having(peeled=peeled)
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     warp.run(PassInputs(rendered, world.shown_view), canvas)
@@ -203,6 +203,6 @@ def test_impossible_numbers_of_layers_are_refused(layers):
         parse_warp(f"layered:layers={layers}")
 
 
-def test_what_it_needs_of_a_frame():
+def test_it_needs_these_layers_of_a_frame():
     choices = [parse_warp(f"layered:layers={n}") for n in (2, 3, 4)]
     assert [choice.entry.needs(choice.settings)["peeled"] for choice in choices] == [1, 2, 3]

@@ -192,7 +192,7 @@ def test_without_one_nothing_is_told_of_it(tmp_path):
         ({"proxy": True, "proxy_latency": -1.0}, "--proxy-latency -1 ms: expected"),
     ],
 )
-def test_what_makes_no_sense_is_refused(said, words):
+def test_contradictory_options_are_refused(said, words):
     with pytest.raises(InputError, match=words):
         build_plan_for(PipelineOptions.of(said), None, None)
 
@@ -217,6 +217,6 @@ def test_plan_tells_both():
     assert [step["name"] for step in told["passes"]] == ["warp none", "lens radial"]
     assert "warp iterative" in [step["name"] for step in told["proxy"]["passes"]]
     assert list(told["frame"]["layers"]) == ["rendered.colour"]
-    assert any("the proxy compensates it" in one["reason"] for one in told["left_out"])
+    assert any("the proxy compensates it" in entry["reason"] for entry in told["left_out"])
     done = hmdwarp("plan", "--strategy", "proxy", "--size", "96x80")
     assert "Passes of the proxy, in order:" in done.stdout

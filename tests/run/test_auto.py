@@ -131,7 +131,7 @@ def test_another_size_counts_in_proportion(tmp_path):
     )
 
 
-def test_what_this_program_has_not_is_left_out(tmp_path):
+def test_unknown_warps_of_a_bench_are_left_out(tmp_path):
     rows = [
         a_row("none", "none", 1.0, 0.3),
         a_row("teleport", "none", 2.0, 0.1),
@@ -256,7 +256,7 @@ def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
     options = {"warp": "auto", "budget_ms": 1e-3, "bench": a_bench(tmp_path / "b.json", rows)}
     live = LiveOptions(scene="planes", latency_ms=50.0, pictures=50, **options)
     summary = run_on(monkeypatch, OffscreenDisplay(gpu=gpu, asked=asked), live).summary
-    told = [(*one["what"], "over the budget" in one["reason"]) for one in summary["live"]["changes"]]
+    told = [(*change["what"], "over the budget" in change["reason"]) for change in summary["live"]["changes"]]
     down = ("warp", "fill", True)
     assert told == [down, ("latency", False), ("guard", False), down]
 
@@ -327,11 +327,11 @@ def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
         setup.loop.draw(setup.schedule.first_ns)
         refresh = setup.loop.show(setup.schedule.first_ns + setup.schedule.age_ns)
         assert all("peeled" in eye for eye in refresh.frame.eyes)
-        assert ["peeled" in one.rendered for one in refresh.inputs] == [gets_them, gets_them]
+        assert ["peeled" in inputs.rendered for inputs in refresh.inputs] == [gets_them, gets_them]
 
 
 @pytest.mark.parametrize("against", ["layered", "multi"])
-def test_what_the_compared_warp_needs_is_not_handed_to_the_run(tmp_path, against):
+def test_layers_of_a_compared_warp_are_not_handed_to_the_run(tmp_path, against):
     assert run(tmp_path, warp="forward", fill="pyramid", against=against, seconds=0.1).summary["frames"] > 0
 
 

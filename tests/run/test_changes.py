@@ -15,13 +15,13 @@ from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions
 from hmdwarp.run.commands import changed, choices, values
 
-OURS = [one.name for one in CONTROLS if not one.of_display]
+OURS = [control.name for control in CONTROLS if not control.of_display]
 OPTIONS = LiveOptions(scene="room", latency_ms=200, warp="forward", fill="interpolate", guard=1.5)
 
 
 def test_every_control_of_the_run_has_a_value_and_every_choice_its_words():
     assert set(values(OPTIONS)) == set(OURS)
-    assert set(choices()) == {one.name for one in CONTROLS if one.kind == "choice"}
+    assert set(choices()) == {control.name for control in CONTROLS if control.kind == "choice"}
     for name, known in choices().items():
         assert values(OPTIONS)[name] in known
         assert len(set(known)) == len(known) > 1
@@ -56,7 +56,7 @@ def test_numbers_stop_at_their_bounds(name, back):
     assert values(options)[name] == control(name).span[0 if back else 1]
 
 
-def test_what_is_in_no_list_steps_into_it():
+def test_a_value_outside_the_list_steps_into_it():
     """Settings of a warp's own, a scene from a file."""
     special = attrs.evolve(OPTIONS, warp="mesh:cut=slope", scene="model.glb")
     for name in ("warp", "scene"):
@@ -94,6 +94,6 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "value"), REFUSED)
-def test_what_cannot_be_meant_is_refused_by_name(name, value):
+def test_impossible_values_are_refused_by_name(name, value):
     with pytest.raises(InputError, match=name):
         changed(OPTIONS, Command(name, value))

@@ -40,8 +40,8 @@ def test_steps_pass_over_what_cannot_be(flat, back):
         seen.append(flat.options.warp)
     assert sorted(seen) == sorted(set(choices()["warp"]) - {"multi"} - still)
     assert flat.options.warp == "forward"
-    assert sum(ONE_EYE in one for one in said) == 1
-    assert all(ONE_EYE in one or "its light stands still" in one for one in said)
+    assert sum(ONE_EYE in line for line in said) == 1
+    assert all(ONE_EYE in line or "its light stands still" in line for line in said)
 
 
 def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):
@@ -52,7 +52,7 @@ def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):
     assert len(said) == 2
 
 
-def test_what_can_be_of_several_is_done(flat):
+def test_possible_commands_of_several_are_carried_out(flat):
     one = CommandHandler(flat, lambda text: None)
     assert one.handle([Command("warp", "multi"), Command("latency", 30.0), Command("warp", "backward")])
     assert (flat.options.warp, flat.options.latency_ms) == ("backward", 30)

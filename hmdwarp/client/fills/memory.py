@@ -98,16 +98,16 @@ class Memory(Fill):
             DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )
         others = [keyframe for keyframe in self._kept if keyframe.view is not rendered.view]
-        for one in most_useful(others, shown, rendered.view, self.settings.use):
-            slot = self._slots[one.slot]
-            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
+        for kept in most_useful(others, shown, rendered.view, self.settings.use):
+            slot = self._slots[kept.slot]
+            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, kept.view), shown, seeds=slot.seeds)
 
     def renew(self) -> None:
         self._last.clear()
 
     def _learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
-        rendered = inputs.as_drawn  # moving things can still be told apart in it
+        rendered = inputs.as_drawn  # moving things can still be distinguished in it
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:

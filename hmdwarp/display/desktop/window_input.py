@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import glfw
 
@@ -12,9 +12,7 @@ from ...poses import PoseSample
 from ...poses.walker import Walker
 from .. import Command
 from ..controls import MOVING, Control
-
-if TYPE_CHECKING:
-    from .window_system import WindowHandle
+from .window_system import WindowHandle
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control
 # everywhere; the help writes what the user's own keyboard has printed there.
@@ -70,7 +68,9 @@ class Keys:
 
         looks: whether the mouse turns the head.
         """
-        help_ = next((one for one in self.controls if one.name == "help" and not one.needs_text_panel), None)
+        help_ = next(
+            (control for control in self.controls if control.name == "help" and not control.needs_text_panel), None
+        )
         if help_ is None:
             return []
         return [f"{'click to look, ' if looks else ''}{(named or label)(help_.key)} for help"]

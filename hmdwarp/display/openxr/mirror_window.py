@@ -1,21 +1,17 @@
-"""A desktop window beside the headset: it mirrors the left eye and reads the keys."""
+"""A desktop window that mirrors the left eye of the headset and reads the keys."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ...gpu.textures import Canvas
 from .. import Closed, Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.window import Window
 from ..desktop.window_input import Keys, label, token
 from ..desktop.window_system import start
-from ..present import fitted
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..present import Presenter
+from ..present import Presenter, fitted
 
 SIZE = (480, 480)
 TITLE_NS = 250_000_000
@@ -35,7 +31,7 @@ class Mirror:
     """
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
-        self._keys = Keys(tuple(one for one in controls if one.name not in ELSEWHERE))
+        self._keys = Keys(tuple(control for control in controls if control.name not in ELSEWHERE))
         glfw = start()
         self._window = Window(glfw, "hmdwarp", SIZE, vsync=False)
         self.gl = self._window.gl
@@ -110,7 +106,7 @@ class Mirror:
 
 def help_text(controls: tuple[Control, ...]) -> str:
     """Return every control that works here, a line each."""
-    shown = [(one, "end" if one.name == QUIT else one.what) for one in controls if one.what]
+    shown = [(control, "end" if control.name == QUIT else control.what) for control in controls if control.what]
     return "\n".join(f"{_keys_of(one)}\t{what}" for one, what in shown)
 
 

@@ -62,7 +62,7 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
 
 
 def _ball_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the bounds of the cube around a ball; of one beside the eye, the whole picture."""
+    """Return the bounds of the cube around a ball; near the eye, those of the picture."""
     signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
     corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
     corners = corners @ view.pose.rotation_matrix
@@ -232,8 +232,8 @@ class Ball(MirrorSurface):
 
     def _draw_around(self, around: Target, time_ns: int) -> None:
         passes = self._context.colour
-        for one in passes.moving:
-            one.set_time(time_ns)
+        for drawing in passes.moving:
+            drawing.set_time(time_ns)
         key = (time_ns if passes.moving else 0, passes.revision, self._context.textures.revision)
         if self._around is around and self._around_of == key:
             return

@@ -58,7 +58,7 @@ def run_session(
     if options.lsl:
         load_lsl()  # refuses a machine without it, before there is a store
     with ExitStack() as stack:
-        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
+        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program last
         folder = store_folder(design, options.store, options.origin)
         store = stack.enter_context(Store(folder, create=True, study=design.name, say=say))
         part, design = _planned(options, design, store)
@@ -190,8 +190,8 @@ class _Program:
             markers=self.markers,
         )
         every = self._all_options()
-        for one in every:
-            self.sources[one.scene_key] = self.sources.get(one.scene_key) or source_of(one)
+        for options in every:
+            self.sources[options.scene_key] = self.sources.get(options.scene_key) or source_of(options)
         wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, self.sources)
         self.words.recording = lambda: trials.recording

@@ -52,6 +52,8 @@ class SequenceReader:
 
     name = ""  # for --layout
     summary = ""  # its files, in one line
+    # Of the options that few layouts take (frames_axes, frames_topics), those that this one does.
+    takes: tuple[str, ...] = ()
     # What is taken for each of FACTS where files and options do not say it, and who says that.
     assumes: tuple[Assumption, ...] = ()
 
@@ -120,7 +122,7 @@ def facts_of(
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
+    camera_by, scale_by = (by if known is By.FORMAT else known for known in (camera_by, scale_by))
     return Facts(camera, float(scale), (intrinsics_fact(camera, camera_by), scale_fact(scale, scale_by)), only_for)
 
 
@@ -200,12 +202,12 @@ def sequence_of(
 
 def _refuse_other_size(reader: SequenceReader, folder: Path, facts: Facts, size: Size) -> None:
     """Raise InputError where numbers of a layout are for pictures of another size."""
-    open_facts = [one for one in facts.assumptions if one.by in (By.FORMAT, By.NOBODY)]
+    open_facts = [assumption for assumption in facts.assumptions if assumption.by in (By.FORMAT, By.NOBODY)]
     if facts.only_for in (None, size) or not open_facts:
         return
     (wide, high), (found_wide, found_high) = facts.only_for, size
-    taken = " and ".join(f"{one.what} {one.value}" for one in open_facts)
-    remedy = " ".join(_STATES[one.what] for one in open_facts)
+    taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
+    remedy = " ".join(_STATES[fact.what] for fact in open_facts)
     raise InputError(
         f"{folder}: pictures of {found_wide}x{found_high}, and what {reader.name} takes where files do not say it "
         f"({taken}) is for {wide}x{high}: give {remedy}, or write {CAMERA} there"
@@ -236,7 +238,7 @@ def made(
                 f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
             )
         if before.size != after.size:
-            sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
+            sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
             raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
     apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
     if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
@@ -359,6 +361,10 @@ class Row:
         if len(values) != count or not np.isfinite(values).all():
             raise self.wrong(f"{count} finite numbers")
         return values
+
+    def first(self, count: int) -> list[float]:
+        """Return its first numbers, whatever follows. Errors: as floats."""
+        return attrs.evolve(self, words=self.words[:count]).floats(count)
 
     def wrong(self, expected: str) -> InputError:
         """Return the error for another content than expected."""
