@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import typer
 
+from .. import geometry
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
+from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import Said, takes
-
-if TYPE_CHECKING:
-    from ..geometry import View
-    from ..sources.sequences import FrameFile
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
 NEEDS_A_SERVER = (
@@ -131,7 +129,7 @@ def warp(said: Said) -> None:
         )
 
 
-def _without_holes(frame: FrameFile, scale: float | None) -> tuple[Any, float | None]:
+def _without_holes(frame: sequences.FrameFile, scale: float | None) -> tuple[Any, float | None]:
     """Return the depth of a frame, infinite where it has none, and its scale.
 
     Depth of an unknown unit stays as it is.
@@ -148,7 +146,7 @@ def _without_holes(frame: FrameFile, scale: float | None) -> tuple[Any, float | 
     return np.where(metres <= 0, np.float32(np.inf), metres), None
 
 
-def _notes(frame: FrameFile, shown: View, options: WarpOptions) -> list[str]:
+def _notes(frame: sequences.FrameFile, shown: geometry.View, options: WarpOptions) -> list[str]:
     """Return what is assumed of a frame, and what its depth suggests."""
     import numpy as np
 
