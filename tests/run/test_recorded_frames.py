@@ -165,7 +165,7 @@ def test_layouts_give_the_same_figures(run, tmp_path):
             file = other / "transforms.json"
             camera = {"fl_x": fx, "fl_y": fy, "cx": cx + centre, "cy": cy + centre}
             file.write_text(json.dumps(json.loads(file.read_text()) | camera))
-        said = {} if centre else {"intrinsics": f"{fx},{fy},{cx},{cy}", "depth_scale": "0.0002"}
+        said = {} if centre else {"intrinsics": f"{fx},{fy},{cx},{cy}", "depth_scale": 0.0002}
         assert run(other, **said).summary["quality"]["psnr_db"]["mean"] == pytest.approx(expected, abs=0.3)
 
 
