@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from bisect import bisect_left
 from collections.abc import Callable
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..link.codec import check_codec
 from ..options import AUTO
 from ..pipeline.options import PipelineOptions
 from ..pipeline.requested import PoseRequest
-from ..poses import PoseSample, PoseSource, PoseTrack
+from ..poses import PoseSample, PoseSource, PoseTrack, jumps_between
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
 from ..registry import unknown_name
@@ -75,11 +75,14 @@ def pose_request(
 
 
 class RecentPoses:
-    """A pose source that keeps the last second of its answers."""
+    """A pose source that keeps the last second of its answers.
+
+    A recentre, a snap turn or a teleport is a jump of the track, as in a recording.
+    """
 
     def __init__(self, source: PoseSource) -> None:
         self._source = source
-        self._kept: deque[PoseSample] = deque()
+        self._kept: list[PoseSample] = []
 
     def start(self) -> None:
         """Start the source."""
@@ -88,20 +91,26 @@ class RecentPoses:
     def head_at(self, time_ns: int) -> PoseSample:
         """Return the source's pose, and keep it."""
         sample = self._source.head_at(time_ns)
-        if not self._kept or sample.time_ns > self._kept[-1].time_ns:
-            self._kept.append(sample)
-            while sample.time_ns - self._kept[0].time_ns > KEPT_NS:
-                self._kept.popleft()
+        kept = self._kept
+        # What was foretold before a jump, for the display, is of where the head is no more.
+        while kept and kept[-1].time_ns >= sample.time_ns and jumps_between([sample, kept[-1]]):
+            kept.pop()
+        at = bisect_left(kept, sample.time_ns, key=lambda one: one.time_ns)
+        # Within known motion nothing is added; between the two sides of a jump it says which is now.
+        if at == len(kept) or (at and kept[at].time_ns > sample.time_ns and jumps_between([kept[at - 1], kept[at]])):
+            kept.insert(at, sample)
+            del kept[: bisect_left(kept, sample.time_ns - KEPT_NS, key=lambda one: one.time_ns)]
         return sample
 
     def track_until(self, now_ns: int) -> PoseTrack:
         """Return the last second of motion, including the current pose."""
         self.head_at(now_ns)
-        kept = list(self._kept)
+        kept = self._kept
         return PoseTrack(
             time_ns=np.array([one.time_ns for one in kept]),
             position_m=np.array([one.pose.position_m for one in kept]),
             orientation_xyzw=np.array([one.pose.orientation_xyzw for one in kept]),
+            jumps=jumps_between(kept),
         )
 
     def close(self) -> None:

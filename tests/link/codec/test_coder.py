@@ -377,7 +377,7 @@ def _shift(before: np.ndarray, after: np.ndarray, axis: int, period: int = 24) -
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_chroma_stays_where_it_is(codec, axis):
-    """It lay half a pixel to the left: coded from between two pixels, decoded as from the left one."""
+    """It lay half a pixel left: coded from between two pixels, decoded as from the left one."""
     wave = 60 * np.sin(2 * np.pi * np.arange(192) / 24 + 0.7)
     line = 120 + wave[:, None] * (0, -0.1873, 1.8556)  # one luma, waves of Cb
     picture = opaque(np.broadcast_to(line[None] if axis else line[:, None], (192, 192, 3)).round().astype(np.uint8))
