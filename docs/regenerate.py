@@ -1,14 +1,15 @@
 """Run what the figures in README.md and docs/ come from, and write them there: `make docs`.
 
-`make docs OPTIONS=fills` renews one table (or picture), `OPTIONS="fills link"` two; without OPTIONS
-all that need nothing but this machine. Every figure is printed by the program; edit nothing between
-the markers by hand. A name may have files of earlier runs to use instead of a new one:
+`make docs OPTIONS=fills` renews one table (or picture), `OPTIONS="fills link"` two, `OPTIONS=help`
+lists their names; without OPTIONS all that need nothing but this machine. Edit nothing between the
+markers by hand. A name may have files of earlier runs to use instead of a new one:
 `bench:FILE,FILE` takes bench.json at 200 ms and at later ones, `strategies:FILE` compare.json,
 `thesis:FILE,..` results.json, `gpu:FILE,..` gpu.json of `make bench-gpu`.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 import os
@@ -33,6 +34,7 @@ BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
+    "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
     "check rates": ("tests/check_rates.py", True),
@@ -304,19 +306,18 @@ OWN: Mapping[str, Callable[..., None]] = {
 
 
 def main() -> None:
-    parts = [*PRINTED, *REPLAYS, *OWN]
-    with tempfile.TemporaryDirectory() as name:
-        for part in sys.argv[1:] or [each for each in parts if not each.endswith("gpu")]:
+    jobs: dict[str, Callable[..., None]] = {name: functools.partial(printed, name) for name in PRINTED}
+    jobs |= {name: functools.partial(replays, name) for name in REPLAYS} | OWN
+    jobs = {name.replace(" ", "-"): job for name, job in jobs.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        for part in sys.argv[1:] or [name for name in jobs if not name.endswith("gpu")]:
             which, _, ready = part.partition(":")
-            which = which if which in parts else which.replace("-", " ")
-            if which in PRINTED:
-                printed(which, Path(name))
-            elif which in REPLAYS:
-                replays(which, Path(name))
-            elif which in OWN:
-                OWN[which](Path(name), *filter(None, ready.split(",")))
+            if which == "help":
+                print("\n".join(jobs))
+            elif which not in jobs:
+                raise SystemExit(f"{which}: expected one of {', '.join(jobs)}")
             else:
-                raise SystemExit(f"{which}: expected one of {', '.join(parts)}")
+                jobs[which](Path(folder), *filter(None, ready.split(",")))
 
 
 if __name__ == "__main__":

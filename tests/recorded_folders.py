@@ -242,11 +242,12 @@ def write_exrs(folder: Path, frames: list[Taken]) -> None:
 
 
 STATED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{FY},{CX},{CY}"))
-MIRRORED = SequenceOptions(intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{CY}"))
+AS_TUM = attrs.evolve(STATED, depth_scale=1 / 5000)
+MIRRORED = attrs.evolve(AS_TUM, intrinsics=parse_intrinsics(f"{FX},{-FY},{CX},{CY}"))
 MILLIMETRES = attrs.evolve(STATED, depth_scale=0.001)
 # By name: the reader that must recognise it, who writes it, and what the user has to say.
 LAYOUTS: dict[str, tuple[str, Callable[[Path, list[Taken]], None], SequenceOptions]] = {
-    "tum": ("tum", write_tum, STATED),
+    "tum": ("tum", write_tum, AS_TUM),
     "icl_nuim": ("icl_nuim", write_icl_nuim, MIRRORED),
     "numbered": ("numbered", write_numbered, MILLIMETRES),
     "redwood": ("redwood", write_redwood, SequenceOptions()),

@@ -113,7 +113,7 @@ def each_refresh(options: RunOptions, look: Callable[[ReplaySetup, int, Refresh]
             setup.loop.draw(instant_ns)
             if number >= 0:
                 refresh = setup.loop.show(instant_ns)
-                assert refresh is not None
+                assert refresh is not None, "refresh is not None"  # test_proxy reads it
                 look(setup, number, refresh)
 
 

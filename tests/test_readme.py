@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tomllib
@@ -18,10 +19,13 @@ from pathlib import Path
 import needs
 import pytest
 from display.virtual_screen import VirtualScreen
+from typer.main import get_command
 
 from hmdwarp import load_trace
+from hmdwarp.cli._app import app
 from hmdwarp.headsets import load_headset
 from hmdwarp.metrics import LEAST_INSTANTS
+from hmdwarp.run import RunOptions
 
 ROOT = Path(__file__).resolve().parents[1]
 TOP = (ROOT / "README.md", ROOT / "CONTRIBUTING.md")
@@ -175,6 +179,31 @@ def test_the_tables_of_the_front_page_are_those_of_the_results(monkeypatch):
         re.search(r"<!-- results -->\n(.*?)<!-- end -->", PAGES["README.md"], re.DOTALL)[1]
         == regenerate.front_page() + "\n"
     )
+
+
+def test_commands_of_the_tables_of_replays_are_read_and_make_the_rows_that_stand_there(monkeypatch, tmp_path):
+    monkeypatch.syspath_prepend(str(ROOT / "docs"))
+    regenerate = importlib.import_module("regenerate")
+    replay = get_command(app).get_command(None, "replay")
+
+    def read(command, out, result):
+        params = replay.make_context("replay", shlex.split(command)[1:]).params
+        RunOptions.of({name: value for name, value in params.items() if value != ()})
+
+    written = {}
+    monkeypatch.setattr(regenerate, "hmdwarp", read)
+    monkeypatch.setattr(regenerate, "figure", lambda column, summary: "0")
+    monkeypatch.setattr(regenerate, "replace", written.__setitem__)
+    for name, table in regenerate.REPLAYS.items():
+        regenerate.replays(name, tmp_path)
+        lines, there = map(cells_of, (written[name], regenerate.text_of(name)))
+        labels = len(table["axes"])
+        assert lines[:2] == there[:2]
+        assert [line[:labels] for line in lines] == [line[:labels] for line in there]
+
+
+def cells_of(table):
+    return [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
 
 
 @pytest.mark.slow(30)

@@ -9,10 +9,11 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from ..errors import InputError
 from ._signals import end_if_asked
 
 if TYPE_CHECKING:
@@ -124,6 +125,21 @@ def _duration(seconds: float) -> str:
 def sayer(quiet: bool) -> Callable[[str], None]:
     """Return what prints a sentence on stderr, or drops it."""
     return (lambda text: None) if quiet else lambda text: typer.echo(text, err=True)
+
+
+def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], None], *options: Any, quiet: bool) -> None:
+    """Run an experiment with its progress, tell what was found, then raise what failed.
+
+    what: the steps of its progress.
+    """
+    with steps(what, quiet=quiet) as (progress, _):
+        result = run(*options, progress, sayer(quiet))
+    if not quiet:
+        tell(result)
+        typer.echo(f"report: {result.report}")
+    result.raise_failures()
+    if result.refused:  # after the results are written: they are good, the budget was not
+        raise InputError(result.refused)
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

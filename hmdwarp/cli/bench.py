@@ -15,7 +15,10 @@ def bench(said: Said) -> None:
 
     All see the same late frames; the result is error against time.
     """
-    _run(BenchOptions.of(said, command=command_line()), said["quiet"])
+    from ..experiments.bench import bench as run
+    from ._show import run_experiment
+
+    run_experiment(run, "instants", _tell, BenchOptions.of(said, command=command_line()), quiet=said["quiet"])
 
 
 @takes(MergeOptions, QUIET)
@@ -29,25 +32,12 @@ def merge(said: Said) -> None:
     result = run(MergeOptions.of(said, command=command_line()))
     if not said["quiet"]:
         _tell(result)
-
-
-def _run(options: BenchOptions, quiet: bool) -> None:
-    from ..errors import InputError
-    from ..experiments.bench import bench as run
-    from ._show import sayer, steps
-
-    with steps("instants", quiet=quiet) as (progress, _):
-        result = run(options, progress, sayer(quiet))
-    if not quiet:
-        _tell(result)
-    result.raise_failures()
-    if result.refused:  # after the results are written and told: they are good, the budget was not
-        raise InputError(result.refused)
+        typer.echo(f"report: {result.report}")
 
 
 def _tell(result: sweep.ExperimentResult) -> None:
-    from ..experiments.bench import MOST_SHOWN
     from ..experiments.bench.notes import answer
+    from ..experiments.sweep import MOST_SHOWN
     from ..report import axes_of_traces
     from ..report.bench import bench_table, first_cases
     from ._show import console, paragraph
@@ -65,4 +55,3 @@ def _tell(result: sweep.ExperimentResult) -> None:
         paragraph(f"note: {note}")
     for sentence in answer(result.data["choice"]) if result.data["choice"] else ():
         paragraph(sentence)
-    typer.echo(f"report: {result.report}")

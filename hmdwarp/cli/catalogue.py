@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..headsets import Headset
     from ..options import Option
     from ..poses import PoseTrack
+    from ..poses.assumptions import Assumption
     from ..study.design import Design
     from ..study.scales import Scale
 
@@ -222,9 +223,22 @@ def _formats() -> list[dict[str, str]]:
 
 
 def _layouts() -> list[dict[str, str]]:
-    from ..sources.sequences import readers
+    from ..sources.sequences import FACTS, readers
 
-    return [{"name": reader.name, "summary": reader.summary} for reader in readers]
+    rows = []
+    for reader in readers:
+        stated = {one.what: f"{one.value} ({_stated_by(one)})" for one in reader.assumes}
+        facts = {what.replace(" ", "_"): stated.get(what, "") for what in FACTS}
+        rows.append({"name": reader.name, "summary": reader.summary, **facts})
+    return rows
+
+
+def _stated_by(fact: Assumption) -> str:
+    from ..poses.assumptions import By
+
+    if fact.by not in (By.USER, By.NOBODY):
+        return f"by the {fact.by}"
+    return f"stated by {fact.option}" if fact.by is By.USER else f"not stated{fact.option and f': {fact.option}'}"
 
 
 def _recordings() -> list[dict[str, str]]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import typer
-
 from ..experiments import sweep
 from ..experiments.compare.options import CompareOptions
 from ._options import QUIET, Said, command_line, takes
@@ -15,22 +13,14 @@ def compare(said: Said) -> None:
 
     Error, time, traffic and memory, and which class of clients can run what.
     """
-    _run(CompareOptions.of(said, command=command_line()), said["quiet"])
-
-
-def _run(options: CompareOptions, quiet: bool) -> None:
     from ..experiments.compare import compare as run
-    from ._show import sayer, steps
+    from ._show import run_experiment
 
-    with steps("runs", quiet=quiet) as (progress, _):
-        result = run(options, progress, sayer(quiet))
-    if not quiet:
-        _tell(result)
-    result.raise_failures()
+    run_experiment(run, "runs", _tell, CompareOptions.of(said, command=command_line()), quiet=said["quiet"])
 
 
 def _tell(result: sweep.ExperimentResult) -> None:
-    from ..experiments.compare import MOST_SHOWN
+    from ..experiments.sweep import MOST_SHOWN
     from ..report.compare_page import compare_table, first_cases
     from ._show import console, paragraph
 
@@ -41,4 +31,3 @@ def _tell(result: sweep.ExperimentResult) -> None:
         paragraph(f"These are the first {MOST_SHOWN} of {count} cases; compare.csv and compare.json have all.")
     for one in result.data["left_out"]:
         paragraph(f"note: {one['strategy']} is left out: {one['why']}")
-    typer.echo(f"report: {result.report}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from ..experiments import sweep
 from ..experiments.thesis import ThesisOptions
 from ._options import QUIET, Said, command_line, takes
 
@@ -14,18 +15,16 @@ def thesis(said: Said) -> None:
 
     Each run is kept in the folder as soon as it is done: --resume goes on there.
     """
-    _run(ThesisOptions.of(said, command=command_line()), said["quiet"])
-
-
-def _run(options: ThesisOptions, quiet: bool) -> None:
     from ..experiments.thesis import run_thesis
     from ..study.thesis_ratings import published_ratings
-    from ._show import in_columns, sayer, steps
+    from ._show import run_experiment
 
-    with steps("runs", quiet=quiet) as (progress, _):
-        result = run_thesis(options, published_ratings, progress, sayer(quiet))
-    if not quiet:
-        in_columns((one["verdict"], one["claim"]) for one in result.data["experiments"])
-        typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))
-        typer.echo(f"report: {result.report}")
-    result.raise_failures()
+    options = ThesisOptions.of(said, command=command_line())
+    run_experiment(run_thesis, "runs", _tell, options, published_ratings, quiet=said["quiet"])
+
+
+def _tell(result: sweep.ExperimentResult) -> None:
+    from ._show import in_columns
+
+    in_columns((each["verdict"], each["claim"]) for each in result.data["experiments"])
+    typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))

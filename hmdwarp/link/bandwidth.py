@@ -30,9 +30,7 @@ class Bandwidth:
                 f"--bandwidth {self.mbit:g} Mbit/s: expected 0.001 to 1000000; leave it out for a link without a limit"
             )
         if not 0 <= self.queue_ms <= 60_000:
-            raise InputError(
-                f"--bandwidth queue={self.queue_ms:g} ms: expected the longest wait before it, 0 to 60000 ms"
-            )
+            raise InputError(f"--queue {self.queue_ms:g} ms: expected the longest wait of a frame, 0 to 60000 ms")
 
     @property
     def queue_ns(self) -> int:

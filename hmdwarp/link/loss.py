@@ -35,7 +35,23 @@ class GilbertElliott:
     def __attrs_post_init__(self) -> None:
         for name, value in attrs.asdict(self).items():
             if not 0 <= value <= 1:  # NaN too
-                raise InputError(f"--loss {name}={value:g}: expected a probability from 0 to 1")
+                raise InputError(f"loss with {name}={value:g}: expected a probability from 0 to 1")
+
+    @classmethod
+    def in_bursts(cls, mean: float, frames: float) -> GilbertElliott:
+        """Return a network that loses the share `mean` of all frames, so many in a row on average.
+
+        Errors: InputError for bursts that are shorter than a frame, or too short for that share.
+        """
+        if not 1 <= frames <= 1e6:
+            raise InputError(f"--loss-burst {frames:g}: expected 1 to 1000000 frames")
+        most = frames / (frames + 1)
+        if mean > most:
+            raise InputError(
+                f"--loss {mean:g} with --loss-burst {frames:g}: expected a share of at most {most:.3g}, as a frame "
+                "arrives between two bursts; use longer bursts or a smaller share"
+            )
+        return cls(mean / (frames * (1 - mean)), 1 / frames)
 
     @property
     def mean(self) -> float:

@@ -30,50 +30,44 @@ def parse_jitter(text: str) -> DelayModel:
 
 
 def parse_loss(text: str) -> GilbertElliott | None:
-    """Parse 'p=0.02,r=0.3,good=0,bad=1', '0.02', 'none' or ''. Errors: InputError."""
-    text = text.strip()
-    if text in ("", "none"):
+    """Parse a share of frames, such as '0.02', 'none' or ''. Errors: InputError."""
+    if text.strip() in ("", "none"):
         return None
-    wanted = "expected p=0.02,r=0.3 (and good=, bad= where they matter), a share such as 0.02, or none"
-    if "=" not in text:
-        share = _number(text, f"--loss '{text}'", wanted)
-        if not 0 <= share <= 1:
-            raise InputError(f"--loss '{text}': expected a share of the frames, from 0 to 1")
-        return GilbertElliott(0, 1, good=share)  # each frame alone, the first too
-    values = _pairs(text.split(","), f"--loss '{text}'", wanted, ("p", "r", "good", "bad"))
-    if not {"p", "r"} <= values.keys():
-        raise InputError(f"--loss '{text}': {wanted}")
-    return GilbertElliott(**values)
+    expected = "expected a share of the frames, from 0 to 1, or none; bursts have an option of their own, --loss-burst"
+    share = _number(text, f"--loss '{text}': {expected}")
+    if not 0 <= share <= 1:
+        raise InputError(f"--loss '{text}': {expected}")
+    return GilbertElliott(0, 1, good=share)  # each frame alone, the first too
 
 
 def parse_bandwidth(text: str) -> Bandwidth | None:
-    """Parse '50', '50,queue=100' or '' for no limit. Errors: InputError."""
+    """Parse Mbit/s, such as '50', or '' for no limit. Errors: InputError."""
     if not text.strip():
         return None
-    rate, *more = text.split(",")
-    wanted = "expected Mbit/s, such as 50, and the longest wait in ms where it matters, such as 50,queue=100"
-    values = _pairs(more, f"--bandwidth '{text}'", wanted, ("queue",))
-    return Bandwidth(_number(rate, f"--bandwidth '{text}'", wanted), values.get("queue", QUEUE_MS))
+    expected = "expected Mbit/s, such as 50; the longest wait before it has an option of its own, --queue"
+    return Bandwidth(_number(text, f"--bandwidth '{text}': {expected}"))
 
 
-def _pairs(parts: list[str], found: str, wanted: str, names: tuple[str, ...]) -> dict[str, float]:
-    out: dict[str, float] = {}
-    for part in parts:
-        name, _, value = (bit.strip() for bit in part.partition("="))
-        if name not in names or name in out:
-            raise InputError(f"{found}: {wanted}")
-        out[name] = _number(value, found, wanted)
-    return out
-
-
-def _number(text: str, found: str, wanted: str) -> float:
+def _number(text: str, refusal: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"{found}: {wanted}") from None
+        raise InputError(refusal) from None
 
 
 _DELAY_TRACE = Option("CSV of delays in ms, in place of the latency.", Path, name="delay_trace")
+_LOSS_BURST = Option(
+    "Mean number of frames lost in a row (Gilbert-Elliott); by default each is lost independently.",
+    float,
+    name="loss_burst",
+    metavar="FRAMES",
+)
+_QUEUE = Option(
+    f"Milliseconds that a frame waits at most before the bandwidth; by default {QUEUE_MS:g}. Later ones are dropped.",
+    float,
+    name="queue",
+    metavar="MS",
+)
 
 
 @attrs.frozen
@@ -94,22 +88,25 @@ class LinkOptions(Declared):
         beside=(_DELAY_TRACE,),
         parse=parse_jitter,
     )
-    # Loss of frames, in bursts.
     loss: GilbertElliott | None = option(
         None,
-        "Lost frames: a share, or bursts like p=0.02,r=0.3 (Gilbert-Elliott); by default none.",
+        "Share of the frames that is lost, such as 0.02; by default none.",
         default="",
+        metavar="SHARE",
         numeric=True,
+        beside=(_LOSS_BURST,),
         parse=parse_loss,
     )
     # Rate and queue of the bottleneck.
     bandwidth: Bandwidth | None = option(
         None,
-        "Bandwidth of the link; with ,queue=MS the longest wait before it; by default unlimited.",
+        "Bandwidth of the link in Mbit/s; by default unlimited.",
         unit="Mbit/s",
         name="bandwidth",
         default="",
+        metavar="MBIT",
         numeric=True,
+        beside=(_QUEUE,),
         parse=parse_bandwidth,
     )
     # The same seed gives the same network, whatever is sent through it.
@@ -145,22 +142,28 @@ class LinkOptions(Declared):
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields whose options were set.
-
-        said: jitter: NAME:MS with a name of delay_models, such as uniform:20, normal:15.
-        delay_trace: a file of delays, see `delays.trace`. loss: p=0.02,r=0.3 (and good=, bad=), see
-        `GilbertElliott`; a number alone: that share of frames, independently; none. bandwidth:
-        Mbit/s, and optionally the longest wait in the queue: 50,queue=100.
-        Errors: InputError.
-        """
-        path = said.get("delay_trace")
-        if path is None:
-            return super().values_of(said)
-        if said.get("jitter"):
+        """Return the fields whose options were set. Errors: InputError."""
+        values, path = super().values_of(said), said.get("delay_trace")
+        burst, queue_ms = said.get("loss_burst"), said.get("queue")
+        if path is not None and said.get("jitter"):
             raise InputError(
                 f"--jitter '{said['jitter']}' beside --delay-trace: the trace says every delay; leave one of them out"
             )
-        return {**super().values_of(said), "delay": delay_models.get("trace").parse(str(path))}
+        if path is not None:
+            values["delay"] = delay_models.get("trace").parse(str(path))
+        if burst is not None:
+            if values.get("loss") is None:
+                raise InputError(
+                    f"--loss-burst {burst:g} without --loss: expected the share of the frames that is lost too"
+                )
+            values["loss"] = GilbertElliott.in_bursts(values["loss"].mean, burst)
+        if queue_ms is not None:
+            if values.get("bandwidth") is None:
+                raise InputError(
+                    f"--queue {queue_ms:g} ms without --bandwidth: expected that too, as nothing waits without a limit"
+                )
+            values["bandwidth"] = attrs.evolve(values["bandwidth"], queue_ms=queue_ms)
+        return values
 
     @property
     def is_plain(self) -> bool:

@@ -179,7 +179,7 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
 
 
 def test_under_lamps_pieces_that_overtake_the_stand_ins_are_lit_too(tmp_path):
-    network = LinkOptions.of({"loss": "p=0.2,r=0.4", "jitter": "uniform:40", "link_seed": 4})
+    network = LinkOptions.of({"loss": "0.3", "loss_burst": 2.5, "jitter": "uniform:40", "link_seed": 4})
     same, warp = {"scene": "doorway", "seconds": 0.6, "network": network}, PROGRESSIVE.replace("300000", "25000")
     summary, psnr_db = last_pictures(tmp_path / "comes", warp=warp, **same)
     _, whole_db = last_pictures(tmp_path / "whole", warp="model", **same)
@@ -187,7 +187,7 @@ def test_under_lamps_pieces_that_overtake_the_stand_ins_are_lit_too(tmp_path):
     assert psnr_db[0] != whole_db[0] and psnr_db[-1] == whole_db[-1]
 
 
-@pytest.mark.parametrize("network", [{"loss": "0.3"}, {"loss": "p=0.2,r=0.4", "jitter": "uniform:40"}])
+@pytest.mark.parametrize("network", [{"loss": "0.3"}, {"loss": "0.3", "loss_burst": 2.5, "jitter": "uniform:40"}])
 def test_lost_and_late_updates_are_made_up_for(tmp_path, network):
     """Whatever is lost is sent again; what came too late to be shown has arrived all the same."""
     summary, psnr_db = last_pictures(

@@ -4,6 +4,8 @@ meant.
 
 from __future__ import annotations
 
+import math
+
 import attrs
 import numpy as np
 import pytest
@@ -33,12 +35,10 @@ def test_each_text_says_what_it_should(tmp_path):
     assert LinkOptions.of({"jitter": " normal : 1.5 "}).delay == NormalJitter(1.5)
     assert LinkOptions.of({"jitter": ""}).delay == ConstantDelay()
     assert LinkOptions.of({"delay_trace": trace}).delay.delays_ms == (5, 7)
-    assert LinkOptions.of({"loss": "p=0.02,r=0.3"}).loss == GilbertElliott(0.02, 0.3)
-    assert LinkOptions.of({"loss": "r=0.3, bad=0.9, p=0.02, good=0.1"}).loss == GilbertElliott(0.02, 0.3, 0.1, 0.9)
     assert next(LinkOptions.of({"loss": "1"}).loss.samples(np.random.default_rng(0))), "the first frame too"
     assert LinkOptions.of({"loss": "0.25"}).loss == GilbertElliott(0, 1, good=0.25)
     assert LinkOptions.of({"bandwidth": "50"}).bandwidth == Bandwidth(50, 250)
-    assert LinkOptions.of({"bandwidth": "2.5,queue=100"}).bandwidth == Bandwidth(2.5, 100)
+    assert LinkOptions.of({"bandwidth": "2.5", "queue": 100.0}).bandwidth == Bandwidth(2.5, 100)
     assert not any(
         LinkOptions.of({name: text}).is_plain
         for name, text in [("jitter", "normal:1"), ("loss", "0.1"), ("bandwidth", "9")]
@@ -56,24 +56,23 @@ def test_each_text_says_what_it_should(tmp_path):
         ({"jitter": "normal:1e9"}, "from 0 to 60000"),
         ({"jitter": "constant:5"}, "takes no number"),
         ({"jitter": "trace"}, "expected a file"),
-        ({"loss": "p=0.1"}, "expected p=0.02,r=0.3"),
-        ({"loss": "p=0.1,r=1.5"}, "loss r=1.5: expected a probability from 0 to 1"),
-        ({"loss": "p=nan,r=1"}, "loss p=nan"),
-        ({"loss": "p=-0.1,r=1"}, "loss p=-0.1"),
-        ({"loss": "p=0.1,r=0.2,p=0.3"}, "expected p="),
-        ({"loss": "p=0.1,r=0.2,q=0.3"}, "expected p="),
-        ({"loss": "p=0.1;r=0.2"}, "expected p="),
-        ({"loss": "some"}, "expected p="),
+        ({"loss": "p=0.02,r=0.3"}, "bursts have an option of their own, --loss-burst"),
+        ({"loss": "some"}, "expected a share of the frames"),
         ({"loss": "1.1"}, "from 0 to 1"),
         ({"loss": "nan"}, "from 0 to 1"),
+        ({"loss": "0.1", "loss_burst": 0.5}, "--loss-burst 0.5: expected 1 to"),
+        ({"loss": "0.1", "loss_burst": math.nan}, "--loss-burst nan: expected 1 to"),
+        ({"loss": "0.7", "loss_burst": 2.0}, "expected a share of at most 0.667"),
+        ({"loss_burst": 2.0}, "--loss-burst 2 without --loss: expected"),
         ({"bandwidth": "0"}, "bandwidth 0 Mbit/s: expected 0.001"),
         ({"bandwidth": "-5"}, "bandwidth -5"),
         ({"bandwidth": "nan"}, "bandwidth nan"),
         ({"bandwidth": "inf"}, "leave it out"),
         ({"bandwidth": "50Mbit"}, "expected Mbit/s"),
-        ({"bandwidth": "50,queue=-1"}, "--bandwidth queue=-1 ms"),
-        ({"bandwidth": "50,queue=nan"}, "--bandwidth queue=nan ms"),
-        ({"bandwidth": "50,100"}, "queue=100"),
+        ({"bandwidth": "50,queue=100"}, "the longest wait before it has an option of its own, --queue"),
+        ({"bandwidth": "50", "queue": -1.0}, "--queue -1 ms: expected"),
+        ({"bandwidth": "50", "queue": math.nan}, "--queue nan ms: expected"),
+        ({"queue": 100.0}, "--queue 100 ms without --bandwidth: expected"),
         ({"link_seed": -1}, "seed -1"),
     ],
 )  # fmt: skip
@@ -81,6 +80,16 @@ def test_texts_that_cannot_be_meant(given, message):
     with pytest.raises(InputError, match="expected|did you mean|takes no number") as caught:
         LinkOptions.of(given)
     assert message in str(caught.value)
+
+
+@given(st.floats(0, 1), st.floats(1, 1000))
+def test_bursts_lose_the_share_of_the_frames_that_was_set(share, frames):
+    try:
+        loss = LinkOptions.of({"loss": str(share), "loss_burst": frames}).loss
+    except InputError as error:
+        assert share > frames / (frames + 1) and "longer bursts" in str(error)
+    else:
+        assert loss.mean == pytest.approx(share) and 1 / loss.r == pytest.approx(frames)
 
 
 def test_a_trace_and_a_jitter_contradict_each_other(tmp_path):
@@ -115,7 +124,7 @@ def test_the_same_seed_is_the_same_network_whatever_is_sent_through_it():
                 out[link.transit.number] = link.transit.delay_ns
         return out
 
-    options = LinkOptions.of({"jitter": "normal:30", "loss": "p=0.05,r=0.3"})
+    options = LinkOptions.of({"jitter": "normal:30", "loss": "0.14", "loss_burst": 3.3})
     assert delays(options, 0) == delays(options, 10**6)
     assert delays(options, 0) != delays(attrs.evolve(options, seed=1), 0)
     lossless = delays(attrs.evolve(options, loss=None), 0)

@@ -87,7 +87,9 @@ def test_a_busy_server_gets_the_time_to_finish_before_the_next_step():
 def test_sizes_and_texts():
     assert scaled_size((640, 800), 0.65) == (416, 520) and scaled_size((1, 1), 0.5) == (1, 1)
     assert LinkOptions().overload_at(60.0) is None
-    made = LinkOptions.of({"overload": "resolution", "bandwidth": "8,queue=40", "server_rate": 20.0}).overload_at(60.0)
+    made = LinkOptions.of({"overload": "resolution", "bandwidth": "8", "queue": 40.0, "server_rate": 20.0}).overload_at(
+        60.0
+    )
     assert (made.period_ns, made.queue_ns, made.scale) == (50_000_000, 40_000_000, 1.0)
     with pytest.raises(InputError, match="overload 'less': expected drop or resolution"):
         LinkOptions.of({"overload": "less"})

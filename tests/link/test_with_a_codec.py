@@ -85,7 +85,7 @@ def test_a_loss_is_answered_with_a_key_frame_and_nothing_broken_is_shown():
     The loss is noticed a delay after sending, the sender hears of it another delay later, and the
     key frame takes a third.
     """
-    stream = Stream(LinkOptions.of({"loss": "p=0.08,r=0.5", "link_seed": 3}))
+    stream = Stream(LinkOptions.of({"loss": "0.138", "loss_burst": 2.0, "link_seed": 3}))
     link = stream.run(120)
     tally = link.tally
     assert tally.lost > 0
@@ -114,7 +114,7 @@ def test_a_narrow_network_drops_frames_and_recovers():
 
     The queue fills, and what it drops calls for key frames.
     """
-    stream = Stream(LinkOptions.of({"bandwidth": "0.04,queue=60"}))
+    stream = Stream(LinkOptions.of({"bandwidth": "0.04", "queue": 60.0}))
     link = stream.run(150)
     assert link.tally.dropped > 0
     assert link.tally.drawn == link.tally.dropped + link.tally.sent == 150

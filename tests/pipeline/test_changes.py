@@ -15,7 +15,7 @@ from replays import rows_of, run
 from hmdwarp.frames import Frame
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 from hmdwarp.gpu import Gpu, download
-from hmdwarp.link import LinkOptions
+from hmdwarp.link import GilbertElliott, LinkOptions
 from hmdwarp.pipeline import Changes
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.scenes import Body, Spinning, Still, load_scene
@@ -178,7 +178,7 @@ def test_a_camera_at_rest_before_what_moves_sends_each_of_its_frames(tmp_path):
 
 
 def test_a_lost_frame_is_sent_again_when_the_server_hears_of_it(tmp_path):
-    network = LinkOptions.of({"send": "changes", "loss": "p=1,r=0.5,good=1,bad=0.9", "link_seed": 1})
+    network = LinkOptions(send="changes", loss=GilbertElliott(1, 0.5, 1, 0.9), seed=1)
     options = {"trace": trace_of(tmp_path / "still.txt", seconds=8.0), "latency_ms": 50.0, "seconds": 4.0}
     frames = run(tmp_path / "out", network=network, **options).summary["link"]["frames"]
     assert frames["lost"] >= 1 and frames["shown"] == 1

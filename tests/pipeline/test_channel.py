@@ -25,8 +25,8 @@ NETWORKS = {
     "plain": {},
     "jitter": {"jitter": "uniform:30"},
     "normal": {"jitter": "normal:15"},
-    "bursts": {"loss": "p=0.2,r=0.5", "link_seed": 3},
-    "narrow": {"bandwidth": "3,queue=60"},
+    "bursts": {"loss": "0.3", "loss_burst": 2.0, "link_seed": 3},
+    "narrow": {"bandwidth": "3", "queue": 60.0},
     "all": {"jitter": "uniform:40", "loss": "0.1", "bandwidth": "20", "link_seed": 1},
 }
 
@@ -163,7 +163,7 @@ def test_every_layer_is_coded_and_shows_nearly_what_the_server_drew(gpu, kind):
 
 def test_after_lost_frames_no_layer_shows_anything_broken():
     """Each of the shown frames looks as the server draws it again, in every layer."""
-    network, lowest = LinkOptions.of({"loss": "p=0.15,r=0.5", "link_seed": 3}), []
+    network, lowest = LinkOptions.of({"loss": "0.23", "loss_burst": 2.0, "link_seed": 3}), []
     asked = small(warp="layered", fill="wide", coding=Coding("h264"), latency_ms=50.0, network=network)
     with set_up_replay(asked) as setup:
         needs, drawn = setup.pipeline.requested.needs, set()
@@ -200,7 +200,9 @@ def test_a_plan_that_is_compared_with_gets_decoded_layers_and_costs_the_client_n
 
 def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
     options = {
-        "network": LinkOptions.of({"jitter": "normal:20", "loss": "p=0.1,r=0.5", "bandwidth": "8", "link_seed": 7}),
+        "network": LinkOptions.of(
+            {"jitter": "normal:20", "loss": "0.17", "loss_burst": 2.0, "bandwidth": "8", "link_seed": 7}
+        ),
         "coding": Coding("h264"),
         "latency_ms": 70.0,
         "images": 3,
@@ -212,7 +214,7 @@ def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
 
 def test_a_frame_that_never_arrives_leaves_the_last_one_on_the_screen_growing_old(tmp_path):
     """A network in bursts of seconds: its first frames come through, then none for a while."""
-    network = LinkOptions.of({"loss": "p=0.06,r=0.02", "link_seed": 2})
+    network = LinkOptions.of({"loss": "0.75", "loss_burst": 50.0, "link_seed": 2})
     result = run(tmp_path, network=network, latency_ms=50.0, seconds=2.0)
     rows = [row for row in rows_of(tmp_path) if row["eye"] == "0"]
     ages, drawn = ([float(row[name]) for row in rows] for name in ("age_ms", "drawn_ns"))
@@ -226,7 +228,7 @@ def test_a_frame_that_never_arrives_leaves_the_last_one_on_the_screen_growing_ol
 
 def test_a_network_that_lets_nothing_through_is_refused_in_one_line(tmp_path):
     with pytest.raises(InputError, match="no frame has arrived in time to be shown .*lost"):
-        run(tmp_path, network=LinkOptions.of({"loss": "p=0,r=1,good=1"}))
+        run(tmp_path, network=LinkOptions.of({"loss": "1"}))
     assert contents(tmp_path) == {}
 
 

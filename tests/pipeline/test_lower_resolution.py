@@ -13,7 +13,7 @@ from hmdwarp.link.codec import Coding
 from hmdwarp.run import LiveOptions, live
 
 # Planes at 96x80: frames of 184,320 bytes, at 60 Hz 88 Mbit/s.
-NARROW = {"bandwidth": "40,queue=60"}
+NARROW = {"bandwidth": "40", "queue": 60.0}
 # Three periods of 60 Hz: a quarter of the pixels fits, nothing more.
 SLOW = {"response": "sum:render=50"}
 
@@ -71,7 +71,7 @@ def both(folder, **options) -> tuple[dict, dict]:
 
 
 def test_a_codec_goes_on_at_each_size_after_losses_too(tmp_path):
-    link = network("resolution", {"response": "sum:encode=50"}, loss="p=0.05,r=0.6", link_seed=2)
+    link = network("resolution", {"response": "sum:encode=50"}, loss="0.08", loss_burst=1.7, link_seed=2)
     options = {"coding": Coding("h264", 12), "latency_ms": 30.0, "seconds": 1.5, "images": 2}
     told = [run(tmp_path / name, network=link, **options).summary["link"] for name in "ab"]
     assert told[0]["resolution"]["changes"] >= 3 and told[0]["frames"]["lost"] > 0

@@ -111,13 +111,13 @@ def test_a_slow_server_does_not_slow_the_client_down(tmp_path):
     first_ms=st.sampled_from([0.0, 10.0, 50.0, 75.0]),
     latency_ms=st.sampled_from([0.0, 20.0, 50.0]),
     jitter_ms=st.integers(0, 20),
-    loss=st.sampled_from(["", "0.2", "p=0.2,r=0.5"]),
+    loss=st.sampled_from([{}, {"loss": "0.2"}, {"loss": "0.3", "loss_burst": 2.0}]),
     rate=st.sampled_from([None, 15.0, 25.0]),
     seed=st.integers(0, 9),
 )
 def test_no_frame_is_early_and_none_comes_after_a_newer_one(first_ms, latency_ms, jitter_ms, loss, rate, seed):
     """On both links, whatever the second one does and however slow the server is."""
-    said = {"loss": loss, "link_seed": seed, "server_rate": rate}
+    said = {**loss, "link_seed": seed, "server_rate": rate}
     if jitter_ms:
         said["jitter"] = f"uniform:{min(jitter_ms, int(latency_ms))}"
     network = LinkOptions.of(said)

@@ -1,4 +1,3 @@
-from .bench_run import MOST_SHOWN as MOST_SHOWN
 from .bench_run import bench as bench
 from .cases import cases_of as cases_of
 from .cases import combinations_of as combinations_of

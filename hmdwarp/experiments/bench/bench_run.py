@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -16,13 +15,17 @@ from ...pipeline.auto.levels import choose
 from ...pipeline.planning import build_plan_for
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.source import Source
-from ...poses import load_trace
-from ...report import SCHEMA, OutputFolder
+from ...report import OutputFolder
 from ...report.bench import first_cases, render_bench_page
-from ...resources import __version__
 from ...run.combinations import Case
-from ...run.recordings import refuse_one_name, refuse_traces_of_one_name
-from ..sweep import ExperimentResult, SweepCase, program_hash, run_cases
+from ...run.recordings import refuse_one_name
+from ..sweep import (
+    MOST_SHOWN,
+    ExperimentResult,
+    SweepCase,
+    experiment,
+    program_hash,
+)
 from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, write_parquet
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
 from .cases import (
@@ -30,6 +33,7 @@ from .cases import (
     cases_of,
     combinations_of,
     common_start_s,
+    heads_of,
     notes_on_warps,
     options_of_case,
     prepared,
@@ -42,9 +46,7 @@ from .sections import GRID_STEPS, fused_steps
 
 # What is measured once, and what stands in bench.json without it.
 SECTIONS: Mapping[str, Any] = {GRID: [], FUSED: [], "grid_at": None, "fused_at": None}
-OWNED = ("bench.csv", "bench.html", "bench.parquet")
-# Cases on the page, which draws charts of each: a second for two.
-MOST_SHOWN = 40
+FILES = ("bench.csv", "bench.html", "bench.parquet", "bench.json")
 Progress = Callable[[int, int], None]
 
 
@@ -53,15 +55,11 @@ def bench(
 ) -> ExperimentResult:
     """Run a bench and write bench.csv, bench.json and bench.html into options.out.
 
-    Each case is kept in the folder `cases` there as soon as it is done; what was there before is
-    replaced only by a whole bench. A case that fails leaves the others, see ExperimentResult.swept.
-
-    All that was asked for is checked before anything runs. progress(done, total) is called after
-    each measured refresh. say: gets a sentence.
-    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks; that
-    of the case where none of several was done.
+    All options are checked before anything runs. progress(done, total) is called after each
+    measured refresh. say: gets a sentence.
+    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
+    the case where none of several was done.
     """
-    started = time.perf_counter()
     if options.parquet:
         check_parquet()
     if options.jod_s and options.sweep.cluster is None:
@@ -73,37 +71,32 @@ def bench(
         sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
         options = attrs.evolve(options, scenes=(source.scene.name,), recordings=("",), sizes=sizes)
     works, notes = _checked(options, headset, source)
-    with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
-        if options.sweep.cluster is None:
-            check_room(works)
-        work = BenchWork(options.sweep.measuring(options.workers))
-        swept = run_cases(work, _cases(options, works), options.out, options.sweep, progress, say)
+    if options.sweep.cluster is None:
+        check_room(works)
+    work = BenchWork(options.sweep.measuring(options.workers))
+    with experiment(options, FILES, work, _cases(options, works), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
-        if not rows:
-            swept.raise_failures()
         first = next(result for _, result in swept.results())
         sections = dict(SECTIONS)
         for case in (case for case in swept.done if case.what.part != ROWS):
             sections |= swept.kept.result(case.identity)[case.what.part]
-        data = {
-            "schema": SCHEMA,
-            "hmdwarp": __version__,
-            "program": program_hash(),
-            "command": options.command,
-            **{key: first[key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
-            "client": client.name,
-            "notes": [
-                *notes,
-                *about_rating(options.jod_s, rows),
-                *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client),
-                *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
-            ],
-            "rows": rows,
-            **sections,
-            "choice": None,
-        }
-        data["choice"], refused = _choice(rows, options.budget_ms)
-        data["seconds"] = time.perf_counter() - started
+        choice, refused = _choice(rows, options.budget_ms)
+        data = described(
+            {
+                "program": program_hash(),
+                **{key: first[key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
+                "client": client.name,
+                "notes": [
+                    *notes,
+                    *about_rating(options.jod_s, rows),
+                    *left_out_notes(first_cases(rows, MOST_SHOWN)[0], client),
+                    *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
+                ],
+                "rows": rows,
+                **sections,
+                "choice": choice,
+            }
+        )
         write_bench(out, data, parquet=options.parquet)
     return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused)
 
@@ -147,13 +140,8 @@ def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[l
         called[name] = scene.name
         notes += scene.notes
     refuse_one_name("scenes", called)
-    loaded = {
-        recording: source.head(load_trace(recording, options.trace_options) if recording else None)
-        for recording in options.recordings
-    }
-    traces = {recording: trace for recording, trace in loaded.items() if trace is not None}
-    refuse_traces_of_one_name(traces)
-    starts = {recording: common_start_s(options, trace.track, rate_hz) for recording, trace in traces.items()}
+    heads = heads_of(options, source)
+    starts = {recording: common_start_s(options, head.track, rate_hz) for recording, head in heads.items()}
     works = [prepared(options_of_case(options, case, starts[case.recording])) for case in cases_of(options)]
     if isinstance(source, RecordingSource):
         notes.append(RecordingSource(source.sequence, works[0].run.guard_factors).about)

@@ -24,13 +24,15 @@ from ...pipeline.planning import build_plan_for, check_suited
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import guarded_size
 from ...pipeline.source import Source
-from ...poses import PoseTrack, load_trace
+from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.combinations import Case, Combination, batches, instants_of
 from ...run.options import RunOptions
 from ...run.outside import OUTSIDE, missing
+from ...run.recordings import refuse_traces_of_one_name
 from ...run.schedule import first_shown_s, schedule_for, schedule_of
 from ...scenes import Scene
 from ...sources.sequences import open as open_sequence
+from ..sweep.options import RecordedOptions
 from .options import FILLS, BenchOptions
 
 # A complete fill costs about as much as `iterative`. So it brings no warp to the front that is less
@@ -41,11 +43,17 @@ from .options import FILLS, BenchOptions
 WITH_COMPLETE_FILLS = ("forward", "iterative", "multi", "mesh:grid=64", "mesh:grid=512")
 _INCOMPLETE = FILLS[:2]
 _RUN = attrs.fields(RunOptions)
-# What a run takes from the options of the bench as it is.
-_OF_RUN = (
-    *("scene_options", "effects", "headset", "rate_hz", "start_s", "seconds", "rendered_size", "jod_s"),
-    *("trace_options", "sequence_options", "out", "command"),
-)
+
+
+def heads_of(options: RecordedOptions, source: Source) -> dict[str, LoadedTrace]:
+    """Load the head of each recording. Errors: as load_trace; InputError for two of one name."""
+    heads = {}
+    for name in options.recordings:
+        head = source.head(load_trace(name, options.trace_options) if name else None)
+        if head is not None:
+            heads[name] = head
+    refuse_traces_of_one_name(heads)
+    return heads
 
 
 def cases_of(options: BenchOptions) -> list[Case]:
@@ -195,7 +203,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
     Its first refresh does not depend on the latency, so that all latencies have the same head.
     """
-    known: dict[str, Any] = {name: getattr(options, name) for name in _OF_RUN} | {
+    known: dict[str, Any] = options.of_run("effects", "start_s", "rendered_size", "out", "command") | {
         "trace": case.recording,
         "scene": case.scene,
         "latency_ms": case.latency_ms,
@@ -299,9 +307,8 @@ def prepared(options: BenchOptions) -> BenchCase:
     headset = source.headset
     guarded_size(guard_band(options), headset, case.size)
     run = run_options(options, case)
-    trace = source.head(load_trace(case.recording, options.trace_options) if case.recording else None)
-    assert trace is not None, "a case without a recording has a source with a head"
-    count = schedule_for(run, source, trace, options.rate_hz or headset.refresh_hz).count
+    (head,) = heads_of(options, source).values()
+    count = schedule_for(run, source, head, options.rate_hz or headset.refresh_hz).count
     combinations = _combinations(_of_scene(options))
     return BenchCase(options, case, headset, run, combinations, len(instants_of(count, options.instants)))
 

@@ -12,7 +12,7 @@ from ...metrics import BOUND, blocks_apart
 from ...report import SCHEMA, OutputFolder, summary_faults
 from ..sweep import ExperimentResult
 from .bench_rows import check_parquet
-from .bench_run import OWNED, SECTIONS, write_bench
+from .bench_run import FILES, SECTIONS, write_bench
 from .options import MergeOptions
 
 # What tells combinations and their conditions apart.
@@ -51,7 +51,7 @@ def merge(options: MergeOptions) -> ExperimentResult:
         "choice": None,
         "seconds": sum(bench["seconds"] for bench in benches),
     }
-    with OutputFolder(options.out, owned=OWNED, last="bench.json", force=options.force) as out:
+    with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
         write_bench(out, data, parquet=options.parquet)
     return ExperimentResult(options.out, data, options.out / "bench.html")
 

@@ -18,7 +18,6 @@ from ...options import (
     Number,
     check_one_guard,
     force_field,
-    group,
     guard_field,
     names_in,
     option,
@@ -28,12 +27,8 @@ from ...options import (
     several,
     split_names,
 )
-from ...poses.options import TraceOptions
 from ...run.options import RunOptions
-from ...run.recordings import recordings_field, with_recordings
-from ...scenes.options import SceneOptions
-from ...sources.sequences.options import SequenceOptions
-from ..sweep.options import SweepOptions
+from ..sweep.options import RecordedOptions, own_first
 
 Size = tuple[int, int]
 
@@ -55,22 +50,20 @@ def parquet_field() -> Any:
 
 
 DEFAULT_SIZES = ((1280, 800),)
-# What a recording has itself, or cannot have.
-_NOT_WITH_FRAMES = ("traces", "scene", "guard", "rendered_size", "rate", "strategy")
 
 
-@attrs.frozen
-class BenchOptions(Declared):
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class BenchOptions(RecordedOptions):
     """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
 
     Errors: InputError for a number that makes no sense, and for an empty list.
     """
 
-    recordings: tuple[str, ...] = recordings_field()
+    # What a recording has itself, or cannot have.
+    with_frames = ("recordings", "scenes", "guard", "rendered_size", "rate_hz", "strategies")
+    why_not = "a bench takes what was recorded"
+
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
-    scene_options: SceneOptions = group(SceneOptions)
-    frames: Path | None = same_as(_RUN.frames)
-    sequence_options: SequenceOptions = group(SequenceOptions)
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
     # Names, with settings where they matter (`mesh:cut=slope`); empty for all that warp a late
     # picture, their variants and the baselines.
@@ -94,12 +87,8 @@ class BenchOptions(Declared):
     effects: str = same_as(_RUN.effects)
     sizes: tuple[Size, ...] = several(_RUN.size, DEFAULT_SIZES, "Pixels of one eye", each=_size)
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
-    headset: str = same_as(_RUN.headset)
-    rate_hz: float | None = same_as(_RUN.rate_hz)
     # Empty for the display's.
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
-    start_s: float = same_as(_RUN.start_s)
-    seconds: float | None = same_as(_RUN.seconds)
     guard: Guard = guard_field(DEFAULT_GUARD)
     rendered_size: Size | None = same_as(_RUN.rendered_size)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
@@ -123,25 +112,15 @@ class BenchOptions(Declared):
     )
     grid: bool = option(True, "Sweep head displacements in the first scene.", off="--no-grid")
     fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
-    workers: int | None = same_as(_RUN.workers)
-    trace_options: TraceOptions = group(TraceOptions)
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
     parquet: bool = parquet_field()
-    force: bool = force_field()
-    sweep: SweepOptions = group(SweepOptions)
-    command: str = ""
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields that something was said about. Errors: InputError."""
+        """Return the fields that were set. Errors: InputError."""
         check_one_guard(said)
-        said = with_recordings(said)
-        if said.get("frames") is None:
-            return super().values_of(said)
-        for name in _NOT_WITH_FRAMES:
-            if said.get(name):
-                raise InputError(f"--{name} with --frames: a bench takes what was recorded; leave it out")
-        return {**super().values_of(said), "guard": 1.0, "grid": False, "fused": False}
+        values = super().values_of(said)
+        return values if said.get("frames") is None else {**values, "guard": 1.0, "grid": False, "fused": False}
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:

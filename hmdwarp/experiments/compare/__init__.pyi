@@ -1,4 +1,3 @@
-from .compare_run import MOST_SHOWN as MOST_SHOWN
 from .compare_run import compare as compare
 from .compare_run import start_bytes as start_bytes
 from .compare_run import unfit as unfit

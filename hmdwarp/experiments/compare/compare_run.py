@@ -6,7 +6,6 @@ import functools
 import itertools
 import math
 import platform
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -24,27 +23,25 @@ from ...link.codec import codecs
 from ...metrics import QUALITY, ratings_of
 from ...pipeline.planning import build_plan_for
 from ...pipeline.source_choice import source_of
-from ...poses import load_trace
-from ...report import SCHEMA, OutputFolder, png_bytes
+from ...report import OutputFolder, png_bytes
 from ...report.compare_page import first_cases, render_compare_page
-from ...resources import __version__
 from ...run.options import RunOptions
-from ...run.recordings import refuse_traces_of_one_name
 from ...run.replay_run import Measured, measured
 from ...run.schedule import first_shown_s, schedule_for
-from ..sweep import ExperimentResult, KeptCases, Result, Separate, SweepCase, run_cases
+from ..bench.cases import heads_of
+from ..sweep import (
+    MOST_SHOWN,
+    ExperimentResult,
+    KeptCases,
+    Result,
+    Separate,
+    SweepCase,
+    experiment,
+)
 from .options import CompareOptions
 
 _DUPLICATE = (
     "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
-)
-PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
-# Recordings at a latency on the page, which draws charts of each.
-MOST_SHOWN = 40
-# What a run takes from the options as it is.
-_OF_RUN = (
-    *("scene", "scene_options", "sequence_options", "repair", "headset", "rate_hz", "seconds", "trace_options"),
-    *("metrics_every", "jod_s"),
 )
 Progress = Callable[[int, int], None]
 
@@ -54,6 +51,7 @@ COLUMNS = (
     *("jod", "truth_preferred", "client_ms", "server_ms", "mbit_s", "up_mbit_s", "decoded_mpx_s"),
     *("start_bytes", "client_bytes", "unfit"),
 )
+PAGE, TABLE, DATA = FILES = ("compare.html", "compare.csv", "compare.json")
 
 
 def compare(
@@ -63,34 +61,29 @@ def compare(
 ) -> ExperimentResult:
     """Run every strategy on every recording at every latency, and write options.out.
 
-    Each run is a case, kept in the folder `cases` there as soon as it is done; those of a recording
-    and latency, which are compared, run on one machine.
+    Each run is a case; those of a recording and latency, which are compared, run on one machine.
 
-    All that was asked for is checked before anything runs. progress(done, total): in runs. say:
-    gets a sentence.
-    Errors: InputError and its kin for what was asked, MachineError for what the machine lacks; that
-    of the run where none of several was done.
+    All options are checked before anything runs. progress(done, total): in runs. say: gets a
+    sentence.
+    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
+    the run where none of several was done.
     """
-    started = time.perf_counter()
     clients = [load_client(name) for name in options.clients]
     runs, left_out = _checked(options)
-    with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
-        cases = [_case(run, options.clients) for run in runs]
-        swept = run_cases(Separate(run_part), cases, options.out, options.sweep, progress, say)
+    cases = [_case(run, options.clients) for run in runs]
+
+    with experiment(options, FILES, Separate(run_part), cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
-        if not rows:
-            swept.raise_failures()
-        data = {
-            "schema": SCHEMA,
-            "hmdwarp": __version__,
-            "command": options.command,
-            **{key: rows[0][key] for key in ("machine", "clock")},
-            "clients": [{"name": client.name, "summary": client.summary} for client in clients],
-            "strategies": [_described(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
-            "left_out": [*left_out, *({"strategy": each.name, "why": f"failed: {each.why}"} for each in swept.failed)],
-            "rows": rows,
-            "seconds": time.perf_counter() - started,
-        }
+        failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
+        data = described(
+            {
+                **{key: rows[0][key] for key in ("machine", "clock")},
+                "clients": [{"name": client.name, "summary": client.summary} for client in clients],
+                "strategies": [_described(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
+                "left_out": [*left_out, *failed],
+                "rows": rows,
+            }
+        )
         _write(out, data, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
     return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
@@ -133,12 +126,7 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
     start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
     cases = itertools.product(options.recordings, options.latencies_ms, chosen)
     runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
-    loaded = {
-        recording: source.head(load_trace(recording, options.trace_options) if recording else None)
-        for recording in options.recordings
-    }
-    traces = {recording: trace for recording, trace in loaded.items() if trace is not None}
-    refuse_traces_of_one_name(traces)
+    traces = heads_of(options, source)
     for run in runs:
         codecs.get(run.coding.codec)
         schedule_for(run, source, traces[run.trace], rate_hz)
@@ -158,7 +146,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
     by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
     return attrs.evolve(
         by_strategy.over(latency_ms, options.network, options.coding),
-        **{name: getattr(options, name) for name in _OF_RUN},
+        **options.of_run("scene", "repair", "metrics_every"),
         size=options.eye_size,
         start_s=start_s,
         lens="none",
@@ -176,9 +164,9 @@ def _described(text: str) -> dict[str, Any]:
 
 
 def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[Picture, Picture]]]) -> None:
-    out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
     numbers, count = first_cases(data["rows"], MOST_SHOWN)
     shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
+    out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
     out.write_text(PAGE, render_compare_page(shown, [pictures[number] for number in numbers]))
     out.write_json(DATA, data)
 

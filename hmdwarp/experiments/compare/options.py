@@ -8,22 +8,14 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError
 from ...link import LinkOptions
 from ...link.codec import Coding
-from ...options import Declared, force_field, group, names_in, out_field, same_as, several, split_names
-from ...poses.options import TraceOptions
+from ...options import group, names_in, out_field, same_as, several, split_names
 from ...run.options import RunOptions
-from ...run.recordings import recordings_field, with_recordings
-from ...scenes.options import SceneOptions
-from ...sources.sequences.options import SequenceOptions
-from ..sweep.options import SweepOptions
+from ..sweep.options import RecordedOptions, own_first
 
 _RUN = attrs.fields(RunOptions)
 SIZE, START_S = (640, 400), 1.0
-# In place of a recording: the head of the camera whose frames are compared.
-OWN_HEAD = ""
-_NOT_WITH_FRAMES = {"recordings": "TRACE", "scene": "--scene", "headset": "--headset", "rate_hz": "--rate"}
 
 
 @attrs.frozen
@@ -31,14 +23,16 @@ class _Coding(Coding):
     codec: str = same_as(attrs.fields(Coding).codec, "h264")
 
 
-@attrs.frozen(kw_only=True)
-class CompareOptions(Declared):
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class CompareOptions(RecordedOptions):
     """Every strategy on every recording at every latency, over the same link.
 
     Errors: InputError for a value out of range, and for an empty list.
     """
 
-    recordings: tuple[str, ...] = recordings_field()
+    with_frames = ("recordings", "scene", "headset", "rate_hz")
+    why_not = "all are compared on the camera's own frames, head and rate"
+
     # With settings where they matter; empty for all.
     strategies: tuple[str, ...] = several(
         _RUN.strategy, (), f"Strategy: {names_in('client/strategies')}; by default all.", split=split_names
@@ -50,27 +44,16 @@ class CompareOptions(Declared):
         f"Whom the fronts are for: {names_in('client/classes', '*.toml')}, or a .toml file",
     )
     scene: str = same_as(_RUN.scene)
-    scene_options: SceneOptions = group(SceneOptions)
-    frames: Path | None = same_as(_RUN.frames)
-    sequence_options: SequenceOptions = group(SequenceOptions)
     repair: str = same_as(_RUN.repair)
-    headset: str = same_as(_RUN.headset)
     size: tuple[int, int] | None = same_as(
         _RUN.size, help=f"Pixels of one eye, by default {SIZE[0]}x{SIZE[1]}, or as recorded."
     )
-    rate_hz: float | None = same_as(_RUN.rate_hz)
     start_s: float = same_as(_RUN.start_s, START_S)
     seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
     metrics_every: int = same_as(_RUN.metrics_every)
-    jod_s: float = same_as(_RUN.jod_s)
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)
-    workers: int | None = same_as(_RUN.workers)
-    trace_options: TraceOptions = group(TraceOptions)
     out: Path = out_field(Path("out/compare"), "Folder for compare.html, compare.json and compare.csv.")
-    force: bool = force_field()
-    sweep: SweepOptions = group(SweepOptions)
-    command: str = ""
 
     @property
     def eye_size(self) -> tuple[int, int] | None:
@@ -79,16 +62,9 @@ class CompareOptions(Declared):
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields that something was said about. Errors: InputError."""
-        values = super().values_of(with_recordings(said))
-        if values.get("frames") is None:
-            return values
-        for name, flag in _NOT_WITH_FRAMES.items():
-            usual = attrs.fields_dict(cls).get(name)
-            if name in values and (usual is None or values[name] != usual.default):
-                raise InputError(
-                    f"{flag} with --frames: all are compared on the camera's own frames, head and rate; leave it out"
-                )
+        """Return the fields that were set. Errors: InputError."""
+        values = super().values_of(said)
         # A second into a recording that may last less is not begun unless it is asked for.
-        start_s = values.get("start_s", START_S)
-        return {**values, "recordings": (OWN_HEAD,), "start_s": 0.0 if start_s == START_S else start_s}
+        if values.get("frames") is not None and values.get("start_s", START_S) == START_S:
+            values["start_s"] = 0.0
+        return values

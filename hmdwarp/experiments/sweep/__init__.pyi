@@ -7,8 +7,10 @@ from .kept import Result as Result
 from .options import ClusterOptions as ClusterOptions
 from .options import KeptOptions as KeptOptions
 from .options import SweepOptions as SweepOptions
+from .run_cases import MOST_SHOWN as MOST_SHOWN
 from .run_cases import ExperimentResult as ExperimentResult
 from .run_cases import Swept as Swept
+from .run_cases import experiment as experiment
 from .run_cases import outcomes as outcomes
 from .run_cases import raise_failed as raise_failed
 from .run_cases import run_cases as run_cases

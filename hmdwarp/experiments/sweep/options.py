@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
 
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, one_of, option
+from ...options import Declared, force_field, group, one_of, option, option_of, same_as
+from ...poses.options import TraceOptions
+from ...run.options import RunOptions
+from ...run.recordings import recordings_field, with_recordings
+from ...scenes.options import SceneOptions
+from ...sources.sequences.options import SequenceOptions
 
 LOCAL = r"local:([1-9]\d{0,2})"
 _ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9]\d*"
 EACH, ONE = "each", "one"
+# In place of a recording: the head of the camera whose frames are used.
+OWN_HEAD = ""
+_OF_EVERY_RUN = ("scene_options", "sequence_options", "trace_options", "headset", "rate_hz", "seconds", "jod_s")
+_RUN = attrs.fields(RunOptions)
 
 
 def _check(instance: Any, field: attrs.Attribute[Any], value: str | None) -> None:
@@ -64,3 +75,56 @@ class SweepOptions(KeptOptions):
     @property
     def in_turn(self) -> bool:
         return self.timing_on == ONE
+
+
+def own_first(kind: type, fields: Sequence[attrs.Attribute[Any]]) -> list[attrs.Attribute[Any]]:
+    """Return a class's fields in the order of its help: its own, then those that it inherits."""
+    return sorted(fields, key=lambda field: field.name not in kind.__annotations__)
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class ExperimentOptions(Declared):
+    """Options of an experiment: a set of cases, and the folder of what they gave."""
+
+    out: Path
+    force: bool = force_field()
+    sweep: KeptOptions = group(KeptOptions)
+    command: str = ""
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class RecordedOptions(ExperimentOptions):
+    """Options of an experiment on recorded heads, in scenes or on recorded frames."""
+
+    # Fields that recorded frames decide, and why, as a message says it.
+    with_frames: ClassVar[tuple[str, ...]] = ()
+    why_not: ClassVar[str] = ""
+
+    recordings: tuple[str, ...] = recordings_field()
+    scene_options: SceneOptions = group(SceneOptions)
+    frames: Path | None = same_as(_RUN.frames)
+    sequence_options: SequenceOptions = group(SequenceOptions)
+    headset: str = same_as(_RUN.headset)
+    rate_hz: float | None = same_as(_RUN.rate_hz)
+    start_s: float = same_as(_RUN.start_s)
+    seconds: float | None = same_as(_RUN.seconds)
+    jod_s: float = same_as(_RUN.jod_s)
+    workers: int | None = same_as(_RUN.workers)
+    trace_options: TraceOptions = group(TraceOptions)
+    sweep: SweepOptions = group(SweepOptions)
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields that were set. Errors: InputError for one that frames decide."""
+        said = with_recordings(said)
+        values = super().values_of(said)
+        if values.get("frames") is None:
+            return values
+        for decided in (option_of(field) for field in attrs.fields(cls) if field.name in cls.with_frames):
+            if said.get(decided.name) not in (None, decided.default):
+                raise InputError(f"{decided.flag} with --frames: {cls.why_not}; leave it out")
+        return {**values, "recordings": (OWN_HEAD,)}
+
+    def of_run(self, *names: str) -> dict[str, Any]:
+        """Return the fields that each run takes as they are; names: further ones."""
+        return {name: getattr(self, name) for name in (*_OF_EVERY_RUN, *names)}

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...report import SCHEMA, OutputFolder
+from ...resources import __version__
 from .cluster import run_on_cluster
 from .kept import DONE, FAILED, FOLDER, Failure, KeptCases, KeptRows, Result, RowsOf
-from .options import ClusterOptions, KeptOptions
+from .options import ClusterOptions, ExperimentOptions, KeptOptions
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group
 
 Progress = Callable[[int, int], None]
+# Cases on a page, which draws charts of each: a second for two.
+MOST_SHOWN = 40
 
 
 @attrs.frozen
@@ -41,8 +47,14 @@ class Swept:
         raise_failed(self.failed, len(self.cases), "the others are kept: run it again with --resume")
 
     def rows(self, rows_of: RowsOf) -> KeptRows:
-        """Return the rows of all cases that are done, which stay on the disk."""
-        return KeptRows(self.kept, [case.identity for case in self.done], rows_of)
+        """Return the rows of all cases that are done, which stay on the disk.
+
+        Errors: as raise_failures, where there are none.
+        """
+        rows = KeptRows(self.kept, [case.identity for case in self.done], rows_of)
+        if not rows:
+            self.raise_failures()
+        return rows
 
 
 @attrs.frozen(eq=False)
@@ -96,6 +108,31 @@ def run_cases(
         bar.done(case)
     failed = tuple(kept.failure(case.identity) for case in cases if kept.state(case.identity) == FAILED)
     return Swept(kept, tuple(cases), failed, known)
+
+
+@contextmanager
+def experiment(
+    options: ExperimentOptions,
+    files: tuple[str, ...],
+    work: Work,
+    cases: Sequence[SweepCase],
+    progress: Progress,
+    say: Say,
+) -> Iterator[tuple[OutputFolder, Swept, Callable[[Mapping[str, Any]], dict[str, Any]]]]:
+    """Run the cases; the block writes the files, which replace those of an earlier run at its end.
+
+    files: that it may write, the JSON file last. The third value returns the content of that file:
+    what was found, and what every experiment has. progress(done, total): in steps of the cases.
+    say: gets a sentence. Errors: as OutputFolder.
+    """
+    started_s = time.perf_counter()
+
+    def described(found: Mapping[str, Any]) -> dict[str, Any]:
+        about = {"schema": SCHEMA, "hmdwarp": __version__, "command": options.command}
+        return {**about, **found, "seconds": time.perf_counter() - started_s}
+
+    with OutputFolder(options.out, owned=files[:-1], last=files[-1], force=options.force) as out:
+        yield out, run_cases(work, cases, options.out, options.sweep, progress, say), described
 
 
 def outcomes(

@@ -7,9 +7,9 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, force_field, group, option, out_field, same_as
+from ...options import group, option, out_field, same_as
 from ...run import RunOptions
-from ..sweep.options import KeptOptions
+from ..sweep.options import ExperimentOptions, KeptOptions, own_first
 from .experiment import experiments_named
 from .run_kinds import FULL_SIZE
 
@@ -22,8 +22,8 @@ def _names(texts: list[str]) -> tuple[str, ...]:
     return tuple(name.strip() for text in texts for name in text.split(","))
 
 
-@attrs.frozen(kw_only=True)
-class ThesisOptions(Declared):
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class ThesisOptions(ExperimentOptions):
     """Which experiments of the thesis to run again, and how large.
 
     Errors: UnknownNameError for an experiment that there is not; InputError for a size beside
@@ -31,7 +31,6 @@ class ThesisOptions(Declared):
     """
 
     out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and the folder cases.")
-    force: bool = force_field()
     only: tuple[str, ...] = option(
         (),
         "Only these experiments, by their names on the page; repeat it, or put commas between.",
@@ -46,7 +45,6 @@ class ThesisOptions(Declared):
         help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; those of streams are given by the thesis.",
     )
     sweep: KeptOptions = group(KeptOptions)
-    command: str = ""
 
     def __attrs_post_init__(self) -> None:
         experiments_named(self.only)

@@ -6,7 +6,6 @@ import base64
 import functools
 import platform
 import tempfile
-import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -17,19 +16,23 @@ import attrs
 import numpy as np
 
 from ...gpu import Gpu
-from ...report import OutputFolder, jpeg_bytes, plain, render_thesis_page
-from ...resources import __version__
+from ...report import jpeg_bytes, plain, render_thesis_page
 from ...run.run_summary import machine_of
-from ..sweep import ExperimentResult, Result, SweepCase, Swept, run_cases
+from ..sweep import (
+    ExperimentResult,
+    Result,
+    SweepCase,
+    Swept,
+    experiment,
+)
 from .experiment import Experiment, experiments, experiments_named
 from .options import QUICK_SCALE, ThesisOptions
 from .run_figures import FACTS, Looked, Thoroughness, look, stream
 from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
 from .verdicts import Finding, Verdict, settings_text, verdict_of
 
-SCHEMA = 1
-PAGE, TABLE, DATA = "thesis.html", "results.csv", "results.json"
 COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
+PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")
 PAGE_WIDTH = 560
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
 # What the figures depend on besides what draws and measures pictures; the rules that judge them do
@@ -49,40 +52,34 @@ def run_thesis(
 ) -> ExperimentResult:
     """Run the experiments and write the page, results.json and results.csv into options.out.
 
-    Each run is a case, kept in the folder `cases` there as soon as it is done. One that fails
-    leaves the others, see ExperimentResult.swept. ratings: what the published ratings say; a
-    function of a module, as it crosses to other machines by pickle. progress(done, total): in runs.
-    say: gets a sentence.
+    Each run is a case. ratings: what the published ratings say; a function of a module, as it
+    crosses to other machines by pickle. progress(done, total): in runs. say: gets a sentence.
     Errors: InputError and its kin for a folder that cannot be written, MachineError for what the
     machine lacks; that of the run where none of several was done.
     """
-    started = time.perf_counter()
     chosen = [_quick(each) if options.quick else each for each in experiments_named(options.only)]
-    with OutputFolder(options.out, owned=(PAGE, TABLE), last=DATA, force=options.force) as out:
-        how = Thoroughness(options.eye_size, *((1, 2, QUICK_SCALE, 0.25) if options.quick else (3, 5)))
-        runs = tuple(dict.fromkeys(run for each in chosen for run in each.runs()))
-        # Of any experiment, not only of those chosen: what is kept serves another choice too.
-        pictured: set[Run] = {run for each in experiments() for run in each.pictures}
-        cases = cases_of(runs, pictured, how)
-        swept = run_cases(ThesisWork(runs, ratings), cases, options.out, options.sweep, progress, say)
-        if not (figures := _figures(swept.results())):
-            swept.raise_failures()
-        made_on = next(data for _, data in swept.results())
+    how = Thoroughness(options.eye_size, *((1, 2, QUICK_SCALE, 0.25) if options.quick else (3, 5)))
+    runs = tuple(dict.fromkeys(run for each in chosen for run in each.runs()))
+    # Of any experiment, not only of those chosen: what is kept serves another choice too.
+    pictured: set[Run] = {run for each in experiments() for run in each.pictures}
+    cases = cases_of(runs, pictured, how)
+
+    work = ThesisWork(runs, ratings)
+    with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
+        made_on = swept.rows(lambda data: (data,))[0]
+        figures = _figures(swept.results())
         judged = [_judged(each, figures) for each in chosen]
         counts = Counter(each["verdict"] for each in judged)
-        data = {
-            "schema": SCHEMA,
-            "hmdwarp": __version__,
-            "command": options.command,
-            "machine": made_on["machine"],
-            "clock": made_on["clock"],
-            "size": list(options.eye_size),
-            "quick": options.quick,
-            "verdicts": {verdict.value: counts[verdict.value] for verdict in Verdict},
-            "experiments": judged,
-            "failed": [f"{failure.name}: {failure.why}" for failure in swept.failed],
-            "seconds": time.perf_counter() - started,
-        }
+        data = described(
+            {
+                **{key: made_on[key] for key in ("machine", "clock")},
+                "size": list(options.eye_size),
+                "quick": options.quick,
+                "verdicts": {verdict.value: counts[verdict.value] for verdict in Verdict},
+                "experiments": judged,
+                "failed": [f"{failure.name}: {failure.why}" for failure in swept.failed],
+            }
+        )
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
         out.write_csv(TABLE, _rows(judged), COLUMNS)
         out.write_json(DATA, data)

@@ -9,5 +9,6 @@ from .picture_files import read_depth as read_depth
 from .readers import SequenceReader as SequenceReader
 from .readers import open as open
 from .readers import readers as readers
+from .recorded import FACTS as FACTS
 from .recorded import RecordedFrame as RecordedFrame
 from .recorded import Sequence as Sequence

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,32 @@ _COEFFICIENTS = tuple(
     f"{kind}{number}" for kind, count in (("k", 6), ("p", 2), ("s", 4)) for number in range(1, count + 1)
 )
 _LISTS = ("distortion", "distortion_coefficients", "distortion_params", "dist_coeffs")
+# Names of a 3x3 matrix of intrinsics: of Open3D, OpenCV, ROS and others.
+MATRICES = ("intrinsic_matrix", "camera_matrix", "intrinsic", "K", "k")
+_CAMERA_KEYS = (
+    *(
+        "intrinsics",
+        "fx",
+        "fy",
+        "cx",
+        "cy",
+        "w",
+        "h",
+        "width",
+        "height",
+        "centre",
+        "depth_scale",
+        "camera_model",
+        "model",
+    ),
+    *("fl_x", "fl_y", "camera_angle_x", "camera_angle_y"),
+)
+# In a key that may change what depth, poses or pixels mean.
+_GEOMETRIC = re.compile(
+    "depth|scale|unit|near|far|ax[ei]s|pose|matrix|rotat|transl|position|quat|offset|convention|flip|invert|coord|hand"
+    "|skew|shutter|fisheye|ortho|distort|crop|baseline|orient|transform|shift|world|extrinsic|camera|lens|pixel|px|mitsuba",
+    re.IGNORECASE,
+)
 _UNDISTORT = (
     "lens distortion is not undone here: undistort colour and depth first (COLMAP: image_undistorter; OpenCV: "
     "undistort, with nearest pixels for depth)"
@@ -57,6 +84,13 @@ class Camera:
             raise InputError(f"{where}: {error}") from error
 
     @property
+    def text(self) -> str:
+        """The intrinsics in words."""
+        where = f", first pixel at {self.centre:g}" if self.centre else ""
+        size = "" if self.size is None else " for {}x{}".format(*self.size)
+        return ",".join(f"{number:.6g}" for number in (self.fx, self.fy, self.cx, self.cy)) + f" px{size}{where}"
+
+    @property
     def is_y_up(self) -> bool:
         """Whether its y axis points up, which makes its axes left-handed where z points forward."""
         return self.fy < 0
@@ -80,17 +114,18 @@ def parse_intrinsics(text: str) -> Camera:
 def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -> Camera | None:
     """Return the camera that a JSON object describes, None where it has no intrinsics.
 
-    Known are `intrinsics` (fx, fy, cx, cy), `fl_x` .. `cy` and `camera_angle_x` of nerfstudio, and
-    `intrinsic_matrix` of Open3D (by columns). centre: of the first pixel, unless `centre` says so.
+    Known are `intrinsics` (fx, fy, cx, cy), a matrix by any of the names in MATRICES, nested or
+    flat, by rows or by columns, `fx` .. `cy`, and `fl_x` .. `cy` and `camera_angle_x` of
+    nerfstudio. centre: of the first pixel, unless `centre` says so.
     Errors: InputError, which names a lens distortion.
     """
     refuse_distortion(where, data)
     size, centre = _size(where, data), number_of(where, "centre", data.get("centre", centre))
-    if "intrinsics" in data:
-        fx, fy, cx, cy = numbers_of(where, "intrinsics", data["intrinsics"], 4)
-    elif "intrinsic_matrix" in data:
-        matrix = np.ravel(np.asarray(data["intrinsic_matrix"], dtype=object))
-        fx, _, _, _, fy, _, cx, cy, _ = numbers_of(where, "intrinsic_matrix", list(matrix), 9)
+    named = next((name for name in ("intrinsics", *MATRICES) if data.get(name) is not None), "")
+    if named:
+        fx, fy, cx, cy = _of_list(where, named, data[named])
+    elif "fx" in data:
+        fx, fy, cx, cy = (number_of(where, name, data.get(name)) for name in ("fx", "fy", "cx", "cy"))
     elif "fl_x" in data or "camera_angle_x" in data:
         fx, fy, cx, cy = _of_nerf(where, data, size, centre)
     else:
@@ -100,6 +135,27 @@ def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -
             f"{where}: focal lengths fx {fx:g}, fy {fy:g}: expected fx above 0 and fy other than 0, in pixels"
         )
     return Camera(fx, fy, cx, cy, size, centre)
+
+
+def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
+    """Return fx, fy, cx, cy of four numbers or of a 3x3 matrix, whose zeros say which way it is."""
+    if isinstance(value, Mapping):  # as OpenCV writes a matrix
+        value = value.get("data")
+    numbers = np.ravel(np.asarray(value, dtype=object)).tolist()
+    if name == "intrinsics" and len(numbers) == 4:
+        return numbers_of(where, name, numbers, 4)
+    if np.shape(value) not in ((9,), (3, 3)):
+        four = "4 numbers fx, fy, cx, cy, or " if name == "intrinsics" else ""
+        raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected {four}9 numbers of a 3x3 matrix")
+    matrix = np.reshape(numbers_of(where, name, numbers, 9), (3, 3))
+    matrix = matrix if np.array_equal(matrix[2], (0, 0, 1)) else matrix.T
+    if not np.array_equal(matrix[2], (0, 0, 1)):
+        raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected 0, 0, 1 as its last row or column")
+    if matrix[0, 1] or matrix[1, 0]:
+        raise InputError(
+            f"{where}: {name} has a skew of {matrix[0, 1] or matrix[1, 0]:g}; expected 0: square the pixels"
+        )
+    return float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[0, 2]), float(matrix[1, 2])
 
 
 def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
@@ -116,6 +172,21 @@ def refuse_distortion(where: str | Path, data: Mapping[str, Any]) -> None:
     for name, value in found.items():
         if value is not None and number_of(where, name, value) != 0:
             raise InputError(f"{where}: {name} is {value:g}; expected 0: {_UNDISTORT}")
+
+
+def unread_notes(where: str | Path, data: Mapping[str, Any], known: Collection[str] = ()) -> list[str]:
+    """Return a note on the keys that may change the geometry and that nothing here reads.
+
+    known: keys that the caller reads or that change nothing, besides those of a camera.
+    """
+    read = {*_CAMERA_KEYS, *_COEFFICIENTS, *_LISTS, *MATRICES, *known}
+    found = [key for key in data if key not in read and _GEOMETRIC.search(key)]
+    if not found:
+        return []
+    return [
+        f"{where}: {', '.join(found)} {'is' if len(found) == 1 else 'are'} not read, and may change where things are: "
+        "'hmdwarp check' says whether the frames agree without."
+    ]
 
 
 def read_json(path: Path, wanted: str = "an object") -> dict[str, Any]:

@@ -15,18 +15,26 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
+from ...poses.assumptions import Assumption, By, first_stated
 from ...poses.track import UNIT_WITHIN
-from .camera import camera_of, read_json, refuse_distortion
+from .camera import Camera, camera_of, read_json, refuse_distortion, unread_notes
 from .exr import read_exr
 from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
+from .recorded import AXES, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE
 
 _FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}
 _VIEW = {**_FOV, **_POSE}
 _ARRAYS = ("colour", "depth_m")
 _WANTED = f"an object with {', '.join(_VIEW)}"
 _KEYS = (*_ARRAYS, *_VIEW)
-_SCALE, _ENCODING, INTRINSICS = "depth_scale", "encoding", "intrinsics"
+_SCALE, _ENCODING = "depth_scale", "encoding"
 _FACTS = (*_VIEW, INTRINSICS, "centre", _SCALE, _ENCODING, "time_s", "time_ns")
+# What frames of our own form have by its description.
+OWN_FACTS = (
+    Assumption(NO_DEPTH, "0 or NaN", By.FORMAT, "--no-depth"),
+    Assumption(AXES, "x right, y up, -z forward", By.FORMAT),
+    Assumption(POSE, "world from camera, x y z and quaternion x y z w", By.FORMAT),
+)
 NPZ, JSON = ".npz", ".json"
 _DEPTH_MARKS = (".depth", "-depth", "_depth")
 _DEPTH_ENDINGS = (".png", ".exr", ".npy", ".pgm", ".tif", ".tiff")
@@ -67,6 +75,11 @@ class FrameFile:
         return _view(self.where, self.facts, self.size)
 
     @property
+    def notes(self) -> list[str]:
+        """What its files state and nothing reads."""
+        return unread_notes(self.where, self.facts, (*_FACTS, "depth"))
+
+    @property
     def depth_scale(self) -> float | None:
         """Metres per unit of depth; None where nothing says it."""
         if _SCALE not in self.facts:
@@ -77,6 +90,26 @@ class FrameFile:
     def encoding(self) -> str | None:
         """The encoding of float colour; None where nothing says it."""
         return str(self.facts[_ENCODING]) if _ENCODING in self.facts else None
+
+
+def assumptions_of(found: FrameFile, camera: Camera | None = None, scale: float | None = None) -> list[Assumption]:
+    """Return the facts by which a frame is read, with who says so.
+
+    camera, scale: intrinsics and metres per unit that the user states in place of the files.
+    """
+    if camera is not None or "fov" not in found.facts:
+        stated = camera or camera_of(found.where, found.facts)
+        by = By.FILE if camera is None else By.USER
+        intrinsics = Assumption(INTRINSICS, stated.text if stated else "", by, "--intrinsics")
+    else:
+        intrinsics = Assumption(INTRINSICS, "fov", By.FILE, "--intrinsics")
+    scale, by = first_stated(scale, found.depth_scale, None)
+    if scale is None:
+        by, scale = (By.FILE if found.path == found.where else By.NOBODY), 1.0
+    facts = [intrinsics, Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale"), *OWN_FACTS]
+    if found.path.suffix.lower() == NPZ and found.encoding is None:
+        facts.append(Assumption("colour", "floats are linear light, bytes sRGB", By.FORMAT, "--encoding"))
+    return facts
 
 
 def read_frame(path: Path, depth: Path | None = None, camera: Path | None = None) -> FrameFile:

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 import attrs
 
 from ...errors import InputError
-from ...options import DISPLAY, Declared, Number, names_in, option, option_of
+from ...options import DISPLAY, Declared, Number, names_in, one_of, option, option_of
 
 if TYPE_CHECKING:
     from .camera import Camera
 
+HOLE, FAR = "hole", "far"  # what a pixel without depth is
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
@@ -62,6 +63,12 @@ class SequenceOptions(Declared):
         "Metres per unit of the recorded depth: 0.001 for millimetres, 0.0002 for TUM RGB-D.",
         kind=float,
         valid=Number(most=1.0, above=True),
+        study=DISPLAY,
+    )
+    no_depth: str = option(
+        HOLE,
+        "What a pixel without depth is: a hole, or infinitely far, as sky of a renderer is.",
+        valid=one_of(HOLE, FAR),
         study=DISPLAY,
     )
     frames_rate_hz: float | None = option(

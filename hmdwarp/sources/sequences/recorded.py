@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,15 @@ from ...colour import srgb8_from_linear
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
 from ...poses import PoseTrack
-from ...poses.assumptions import Assumption
+from ...poses.assumptions import Assumption, By
 from ..repairs import RepairChain
+from .options import FAR
 
 _JPEG = 8  # of 255: as far as a JPEG is off in a plain area next to an edge
+# Facts that every recording has, as its assumptions name them.
+INTRINSICS, DEPTH_SCALE, NO_DEPTH = "intrinsics", "depth scale", "no depth"
+AXES, POSE, CLOCK = "camera axes", "camera pose", "frame clock"
+FACTS = (INTRINSICS, DEPTH_SCALE, NO_DEPTH, AXES, POSE, CLOCK)
 Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 
@@ -38,6 +43,8 @@ class RecordedFrame:
     # (w, h) in pixels.
     size: tuple[int, int]
     _read: Callable[[], Pictures] = attrs.field(repr=False)
+    # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
+    raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
 
     @property
     def view(self) -> View:
@@ -79,6 +86,15 @@ class RecordedFrame:
         fov = Fov.from_tangents((left + x, right - x, down + y, up - y))
         return attrs.evolve(self, fov=fov, size=size, read=read)
 
+    def far_without_depth(self) -> RecordedFrame:
+        """Return the frame with what has colour and no depth infinitely far away."""
+
+        def read() -> Pictures:
+            colour, depth_m = self._read()
+            return colour, np.where(depth_m <= 0, np.float32(np.inf), depth_m)
+
+        return attrs.evolve(self, read=read)
+
     @property
     def colour(self) -> NDArray[np.uint8]:
         """(h, w, 3) uint8 sRGB, row 0 at the top; read at each access."""
@@ -109,6 +125,14 @@ class Sequence:
     # Facts that all frames share, with who says them.
     assumptions: tuple[Assumption, ...] = ()
 
+    def with_no_depth(self, meaning: str) -> Sequence:
+        """Return the sequence with pixels without depth as `meaning` has it: FAR or HOLE."""
+        if meaning != FAR:
+            return self
+        fact = Assumption(NO_DEPTH, "infinitely far", By.USER, "--no-depth")
+        frames = tuple(frame.far_without_depth() for frame in self.frames)
+        return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact))
+
     def repaired(self, repair: RepairChain) -> Sequence:
         """Return the sequence with its depth to be mended before a warp.
 
@@ -134,13 +158,24 @@ class Sequence:
         return 1e9 / float(np.median(steps)) if len(steps) else 0.0
 
 
+def replaced(facts: Iterable[Assumption], *by: Assumption) -> tuple[Assumption, ...]:
+    """Return the facts, those of the same name replaced by others."""
+    return tuple({one.what: one for one in (*facts, *by)}.values())
+
+
+def is_largest(depth: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return where integers are the largest of their type, which no camera measures."""
+    return np.asarray(depth == np.iinfo(depth.dtype).max) if depth.dtype.kind in "iu" else np.zeros(depth.shape, bool)
+
+
 def in_metres(depth: NDArray[Any], scale: float) -> NDArray[np.float32]:
-    """Return depth in metres as float32."""
-    return depth.astype(np.float32) if scale == 1 else (depth * np.float64(scale)).astype(np.float32)
+    """Return depth in metres as float32; 0 where there is none, as in the largest of integers."""
+    metres = depth.astype(np.float32) if scale == 1 else (depth * np.float64(scale)).astype(np.float32)
+    return np.where(is_largest(depth) | np.isnan(metres), np.float32(0), metres)
 
 
 def as_pictures(colour: NDArray[Any], depth_m: NDArray[np.float32]) -> Pictures:
-    """Return the colour as bytes without alpha, and no depth where alpha is 0."""
+    """Return the colour as bytes without alpha, and NaN for the depth where alpha is 0."""
     if colour.shape[2] == 4:
         depth_m = np.where(colour[..., 3] == 0, np.float32(np.nan), depth_m)
         colour = colour[..., :3]

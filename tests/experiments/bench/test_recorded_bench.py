@@ -43,6 +43,7 @@ def test_a_bench_measures_one_eye_at_recorded_instants(folder, tmp_path):
 def test_warps_and_options_beyond_a_recording_are_refused(folder, tmp_path):
     with pytest.raises(PlanError, match="layer 'peeled'"):
         bench(options(folder, tmp_path, warp=["layered"]))
-    for said in ({"scene": ["room"]}, {"guard": "1.5"}, {"traces": ["walk"]}, {"strategy": ["points"]}):
-        with pytest.raises(InputError, match=f"--{next(iter(said))} with --frames"):
+    said_of = {"--scene": {"scene": ["room"]}, "--guard": {"guard": "1.5"}, "TRACE": {"traces": ["walk"]}}
+    for flag, said in {**said_of, "--strategy": {"strategy": ["points"]}}.items():
+        with pytest.raises(InputError, match=f"^{flag} with --frames"):
             options(folder, tmp_path, **said)

@@ -11,11 +11,11 @@ import pytest
 from PIL import Image
 from published_folders import PUBLISHED, Form
 from recorded_folders import (
+    AS_TUM,
     HAS_EXR,
     LAYOUTS,
     MILLIMETRES,
     SIZE,
-    STATED,
     fov_of,
     taken,
     write_nerfstudio,
@@ -177,7 +177,7 @@ def test_missing_facts_are_requested_by_option(tmp_path):
 
 def test_a_denser_trajectory_is_the_motion_between_the_frames(tmp_path):
     """Poses at 90 Hz between frames at 30; the file's own clock is told."""
-    track = opened(tmp_path, write_tum, STATED, count=3).track
+    track = opened(tmp_path, write_tum, AS_TUM, count=3).track
     assert (len(track), track.start_ns, track.end_ns) == (7, 0, taken(3)[-1].time_ns)
     assert track.epoch_ns == 1305031102_175304000
     assert track.pose(1).isclose(taken(3)[0].pose.towards(taken(3)[1].pose, 1 / 3), 1e-9)
@@ -231,11 +231,11 @@ def test_files_that_do_not_fit_are_named(tmp_path):
     refused(folder, "trajectory.log, line 1", "without scale", options=MILLIMETRES)
 
     folder = tmp_path / "tum"
-    opened(folder, write_tum)
+    opened(folder, write_tum, AS_TUM)
     (folder / "depth.txt").write_text("1305031102.2 depth/0.png\n1305031102.3\n")
     refused(folder, "depth.txt, line 2", "expected seconds")
     (folder / "depth.txt").write_text("5.0 depth/0.png\n")
-    refused(folder, "no frame with colour, depth and a pose")
+    refused(folder, "no frame with colour, depth and a pose", options=AS_TUM)
 
     folder = tmp_path / "npz"
     opened(folder, write_npz)
@@ -253,11 +253,11 @@ def test_frames_without_depth_or_pose_are_left_out_with_a_note(tmp_path):
     sequence = sequences.open(file)
     assert len(sequence.frames) == 2 and "1 frames were left out" in sequence.notes[0]
 
-    opened(tmp_path / "tum", write_tum, count=3)
+    opened(tmp_path / "tum", write_tum, AS_TUM, count=3)
     (tmp_path / "tum" / "groundtruth.txt").write_text(
         "\n".join((tmp_path / "tum" / "groundtruth.txt").read_text().splitlines()[:6]) + "\n"
     )
-    sequence = sequences.open(tmp_path / "tum")
+    sequence = sequences.open(tmp_path / "tum", AS_TUM)
     assert len(sequence.frames) == 2 and any("no pose at their instants" in note for note in sequence.notes)
 
 

@@ -26,13 +26,17 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     if not place.exists():
         raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
     if options.layout is not None:
-        return readers.get(options.layout).read(place, options).cropped(options.crop)
+        return _treated(readers.get(options.layout).read(place, options), options)
     chances = {reader.name: reader.fits(place) for reader in readers}
     best = max(chances, key=lambda name: chances[name])
     if not chances[best]:
         known = "; ".join(f"{reader.name}: {reader.summary}" for reader in readers)
         raise InputError(f"{place} ({_content(place)}): no layout of recorded frames that is known. Known are: {known}")
-    return readers.get(best).read(place, options).cropped(options.crop)
+    return _treated(readers.get(best).read(place, options), options)
+
+
+def _treated(sequence: Sequence, options: SequenceOptions) -> Sequence:
+    return sequence.cropped(options.crop).with_no_depth(options.no_depth)
 
 
 def _content(place: Path) -> str:

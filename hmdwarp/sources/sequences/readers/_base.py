@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable
 from collections.abc import Sequence as Rows
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,17 +16,30 @@ from numpy.typing import ArrayLike, NDArray
 from ....errors import InputError
 from ....geometry import Pose
 from ....poses import PoseTrack
-from ....poses.assumptions import Assumption, first_stated
+from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
-from ..camera import Camera, camera_of, read_json, scale_of
+from ..camera import Camera, Size, camera_of, read_json, scale_of
+from ..matrices import LAST, by_rows, square_of
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
-from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
+from ..recorded import (
+    CLOCK,
+    DEPTH_SCALE,
+    INTRINSICS,
+    Pictures,
+    RecordedFrame,
+    Sequence,
+    as_pictures,
+    in_metres,
+    replaced,
+)
 
 # Cameras that look along +z, with y down or, as some renderers have it, up.
 OPTICAL, OPTICAL_UP = "opencv", "unity"
+VGA: Size = (640, 480)
 # The file that may state what a layout does not: intrinsics, depth_scale.
 CAMERA = "camera.json"
+_STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
 DEPTHS = (*PICTURES, EXR, NPY)
 Fit = Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]]
 _ROTATION_WITHIN = 1e-3
@@ -38,6 +52,8 @@ class SequenceReader:
 
     name = ""  # for --layout
     summary = ""  # its files, in one line
+    # What is taken for each of FACTS where files and options do not say it, and who says that.
+    assumes: tuple[Assumption, ...] = ()
 
     def fits(self, path: Path) -> int:
         """Return how likely `path` is of this layout: 0 not at all, 100 certainly."""
@@ -55,6 +71,8 @@ class Facts:
     camera: Camera
     depth_scale: float
     assumptions: tuple[Assumption, ...] = ()
+    # Size (w, h) of the pictures that the numbers of a layout are for; None for any.
+    only_for: Size | None = None
 
     def axes(self, world: str = "") -> Axes:
         """Return the axes of the camera, which looks along +z, and of its world.
@@ -76,11 +94,15 @@ def facts_of(
     *,
     own: Camera | None = None,
     own_scale: float | None = None,
+    by: By = By.FORMAT,
+    only_for: Size | None = None,
 ) -> Facts:
-    """Return what the options say, else camera.json there, else other files, else the layout.
+    """Return what the options say, else camera.json in the folder, its own files, or the layout.
 
     own, own_scale: as the layout's files state them. camera, depth_scale: as the layout has them,
-    None where it says nothing. Errors: InputError.
+    None where it says nothing. by: who says those: FORMAT for documents of a data set, NOBODY for
+    numbers that are often right. only_for: (w, h) of the pictures that those numbers are for.
+    Errors: InputError.
     """
     stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
     camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
@@ -98,8 +120,31 @@ def facts_of(
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    intrinsics = Assumption("intrinsics", f"{camera.fx:g},{camera.fy:g},{camera.cx:g},{camera.cy:g}", camera_by)
-    return Facts(camera, float(scale), (intrinsics, Assumption("depth scale", f"{scale:g} m", scale_by)))
+    camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
+    return Facts(camera, float(scale), (intrinsics_fact(camera, camera_by), scale_fact(scale, scale_by)), only_for)
+
+
+def intrinsics_fact(camera: Camera, by: By) -> Assumption:
+    """Return the entry for the intrinsics of a camera."""
+    return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
+
+
+def scale_fact(scale: float, by: By) -> Assumption:
+    """Return the entry for the metres per unit of depth."""
+    return Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale")
+
+
+def for_size(fact: Assumption, size: Size) -> Assumption:
+    """Return the entry for a number that a layout has for pictures of that size."""
+    return attrs.evolve(fact, value="{} for {}x{}".format(fact.value, *size))
+
+
+def clock_fact(options: SequenceOptions, file: str = "") -> Assumption:
+    """Return the entry for the instants of frames. file: how its files state them, "" for not."""
+    if file and options.frames_rate_hz is None:
+        return Assumption(CLOCK, file, By.FILE, "--frames-rate")
+    by = By.NOBODY if options.frames_rate_hz is None else By.USER
+    return Assumption(CLOCK, f"{options.frames_rate_hz or RATE_HZ:g} frames per second", by, "--frames-rate")
 
 
 @attrs.frozen(eq=False)
@@ -127,12 +172,14 @@ def sequence_of(
     """Return the sequence of pairs of files that share one camera.
 
     track: a denser motion than the frames' own. more: facts beside those of the camera. depth_of,
-    fit: as `reading` takes them. Errors: InputError without frames.
+    fit: as `reading` takes them. Errors: InputError without frames, and for pictures of another
+    size than the layout's numbers are for.
     """
     pairs = sorted(pairs, key=lambda pair: pair.time_ns)
     if not pairs:
         raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {reader.summary}")
     size = size_of(pairs[0].colour)
+    _refuse_other_size(reader, folder, facts, size)
     fov = facts.camera.fov(size, str(folder))
 
     def frame(pair: Pair) -> RecordedFrame:
@@ -143,10 +190,25 @@ def sequence_of(
             fov,
             size,
             reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
+            partial(depth_of, pair.depth),
         )
 
     frames = [frame(pair) for pair in pairs]
     return made(reader, folder, frames, track=track, notes=notes, assumptions=(*facts.assumptions, *more))
+
+
+def _refuse_other_size(reader: SequenceReader, folder: Path, facts: Facts, size: Size) -> None:
+    """Raise InputError where numbers of a layout are for pictures of another size."""
+    open_facts = [one for one in facts.assumptions if one.by in (By.FORMAT, By.NOBODY)]
+    if facts.only_for in (None, size) or not open_facts:
+        return
+    (wide, high), (found_wide, found_high) = facts.only_for, size
+    taken = " and ".join(f"{one.what} {one.value}" for one in open_facts)
+    remedy = " ".join(_STATES[one.what] for one in open_facts)
+    raise InputError(
+        f"{folder}: pictures of {found_wide}x{found_high}, and what {reader.name} takes where files do not say it "
+        f"({taken}) is for {wide}x{high}: give {remedy}, or write {CAMERA} there"
+    )
 
 
 def made(
@@ -156,11 +218,12 @@ def made(
     *,
     track: PoseTrack | None = None,
     notes: Rows[str] = (),
-    assumptions: tuple[Assumption, ...] = (),
+    assumptions: Rows[Assumption] = (),
 ) -> Sequence:
     """Return the sequence of these frames, whose clock begins with the first.
 
-    track: a denser motion, on the frames' own clock.
+    track: a denser motion, on the frames' own clock. assumptions: those of this recording; the
+    others are what the reader assumes.
     Errors: InputError for no frames, for two of one instant, and for several sizes.
     """
     if not frames:
@@ -185,7 +248,8 @@ def made(
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
     origin, epoch_ns = f"recorded frames ({reader.name})", begins_ns + (0 if track is None else track.epoch_ns)
     own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
-    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes), assumptions=assumptions)
+    facts = replaced(reader.assumes, *assumptions)
+    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes), assumptions=facts)
 
 
 def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
@@ -249,20 +313,33 @@ def pose_of_numbers(axes: Axes, where: str, numbers: Rows[float]) -> Pose:
 def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Pose:
     """Return world_from_eye of a 4x4 matrix of a file, whose positions have `unit` metres.
 
-    Errors: InputError for what is no rotation and translation.
+    matrix: as square_of takes it, by rows, or by columns where its zeros say so; poses_of looks at
+    all matrices of a file. Errors: InputError for what is no rotation and translation.
     """
-    try:
-        found = np.array(matrix, np.float64)
-    except (TypeError, ValueError):
-        found = np.empty(0)
-    if found.shape not in ((4, 4), (3, 4)) or not np.isfinite(found).all():
-        raise InputError(f"{where}: expected a matrix of 4 rows of 4 finite numbers")
-    turn = found[:3, :3]
-    if np.abs(turn @ turn.T - np.eye(3)).max() > _ROTATION_WITHIN or np.linalg.det(turn) < 0:
+    return poses_of(axes, [(where, matrix)], unit)[0][0]
+
+
+def poses_of(axes: Axes, matrices: Rows[tuple[str, Any]], unit: float = 1.0) -> tuple[list[Pose], Assumption]:
+    """Return world_from_eye of all matrices of a file, with their places, and how they are written.
+
+    As pose_of_matrix. Errors: InputError.
+    """
+    places = [where for where, _ in matrices]
+    turned, fact = by_rows(places[0] if places else "", [square_of(where, one) for where, one in matrices])
+    return [_pose_of_square(axes, where, one, unit) for where, one in zip(places, turned, strict=True)], fact
+
+
+def _pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float) -> Pose:
+    turn = matrix[:3, :3]
+    if (
+        np.abs(turn @ turn.T - np.eye(3)).max() > _ROTATION_WITHIN
+        or np.linalg.det(turn) < 0
+        or not np.allclose(matrix[3], LAST)
+    ):
         raise InputError(
             f"{where}: the matrix does more than turn and move; expected a right-handed rotation without scale"
         )
-    return pose_of(axes, found[:3, 3] * unit, turn)
+    return pose_of(axes, matrix[:3, 3] * unit, turn)
 
 
 @attrs.frozen

@@ -14,6 +14,7 @@ from ....geometry import Pose
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import Axes
 from ..options import RATE_HZ, SequenceOptions
+from ..recorded import AXES, CLOCK
 from . import _base
 
 
@@ -37,11 +38,9 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
 def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> dict[int, Pose]:
     """Return world_from_eye of files of a matrix, from camera to world; not those of inf or NaN."""
     matrices = {number: matrix_in(path) for number, path in files.items()}
-    return {
-        number: _base.pose_of_matrix(axes, str(files[number]), matrix)
-        for number, matrix in matrices.items()
-        if np.isfinite(matrix).all()
-    }
+    whole = [(number, matrix) for number, matrix in matrices.items() if np.isfinite(matrix).all()]
+    poses, _ = _base.poses_of(axes, [(str(files[number]), matrix) for number, matrix in whole])
+    return dict(zip((number for number, _ in whole), poses, strict=True))
 
 
 def by_number(folder: Path, pattern: str) -> dict[int, Path]:
@@ -58,11 +57,9 @@ def left_out(count: int, why: str) -> list[str]:
 def clock_of(options: SequenceOptions, by: By, rate_hz: float = RATE_HZ) -> Assumption:
     """Return the entry for the clock of numbered frames. by: who says its rate, if not the user."""
     stated = options.frames_rate_hz
-    return Assumption(
-        "frame clock", f"{stated or rate_hz:g} frames per second", By.USER if stated else by, "--frames-rate"
-    )
+    return Assumption(CLOCK, f"{stated or rate_hz:g} frames per second", By.USER if stated else by, "--frames-rate")
 
 
 def axes_of(axes: Axes, by: By = By.FORMAT) -> Assumption:
     """Return the entry for axes."""
-    return Assumption("camera axes", axes.words(), by)
+    return Assumption(AXES, axes.words(), by)

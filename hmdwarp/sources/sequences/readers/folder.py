@@ -5,19 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ....colour import linear_from_srgb
 from ....errors import InputError
 from ....geometry import Fov
+from ....poses.assumptions import Assumption, By
 from ..camera import read_json, scale_of
-from ..frame_files import JSON, NPZ, FrameFile, find_frame, is_depth
-from ..options import SequenceOptions
+from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_frame, is_depth
+from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, PICTURES
-from ..recorded import Pictures, RecordedFrame, Sequence, as_pictures, in_metres
+from ..recorded import DEPTH_SCALE, INTRINSICS, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in
+from ._base import CAMERA, SequenceReader, at_rate, clock_fact, made, pictures_in
 
+_TIMES = ("time_ns", "time_s")
 _ENCODINGS = ("srgb", "linear")  # of float colour
 
 
@@ -26,6 +29,12 @@ class FolderReader(SequenceReader):
 
     name = "folder"
     summary = f"NAME.npz, NAME.exr + NAME.json, or NAME.png + NAME.depth.png + NAME.json; {CAMERA} for what all share"
+    assumes = (
+        Assumption(INTRINSICS, "fov or intrinsics in each frame", By.FILE, "--intrinsics"),
+        Assumption(DEPTH_SCALE, "depth_scale; floats without one are metres", By.NOBODY, "--depth-scale"),
+        *OWN_FACTS,
+        attrs.evolve(clock_fact(SequenceOptions()), value=f"time_s or time_ns, else {RATE_HZ:g} frames per second"),
+    )
 
     def fits(self, path: Path) -> int:
         found = _frames_in(path)
@@ -36,7 +45,13 @@ class FolderReader(SequenceReader):
         found = [find_frame(one, shared=shared) for one in _frames_in(path)]
         times = _times(path, found, options)
         frames = [_frame(one, time_ns, options) for one, time_ns in zip(found, times, strict=True)]
-        return made(self, path, frames)
+        if not found:
+            return made(self, path, frames)
+        has_clock = any(key in found[0].facts for key in _TIMES)
+        facts = assumptions_of(found[0], options.intrinsics, options.depth_scale)
+        facts.append(clock_fact(options, "time_s or time_ns of each frame" if has_clock else ""))
+        notes = dict.fromkeys(note for one in found for note in one.notes)
+        return made(self, path, frames, assumptions=facts, notes=list(notes)[:1])
 
 
 def _frames_in(path: Path) -> list[Path]:
@@ -47,7 +62,7 @@ def _frames_in(path: Path) -> list[Path]:
 
 def _times(path: Path, found: list[FrameFile], options: SequenceOptions) -> list[int]:
     """Return the instants that the frames state, or those of their rate. Errors: InputError."""
-    stated = [one for one in found if "time_ns" in one.facts or "time_s" in one.facts]
+    stated = [one for one in found if any(key in one.facts for key in _TIMES)]
     if stated and len(stated) < len(found):
         lacking = next(one for one in found if one not in stated)
         raise InputError(
@@ -85,7 +100,7 @@ def _frame(found: FrameFile, time_ns: int, options: SequenceOptions) -> Recorded
             )
         return _checked(found, colour, in_metres(depth, scale or 1.0))
 
-    return RecordedFrame(found.path.name, time_ns, view.pose, fov, found.size, read)
+    return RecordedFrame(found.path.name, time_ns, view.pose, fov, found.size, read, lambda: found.arrays()[1])
 
 
 def _checked(found: FrameFile, colour: Any, depth: Any) -> Pictures:

@@ -5,10 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 
 from ....errors import InputError
+from ....poses.assumptions import Assumption, By
 from ..options import SequenceOptions
-from ..recorded import Sequence
+from ..recorded import AXES, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, folder_named, paired, pose_of_numbers, rows_of, sequence_of
+from ._base import (
+    Pair,
+    SequenceReader,
+    at_rate,
+    clock_fact,
+    facts_of,
+    folder_named,
+    paired,
+    pose_of_numbers,
+    rows_of,
+    sequence_of,
+)
 
 POSES = ("pose.txt", "poses.txt")
 
@@ -21,6 +33,14 @@ class NumberedReader(SequenceReader):
 
     name = "numbered"
     summary = "color/N.png, depth/N.png or .pgm, and pose.txt: x y z qx qy qz qw, a line for each; --intrinsics"
+    assumes = (
+        Assumption(INTRINSICS, "to be stated", By.USER, "--intrinsics"),
+        Assumption(DEPTH_SCALE, "to be stated", By.USER, "--depth-scale"),
+        Assumption(NO_DEPTH, "0", By.NOBODY, "--no-depth"),
+        Assumption(AXES, "x right, y down, z forward", By.NOBODY),
+        Assumption(POSE, "world from camera, x y z qx qy qz qw", By.NOBODY),
+        clock_fact(SequenceOptions()),
+    )
 
     def fits(self, path: Path) -> int:
         return 80 if _poses(path).is_file() and (path / "depth").is_dir() else 0
@@ -35,7 +55,7 @@ class NumberedReader(SequenceReader):
             Pair(colour, depth, at_rate(options, i), pose_of_numbers(axes, row.where, row.floats(7)))
             for i, (row, (colour, depth)) in enumerate(zip(rows, files, strict=True))
         ]
-        return sequence_of(self, path, pairs, facts)
+        return sequence_of(self, path, pairs, facts, more=[clock_fact(options)])
 
 
 def _poses(path: Path) -> Path:

@@ -2,19 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from ....errors import InputError
-from ..camera import Camera, camera_of, read_json
+from ....poses.assumptions import Assumption, By
+from ..camera import Camera, camera_of, number_of, read_json, unread_notes
 from ..options import SequenceOptions
-from ..recorded import Sequence
+from ..recorded import AXES, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, folder_named, paired, pose_of_matrix, rows_of, sequence_of
+from ._base import (
+    VGA,
+    Pair,
+    SequenceReader,
+    at_rate,
+    clock_fact,
+    facts_of,
+    folder_named,
+    intrinsics_fact,
+    paired,
+    poses_of,
+    rows_of,
+    scale_fact,
+    sequence_of,
+)
 
+_READ = ("fps", "stream_length_usec", "color_format", "depth_format", "device_name", "serial_number")
 _LOGS = ("trajectory.log", "scene/trajectory.log")
 _INTRINSICS = ("camera_intrinsic.json", "intrinsic.json", "camera_primesense.json")
 # Of the data set's depth cameras, and Open3D's own default.
-PRIMESENSE = Camera(525.0, 525.0, 319.5, 239.5)
+PRIMESENSE = Camera(525.0, 525.0, 319.5, 239.5, VGA)
+_UNIT = 1e-3  # of depth, by default in Open3D
 _COLOURS = ("color", "rgb", "image", "colour")
 
 
@@ -27,6 +46,14 @@ class RedwoodReader(SequenceReader):
 
     name = "redwood"
     summary = "Redwood, Open3D: color/, depth/, trajectory.log, and maybe camera_intrinsic.json"
+    assumes = (
+        intrinsics_fact(PRIMESENSE, By.NOBODY),
+        scale_fact(_UNIT, By.NOBODY),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        Assumption(AXES, "x right, y down, z forward", By.FORMAT),
+        Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
+        clock_fact(SequenceOptions()),
+    )
 
     def fits(self, path: Path) -> int:
         return 85 if _log(path) is not None and (path / "depth").is_dir() else 0
@@ -36,8 +63,9 @@ class RedwoodReader(SequenceReader):
         if file is None:
             raise InputError(f"{path}: no trajectory.log; expected {self.summary}")
         named = next((path / name for name in _INTRINSICS if (path / name).is_file()), None)
-        own = camera_of(named, read_json(named)) if named is not None else None
-        facts = facts_of(path, options, own or PRIMESENSE, 0.001)
+        stated = read_json(named) if named is not None else {}
+        own = camera_of(named, stated) if named is not None else None
+        facts = facts_of(path, options, PRIMESENSE, _UNIT, own=own, own_scale=_scale(named, stated), by=By.NOBODY)
         axes, files = facts.axes(), paired(folder_named(path, *_COLOURS), path / "depth")
         poses = _matrices(file)
         numbers = [number for number, _, _ in poses]
@@ -47,11 +75,20 @@ class RedwoodReader(SequenceReader):
             raise InputError(
                 f"{file}: {len(poses)} poses for {len(files)} pictures; expected one for each, or their numbers"
             )
+        turned, way = poses_of(axes, [(where, matrix) for _, where, matrix in poses])
         pairs = [
-            Pair(*files[number], at_rate(options, number), pose_of_matrix(axes, where, matrix))
-            for number, (_, where, matrix) in zip(numbers, poses, strict=True)
+            Pair(*files[number], at_rate(options, number), pose) for number, pose in zip(numbers, turned, strict=True)
         ]
-        return sequence_of(self, path, pairs, facts)
+        notes = unread_notes(named, stated, _READ) if named is not None else []
+        return sequence_of(self, path, pairs, facts, notes=notes, more=[way, clock_fact(options)])
+
+
+def _scale(where: Path | None, stated: Mapping[str, Any]) -> float | None:
+    """Return metres per unit of what Open3D states, which are units per metre."""
+    if where is None or stated.get("depth_scale") is None:
+        return None
+    per_metre = number_of(where, "depth_scale", stated["depth_scale"], "units per metre, above 0", above=0)
+    return 1 / per_metre if per_metre >= 1 else per_metre
 
 
 def _log(path: Path) -> Path | None:

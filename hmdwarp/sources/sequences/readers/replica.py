@@ -5,15 +5,25 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ....errors import InputError
-from ....poses.assumptions import By
+from ....poses.assumptions import Assumption, By
+from ....poses.reading.axes import parse_axes
 from ..camera import Camera, number_of, read_json
 from ..options import SequenceOptions
-from ..recorded import Sequence
+from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, pose_of_matrix, rows_of, sequence_of
+from ._base import (
+    OPTICAL,
+    Pair,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    intrinsics_fact,
+    poses_of,
+    rows_of,
+    scale_fact,
+    sequence_of,
+)
 from ._dataset import axes_of, by_number, clock_of, left_out
 
 POSES, FACTS = "traj.txt", "cam_params.json"
@@ -31,6 +41,14 @@ class ReplicaReader(SequenceReader):
 
     name = "replica"
     summary = f"Replica of NICE-SLAM: results/frameN.jpg, results/depthN.png, {POSES}, and {FACTS} there or above"
+    assumes = (
+        intrinsics_fact(RENDERER, By.FORMAT),
+        scale_fact(_SCALE, By.FORMAT),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(OPTICAL)),
+        Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
+        clock_of(SequenceOptions(), By.FORMAT),
+    )
 
     def fits(self, path: Path) -> int:
         return 90 if (path / POSES).is_file() and any((path / "results").glob("frame*.*")) else 0
@@ -45,11 +63,11 @@ class ReplicaReader(SequenceReader):
             raise InputError(
                 f"{path / POSES}: {len(rows)} poses, and a picture {colours[whole[-1]].name}; expected a line for each"
             )
-        pairs = []
-        for at in whole:
-            pose = pose_of_matrix(axes, rows[at].where, np.reshape(rows[at].floats(16), (4, 4)))
-            pairs.append(Pair(colours[at], depths[at], at_rate(options, at), pose))
-        more = (axes_of(axes), clock_of(options, By.FORMAT))
+        poses, way = poses_of(axes, [(rows[at].where, rows[at].floats(16)) for at in whole])
+        pairs = [
+            Pair(colours[at], depths[at], at_rate(options, at), pose) for at, pose in zip(whole, poses, strict=True)
+        ]
+        more = (axes_of(axes), way, clock_of(options, By.FORMAT))
         notes = left_out(len(colours) - len(pairs), "no depth")
         return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 

@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InputError
-from ....poses.assumptions import By
+from ....poses.assumptions import Assumption, By
+from ....poses.reading.axes import parse_axes
 from ..camera import Camera, Size
 from ..options import SequenceOptions
 from ..picture_files import fitted_depth, size_of
-from ..recorded import Sequence
+from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, sequence_of
+from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
 from ._dataset import axes_of, by_number, clock_of, left_out, matrix_in, poses_in_files
 
 _WORLD = "x,z,y"  # z up
+_UNIT = 0.001
 _OFF_CENTRE = 0.15  # of a picture's side, which no camera of the set's reaches
 
 
@@ -32,6 +34,14 @@ class ScanNetReader(SequenceReader):
 
     name = "scannet"
     summary = "ScanNet, extracted: color/N.jpg, depth/N.png, pose/N.txt, intrinsic/intrinsic_color.txt"
+    assumes = (
+        Assumption(INTRINSICS, "intrinsic/intrinsic_color.txt", By.FILE, "--intrinsics"),
+        scale_fact(_UNIT, By.FORMAT),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(OPTICAL)),
+        Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
+        clock_of(SequenceOptions(), By.FORMAT),
+    )
 
     def fits(self, path: Path) -> int:
         known = all((path / name).is_dir() for name in ("color", "depth", "pose"))
@@ -56,7 +66,7 @@ class ScanNetReader(SequenceReader):
                 f"{path}: intrinsic_color.txt has its centre at {own.cx:g},{own.cy:g}, which is not the middle of "
                 f"pictures of {size[0]}x{size[1]}: give those of the pictures by --intrinsics FX,FY,CX,CY"
             )
-        facts = facts_of(path, options, None, 0.001, own=own)
+        facts = facts_of(path, options, None, _UNIT, own=own)
         axes = facts.axes(_WORLD)
         poses = poses_in_files(axes, files)
         whole = sorted(colours.keys() & depths.keys() & poses.keys())

@@ -9,17 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InputError
-from ....poses.assumptions import By
+from ....poses.assumptions import Assumption, By
+from ....poses.reading.axes import parse_axes
 from ..camera import Camera
 from ..options import SequenceOptions
 from ..picture_files import read_depth
-from ..recorded import Sequence
+from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, sequence_of
+from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, intrinsics_fact, scale_fact, sequence_of
 from ._dataset import axes_of, by_number, clock_of, left_out, poses_in_files
 
 # The data set's page gives them for depth and says that neither camera was calibrated.
 KINECT = Camera(585.0, 585.0, 320.0, 240.0, size=(640, 480))
+_UNIT = 0.001
 _NONE = 65535  # no depth
 _UNREGISTERED = "Colour and depth of 7-Scenes are of two cameras and not registered to each other."
 
@@ -33,6 +35,14 @@ class SevenScenesReader(SequenceReader):
 
     name = "seven_scenes"
     summary = "7-Scenes: frame-N.color.png, frame-N.depth.png and frame-N.pose.txt"
+    assumes = (
+        intrinsics_fact(KINECT, By.FORMAT),
+        scale_fact(_UNIT, By.FORMAT),
+        Assumption(NO_DEPTH, "0 or 65535", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(OPTICAL)),
+        Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
+        clock_of(SequenceOptions(), By.FORMAT),
+    )
 
     def fits(self, path: Path) -> int:
         return 90 if any(path.glob("frame-*.pose.txt")) else 40 if _sequences_in(path) else 0
@@ -40,7 +50,7 @@ class SevenScenesReader(SequenceReader):
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         if inner := _sequences_in(path):
             raise InputError(f"{path}: holds the sequences {', '.join(inner)}: name one of these folders")
-        facts = facts_of(path, options, KINECT, 0.001)
+        facts = facts_of(path, options, KINECT, _UNIT)
         axes = facts.axes()
         colours, depths, files = (
             by_number(path, f"frame-*.{ending}") for ending in ("color.png", "depth.png", "pose.txt")

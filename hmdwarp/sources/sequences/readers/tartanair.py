@@ -9,14 +9,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InputError
-from ....poses.assumptions import By
+from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera
 from ..options import SequenceOptions
 from ..picture_files import NPY, read_colour, read_depth
-from ..recorded import Sequence
+from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import DEPTHS, Pair, SequenceReader, at_rate, facts_of, pictures_in, pose_of_numbers, rows_of, sequence_of
+from ._base import (
+    DEPTHS,
+    Pair,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    intrinsics_fact,
+    pictures_in,
+    pose_of_numbers,
+    rows_of,
+    scale_fact,
+    sequence_of,
+)
 from ._dataset import axes_of, by_number, clock_of
 
 # x forward, y right, z down, of the world and of the camera.
@@ -36,6 +48,14 @@ class TartanAirReader(SequenceReader):
 
     name = "tartanair"
     summary = "TartanAir: image_left/N.png, depth_left/N.npy, pose_left.txt; V2: image_lcam_front/, .."
+    assumes = (
+        intrinsics_fact(FIRST, By.FORMAT),
+        scale_fact(1.0, By.FORMAT),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(NED)),
+        Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
+        clock_of(SequenceOptions(), By.FORMAT),
+    )
 
     def fits(self, path: Path) -> int:
         return 92 if _side(path) is not None else 0

@@ -10,37 +10,61 @@ import numpy as np
 
 from ....errors import InputError, TraceError
 from ....poses import Origin, TraceOptions, load_trace
+from ....poses.assumptions import Assumption, By
 from ..camera import Camera
 from ..options import SequenceOptions
-from ..recorded import Sequence
+from ..recorded import AXES, CLOCK, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, facts_of, rows_of, sequence_of
+from ._base import (
+    VGA,
+    Pair,
+    SequenceReader,
+    facts_of,
+    for_size,
+    intrinsics_fact,
+    rows_of,
+    scale_fact,
+    sequence_of,
+)
 
-COLOUR, DEPTH, TRAJECTORY = "rgb.txt", "depth.txt", "groundtruth.txt"
+COLOUR, DEPTH, TRAJECTORY, CALIBRATION = "rgb.txt", "depth.txt", "groundtruth.txt", "calibration.txt"
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
 # are undistorted already and have a camera of their own.
-ADVISED = Camera(525.0, 525.0, 319.5, 239.5)
-FREIBURG3 = Camera(535.4, 539.2, 320.1, 247.6)
+ADVISED = Camera(525.0, 525.0, 319.5, 239.5, VGA)
+FREIBURG3 = Camera(535.4, 539.2, 320.1, 247.6, VGA)
+_UNIT = 1 / 5000
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as the data set's own script has it
 _WORLD = "x,z,y"
 
 
 class TumReader(SequenceReader):
-    """TUM RGB-D sequences.
+    """TUM RGB-D sequences, and those of ETH3D SLAM, which state their camera.
 
     Source: Sturm et al. 2012, A benchmark for the evaluation of RGB-D SLAM systems (the data set's
-    file formats page: depth / 5000, cameras, associations within 20 ms).
+    file formats page: depth / 5000, cameras, associations within 20 ms); Schöps et al. 2019, BAD
+    SLAM (its documentation: calibration.txt, depth / 5000).
     """
 
     name = "tum"
     summary = f"TUM RGB-D: {COLOUR}, {DEPTH}, {TRAJECTORY} and the pictures that they name"
+    assumes = (
+        intrinsics_fact(ADVISED, By.NOBODY),
+        for_size(scale_fact(_UNIT, By.NOBODY), VGA),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        Assumption(AXES, "x right, y down, z forward, in a world of z up", By.FORMAT),
+        Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
+        Assumption(CLOCK, "seconds in the lists of pictures", By.FILE),
+    )
 
     def fits(self, path: Path) -> int:
         return 95 if all((path / name).is_file() for name in (COLOUR, DEPTH, TRAJECTORY)) else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
-        own = FREIBURG3 if "freiburg3" in path.resolve().name else ADVISED
-        facts = facts_of(path, options, own, 1 / 5000)
+        name, own = path.resolve().name, _calibration(path)
+        advised = FREIBURG3 if "freiburg3" in name else ADVISED
+        by = By.FORMAT if own or "freiburg" in name else By.NOBODY
+        only_for = None if own else VGA
+        facts = facts_of(path, options, advised, _UNIT, own=own, by=by, only_for=only_for)
         axes = facts.axes(_WORLD)
         try:
             trace = load_trace(path / TRAJECTORY, TraceOptions(format="tum", axes=axes.words()))
@@ -54,13 +78,25 @@ class TumReader(SequenceReader):
             else:
                 pairs.append(Pair(path / colour, path / depth, sample.time_ns, sample.pose))
         notes = [*map(str, trace.defects)]
-        if facts.camera is ADVISED and re.search("freiburg[12]", path.resolve().name):
+        if facts.camera is ADVISED and re.search("freiburg[12]", name):
             notes.append(
                 "The lens of this camera distorts a little; the intrinsics that its authors advise leave it in."
             )
         if lost:
             notes.append(f"{lost} frames were left out: {TRAJECTORY} has no pose at their instants.")
         return sequence_of(self, path, pairs, facts, track=track, notes=notes)
+
+
+def _calibration(path: Path) -> Camera | None:
+    """Return the camera of ETH3D's file of fx fy cx cy; None without one. Errors: InputError."""
+    file = path / CALIBRATION
+    if not file.is_file():
+        return None
+    rows = rows_of(file)
+    if len(rows) != 1:
+        raise InputError(f"{file}: {len(rows)} lines; expected one of fx fy cx cy")
+    fx, fy, cx, cy = rows[0].floats(4)
+    return Camera(fx, fy, cx, cy)
 
 
 def _listed(path: Path) -> list[tuple[int, str]]:
