@@ -96,7 +96,7 @@ class RecentPoses:
         while kept and kept[-1].time_ns >= sample.time_ns and jumps_between([sample, kept[-1]]):
             kept.pop()
         at = bisect_left(kept, sample.time_ns, key=lambda one: one.time_ns)
-        # Within known motion nothing is added; between the two sides of a jump it says which is now.
+        # Within known motion nothing is added; between the sides of a jump it says which is now.
         if at == len(kept) or (at and kept[at].time_ns > sample.time_ns and jumps_between([kept[at - 1], kept[at]])):
             kept.insert(at, sample)
             del kept[: bisect_left(kept, sample.time_ns - KEPT_NS, key=lambda one: one.time_ns)]
