@@ -331,7 +331,7 @@ def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
     turned = np.array([one.pose.orientation_xyzw for one in samples])
     found = find_jumps(times, turned, np.array([one.pose.position_m for one in samples]))
     changed = np.flatnonzero(np.diff([one.space for one in samples]))
-    return np.union1d(found, changed).astype(int).tolist()
+    return [int(i) for i in np.union1d(found, changed)]
 
 
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:
