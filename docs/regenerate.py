@@ -124,7 +124,7 @@ def bench(folder: Path, *ready: str) -> None:
     replace("warps", warps_table([row for row in rows if row["latency_ms"] == 200]))
     replace("warps later", later_table([row for row in rows if row["latency_ms"] > 200]))
     pareto_plot_png(DOCS / "pareto.png", sorted(rows, key=lambda row: (row["latency_ms"], row["trace"])))
-    readme(folder)
+    replace("results", front_page())
 
 
 def _flip(row: Mapping[str, Any]) -> float:
@@ -169,11 +169,6 @@ def later_table(rows: Sequence[dict[str, Any]]) -> str:
         figures = [f"{quality['psnr_db']['mean']:.2f}, {quality['flip']['mean']:.3f}" for quality in found]
         cells.append([f"`{warp}`", f"`{fill}`", *figures])
     return markdown(heads, cells, texts=2)
-
-
-def readme(_: Path) -> None:
-    """Write the tables of README.md: those of docs/, less some columns. Runs nothing."""
-    replace("results", front_page())
 
 
 def front_page() -> str:
@@ -268,7 +263,7 @@ def lists_of_tests(_: Path) -> None:
     from hard_cases.registry import markdown as hard_cases_table
 
     replace("hard-cases", hard_cases_table())
-    replace("layouts", layouts.layouts_table())
+    replace("trace layouts", layouts.layouts_table())
     replace("contradicted", layouts.contradicted_text())
 
 
@@ -296,9 +291,9 @@ OWN: Mapping[str, Callable[..., None]] = {
     "kills": kills,
     "keys": keys,
     "hard-cases": lists_of_tests,
-    "layouts": lists_of_tests,
+    "trace layouts": lists_of_tests,
     "pictures": pictures,
-    "readme": readme,
+    "readme": lambda _: replace("results", front_page()),
     # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.
     "gpu": lambda _, *ready: [gpu_tables.file_section(data) for data in read(ready)],
     "thesis-gpu": lambda folder, *ready: thesis(folder, *ready, marker="thesis gpu"),

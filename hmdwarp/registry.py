@@ -36,10 +36,10 @@ E = TypeVar("E")
 
 def nearest(name: str, known: list[str]) -> str:
     """Return the known name that `name` may be a slip of, "" for none that is near."""
-    by_small = {one.casefold(): one for one in known}
+    by_small = {name.casefold(): name for name in known}
     small = name.casefold()
     close = difflib.get_close_matches(small, by_small, n=1)
-    longer = [one for one in by_small if len(small) > 2 and one.startswith(small)]
+    longer = [candidate for candidate in by_small if len(small) > 2 and candidate.startswith(small)]
     return by_small[[*close, *longer][0]] if close or longer else ""
 
 
@@ -48,7 +48,7 @@ def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
 
     Where a file is known too (an entry like FILE.toml), a directory is called one.
     """
-    if any(one.startswith(FILE) for one in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
+    if any(name.startswith(FILE) for name in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
         return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
     near = nearest(name, known)
     hint = f"did you mean '{near}'? " if near else ""

@@ -39,7 +39,7 @@ def methods_of(case: Case, gpu: Gpu) -> dict[str, Callable[[], object]]:
     unseeded = iterative(gpu, case.size, case.size, iterative.Settings(seed="rotation"))
     few = allocate(gpu.gl, (2, 2), SCALAR)
     every = case.methods()
-    wanted = {name for one in (*AIMS, *PARTS) for name in one[:2]}
+    wanted = {name for aim in (*AIMS, *PARTS) for name in aim[:2]}
     return {name: run for name, run in every.items() if name in wanted} | {
         "unseeded": lambda: unseeded.run(case.inputs, case.canvas),
         "depth": lambda: case.server.draw_depth(case.shown, case.size, case.client_depth),

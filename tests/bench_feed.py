@@ -103,7 +103,7 @@ def main() -> None:
     print("| --- |" + " --- |" * (len(WAYS) + 2))
     for size in SIZES:
         medians = [statistics.median(took[way, size]) for way in WAYS]
-        cells = " | ".join(f"{one * 1e3:.2f} ms" for one in medians)
+        cells = " | ".join(f"{median * 1e3:.2f} ms" for median in medians)
         print(f"| {size[0]}x{size[1]} | {cells} | {medians[1] / medians[0]:.2f} | {medians[2] / medians[1]:.2f} |")
 
 

@@ -100,7 +100,7 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     if told is None:
         raise SystemExit(f"{run.left_out[0]}: 'hmdwarp doctor' says what is missing")
     doctor = json.loads(told)["findings"]
-    has_atomic64 = next(one for one in doctor if one["name"] == "OpenGL")["facts"]["atomic_int64"]
+    has_atomic64 = next(finding for finding in doctor if finding["name"] == "OpenGL")["facts"]["atomic_int64"]
     if not has_atomic64:
         run.left_out.append("the 64-bit path: this driver has no 64-bit atomics")
     told_sizes = [part for size, *_ in work.benches for part in ("--size", size)]
@@ -119,8 +119,8 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
         "schema": SCHEMA,
         "doctor": doctor,
         "chains": json.loads(chains) if chains else [],
-        "bench": [one for one in benches if one],
-        "live": [one for one in lives if one],
+        "bench": [bench for bench in benches if bench],
+        "live": [live for live in lives if live],
         "bench_live": loop,
         "left_out": run.left_out,
         "seconds": run.seconds,

@@ -43,7 +43,7 @@ def milliseconds(calls: list[Callable[[], object]], gpu: Gpu, rounds: int) -> li
             gpu.timer.collect()
             if number >= WARM:
                 one.append(spent)
-    return [median(one) for one in took]
+    return [median(times) for times in took]
 
 
 def measured(size: tuple[int, int], rounds: int, gpu: Gpu) -> list[float]:

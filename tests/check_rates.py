@@ -48,15 +48,17 @@ def results(recorded: list[Recording], cases: int, done: Iterable[int] = ()) -> 
         rng = np.random.default_rng([2, case])
         name = list(MISREADINGS)[case % len(MISREADINGS)]
         frames = wrong_frames(recorded[rng.integers(len(recorded))], name, rng)
-        yield Result(case, name, [one.name for one in check(Stated(frames)).findings if not one.as_stated], cases)
+        yield Result(
+            case, name, [finding.name for finding in check(Stated(frames)).findings if not finding.as_stated], cases
+        )
 
 
 def missed_of(found: Iterable[Result]) -> tuple[Counter[str], Counter[str]]:
     """Return how often each misreading was tried, and how often it alone was not what was named."""
     tried, missed = Counter[str](), Counter[str]()
-    for one in found:
-        tried[one.misread] += 1
-        missed[one.misread] += not one.is_right
+    for trial in found:
+        tried[trial.misread] += 1
+        missed[trial.misread] += not trial.is_right
     return tried, missed
 
 
@@ -67,7 +69,7 @@ def resumed(out: Path, cases: int) -> list[Result]:
     with out.open("r+b") as file:
         file.truncate(len(whole))
     found = [Result(**json.loads(line)) for line in whole.splitlines()]
-    if other := {one.of for one in found} - {cases}:
+    if other := {trial.of for trial in found} - {cases}:
         raise SystemExit(f"{out} has results of {other.pop()} cases, {cases} are wanted: take another file")
     return found
 
@@ -89,11 +91,11 @@ def main() -> None:
         found = resumed(out, cases)
     with Gpu() as gpu:
         recorded = recorded_for(gpu, cases)
-    for one in results(recorded, cases, [one.case for one in found]):
-        found.append(one)
+    for result in results(recorded, cases, [trial.case for trial in found]):
+        found.append(result)
         if out is not None:
             with out.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(attrs.asdict(one)) + "\n")
+                file.write(json.dumps(attrs.asdict(result)) + "\n")
     tried, missed = missed_of(sorted(found, key=lambda one: one.case))
     total = missed.total()
     print(f"{cases - total} of {cases} random cases were named right, {1 - total / cases:.1%}.\n")

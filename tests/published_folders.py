@@ -7,10 +7,13 @@ recorded_folders.
 from __future__ import annotations
 
 import json
+import struct
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import attrs
+import av
 import numpy as np
 from PIL import Image
 from recorded_folders import (
@@ -22,11 +25,13 @@ from recorded_folders import (
     STATED,
     Taken,
     camera_matrix,
+    seconds,
     seven_numbers,
     write_depth,
     y_down,
     z_up,
 )
+from scipy.spatial.transform import Rotation
 
 from hmdwarp.sources.sequences import SequenceOptions
 
@@ -96,7 +101,7 @@ def write_tartanair(folder: Path, frames: list[Taken]) -> None:
         _save(folder / f"image_left/{i:06}_left.png", one)
         (folder / "depth_left").mkdir(exist_ok=True)
         np.save(folder / f"depth_left/{i:06}_left_depth.npy", one.depth_m)
-    lines = (seven_numbers(camera_matrix(one, NED, ned)) for one in frames)
+    lines = (seven_numbers(camera_matrix(frame, NED, ned)) for frame in frames)
     _text(folder / "pose_left.txt", "\n".join(lines) + "\n")
 
 
@@ -109,8 +114,136 @@ def write_tartanair_v2(folder: Path, frames: list[Taken]) -> None:
         Image.fromarray(np.stack([red, green, blue, alpha], axis=2), "RGBA").save(
             folder / f"depth_lcam_front/{i:06}_lcam_front_depth.png"
         )
-    lines = (seven_numbers(camera_matrix(one, NED, ned)) for one in frames)
+    lines = (seven_numbers(camera_matrix(frame, NED, ned)) for frame in frames)
     _text(folder / "pose_lcam_front.txt", "\n".join(lines) + "\n")
+
+
+def write_video(path: Path, frames: list[Taken]) -> None:
+    """Write every colour as it is."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0"})
+        stream.pix_fmt = "rgb24"
+        stream.height, stream.width = frames[0].colour.shape[:2]
+        for one in frames:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(one.colour, format="rgb24")))
+        container.mux(stream.encode())
+
+
+def write_stray_scanner(folder: Path, frames: list[Taken], stride: int = 1) -> None:
+    """Write with the world of ARKit, which is OpenXR's. stride: of the depth's pixels."""
+    write_video(folder / "rgb.mp4", frames)
+    lines = ["timestamp, frame, x, y, z, qx, qy, qz, qw"]
+    for i, one in enumerate(frames):
+        write_depth(folder / f"depth/{i:06}.png", attrs.evolve(one, depth_m=one.depth_m[::stride, ::stride]), 1000)
+        pose = seven_numbers(camera_matrix(one, OPTICAL, np.asarray)).replace(" ", ", ")
+        lines.append(f"{seconds(1000 * 10**9 + one.time_ns)}, {i:06}, {pose}")
+    _text(folder / "odometry.csv", "\n".join(lines) + "\n")
+    _text(folder / "camera_matrix.csv", f"{FX}, 0.0, {CX}\n0.0, {FY}, {CY}\n0.0, 0.0, 1.0")
+
+
+def ros(v: np.ndarray) -> np.ndarray:
+    """World of ROS: x forward, y left, z up."""
+    return np.array([-v[2], -v[0], v[1]])
+
+
+_ROBOT = np.array([[0.0, 0, 1, 0.1], [-1, 0, 0, 0.02], [0, -1, 0, 0.3]])  # from the optical frame
+_CALIBRATION = """%YAML:1.0
+---
+camera_name: "{name}"
+image_width: {wide}
+image_height: {high}
+camera_matrix:
+   rows: 3
+   cols: 3
+   data: [ {FX}, 0., {CX}, 0.,
+       {FY}, {CY}, 0., 0., 1. ]
+distortion_coefficients:
+   rows: 1
+   cols: 5
+   data: [ 0., 0., 0., 0., 0. ]
+distortion_model: plumb_bob
+local_transform:
+   rows: 3
+   cols: 4
+   data: [ {local} ]
+"""
+
+
+def write_rtabmap(folder: Path, frames: list[Taken], robot: bool = False) -> None:
+    """Write with ids as names. robot: poses of its frame in place of the camera's."""
+    wide, high = frames[0].colour.shape[1::-1]
+    lines = ["#timestamp x y z qx qy qz qw id"]
+    local = np.vstack([_ROBOT, [0, 0, 0, 1]])
+    for i, one in enumerate(frames, 7):
+        _save(folder / f"map_rgb/{i}.jpg", one)
+        write_depth(folder / f"map_depth/{i}.png", one, 1000)
+        matrix = camera_matrix(one, OPTICAL, ros)
+        matrix = matrix @ np.linalg.inv(local) if robot else matrix
+        lines.append(f"{seconds(1_700_000_000 * 10**9 + one.time_ns)} {seven_numbers(matrix)} {i}")
+        numbers = ", ".join(map(str, _ROBOT.ravel()))
+        text = _CALIBRATION.format(name=i, wide=wide, high=high, FX=FX, FY=FY, CX=CX, CY=CY, local=numbers)
+        _text(folder / f"map_calib/{i}.yaml", text)
+    _text(folder / f"map_{'' if robot else 'camera_'}poses.txt", "\n".join(lines) + "\n")
+
+
+def write_open3d(folder: Path, frames: list[Taken]) -> None:
+    """Write extrinsics, from world to camera, by columns."""
+    parameters = []
+    for i, one in enumerate(frames):
+        _save(folder / f"color/{i:05}.png", one)
+        write_depth(folder / f"depth/{i:05}.png", one, 1000)
+        wide, high = one.colour.shape[1::-1]
+        extrinsic = np.linalg.inv(camera_matrix(one, OPTICAL, y_down))
+        intrinsic = {"width": wide, "height": high, "intrinsic_matrix": [FX, 0, 0, 0, FY, 0, CX, CY, 1]}
+        parameters.append(
+            {
+                "class_name": "PinholeCameraParameters",
+                "extrinsic": extrinsic.T.ravel().tolist(),
+                "intrinsic": intrinsic,
+                "version_major": 1,
+                "version_minor": 0,
+            }
+        )
+    trajectory = {"class_name": "PinholeCameraTrajectory", "parameters": parameters}
+    _text(folder / "camera_trajectory.json", json.dumps(trajectory, indent=4))
+
+
+def colmap_pose(one: Taken) -> list[float]:
+    """Return QW QX QY QZ TX TY TZ of a camera: the world seen from it."""
+    inverse = np.linalg.inv(camera_matrix(one, OPTICAL, y_down))
+    x, y, z, w = Rotation.from_matrix(inverse[:3, :3]).as_quat()
+    return [w, x, y, z, *inverse[:3, 3]]
+
+
+def write_colmap(folder: Path, frames: list[Taken]) -> None:
+    """Write a model as text, in another order than the names', one without points."""
+    lines = ["# Image list with two lines of data per image:"]
+    for i, one in reversed(list(enumerate(frames))):
+        _save(folder / f"images/{i:04}.png", one)
+        write_depth(folder / f"depth/{i:04}.png", one, 1000)
+        lines.append(f"{9 - i} {' '.join(map(repr, map(float, colmap_pose(one))))} 1 {i:04}.png")
+        lines.append("" if i == 1 else "10.5 12.5 -1 3.25 7.5 4")
+    _text(folder / "sparse/0/images.txt", "\n".join(lines) + "\n")
+    wide, high = frames[0].colour.shape[1::-1]
+    camera = f"1 PINHOLE {wide} {high} {FX} {FY} {CX + 0.5} {CY + 0.5}"
+    _text(folder / "sparse/0/cameras.txt", f"# Camera list\n{camera}\n")
+
+
+def write_colmap_dense(folder: Path, frames: list[Taken]) -> None:
+    """Write a binary model and the depth of COLMAP's own stereo."""
+    images, (wide, high) = [struct.pack("<Q", len(frames))], frames[0].colour.shape[1::-1]
+    for i, one in enumerate(frames):
+        name = f"{i:04}.png"
+        _save(folder / f"images/{name}", one)
+        (folder / "stereo/depth_maps").mkdir(parents=True, exist_ok=True)
+        depth = f"{wide}&{high}&1&".encode() + one.depth_m.astype("<f4").tobytes()
+        (folder / f"stereo/depth_maps/{name}.geometric.bin").write_bytes(depth)
+        images.append(struct.pack("<i7di", i + 1, *colmap_pose(one), 3) + name.encode() + b"\0")
+        images.append(struct.pack("<Q", 1) + struct.pack("<ddq", 1.5, 2.5, -1))
+    (folder / "sparse").mkdir()
+    (folder / "sparse/images.bin").write_bytes(b"".join(images))
+    camera = struct.pack("<QiiQQ4d", 1, 3, 1, wide, high, FX, FY, CX + 0.5, CY + 0.5)
+    (folder / "sparse/cameras.bin").write_bytes(camera)
 
 
 @attrs.frozen
@@ -130,5 +263,11 @@ PUBLISHED = {
     "scannet": Form("scannet", write_scannet, colour_within=JPEG),
     "replica": Form("replica", write_replica, colour_within=JPEG),
     "tartanair": Form("tartanair", write_tartanair, STATED),
+    "stray_scanner": Form("stray_scanner", write_stray_scanner),
+    "rtabmap": Form("rtabmap", write_rtabmap, colour_within=JPEG),
+    "rtabmap_robot": Form("rtabmap", partial(write_rtabmap, robot=True), colour_within=JPEG),
+    "open3d": Form("open3d", write_open3d),
+    "colmap": Form("colmap", write_colmap, SequenceOptions(depth_scale=0.001)),
+    "colmap_dense": Form("colmap", write_colmap_dense),
     "tartanair_v2": Form("tartanair", write_tartanair_v2, attrs.evolve(STATED, frames_rate_hz=30.0)),
 }

@@ -126,12 +126,12 @@ def write_tum(folder: Path, frames: list[Taken]) -> None:
     for i, one in enumerate(frames):
         _pictures(folder / f"rgb/{i}.png", folder / f"depth/{i}.png", one, 5000)
         time_ns = 1305031102_175304000 + one.time_ns
-        colours.append(f"{_seconds(time_ns)} rgb/{i}.png")
-        depths.append(f"{_seconds(time_ns + 5_000_000)} depth/{i}.png")
+        colours.append(f"{seconds(time_ns)} rgb/{i}.png")
+        depths.append(f"{seconds(time_ns + 5_000_000)} depth/{i}.png")
         for part, pose in enumerate([one.pose] if i == len(frames) - 1 else _thirds(one.pose, frames[i + 1].pose)):
             at = round(part * (1e9 / RATE_HZ) / 3)
             poses.append(
-                f"{_seconds(time_ns + at)} {seven_numbers(camera_matrix(attrs.evolve(one, pose=pose), OPTICAL, z_up))}"
+                f"{seconds(time_ns + at)} {seven_numbers(camera_matrix(attrs.evolve(one, pose=pose), OPTICAL, z_up))}"
             )
     for name, lines in (("rgb", colours), ("depth", depths), ("groundtruth", poses)):
         (folder / f"{name}.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -141,7 +141,8 @@ def _thirds(one: Pose, other: Pose) -> list[Pose]:
     return [one, one.towards(other, 1 / 3), one.towards(other, 2 / 3)]
 
 
-def _seconds(time_ns: int) -> str:
+def seconds(time_ns: int) -> str:
+    """Return seconds with nine decimals."""
     return f"{time_ns // 10**9}.{time_ns % 10**9:09d}"
 
 
@@ -158,7 +159,7 @@ def write_icl_nuim(folder: Path, frames: list[Taken]) -> None:
 def write_numbered(folder: Path, frames: list[Taken]) -> None:
     """Write with a line of a pose for each picture."""
     _numbered(folder, frames, "color", 1000)
-    rows = (seven_numbers(camera_matrix(one, OPTICAL, y_down)) for one in frames)
+    rows = (seven_numbers(camera_matrix(frame, OPTICAL, y_down)) for frame in frames)
     (folder / "pose.txt").write_text("\n".join(rows), encoding="utf-8")
 
 

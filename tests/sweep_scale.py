@@ -61,7 +61,9 @@ def broken(*words: object, out: Path, kill_at: int, stop_at: int) -> tuple[int, 
     driver, moments = started(*words, "--cluster", "local:2", "--out", out), []
     while driver.poll() is None:
         if len(moments) == 0 and kept(out) >= kill_at:
-            workers = [one for one in psutil.Process(driver.pid).children() if "spawn_main" in " ".join(one.cmdline())]
+            workers = [
+                child for child in psutil.Process(driver.pid).children() if "spawn_main" in " ".join(child.cmdline())
+            ]
             moments.append(kept(out))
             workers[0].kill()
         if len(moments) == 1 and kept(out) >= stop_at:

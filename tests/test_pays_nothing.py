@@ -28,7 +28,9 @@ BASE_SHADERS = {
 }  # fmt: skip
 # Effects that only a name asks for, and only scenes with their content get.
 ASKED_WHERE_IT_IS = {
-    one.name for one in effects if one.by_name_only and effects.selected(one.name, (), load_scene("planes")) == ()
+    effect.name
+    for effect in effects
+    if effect.by_name_only and effects.selected(effect.name, (), load_scene("planes")) == ()
 }
 PORTABLE = "forward:path=portable"
 

@@ -138,8 +138,8 @@ def keys_of(table: dict[str, object]) -> set[str]:
     found = set(table)
     for key, value in table.items():
         inner = list(value.values()) if key == "rating" else value if isinstance(value, list) else [value]
-        for one in inner:
-            found |= keys_of(one) if isinstance(one, dict) and key not in ("means", "anchors") else set()
+        for part in inner:
+            found |= keys_of(part) if isinstance(part, dict) and key not in ("means", "anchors") else set()
     return found
 
 

@@ -46,10 +46,10 @@ def write_set(folder: Path, frames: real_frames.RealFrames) -> None:
 def sets(tmp_path, monkeypatch):
     """Small sets of our own in the place of the real ones, in tmp_path / "there"."""
     made = []
-    for one in real_frames.SETS:
-        folder = tmp_path / "there" / one.name
-        write_set(folder, one)
-        made.append(attrs.evolve(one, rim=4, digest=real_frames.digest_of(folder, one)))
+    for frames in real_frames.SETS:
+        folder = tmp_path / "there" / frames.name
+        write_set(folder, frames)
+        made.append(attrs.evolve(frames, rim=4, digest=real_frames.digest_of(folder, frames)))
     monkeypatch.setattr(real_frames, "SETS", tuple(made))
     return tmp_path / "there"
 
@@ -61,7 +61,7 @@ def test_frames_are_fetched_once_and_checked(sets, tmp_path, monkeypatch):
     class Handler(http.server.BaseHTTPRequestHandler):
         def do_GET(self) -> None:
             asked.append(self.path)
-            place = {one.place: one.name for one in real_frames.SETS}
+            place = {frames.place: frames.name for frames in real_frames.SETS}
             name = next(self.path[len(p) + 2 :] for p in place if self.path.startswith(f"/{p}/"))
             content = (sets / next(n for p, n in place.items() if self.path.startswith(f"/{p}/")) / name).read_bytes()
             self.send_response(200)
@@ -115,7 +115,7 @@ def test_a_table_has_each_repair_and_fill(sets, monkeypatch):
 @pytest.mark.parametrize(("name", "gain_db"), [("camera", 2.0), ("icl", -0.05)])
 def test_repairs_gain_on_real_frames_and_cost_nothing_where_depth_is_exact(name, gain_db):
     """Measured: 2.5 dB from frame 4 to 5 of the camera, 0.00 dB on the ray-traced ones."""
-    frames = next(one for one in real_frames.SETS if one.name == name)
+    frames = next(frames for frames in real_frames.SETS if frames.name == name)
     assert FOLDER is not None and real_frames.digest_of(FOLDER / name, frames) == frames.digest
     sequence = real_frames.sequences.open(FOLDER / name, frames.options)
     late, now = sequence.frames[3], sequence.frames[4]
@@ -133,9 +133,9 @@ def test_no_real_frame_is_part_of_this():
     if FOLDER is None:
         pytest.skip(real_frames.why_absent())
     theirs = {
-        hashlib.sha256((FOLDER / one.name / name).read_bytes()).digest()
-        for one in real_frames.SETS
-        for name in one.files()
+        hashlib.sha256((FOLDER / frames.name / name).read_bytes()).digest()
+        for frames in real_frames.SETS
+        for name in frames.files()
     }
     ours = [path for path in ROOT.rglob("*") if path.suffix in (".png", ".pgm", ".txt") and path.is_file()]
     assert not [path for path in ours if hashlib.sha256(path.read_bytes()).digest() in theirs]

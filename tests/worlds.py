@@ -46,7 +46,7 @@ def every_compared() -> list[str]:
 def every_choice() -> list[str]:
     """The same, and each warp with every other word that one of its settings may be."""
     specs = every_compared()
-    for warp in (one for one in warps if one.kind != "draw"):
+    for warp in (warp for warp in warps if warp.kind != "draw"):
         for field in attrs.fields(warp.Settings):
             words = typing.get_args(typing.get_type_hints(warp.Settings)[field.name])
             specs += [f"{warp.name}:{field.name}={word}" for word in words if word != field.default]
@@ -166,12 +166,12 @@ class World:
             self.rendered = self.rendered.having(irradiance=self._colour_texture(gpu, np.zeros((64, 64, 4))))
         if "rendered.peeled" in entry.reads:
             self.layers = self.layers or tuple(self._behind(k + 1) for k in range(entry.needs(settings)["peeled"]))
-            uploaded = tuple(Surface(*self._textures(gpu, one.colour, one.inverse_depth)) for one in self.layers)
+            uploaded = tuple(Surface(*self._textures(gpu, layer.colour, layer.inverse_depth)) for layer in self.layers)
             self.rendered = self.rendered.having(peeled=uploaded)
         if "rendered.others" in entry.reads:
             self.others = self.others or tuple(RenderedPicture(*self._picture(), self._beside()) for _ in range(2))
             self.other_images = tuple(
-                EyeImage(one.view, *self._textures(gpu, one.colour, one.inverse_depth)) for one in self.others
+                EyeImage(other.view, *self._textures(gpu, other.colour, other.inverse_depth)) for other in self.others
             )
 
     def bring_cube(self, gpu) -> None:

@@ -62,7 +62,7 @@ class Recording:
     @property
     def shows_things(self) -> bool:
         """Whether every frame has something else than sky."""
-        return all((one.truth_m < NEAREST_FAR_M).mean() > 0.2 for eye in self.eyes for one in eye)
+        return all((picture.truth_m < NEAREST_FAR_M).mean() > 0.2 for eye in self.eyes for picture in eye)
 
 
 def recordings(gpu: Gpu, names: Sequence[str], count: int, rng: np.random.Generator) -> list[Recording]:
@@ -92,11 +92,11 @@ def right_frames(recording: Recording, camera: DepthCamera, rng: np.random.Gener
 
 
 def _posed(frames: Frames, change: Callable[[Pose], Pose]) -> Frames:
-    return [attrs.evolve(one, view=View(change(one.view.pose), one.view.fov)) for one in frames]
+    return [attrs.evolve(frame, view=View(change(frame.view.pose), frame.view.fov)) for frame in frames]
 
 
 def _deep(frames: Frames, change: Callable[[StatedFrame], np.ndarray]) -> Frames:
-    return [attrs.evolve(one, depth=change(one)) for one in frames]
+    return [attrs.evolve(frame, depth=change(frame)) for frame in frames]
 
 
 def w_first(frames: Frames, rng: np.random.Generator) -> Frames:
@@ -118,7 +118,7 @@ def in_axes(eye: np.ndarray) -> Callable[[Frames, np.random.Generator], Frames]:
 
 
 def rows_up(frames: Frames, rng: np.random.Generator) -> Frames:
-    return [attrs.evolve(one, colour=one.colour[::-1], depth=one.depth[::-1]) for one in frames]
+    return [attrs.evolve(frame, colour=frame.colour[::-1], depth=frame.depth[::-1]) for frame in frames]
 
 
 def along_the_ray(frames: Frames, rng: np.random.Generator) -> Frames:
@@ -170,7 +170,7 @@ def half_a_pixel(frames: Frames, rng: np.random.Generator) -> Frames:
         x, y = off * (right - left) / one.depth.shape[1], off * (up - down) / one.depth.shape[0]
         return View(one.view.pose, Fov.from_tangents((left - x, right - x, down + y, up + y)))
 
-    return [attrs.evolve(one, view=change(one)) for one in frames]
+    return [attrs.evolve(frame, view=change(frame)) for frame in frames]
 
 
 def eyes_swapped(frames: Frames, rng: np.random.Generator) -> Frames:
@@ -216,4 +216,4 @@ def _late(recording: Recording, frames: Frames, rng: np.random.Generator) -> Fra
         before, now = (recording.eye_at(one.eye or LEFT, time) for time in (one.time_ns - late_ns, one.time_ns))
         return one.view.pose @ now.inverse() @ before
 
-    return [attrs.evolve(one, view=View(pose(one), one.view.fov)) for one in frames]
+    return [attrs.evolve(frame, view=View(pose(frame), frame.view.fov)) for frame in frames]

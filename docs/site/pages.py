@@ -59,11 +59,13 @@ def _reference() -> dict[str, str]:
     import hmdwarp
 
     found = pkgutil.walk_packages(hmdwarp.__path__, "hmdwarp.")
-    names = [one.name for one in found if one.ispkg and "._" not in one.name]
+    names = [module.name for module in found if module.ispkg and "._" not in module.name]
     packages = [package for package in map(importlib.import_module, names) if getattr(package, "__all__", None)]
     homes = {package.__name__ for package in packages}
     pages = {f"reference/{package.__name__}.md": _page(package, homes) for package in [hmdwarp, *packages]}
-    lines = [f"- [{one.__name__}]({one.__name__}.md): {_first_line(one)}" for one in [hmdwarp, *packages]]
+    lines = [
+        f"- [{package.__name__}]({package.__name__}.md): {_first_line(package)}" for package in [hmdwarp, *packages]
+    ]
     pages["reference/index.md"] = "\n".join(["# Reference", "", *lines])
     return pages
 

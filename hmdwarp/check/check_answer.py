@@ -128,8 +128,10 @@ def check(stated: Stated) -> Answer:
     rivals = [other for other in decision.others if other.changes and abs(_margin(decision, other.reading)) < SURE]
     rivals = [rival for rival in rivals if differences(rival.reading) != differences(best)]
     as_good = dict.fromkeys(
-        listed([f"{CONVENTIONS[name].label}: {value(one.reading, stated, name)}" for name in differences(one.reading)])
-        for one in (rivals if differences(best) else ())
+        listed(
+            [f"{CONVENTIONS[name].label}: {value(rival.reading, stated, name)}" for name in differences(rival.reading)]
+        )
+        for rival in (rivals if differences(best) else ())
     )
     return Answer(
         decision,
@@ -156,7 +158,7 @@ def _finding(decision: Decision, name: str) -> Finding:
     others = list(_others(search, best, name))
     if not others:
         return finding
-    margins = [_margin(decision, one) for one in others]
+    margins = [_margin(decision, rival) for rival in others]
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
@@ -185,17 +187,19 @@ def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     if name == RAY:
         yield attrs.evolve(best, along=0.0 if best.along else 1.0)
         return
-    for one in search.discrete(best):
-        if set(differences(one)) ^ set(differences(best)) <= {name} and one.along == best.along:
-            before, after = (value(which, search.stated, name) for which in (best, one))
+    for near in search.discrete(best):
+        if set(differences(near)) ^ set(differences(best)) <= {name} and near.along == best.along:
+            before, after = (value(which, search.stated, name) for which in (best, near))
             if before != after:
-                yield one
+                yield near
 
 
 def _margin(decision: Decision, other: Reading) -> float:
     """Return by how many standard errors of the coarse score another reading is worse."""
     coarse = decision.search.coarse
-    better, worse = (coarse.by_block(np.nan_to_num(coarse.score(one)))[0] for one in (decision.best.reading, other))
+    better, worse = (
+        coarse.by_block(np.nan_to_num(coarse.score(reading)))[0] for reading in (decision.best.reading, other)
+    )
     return standard_errors(better - worse)
 
 

@@ -187,10 +187,10 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
         yield f"pose = track.at(time_ns + {round(reading.late_s * 1e9)}).pose"
     if ROWS in wrong:
         both = [word for word, up in (("colour", reading.colour_rows_up), ("depth_m", reading.depth_rows_up)) if up]
-        yield f"{', '.join(both)} = {', '.join(f'{one}[::-1]' for one in both)}  # the bottom row came first"
+        yield f"{', '.join(both)} = {', '.join(f'{array}[::-1]' for array in both)}  # the bottom row came first"
     if ENCODING in wrong and reading.kind == BUFFER:
         low, near, far, is_reversed = _planes(reading, stated)
-        text = ", ".join("np.inf" if math.isinf(one) else f"{one:.4g}" for one in (near, far))
+        text = ", ".join("np.inf" if math.isinf(distance) else f"{distance:.4g}" for distance in (near, far))
         ndc = ', ndc="minus_one_to_one"' if low < 0 else ""
         yield f"depth_m = 1 / inverse_depth_from_clip(depth_m, {text}{ndc}{', reversed_z=True' if is_reversed else ''})"
     elif ENCODING in wrong or PLANES in wrong:
@@ -215,7 +215,7 @@ def _turned(axes: str) -> Iterator[str]:
         turn = Rotation.from_matrix(eye.T).as_quat(canonical=True)
         yield f"pose = pose @ Pose(orientation_xyzw={_numbers(turn)})  # the eye's axes were those of {axes}"
         return
-    yield f"eye = np.array({[[int(one) for one in row] for row in eye]})  # right, up and back in the axes of {axes}"
+    yield f"eye = np.array({[[int(cell) for cell in row] for row in eye]})  # right, up and back in the axes of {axes}"
     yield "world = np.diag([1, 1, -1])  # the other hand"
     yield "turn = Rotation.from_matrix(world @ pose.rotation_matrix @ eye.T)  # of SciPy"
     yield "pose = Pose(world @ pose.position_m, turn.as_quat())"

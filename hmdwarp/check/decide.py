@@ -80,13 +80,13 @@ def decide(search: Search) -> Decision:
     close = _close(search, [*found, *search.late(plain)])
     noise = Noise.of(search.fine.residuals(close[0].reading))
     candidates = [
-        search.candidate(one.reading, noise, len(differences(one.reading)), one)
-        for one in (*close, *([] if any(one.reading == plain for one in close) else [_fixed(plain)]))
+        search.candidate(fitted.reading, noise, len(differences(fitted.reading)), fitted)
+        for fitted in (*close, *([] if any(candidate.reading == plain for candidate in close) else [_fixed(plain)]))
     ]
     leader = _simplest(search, candidates)
     for _ in range(2):
         needed = _SECOND * SURE if leader.changes else SURE
-        finer = [one for one in _finer(search, leader, noise) if _is_finer(one, leader, needed)]
+        finer = [reading for reading in _finer(search, leader, noise) if _is_finer(reading, leader, needed)]
         if not finer:
             break
         candidates += finer
@@ -148,12 +148,12 @@ def _best_of(search: Search, ways: Sequence[Sequence[Reading]]) -> list[Reading]
 
 def _two(search: Search, plain: Reading) -> list[Reading]:
     """Return readings of two conventions that differ."""
-    singles = [one for one in search.discrete(plain) if ROWS not in differences(one)]
+    singles = [reading for reading in search.discrete(plain) if ROWS not in differences(reading)]
     found = list(search.rows(plain))
     both: list[Reading] = []
-    for one in [*singles, *found]:
-        both += [two for two in search.discrete(one) if len(differences(two)) == 2]
-        both += _best_of(search, search.usual_numbers(one))
+    for single in [*singles, *found]:
+        both += [two for two in search.discrete(single) if len(differences(two)) == 2]
+        both += _best_of(search, search.usual_numbers(single))
     return both
 
 

@@ -98,7 +98,7 @@ class Overlap:
         # In its own size and, so that what is far counts less, that of the median.
         with np.errstate(invalid="ignore", divide="ignore"):
             depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size, 1.0)))
-        source, target = (self._height - 1 - one for one in (row, line)) if reading.colour_rows_up else (row, line)
+        source, target = (self._height - 1 - index for index in (row, line)) if reading.colour_rows_up else (row, line)
         there = self._picture_at(self.sheet.picture, column, target)
         here = self.sheet.picture[self._from, source, self.column]
         colour = there - here
@@ -173,7 +173,9 @@ class Noise:
     @classmethod
     def of(cls, found: Residuals) -> Noise:
         """Return those of residuals: from their medians, which outliers do not move."""
-        return cls(*(max(1.48 * _median(np.abs(one), math.inf), 1e-4) for one in (found.depth, found.colour)))
+        return cls(
+            *(max(1.48 * _median(np.abs(differences), math.inf), 1e-4) for differences in (found.depth, found.colour))
+        )
 
 
 def cost(found: Residuals, noise: Noise) -> Array:
@@ -217,7 +219,7 @@ def fit(overlap: Overlap, start: Reading, steps: dict[str, float]) -> Fitted:
         for kind in ("depth", "colour"):
             deviation = getattr(noise, kind)
             values = getattr(found, kind) / deviation
-            slope = np.stack([(getattr(one, kind) / deviation - values) for one in slopes], -1) / small
+            slope = np.stack([(getattr(slope, kind) / deviation - values) for slope in slopes], -1) / small
             with np.errstate(invalid="ignore"):
                 usable = np.isfinite(values) & np.isfinite(slope).all(axis=-1) & (np.abs(values) < _CUT)
             value, slope, block = values[usable], slope[usable], overlap.block[usable]

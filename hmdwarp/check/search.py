@@ -98,9 +98,9 @@ class Search:
         if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
             ways.append(
                 [
-                    attrs.evolve(start, offset=share * middle, factor=one)
+                    attrs.evolve(start, offset=share * middle, factor=factor)
                     for share in _OFFSETS
-                    for one in (0.7, 1.0, 1.4)
+                    for factor in (0.7, 1.0, 1.4)
                 ]
             )
         return [*ways, self._encoded(attrs.evolve(start, end=most), -1.0, most - middle, _FARTHEST_SEEN)]
@@ -108,8 +108,8 @@ class Search:
     def _encoded(self, start: Reading, sign: float, middle: float, farthest: Sequence[float]) -> list[Reading]:
         """Return readings whose inverse depth rises from that of the far plane or pixel."""
         return [
-            attrs.evolve(start, factor=sign * one, offset=one * far * middle)
-            for one in (self._factors(start, middle) if middle > 0 else ())
+            attrs.evolve(start, factor=sign * factor, offset=factor * far * middle)
+            for factor in (self._factors(start, middle) if middle > 0 else ())
             for far in farthest
         ]
 
@@ -206,4 +206,4 @@ def _pairs(frames: Sequence[int]) -> Indices:
     chosen = [every[round(place)] for place in np.linspace(0, len(every) - 1, min(PAIRS, len(every)))]
     if len(chosen) == 1:
         chosen *= 2
-    return np.array([[frames[one] for one in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])
+    return np.array([[frames[number] for number in pair[:: 1 if k % 2 else -1]] for k, pair in enumerate(chosen)])

@@ -235,8 +235,8 @@ def _chosen(frames: Sequence[RecordedFrame]) -> range:
     step = min(max(1, round(_APART_NS / max(between, 1.0))), len(frames) // MOST)
     place = np.array([frame.pose.position_m for frame in frames])
     turn = np.array([frame.pose.rotation_matrix.ravel() for frame in frames])
-    moved, turned = (np.linalg.norm(np.diff(one, axis=0), axis=1) for one in (place, turn))
-    ways = sum(one / max(one.mean(), sys.float_info.min) for one in (moved, turned))
+    moved, turned = (np.linalg.norm(np.diff(poses, axis=0), axis=1) for poses in (place, turn))
+    ways = sum(length / max(length.mean(), sys.float_info.min) for length in (moved, turned))
     way = np.concatenate([[0.0], np.cumsum(ways)])
     span = (MOST - 1) * step
     start = int(np.argmax(way[span:] - way[: len(way) - span]))

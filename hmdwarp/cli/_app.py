@@ -63,8 +63,8 @@ def _command_of(name: str) -> Any:
     loaded = _load(name)
     if isinstance(loaded, typer.Typer):
         loaded.rich_markup_mode = None
-        for one in loaded.registered_commands:
-            one.cls = Command
+        for registered in loaded.registered_commands:
+            registered.cls = Command
         command = typer.main.get_group(loaded)
         command.name = name
         return command

@@ -26,17 +26,17 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
     The function becomes a command with these options, and gets what was said: values by option
     name. The command's attribute `options` has them.
     """
-    options = [option for one in declared for option in ([one] if isinstance(one, Option) else options_of(one))]
+    options = [option for part in declared for option in ([part] if isinstance(part, Option) else options_of(part))]
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
-            run({one.name: _read(one, said.get(one.name, one.default)) for one in options})
+            run({option.name: _read(option, said.get(option.name, option.default)) for option in options})
 
         parameters = [_parameter(option) for option in options]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
         command.options = options  # type: ignore[attr-defined]
         command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-        command.__annotations__ = {one.name: one.annotation for one in parameters}
+        command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
         return command
 
     return decorate
@@ -73,7 +73,7 @@ def as_json(data: Any) -> str:
         if isinstance(value, dict):
             return {key: known(one) for key, one in value.items()}
         if isinstance(value, list | tuple):
-            return [known(one) for one in value]
+            return [known(entry) for entry in value]
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     return json.dumps(known(data), indent=2, ensure_ascii=False, allow_nan=False)

@@ -227,7 +227,7 @@ def _layouts() -> list[dict[str, str]]:
 
     rows = []
     for reader in readers:
-        stated = {one.what: f"{one.value} ({_stated_by(one)})" for one in reader.assumes}
+        stated = {assume.what: f"{assume.value} ({_stated_by(assume)})" for assume in reader.assumes}
         facts = {what.replace(" ", "_"): stated.get(what, "") for what in FACTS}
         rows.append({"name": reader.name, "summary": reader.summary, **facts})
     return rows
@@ -290,7 +290,7 @@ def _studies() -> list[dict[str, str]]:
 
 
 def _study_row(design: Design) -> dict[str, str]:
-    parts = [f"{part.name}: {', '.join(one.name for one in part.conditions)}" for part in design.parts]
+    parts = [f"{part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in design.parts]
     return {
         "name": design.name,
         "summary": design.title,

@@ -45,13 +45,13 @@ def _print(answer: Answer) -> None:
     paragraph(answer.headline())
     if not answer.agree:
         return
-    width = max(len(one.label) for one in answer.findings)
-    for one in (one for one in answer.findings if one.told):
-        mark = "" if one.as_stated else "  <- not as stated"
-        sure = f"  ({one.margin:.0f} standard errors ahead)" if one.margin is not None else ""
-        typer.echo(f"  {one.label:<{width}}  {one.value}{sure}{mark}")
-    for one in (one for one in answer.findings if not one.told):
-        paragraph(f"{one.label} cannot be told from these frames: {one.why}")
+    width = max(len(finding.label) for finding in answer.findings)
+    for finding in (finding for finding in answer.findings if finding.told):
+        mark = "" if finding.as_stated else "  <- not as stated"
+        sure = f"  ({finding.margin:.0f} standard errors ahead)" if finding.margin is not None else ""
+        typer.echo(f"  {finding.label:<{width}}  {finding.value}{sure}{mark}")
+    for finding in (finding for finding in answer.findings if not finding.told):
+        paragraph(f"{finding.label} cannot be told from these frames: {finding.why}")
     for other in answer.as_good:
         paragraph(f"These frames agree as well with {other}")
     if answer.code:

@@ -29,5 +29,5 @@ def _tell(result: sweep.ExperimentResult) -> None:
     console().print(compare_table([rows[number] for number in numbers]))
     if count > MOST_SHOWN:
         paragraph(f"These are the first {MOST_SHOWN} of {count} cases; compare.csv and compare.json have all.")
-    for one in result.data["left_out"]:
-        paragraph(f"note: {one['strategy']} is left out: {one['why']}")
+    for entry in result.data["left_out"]:
+        paragraph(f"note: {entry['strategy']} is left out: {entry['why']}")

@@ -85,7 +85,7 @@ def convert(said: Said) -> None:
     from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
-    able = [one.name for one in formats if one.writes]
+    able = [format_.name for format_ in formats if format_.writes]
     if to not in formats.names():
         raise unknown_name("format to write", to, able)
     target = formats.get(to)
@@ -217,7 +217,7 @@ def _by_predictor(table: Table, figures: Analysis, cell: Callable[[PredictionErr
     for name in ("latency", *figures.errors[0].errors):
         table.add_column(name, justify="right")
     for row in figures.errors:
-        cells = [cell(one) if row.count else "trace too short" for one in row.errors.values()]
+        cells = [cell(error) if row.count else "trace too short" for error in row.errors.values()]
         table.add_row(f"{row.latency_ms} ms", *cells)
     return table
 
@@ -257,8 +257,8 @@ def _assumption_table(loaded: LoadedTrace) -> Table:
     from rich.table import Table
 
     table = Table("fact", "taken as", "who says so", title="What was assumed of the file", title_justify="left")
-    for one in loaded.assumptions:
-        table.add_row(one.what, one.value, one.source)
+    for assumption in loaded.assumptions:
+        table.add_row(assumption.what, assumption.value, assumption.source)
     return table
 
 

@@ -52,7 +52,7 @@ MOVING = (("mouse", "look around (click first)"), ("W A S D", "walk"), ("Q E", "
 
 def control(name: str) -> Control:
     """Return the control of that name."""
-    return next(one for one in CONTROLS if one.name == name)
+    return next(control for control in CONTROLS if control.name == name)
 
 
 def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
@@ -60,4 +60,4 @@ def help_closes(controls: tuple[Control, ...], has_text_panel: bool) -> bool:
 
     has_text_panel: whether a text panel is shown.
     """
-    return not has_text_panel and any(one.name == "help" and one.needs_text_panel for one in controls)
+    return not has_text_panel and any(control.name == "help" and control.needs_text_panel for control in controls)

@@ -47,8 +47,8 @@ class _Egl:
     def current(self) -> tuple[int, int]:
         """Return this thread's display and context, 0 for none."""
         find = [self._library.eglGetCurrentDisplay, self._library.eglGetCurrentContext]
-        for one in find:
-            one.restype, one.argtypes = ctypes.c_void_p, []
+        for function in find:
+            function.restype, function.argtypes = ctypes.c_void_p, []
         return find[0]() or 0, find[1]() or 0
 
     def call(self, name: str, result: Any, *arguments: Any) -> Any:

@@ -162,7 +162,7 @@ class _Transparent(HeldLayer):
         with np.errstate(divide="ignore"):
             inverse = np.where(there, 1 / depth, NO_DEPTH)
         covered = there[..., None].astype(np.float32)
-        added, through = (np.concatenate([one, covered], axis=2) for one in (light * covered, passing))
+        added, through = (np.concatenate([light_of, covered], axis=2) for light_of in (light * covered, passing))
         for texture, array in zip(self.textures, (added, inverse, through), strict=True):
             upload(texture, array.astype(np.float32))
         return Transparent(Surface(*self.textures[:2]), self.textures[2])

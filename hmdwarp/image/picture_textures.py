@@ -70,7 +70,7 @@ class ForeignTextures:
         encoding: as Warper.warp_textures. Errors: InputError.
         """
         self._check(colour, depth, depth_as, encoding)
-        kinds = [(one.components, one.dtype) for one in (colour, depth)]
+        kinds = [(picture.components, picture.dtype) for picture in (colour, depth)]
         if kinds == [COLOUR, SCALAR] and depth_as == INVERSE and encoding == LINEAR:
             return colour, depth
         form = _OF_BUFFER if isinstance(depth_as, DepthLayer) else _FORMS[depth_as]

@@ -197,7 +197,7 @@ class Warper:
             inputs = self._inputs(images, views[1], eye, age_ns)
             made = self._compensator.run(inputs)
             if self._confidence is not None:
-                held = {one.pair[0]: one.sure for one in self._pictures}
+                held = {picture.pair[0]: picture.sure for picture in self._pictures}
                 self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
             warped = self._read(made, result, gpu)
             gpu.check_not_lost()

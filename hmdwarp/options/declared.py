@@ -117,15 +117,18 @@ def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> A
 
 def options_of(kind: type[Declared]) -> tuple[Option, ...]:
     """Return the options of a class in the order of its fields, those of its groups included."""
-    return tuple(one for one in _all_of(kind) if one.name not in kind.not_offered)
+    return tuple(found for found in _all_of(kind) if found.name not in kind.not_offered)
 
 
 def _all_of(kind: type) -> Iterator[Option]:
     for field in attrs.fields(kind):
         if _GROUP in field.metadata:
             inner = field.metadata[_GROUP]
-            yield from (attrs.evolve(one, heading=one.heading or inner.heading) for one in _all_of(inner))
-        yield from (one.named(field.name) for one in field.metadata.get(_KEY, ()))
+            yield from (
+                attrs.evolve(inner_option, heading=inner_option.heading or inner.heading)
+                for inner_option in _all_of(inner)
+            )
+        yield from (declared.named(field.name) for declared in field.metadata.get(_KEY, ()))
 
 
 class Declared:

@@ -49,15 +49,15 @@ class Number:
         return f"{least} and at most {self.most:g}{unit}" if math.isfinite(self.most) else least
 
     def __call__(self, _: object, field: attrs.Attribute[Any], value: Any) -> None:
-        for one in value if isinstance(value, tuple) else (value,):
-            if one is None:
+        for number in value if isinstance(value, tuple) else (value,):
+            if number is None:
                 continue
-            found = _as_float(one)
+            found = _as_float(number)
             least_met = found > self.least if self.above else found >= self.least
             if not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
                 kind = "a number" if math.isfinite(self.most) else "a finite number"
-                if any(one.kind is int for one in field.metadata.get("options", ())[:1]):
+                if any(declared.kind is int for declared in field.metadata.get("options", ())[:1]):
                     kind = "a whole number"
                 raise InputError(f"{name} {found:g}{unit}: expected {kind} {self.words(unit)}")
 

@@ -90,7 +90,7 @@ class FeedEncoder:
         pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
         coded = [eye.encode(colour, depth) for eye, colour, depth in pairs]
         place, self._place = self._place, self._place + 1
-        colours, depths = (tuple(one) for one in zip(*coded, strict=True))
+        colours, depths = (tuple(of_eye) for of_eye in zip(*coded, strict=True))
         return attrs.evolve(
             frame,
             colours=colours,
@@ -139,7 +139,7 @@ class FeedDecoder:
 
     def decode(self, frame: FrameMessage) -> FrameMessage:
         """Return the frame with pictures. Errors: Undecodable, until one begins the stream anew."""
-        if not any(isinstance(one, bytes) for one in (*frame.colours, *frame.inverse_depths)):
+        if not any(isinstance(colour, bytes) for colour in (*frame.colours, *frame.inverse_depths)):
             self.wants_anew = False
             return unpacked(frame)
         coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
@@ -151,7 +151,7 @@ class FeedDecoder:
         pairs = zip(self._eyes, frame.colours, frame.inverse_depths, strict=True)
         found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
         self.wants_anew = False
-        colours, depths = (tuple(one) for one in zip(*found, strict=True))
+        colours, depths = (tuple(of_eye) for of_eye in zip(*found, strict=True))
         return unpacked(attrs.evolve(frame, colours=colours, inverse_depths=depths))
 
 

@@ -69,8 +69,8 @@ def parts_of(eye: EyeImage, needs: Needs, *, packs: bool) -> Layers:
     found: dict[str, list[Array | Packed]] = {}
     for name in needs:
         layer, numbers = layers.get(name), layers.get(name).numbers(eye[name])
-        drawn = [one if isinstance(one, np.ndarray) else download(one) for one in layer.sent(eye[name])]
-        found[name] = [packed(one) for one in drawn] if packs else [*drawn]
+        drawn = [picture if isinstance(picture, np.ndarray) else download(picture) for picture in layer.sent(eye[name])]
+        found[name] = [packed(picture) for picture in drawn] if packs else [*drawn]
         if numbers is not None:
             found[name].append(numbers)
     return found

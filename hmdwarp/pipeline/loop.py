@@ -138,8 +138,8 @@ class Loop:
         head = self._requested.for_display(shown_ns)
         inputs = self._inputs(frame, head, shown_ns)
         eyes, laps = [], []
-        for one in inputs:
-            eyes.append(self.compensator.run(one))
+        for eye_inputs in inputs:
+            eyes.append(self.compensator.run(eye_inputs))
             laps.append(self.compensator.gpu.timer.lap())
         plan, transit = self.compensator.plan, self._channel.transit
         assert transit is not None  # a frame has arrived
@@ -162,7 +162,9 @@ class Loop:
         """
         head = self._requested.for_display(shown_ns)
         views = self._eyes.views(head.pose)
-        inputs = tuple(attrs.evolve(one, shown=views[one.eye], shown_ns=shown_ns) for one in refresh.inputs)
+        inputs = tuple(
+            attrs.evolve(eye_inputs, shown=views[eye_inputs.eye], shown_ns=shown_ns) for eye_inputs in refresh.inputs
+        )
         eyes = tuple(attrs.evolve(eye, view=one.shown) for eye, one in zip(refresh.eyes, inputs, strict=True))
         laps = tuple(self.compensator.gpu.timer.lap() for _ in eyes)
         return attrs.evolve(refresh, shown_ns=shown_ns, head=head, inputs=inputs, eyes=eyes, laps=laps)
@@ -172,7 +174,10 @@ class Loop:
 
         Frames must carry what it needs, see PoseRequest.needs; layers beyond that are left out.
         """
-        return tuple(attrs.evolve(one, **self._pictures(refresh.frame, one.eye, needs)) for one in refresh.inputs)
+        return tuple(
+            attrs.evolve(eye_inputs, **self._pictures(refresh.frame, eye_inputs.eye, needs))
+            for eye_inputs in refresh.inputs
+        )
 
     def _inputs(self, frame: Frame, head: PoseSample, shown_ns: int) -> tuple[PassInputs, ...]:
         asked, first, needs = self._requested, self._eyes.views(head.pose), self.compensator.plan.needs

@@ -289,7 +289,7 @@ class PipelineOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
-        usual = {one.name: one.default for one in options_of(cls)}
+        usual = {option.name: option.default for option in options_of(cls)}
         said = with_strategy(with_frames(said, usual), usual)
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)

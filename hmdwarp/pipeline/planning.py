@@ -34,7 +34,7 @@ def plans_for(
     if options.warp != AUTO:
         return [build_plan_for(options, headset, scene, **beyond)]
     chosen = [options.with_pair(level.warp, level.fill) for level in options.levels]
-    return [build_plan_for(one, headset, scene, shares_frames=True, **beyond) for one in chosen]
+    return [build_plan_for(run, headset, scene, shares_frames=True, **beyond) for run in chosen]
 
 
 def build_plan_for(

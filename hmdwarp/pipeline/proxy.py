@@ -115,7 +115,7 @@ class Proxy:
         self._recorded = False
         timer = self._gpu.timer
         with timer.stage("copy"):
-            eyes = tuple(self._kept(one, now_ns) for one in refresh.eyes)
+            eyes = tuple(self._kept(eye, now_ns) for eye in refresh.eyes)
         return Frame(eyes, now_ns, head, Laps(*refresh.laps, timer.lap()))
 
     def _kept(self, made: EyeResult, now_ns: int) -> EyeImage:

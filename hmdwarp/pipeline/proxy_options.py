@@ -63,9 +63,11 @@ class ProxyOptions(Declared):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError for one without a proxy."""
-        for one in options_of(cls):
-            if said.get(one.name) not in (None, one.default) and not said.get("proxy"):
-                raise InputError(f"{one.flag} {said[one.name]}: there is no proxy; add --proxy, or leave it out")
+        for offered in options_of(cls):
+            if said.get(offered.name) not in (None, offered.default) and not said.get("proxy"):
+                raise InputError(
+                    f"{offered.flag} {said[offered.name]}: there is no proxy; add --proxy, or leave it out"
+                )
         return super().values_of(said)
 
     def within(self, total_ms: float) -> Self:

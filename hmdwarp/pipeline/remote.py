@@ -184,7 +184,7 @@ class Remote:
         """
         found = self._known()
         while self._holds and self._pending:
-            latest_ns = max(one.sent_ns + now_ns - one.drawn_ns for one in self._pending.values())
+            latest_ns = max(request.sent_ns + now_ns - request.drawn_ns for request in self._pending.values())
             if time.monotonic_ns() >= latest_ns:
                 break
             self._caller.wait_until(latest_ns)
@@ -203,7 +203,7 @@ class Remote:
             number = arrival.frame.number
             if number not in self._pending:
                 continue
-            for older in [one for one in self._pending if one < number]:
+            for older in [sent for sent in self._pending if sent < number]:
                 del self._pending[older]
                 self.unanswered += 1
             pending = self._pending.pop(number)
@@ -249,7 +249,7 @@ class Remote:
         for line in self._caller.lines():
             self._say(line)
         # Nothing is missed before it was asked for: while a pipeline is built nothing is.
-        since_ns = max(self._heard_ns, next((one.sent_ns for one in self._pending.values()), 0))
+        since_ns = max(self._heard_ns, next((request.sent_ns for request in self._pending.values()), 0))
         silent_ns = time.monotonic_ns() - since_ns
         if self._lost_ns is not None and self._heard_ns > self._lost_ns:
             self._say(f"{self._caller.address}: frames come again")

@@ -42,7 +42,7 @@ class Assumption:
 
 def assumption_rows(assumptions: Iterable[Assumption]) -> list[dict[str, str]]:
     """Return the list `assumptions` of summary.json and of --json: what, value, by, option."""
-    return [attrs.asdict(one, value_serializer=lambda _, __, value: str(value)) for one in assumptions]
+    return [attrs.asdict(assumption, value_serializer=lambda _, __, value: str(value)) for assumption in assumptions]
 
 
 def first_stated(*values: T | None) -> tuple[T | None, By]:

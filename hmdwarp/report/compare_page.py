@@ -106,7 +106,7 @@ def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -
         for number, (label, group, shown) in enumerate(cases)
     ]
     clients = [_client(client, rows) for client in data["clients"]]
-    strategies = [(one["name"], _strategy_text(one)) for one in data["strategies"]]
+    strategies = [(strategy["name"], _strategy_text(strategy)) for strategy in data["strategies"]]
     return Page(
         kind="compare",
         title=f"hmdwarp compare: {count} strategies",
@@ -184,7 +184,9 @@ def chosen_markdown(data: Mapping[str, Any], links_mbit_s: Sequence[float]) -> s
     for rate, client in itertools.product((None, *links_mbit_s), data["clients"]):
         who = client["summary"] if rate is None else f"over a link of {rate:g} Mbit/s"
         rows = [row for row in data["rows"] if not row["unfit"][client["name"]]]
-        cells = [_best_of([row for row in rows if row["latency_ms"] == one], rate, recordings) for one in latencies]
+        cells = [
+            _best_of([row for row in rows if row["latency_ms"] == latency], rate, recordings) for latency in latencies
+        ]
         lines.append([f"`{client['name']}`: {who}", *cells])
     return markdown(lines)
 
@@ -264,7 +266,7 @@ def _facts(rows: Sequence[Row]) -> list[str]:
 
 
 def _notes(data: Mapping[str, Any]) -> list[str]:
-    notes = [f"{one['strategy']} is left out: {one['why']}." for one in data["left_out"]]
+    notes = [f"{entry['strategy']} is left out: {entry['why']}." for entry in data["left_out"]]
     shown = len(_cases(data["rows"], []))
     if data.get("cases", shown) > shown:
         notes.append(f"This page shows the first {shown} of {data['cases']} cases; compare.csv and .json have all.")
@@ -316,7 +318,7 @@ def _best(can: Sequence[Row]) -> str:
     if not can:
         return "It can run none of the strategies."
     best = _ordered(can)[0]
-    parts = [f"{one.figure.label} {one.text(best)} {one.figure.unit}".strip() for one in COLUMNS.values()]
+    parts = [f"{column.figure.label} {column.text(best)} {column.figure.unit}".strip() for column in COLUMNS.values()]
     return f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[4:7])})."
 
 
@@ -341,7 +343,7 @@ def _front(label: str, client: str, rows: Sequence[Row], cost: str) -> Chart:
 
 
 def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str) -> None:
-    is_best = np.array([any(row is one for one in best) for row in rows])
+    is_best = np.array([any(row is best_row for best_row in best) for row in rows])
     spent = scale_axis(axes.xaxis, np.array([float(row[cost]) for row in rows]), logarithmic=True)
     error = np.array([row["quality"][PRIMARY]["mean"] for row in rows])
     error = scale_axis(axes.yaxis, error, logarithmic=True)

@@ -31,7 +31,9 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     linear_speed_m_s, hole_share/0, hole_share/1. command: as the user typed it.
     """
     live = summary["live"]
-    changes = [(f"{one['time_s']:.2f} s", f"{_changed(one['what'])} ({one['reason']})") for one in live["changes"]]
+    changes = [
+        (f"{change['time_s']:.2f} s", f"{_changed(change['what'])} ({change['reason']})") for change in live["changes"]
+    ]
     charts = [Group("charts", _charts(summary, column)), Text(texts("live")["notes"]["charts"])]
     return Page(
         kind="live",

@@ -181,7 +181,7 @@ class Page:
         environment.filters["pieces"] = lambda text: [text] if isinstance(text, Markup) else name_pieces(text)
         return environment.get_template("page.html").render(
             page=self,
-            sections=[one for one in self.sections if one is not None and any(one.blocks)],
+            sections=[section for section in self.sections if section is not None and any(section.blocks)],
             light=css_variables(dark=False),
             dark=css_variables(dark=True),
         )

@@ -46,7 +46,7 @@ def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
         times = [s["time_ms"][figure.name] for s in summaries]
         rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
     if "miss" in summary:
-        entries = [one.get("miss", {}) for one in summaries]
+        entries = [summary.get("miss", {}) for summary in summaries]
         rows += [Row(each, tuple((each.text(e.get(each.name)), "") for e in entries), None) for each in MISS_FIGURES]
     return rows
 
@@ -62,9 +62,12 @@ def _best(figure: Figure, baselines: Sequence[Summary]) -> int | None:
     if figure.name not in _CONTESTS or not baselines:
         return None
     sign = 1 if metrics.get(figure.name).higher_is_better else -1
-    found = [one.get("difference", {}).get(figure.name) for one in baselines]
+    found = [baseline.get("difference", {}).get(figure.name) for baseline in baselines]
     # How much better the run is than each, 0 where that is not sure.
-    gains = [sign * one["mean"] if one and excludes_zero(one["interval"]) else 0.0 for one in found]
+    gains = [
+        sign * difference["mean"] if difference and excludes_zero(difference["interval"]) else 0.0
+        for difference in found
+    ]
     if min(gains) > 0:
         return 0
     return 1 + gains.index(min(gains)) if min(gains) < 0 else None
@@ -126,5 +129,7 @@ def _head(figure: Figure) -> str:
 def _caption(summary: Summary, baselines: Sequence[Summary]) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
     lines = ["mean over measured pictures; p95: the worst 5 % begin there", f"times: median per eye, {clock}"]
-    lines[1] += "".join(f"; {one['warp']}: fill {one['fill']}, lens {one['lens']}" for one in baselines)
+    lines[1] += "".join(
+        f"; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
+    )
     return "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])

@@ -96,7 +96,7 @@ def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
 
 def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:
     """Return the axes in which each recorded trace was read, by its name."""
-    return {str(one["trace"]): str(one["trace_axes"]) for one in summaries if one.get("trace_axes")}
+    return {str(summary["trace"]): str(summary["trace_axes"]) for summary in summaries if summary.get("trace_axes")}
 
 
 def filled_rows(summary: Summary) -> Pairs:
@@ -116,22 +116,22 @@ def model_rows(summary: Summary) -> Pairs:
     With what crossed for it, packed, where the summary says so.
     """
     rows = []
-    for one in summary.get("client_models") or ():
-        if "share" not in one:
-            *_, kept = one  # how many things it holds comes last
-            rows.append((f"client's {kept}", f"{one[kept]}, room of {one['geometry_bytes'] / 1e6:.1f} MB"))
+    for model in summary.get("client_models") or ():
+        if "share" not in model:
+            *_, kept = model  # how many things it holds comes last
+            rows.append((f"client's {kept}", f"{model[kept]}, room of {model['geometry_bytes'] / 1e6:.1f} MB"))
         else:
-            named = f"client's model, {100 * one['share']:g} % of the triangles, textures at {one['texture']:g}"
-            weight = f"{one['triangles']} triangles {one['geometry_bytes'] / 1e6:.1f} MB, "
-            rows.append((named, f"{weight}textures {one['texture_bytes'] / 1e6:.1f} MB"))
-        if "start_up_bytes" in one:
-            first = one["first_picture_bytes"]
+            named = f"client's model, {100 * model['share']:g} % of the triangles, textures at {model['texture']:g}"
+            weight = f"{model['triangles']} triangles {model['geometry_bytes'] / 1e6:.1f} MB, "
+            rows.append((named, f"{weight}textures {model['texture_bytes'] / 1e6:.1f} MB"))
+        if "start_up_bytes" in model:
+            first = model["first_picture_bytes"]
             whole = "no whole picture" if first is None else f"{first / 1e6:.2f} MB before the first whole picture"
             rows.append(
                 (
                     "of that crossed, packed",
-                    f"{one['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, {one['arrived_bytes'] / 1e6:.2f} MB "
-                    "in all",
+                    f"{model['start_up_bytes'] / 1e6:.2f} MB at the start, {whole}, "
+                    f"{model['arrived_bytes'] / 1e6:.2f} MB in all",
                 )
             )
     return rows

@@ -43,14 +43,14 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
     facts = [fact("pictures", "x".join(map(str, data["size"]))), data["machine"]["gl_renderer"]]
     facts.append(fact("run in", minutes(data["seconds"])))
     quick = [fact("", "quick", ": small pictures, middle speeds only")] if data["quick"] else []
-    articles = [_article(one, pictures.get(one["name"], ())) for one in experiments]
+    articles = [_article(experiment, pictures.get(experiment["name"], ())) for experiment in experiments]
     return Page(
         kind="thesis",
         title="hmdwarp: the thesis again",
         heading=("The thesis again", f"{len(experiments)} figures, times and claims"),
         facts=[*facts, *quick],
         command=data.get("command") or "",
-        remarks=[f"failed: {one}" for one in data["failed"]],
+        remarks=[f"failed: {failure}" for failure in data["failed"]],
         sections=(
             Section(
                 "",
@@ -79,12 +79,14 @@ def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
     where = Markup('{}<br><span class="unit">{}</span>')
     lines = [
         (
-            claim.format(one["name"], one["claim"], one["source"]),
-            one["thesis"],
-            one["ours"] or "–",
-            where.format(_verdict(one), one["holds_at"]) if _is_conditional(one) else _verdict(one),
+            claim.format(experiment["name"], experiment["claim"], experiment["source"]),
+            experiment["thesis"],
+            experiment["ours"] or "–",
+            where.format(_verdict(experiment), experiment["holds_at"])
+            if _is_conditional(experiment)
+            else _verdict(experiment),
         )
-        for one in experiments
+        for experiment in experiments
     ]
     heads = [(head, "") for head in ("claim", "the thesis", "ours", "verdict")]
     return Table.of("", heads, lines, words=4, style="verdicts", label="Verdicts")
@@ -130,7 +132,7 @@ def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
 
     results: contents of results.json; an experiment that several have is that of the last.
     """
-    experiments = {one["name"]: (one, data) for data in results for one in data["experiments"]}
+    experiments = {experiment["name"]: (experiment, data) for data in results for experiment in data["experiments"]}
     used = {id(data): data for _, data in experiments.values()}.values()
     runs = [f"pictures of {'x'.join(map(str, data['size']))} on {data['machine']['gl_renderer']}" for data in used]
     heads = ("claim", "the thesis", "ours", "rule", "verdict", "holds at")

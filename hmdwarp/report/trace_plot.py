@@ -39,9 +39,9 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
         over_time[1].plot(seconds, place[:, 1], color=_LINE, lw=1)
         over_time[1].set_ylabel("height [m]")
         _draw_speeds(over_time[2], track)
-        for one in over_time:
-            _shade_gaps(one, track)
-            one.set_xlim(0, max(float(seconds[-1]), 1e-9))
+        for axes in over_time:
+            _shade_gaps(axes, track)
+            axes.set_xlim(0, max(float(seconds[-1]), 1e-9))
         over_time[2].set_xlabel("time [s], gaps shaded")
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png", dpi=_DPI, metadata={"Software": None})

@@ -164,4 +164,4 @@ def frames_used(
         newest = link.newest(instant_ns)
         if number in wanted and number >= 0:
             used |= {frame.drawn_ns for frame in (newest, *history.frames) if frame is not None}
-    return {number: [one for one in instants if one in used] for number, instants in drawn.items()}
+    return {number: [instant for instant in instants if instant in used] for number, instants in drawn.items()}

@@ -84,7 +84,7 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
     drawn = [_drawn_for(track, t - age_ns, age_ns, options) for t in shown_ns.tolist()]
     needed = needed_factors(
         headset,
-        (np.array([one.pose.position_m for one in drawn]), np.array([one.pose.orientation_xyzw for one in drawn])),
+        (np.array([pose.pose.position_m for pose in drawn]), np.array([pose.pose.orientation_xyzw for pose in drawn])),
         (shown.position_m, shown.orientation_xyzw),
     )
     wanted = float(np.quantile(needed, QUANTILE, method="higher"))

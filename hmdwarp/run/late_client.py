@@ -100,7 +100,7 @@ class LateClient:
     def _again(self, made: Refresh, instant_ns: int, *, stale: bool) -> Refresh:
         refresh = self._setup.loop.again(made, instant_ns)
         if self._turner is not None:
-            turned = tuple(self._turned(self._turner, *one) for one in zip(made.eyes, refresh.inputs, strict=True))
+            turned = tuple(self._turned(self._turner, *pair) for pair in zip(made.eyes, refresh.inputs, strict=True))
             self._setup.gpu.timer.collect()
             refresh = attrs.evolve(refresh, eyes=turned)
         return refresh if stale else attrs.evolve(refresh, laps=made.laps)
@@ -124,7 +124,7 @@ class LateClient:
         """Return the `miss` of summary.json."""
         stale = [row[2] for row in self._rows]
         every = self._setup.options.metrics_every
-        measured = [one for row, one in zip(self._rows, stale, strict=True) if is_measured(int(row[0]), every)]
+        measured = [row[2] for row in self._rows if is_measured(row[0], every)]
         return {
             "budget_ms": self._misses.budget_ms or self._period_ms,
             "times": "given" if self._misses.times_ms else MEASURED,

@@ -190,7 +190,7 @@ class LiveLog:
         off_deg, before, running = 0.0, self._last.refresh, self._running
         if tick.missed and refresh and before and running and not running.facts.turns:
             periods = max(1, round((refresh.shown_ns - before.shown_ns) * 1e-6 / running.facts.budget_ms))
-            a, b = (one.head.pose.orientation_xyzw.tolist() for one in (before, refresh))
+            a, b = (shown.head.pose.orientation_xyzw.tolist() for shown in (before, refresh))
             off_deg = math.degrees(angle_between(a, b)) / periods
         for number in range(1, tick.missed + 1):
             self._figures.misses.add(True, number * off_deg)
@@ -229,10 +229,10 @@ class LiveLog:
         if self._last.pending is None:
             return
         (moment, refresh, period_ms), self._last.pending = self._last.pending, None
-        stages = [tuple(stage_columns(one).values()) for one in refresh.stage_ms]
+        stages = [tuple(stage_columns(of_eye).values()) for of_eye in refresh.stage_ms]
         holes = self._running.holes.shares() or (None,) * moment.eyes
         render_ms = sum(ms for _, ms in refresh.frame.drawing.read()) if refresh.frame.drawing is not None else 0.0
-        passes_ms = sum(one[-1] for one in stages)
+        passes_ms = sum(stage[-1] for stage in stages)
         self._show(stages, passes_ms, holes)
         figures = self._figures
         figures.counts.busy(render_ms + passes_ms > self.status.budget_ms)
@@ -246,7 +246,7 @@ class LiveLog:
     def _show(self, stages: Sequence[Sequence[float]], passes_ms: float, holes: Sequence[float | None]) -> None:
         """Copy the numbers of a refresh into the status."""
         status, known = self.status, [share for share in holes if share is not None]
-        status.stage_ms = {name: sum(one[at] for one in stages) for at, name in enumerate(_STAGES)}
+        status.stage_ms = {name: sum(stage[at] for stage in stages) for at, name in enumerate(_STAGES)}
         status.total_ms.append(passes_ms)
         status.holes.append(sum(known) / len(known) if len(known) == len(holes) else math.nan)
 
@@ -257,7 +257,7 @@ class LiveLog:
             running.auto, running.auto_changes = auto, 0
         if running is not None and auto is not None and len(auto.changes) > running.auto_changes:
             for change in auto.changes[running.auto_changes :]:
-                before, after = ({"warp": one.warp, "fill": one.fill} for one in (change.before, change.after))
+                before, after = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
                 what = self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
                 running.markers.changed(what, change.reason)
             running.auto_changes = len(auto.changes)

@@ -76,11 +76,6 @@ class RunOptions(PipelineOptions):
     metrics_every: int = option(
         10, "Measure one of every n refreshes, in step with no period.", valid=Number(least=1), heading=MEASURING
     )
-        10,
-        "Measure one of every n refreshes, spread so that no period hides.",
-        valid=Number(least=1),
-        heading=MEASURING,
-    )
     # 0 for not at all.
     jod_s: float = option(
         0.0,

@@ -95,11 +95,11 @@ class RecentPoses:
         # What was foretold before a jump, for the display, is of where the head is no more.
         while kept and kept[-1].time_ns >= sample.time_ns and jumps_between([sample, kept[-1]]):
             kept.pop()
-        at = bisect_left(kept, sample.time_ns, key=lambda one: one.time_ns)
+        at = bisect_left(kept, sample.time_ns, key=lambda pose: pose.time_ns)
         # Within known motion nothing is added; between the sides of a jump it says which is now.
         if at == len(kept) or (at and kept[at].time_ns > sample.time_ns and jumps_between([kept[at - 1], kept[at]])):
             kept.insert(at, sample)
-            del kept[: bisect_left(kept, sample.time_ns - KEPT_NS, key=lambda one: one.time_ns)]
+            del kept[: bisect_left(kept, sample.time_ns - KEPT_NS, key=lambda pose: pose.time_ns)]
         return sample
 
     def track_until(self, now_ns: int) -> PoseTrack:
@@ -107,9 +107,9 @@ class RecentPoses:
         self.head_at(now_ns)
         kept = self._kept
         return PoseTrack(
-            time_ns=np.array([one.time_ns for one in kept]),
-            position_m=np.array([one.pose.position_m for one in kept]),
-            orientation_xyzw=np.array([one.pose.orientation_xyzw for one in kept]),
+            time_ns=np.array([pose.time_ns for pose in kept]),
+            position_m=np.array([pose.pose.position_m for pose in kept]),
+            orientation_xyzw=np.array([pose.pose.orientation_xyzw for pose in kept]),
             jumps=jumps_between(kept),
         )
 

@@ -286,7 +286,7 @@ def _keep_every(setup: ReplaySetup) -> int | None:
 def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:
     """Return the `jod` of summary.json; others: the warps that the run is compared with."""
     clips.finish()
-    return {**clips.entry(MAIN, others), **({"against": [clips.entry(one) for one in others]} if others else {})}
+    return {**clips.entry(MAIN, others), **({"against": [clips.entry(other) for other in others]} if others else {})}
 
 
 def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]) -> str:
@@ -311,7 +311,7 @@ def _figures(pool: QualityPool, which: int) -> dict[tuple[int, int], Row]:
 def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]]:
     """Return the rows of each comparison; none where nothing was measured."""
     figures = [_figures(pool, which) for which in range(1, 1 + len(probe.against_ms))]
-    return [log.compared(*one) for one in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
+    return [log.compared(*pair) for pair in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
 
 
 __all__ = ["Measured", "ReplayResult", "figures", "measured", "replay"]

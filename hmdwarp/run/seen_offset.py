@@ -35,7 +35,7 @@ class SeenOffset:
         if made is refresh:
             return 0.0
         if made is not self._made:
-            self._made, self._points = made, [_points_of(one) for one in made.inputs]
+            self._made, self._points = made, [_points_of(inputs) for inputs in made.inputs]
         pairs = zip(self._points, made.inputs, refresh.inputs, strict=True)
         angles = [self._angles(points, then.shown, now.shown) for points, then, now in pairs]
         return float(np.degrees(np.sqrt(np.mean(np.concatenate(angles) ** 2))))
@@ -44,7 +44,7 @@ class SeenOffset:
         seen, right = (_ways(points, view) for view in (then, now))
         if not self._turned:
             seen = seen @ then.pose.rotation_matrix @ now.pose.rotation_matrix.T
-        apart, together = (np.linalg.norm(one, axis=1) for one in (seen - right, seen + right))
+        apart, together = (np.linalg.norm(ways, axis=1) for ways in (seen - right, seen + right))
         return np.asarray(2 * np.arctan2(apart, together))
 
 

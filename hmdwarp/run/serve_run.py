@@ -90,7 +90,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     packs = (ask.wish.colour, ask.wish.depth) != (ANY, ANY)
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
     server.recycle(frame)
-    colours, depths = (tuple(one) for one in zip(*pictures, strict=True))
+    colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
     drawn = FrameMessage(*times, ask.views, colours, depths, layers=further)
     try:

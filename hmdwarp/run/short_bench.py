@@ -135,8 +135,8 @@ def _stages(setup: ReplaySetup, combinations: Sequence[Combination], rounds: int
         compensator, inputs = setup.compensator(combination.plan), setup.loop.inputs(refresh, combination.plan.needs)
         found: list[tuple[str, float]] = []
         for round_ in range(rounds + 1):
-            for one in inputs:
-                compensator.run(one)
+            for eye_inputs in inputs:
+                compensator.run(eye_inputs)
             stages = setup.gpu.timer.collect()
             found += stages if round_ else []
         yield found

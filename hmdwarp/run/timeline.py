@@ -44,11 +44,11 @@ class Timeline:
         start_ns = self._kept[0].transit.sent_ns
         return [
             {
-                "frame": one.transit.number,
-                "drawn": (one.transit.sent_ns - start_ns) * 1e-6,
-                "parts": {name: part_ns * 1e-6 for name, part_ns in one.transit.parts_ns().items()},
-                "shown": (one.first_ns - start_ns) * 1e-6,
-                "until": (one.last_ns - start_ns) * 1e-6,
+                "frame": shown.transit.number,
+                "drawn": (shown.transit.sent_ns - start_ns) * 1e-6,
+                "parts": {name: part_ns * 1e-6 for name, part_ns in shown.transit.parts_ns().items()},
+                "shown": (shown.first_ns - start_ns) * 1e-6,
+                "until": (shown.last_ns - start_ns) * 1e-6,
             }
-            for one in self._kept
+            for shown in self._kept
         ]

@@ -39,7 +39,7 @@ class WholePictures:
         if refresh.frame is not self._frame:
             self.close()
             self._frame = refresh.frame
-        return tuple(attrs.evolve(one, rendered=self._whole(one)) for one in every)
+        return tuple(attrs.evolve(eye_inputs, rendered=self._whole(eye_inputs)) for eye_inputs in every)
 
     def _whole(self, inputs: PassInputs) -> EyeImage:
         image = inputs.rendered

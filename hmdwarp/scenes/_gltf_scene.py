@@ -120,7 +120,7 @@ class GltfContent:
 
         Source: Khronos 2025, KHR_node_visibility.
         """
-        said = (self._file.items("nodes")[one].get("extensions") or {} for one in self._nodes.line(node))
+        said = (self._file.items("nodes")[ancestor].get("extensions") or {} for ancestor in self._nodes.line(node))
         return all((extensions.get(VISIBILITY) or {}).get("visible", True) is not False for extensions in said)
 
     def _draft(self, name: str, node: int, primitive: dict[str, Any]) -> Draft | None:

@@ -51,7 +51,7 @@ def _in_any_case(folder: Path, names: list[str]) -> list[Path]:
     for name in names:
         places = [Path("/") if name.startswith("/") else folder]
         for part in PurePosixPath(name).parts:
-            places = [one for place in places for one in _called(place, part)]
+            places = [path for place in places for path in _called(place, part)]
         if found := [place for place in places if place.is_file()]:
             return found
     return []
@@ -61,6 +61,6 @@ def _called(place: Path, part: str) -> list[Path]:
     if part in ("..", "/"):
         return [place / part]
     try:
-        return [one for one in place.iterdir() if one.name.casefold() == part.casefold()]
+        return [path for path in place.iterdir() if path.name.casefold() == part.casefold()]
     except OSError:
         return []

@@ -87,7 +87,7 @@ def scaled(texture: Texture, scale: float) -> NDArray[np.uint8]:
     if texture.srgb:
         linear[..., :3] = linear_from_srgb(image[..., :3])
     channels = [Image.fromarray(np.ascontiguousarray(linear[..., k])) for k in range(image.shape[2])]
-    made = np.stack([np.asarray(one.resize(size, Image.Resampling.BOX)) for one in channels], axis=-1)
+    made = np.stack([np.asarray(channel.resize(size, Image.Resampling.BOX)) for channel in channels], axis=-1)
     smaller = np.rint(255 * made).astype(np.uint8)
     if texture.srgb:
         smaller[..., :3] = srgb8_from_linear(made[..., :3])

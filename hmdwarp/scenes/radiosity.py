@@ -425,7 +425,7 @@ def _corners_of(meshes: Sequence[Mesh]) -> Array:
 
 def _joined(first: Receivers, other: Receivers) -> Receivers:
     names = [field.name for field in attrs.fields(Patches)]
-    patches = Patches(*(np.concatenate([getattr(one.patches, name) for one in (first, other)]) for name in names))
+    patches = Patches(*(np.concatenate([getattr(scene.patches, name) for scene in (first, other)]) for name in names))
     corners, atlas = (
         np.concatenate(pair) for pair in ((first.blockers.corners, other.blockers.corners), (first.atlas, other.atlas))
     )
@@ -485,7 +485,7 @@ def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder:
     receivers = _still_receivers(meshes, textures)
     path = (folder or cache_folder()) / f"light-{_key(receivers, rays)}.npz"
     stored, shape = read_arrays(path, ("patch", "far")), (len(receivers.patches), rays)
-    if stored is not None and [one.shape for one in stored] == [shape, shape]:
+    if stored is not None and [array.shape for array in stored] == [shape, shape]:
         return _Rays(*_begun(receivers.patches, slice(None), rays), *stored)
     found = _cast(receivers, slice(None), rays)
     with suppress(OSError):

@@ -37,7 +37,7 @@ def in_the_room(recorded) -> Recording:
 
 
 def named(frames: list[StatedFrame]) -> list[str]:
-    return [one.name for one in check(Stated(frames)).findings if not one.as_stated]
+    return [finding.name for finding in check(Stated(frames)).findings if not finding.as_stated]
 
 
 def test_a_single_wrong_convention_is_found_and_named_and_right_frames_are_called_right(recorded):
@@ -49,11 +49,11 @@ def test_a_single_wrong_convention_is_found_and_named_and_right_frames_are_calle
 
 def test_counting_that_was_interrupted_goes_on(recorded, tmp_path):
     whole, out = list(results(recorded, 3)), tmp_path / "rates.jsonl"
-    lines = [json.dumps(attrs.asdict(one)) + "\n" for one in whole]
+    lines = [json.dumps(attrs.asdict(answer)) + "\n" for answer in whole]
     out.write_text(lines[0] + lines[2] + lines[1][:9], encoding="utf-8")
     found = resumed(out, 3)
     assert found == [whole[0], whole[2]] and out.read_text(encoding="utf-8") == lines[0] + lines[2]
-    assert list(results(recorded, 3, [one.case for one in found])) == [whole[1]]
+    assert list(results(recorded, 3, [trial.case for trial in found])) == [whole[1]]
     with pytest.raises(SystemExit, match="results of 3 cases, 4 are wanted"):
         resumed(out, 4)
 
@@ -66,7 +66,7 @@ def test_the_code_reads_the_frames_right(name, in_the_room):
     frames = wrong_frames(in_the_room, name, np.random.default_rng(3))
     answer = check(Stated(frames))
     assert answer.verdict == "wrong" and answer.code
-    mended = check(Stated([mend(one, answer.code) for one in frames]))
+    mended = check(Stated([mend(frame, answer.code) for frame in frames]))
     assert mended.verdict == "right"
     assert mended.agreement == pytest.approx(answer.agreement, abs=0.05)
 
@@ -90,17 +90,20 @@ def test_two_wrong_conventions_are_found(in_the_room):
     for name in ("OpenCV", "w first"):
         frames = MISREADINGS[name][0](frames, rng)
     assert named(frames) == ["order", "axes"]
-    millimetres = [attrs.evolve(one, depth=one.depth * 1000) for one in right_frames(in_the_room, CAMERA, rng)]
+    millimetres = [attrs.evolve(frame, depth=frame.depth * 1000) for frame in right_frames(in_the_room, CAMERA, rng)]
     assert named(MISREADINGS["world to eye"][0](millimetres, rng)) == ["direction", "scale"]
 
 
 def test_the_numbers_are_those_that_were_wrong(in_the_room):
     rng = np.random.default_rng(5)
     frames = right_frames(in_the_room, CAMERA, rng)
-    scaled = check(Stated([attrs.evolve(one, depth=one.depth * 5000) for one in frames])).reading
+    scaled = check(Stated([attrs.evolve(frame, depth=frame.depth * 5000) for frame in frames])).reading
     assert scaled.factor == pytest.approx(5000, rel=0.02)
     late = round(0.4 * INTERVAL_NS)
-    moved = [attrs.evolve(one, view=View(in_the_room.eye_at(LEFT, one.time_ns - late), one.view.fov)) for one in frames]
+    moved = [
+        attrs.evolve(frame, view=View(in_the_room.eye_at(LEFT, frame.time_ns - late), frame.view.fov))
+        for frame in frames
+    ]
     # A tenth of the offset: the motion between frames is a curve through their poses.
     assert check(Stated(moved)).reading.late_s == pytest.approx(late / 1e9, rel=0.1)
 
@@ -111,13 +114,13 @@ def test_numbers_that_hardly_differ_do_not_agree_with_any_reading(gpu):
     rng = np.random.default_rng([2, 26])
     rng.integers(8)  # check_rates draws the recording first: these are the frames of its case 26
     frames = wrong_frames(recorded, "not reversed", rng)
-    read = np.concatenate([1 / one.depth[np.isfinite(one.depth) & (one.depth > 0)] for one in frames])
+    read = np.concatenate([1 / frame.depth[np.isfinite(frame.depth) & (frame.depth > 0)] for frame in frames])
     assert np.percentile(read, 95) < 1.2 * np.percentile(read, 20)
     assert named(frames) == ["encoding"]
 
 
 def untold(frames: list[StatedFrame]) -> dict[str, str]:
-    return {one.name: one.why for one in check(Stated(frames)).findings if not one.told}
+    return {finding.name: finding.why for finding in check(Stated(frames)).findings if not finding.told}
 
 
 def test_a_head_that_only_turns_tells_no_scale_and_says_why(gpu):
@@ -147,7 +150,7 @@ def test_two_frames_tell_no_time_and_one_eye_no_swap(in_the_room):
 def test_one_instant_of_both_eyes_does_not_tell_a_swap_from_an_inverse(in_the_room):
     """Eyes that look the same way: either turns the way from one to the other around."""
     frames = right_frames(in_the_room, CAMERA, np.random.default_rng(8), stereo=True)[8:10]
-    frames = [attrs.evolve(one, view=View(Pose(one.view.pose.position_m), one.view.fov)) for one in frames]
+    frames = [attrs.evolve(frame, view=View(Pose(frame.view.pose.position_m), frame.view.fov)) for frame in frames]
     apart = frames[1].view.pose.position_m - frames[0].view.pose.position_m
     along = np.linalg.norm(apart)
     poses = (Pose(), Pose((along, 0, 0)))
@@ -159,7 +162,7 @@ def test_one_instant_of_both_eyes_does_not_tell_a_swap_from_an_inverse(in_the_ro
 def test_frames_of_different_things_do_not_agree(recorded):
     """Pictures of one place with the poses of another."""
     rng = np.random.default_rng(9)
-    here, there = (right_frames(one, CAMERA, rng) for one in recorded[::2][:2])
+    here, there = (right_frames(frame, CAMERA, rng) for frame in recorded[::2][:2])
     mixed = [
         attrs.evolve(a, view=View(b.view.pose @ a.view.pose, a.view.fov)) for a, b in zip(here, there, strict=True)
     ]
@@ -172,7 +175,7 @@ def test_frames_of_different_things_do_not_agree(recorded):
 def test_pictures_without_detail_do_not_agree_in_colour(in_the_room):
     """Every colour is the same, so only depth says anything."""
     frames = right_frames(in_the_room, CAMERA, np.random.default_rng(9))
-    frames = [attrs.evolve(one, colour=np.full_like(one.colour, 0.5)) for one in frames]
+    frames = [attrs.evolve(frame, colour=np.full_like(frame.colour, 0.5)) for frame in frames]
     answer = check(Stated(frames))
     assert answer.verdict == "no agreement" and "but not in colour" in answer.headline()
 

@@ -93,8 +93,11 @@ def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
 )
 def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    typed = [str(tmp_path / one.replace("FOLDER", "folder")) if "FOLDER" in one else one for one in arguments]
-    folder = next(one for one in typed if one.startswith(str(tmp_path)))
+    typed = [
+        str(tmp_path / argument.replace("FOLDER", "folder")) if "FOLDER" in argument else argument
+        for argument in arguments
+    ]
+    folder = next(argument for argument in typed if argument.startswith(str(tmp_path)))
     Path(folder).mkdir()
     command(*typed).refused(folder, "is a directory")
 

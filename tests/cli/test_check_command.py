@@ -53,7 +53,7 @@ def test_a_folder_read_wrong_is_named_with_the_line_that_mends_it(command, recor
         assert image.size[0] > 4 * 96
     data = json.loads(command("check", tmp_path / "frames", "--json").done().out)
     assert data["verdict"] == "wrong" and data["agreement"] > 0.8 > data["agreement_stated"]
-    assert [one["name"] for one in data["conventions"] if not one["as_stated"]] == ["direction"]
+    assert [convention["name"] for convention in data["conventions"] if not convention["as_stated"]] == ["direction"]
 
 
 def test_two_folders_are_two_eyes_and_files_are_frames(command, recording, tmp_path):

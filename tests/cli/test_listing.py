@@ -71,7 +71,7 @@ def test_arguments_are_written_in_capitals_in_every_help(name, command):
     assert shown == shown.upper()
     arguments = [option.flag for option in commands[name] if option.positional]
     assert re.findall(r"[A-Z|]+", shown) == arguments
-    assert all(f"\n  {one} " in rest for one in arguments)
+    assert all(f"\n  {argument} " in rest for argument in arguments)
 
 
 def test_list_alone_lists_its_kinds(command):
@@ -209,9 +209,9 @@ def test_plan_for_programs_has_what_is_printed(command):
         "slow",
         "notes",
     ]
-    assert all(list(one) == ["stage", "name", "reason", "reads", "writes"] for one in data["passes"])
-    assert data["passes"] and all(one["name"] in told and one["reason"] in told for one in data["passes"])
-    assert data["left_out"] and all(one["name"] in told and one["reason"] in told for one in data["left_out"])
+    assert all(list(pass_) == ["stage", "name", "reason", "reads", "writes"] for pass_ in data["passes"])
+    assert data["passes"] and all(pass_["name"] in told and pass_["reason"] in told for pass_ in data["passes"])
+    assert data["left_out"] and all(entry["name"] in told and entry["reason"] in told for entry in data["left_out"])
     frame = data["frame"]
     assert list(frame) == ["eyes", "size", "pixels", "fov_deg", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
     assert frame["bytes"] == sum(frame["layers"].values()) and f"{frame['bytes'] / 1e6:.1f} MB uncompressed" in told

@@ -28,13 +28,13 @@ def scene(tmp_path):
 
 @pytest.mark.parametrize("kind", [PipelineOptions, RunOptions, LiveOptions, RecordOptions, BenchOptions])
 def test_they_are_declared_once_and_offered_wherever_a_scene_is(kind):
-    offered = {one.name: one for one in options_of(kind)}
+    offered = {option.name: option for option in options_of(kind)}
     assert {"scene", *NAMES} <= set(offered)
-    assert [offered[one.name] for one in options_of(SceneOptions)] == list(options_of(SceneOptions))
+    assert [offered[option.name] for option in options_of(SceneOptions)] == list(options_of(SceneOptions))
 
 
 def test_a_study_may_set_them(scene):
-    assert set(KINDS) >= NAMES and {one.study for one in options_of(SceneOptions)} == {PICTURE}
+    assert set(KINDS) >= NAMES and {option.study for option in options_of(SceneOptions)} == {PICTURE}
     settings = {
         "scene": str(scene),
         "viewpoint": "102,51.6,203,90",
@@ -90,7 +90,7 @@ def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
             "1",
         )
         command(*run, *TINY, "--latency", "0", "--against", "", "--images", "1", "--out", out, *more).done()
-        pictures = [one.read_bytes() for one in sorted((out / "images").iterdir())]
+        pictures = [path.read_bytes() for path in sorted((out / "images").iterdir())]
         return json.loads((out / "summary.json").read_text(encoding="utf-8"))["notes"], pictures
 
     notes, free = summary("free")

@@ -131,7 +131,7 @@ def test_a_terminal_without_the_table_s_characters_gets_question_marks(encoding,
     environment = {**ENVIRONMENT, "PYTHONIOENCODING": encoding}
     trace = tmp_path / "st\u2026.csv"  # an ellipsis, which neither has
     trace.write_bytes((folder("recordings") / "still.csv").read_bytes())
-    arguments = [str(trace) if one == "still" else one for one in REPLAY]
+    arguments = [str(trace) if argument == "still" else argument for argument in REPLAY]
     out = str(tmp_path / "out")
     done = subprocess.run([*PROGRAM, *arguments, out], capture_output=True, env=environment, check=False)
     assert done.returncode == 0 and not complaints(done.stderr)

@@ -129,7 +129,7 @@ def test_without_the_test_the_rendered_depth_is_not_in_the_frame(gpu):
     assert plan.draws_client_depth
     sizes = EyeSizes((40, 30), (40, 30), (FOV, FOV))
     with_test = build_plan((), "backward", "interpolate", "none", client_geometry=True)
-    weights = [frame_bytes(one.needs, sizes, one.layers) for one in (plan, with_test)]
+    weights = [frame_bytes(tried.needs, sizes, tried.layers) for tried in (plan, with_test)]
     assert set(weights[1]) - set(weights[0]) == {"rendered.inverse_depth"}
     assert sum(weights[1].values()) - sum(weights[0].values()) == 2 * 4 * 40 * 30
     # A fill that reads the shown picture's depth gets it from the warp.

@@ -28,7 +28,7 @@ def test_what_is_held_is_within_the_limits(keep, spacing_ns, instants):
     history = History(keep, spacing_ns, lambda _: None)
     for now in instants:
         history.offer(frame(now))
-        held = [one.drawn_ns for one in history.frames]
+        held = [frame.drawn_ns for frame in history.frames]
         assert len(held) <= keep
         assert held == sorted(held, reverse=True), "newest first"
         assert all(newer - older >= spacing_ns for newer, older in zip(held, held[1:], strict=False))
@@ -67,5 +67,5 @@ def test_the_oldest_goes_when_a_newer_one_comes():
     history = History(2, 10 * MS, discarded.append)
     for now in (0, 5, 10, 14, 20, 30):
         history.offer(frame(now * MS))
-    assert [one.drawn_ns // MS for one in history.frames] == [30, 20]
-    assert [one.drawn_ns // MS for one in discarded] == [5, 14, 0, 10]
+    assert [frame.drawn_ns // MS for frame in history.frames] == [30, 20]
+    assert [frame.drawn_ns // MS for frame in discarded] == [5, 14, 0, 10]

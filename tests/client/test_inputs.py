@@ -67,7 +67,7 @@ def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, f
 def test_without_scan_out_there_is_one_instant():
     def look(setup, number, refresh):
         assert not setup.plan.scanout
-        assert all(one.shown_last is None for one in refresh.inputs)
+        assert all(inputs.shown_last is None for inputs in refresh.inputs)
         for result, one in zip(refresh.eyes, refresh.inputs, strict=True):
             assert np.array_equal(result.view.pose.position_m, one.shown.pose.position_m)
 

@@ -156,7 +156,7 @@ def test_any_number_of_layers_equals_the_twin(gpu, layers, seed):
 
 def _warped_with(gpu, world: World, spec: str) -> np.ndarray:
     choice = parse_warp(spec)
-    peeled = tuple(Surface(*world._textures(gpu, one.colour, one.inverse_depth)) for one in world.layers)
+    peeled = tuple(Surface(*world._textures(gpu, layer.colour, layer.inverse_depth)) for layer in world.layers)
     rendered = world.rendered.having(peeled=peeled)
     warp, canvas = choice.entry(gpu, world.size, world.shown_size, choice.settings), Canvas(gpu.gl, world.shown_size)
     warp.run(PassInputs(rendered, world.shown_view), canvas)

@@ -118,8 +118,8 @@ def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
     apart = np.abs(read(eye.colour)[..., :3].astype(float) - wanted).max()
     assert apart > 0.1 * min(1.0, wanted.max()), "the picture sent is not the colour"
     server.recycle(frame)
-    for one in (server, bare):
-        one.close()
+    for closed in (server, bare):
+        closed.close()
 
 
 def shown_by(**options):

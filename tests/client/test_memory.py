@@ -86,7 +86,7 @@ def test_scenery_that_was_seen_comes_back(gpu, client):
     left, right = (drawn(gpu, scene, turned(angle)) for angle in (0, -50))
     client.sees(seconds(left, 0), left.view)
     alone = Client(gpu)
-    without, with_memory = (one.sees(seconds(right, 1), turned(0)) for one in (alone, client))
+    without, with_memory = (tried.sees(seconds(right, 1), turned(0)) for tried in (alone, client))
     alone.close()
     truth = read(drawn(gpu, scene, turned(0)).colour)
     assert (without[..., 3] == 0).mean() > 0.3
@@ -101,7 +101,7 @@ def test_what_an_edge_hides_now_is_remembered_from_where_it_was_seen(gpu, client
     client.sees(seconds(drawn(gpu, BEFORE_A_WALL, at(0.35)), 0), at(0.35))
     newest = seconds(drawn(gpu, BEFORE_A_WALL, at(-0.1)), 1)
     alone = Client(gpu)
-    without, with_memory = (inner(one.sees(newest, at(0.15))) for one in (alone, client))
+    without, with_memory = (inner(tried.sees(newest, at(0.15))) for tried in (alone, client))
     alone.close()
     assert (without[..., 3] == 0).mean() > 0.01
     assert (with_memory[..., 3] == 0).mean() < 0.2 * (without[..., 3] == 0).mean()
@@ -231,7 +231,7 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
             client.sees(rendered, rendered.view)
     assert len(learned) == len(frames)
     assert len(client.fill._kept) == 3
-    assert len({one.slot for one in client.fill._kept}) == 3
+    assert len({picture.slot for picture in client.fill._kept}) == 3
     client.close()
 
 
@@ -299,10 +299,10 @@ def test_room_is_made_by_what_the_others_cover():
 def test_what_is_looked_into_sees_what_the_rendered_view_does_not():
     kept = [keyframe(0, 60, s=1), keyframe(1, -30, s=2), keyframe(2, 180, s=3), keyframe(3, 0, s=4)]
     chosen = most_useful(kept, turned(30), turned(0), 1)
-    assert [one.slot for one in chosen] == [0]
+    assert [picture.slot for picture in chosen] == [0]
     chosen = most_useful(kept, turned(30), turned(0), 4)
-    assert 2 not in [one.slot for one in chosen], "it looks the other way"
-    assert [one.drawn_ns for one in chosen] == sorted((one.drawn_ns for one in chosen), reverse=True)
+    assert 2 not in [picture.slot for picture in chosen], "it looks the other way"
+    assert [picture.drawn_ns for picture in chosen] == sorted((picture.drawn_ns for picture in chosen), reverse=True)
 
 
 # --- the twins ----------------------------------------------------------------------------------

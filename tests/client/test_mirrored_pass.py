@@ -170,7 +170,7 @@ def test_a_thing_that_has_moved_is_no_mirror(gpu):
 def test_any_warp_may_follow(gpu, warp):
     """Each gets the other pictures that it reads itself, also where it runs twice for its depth."""
     plan = build_plan((NAME,), warp, "pyramid", "none", client_geometry=False, named=(NAME,))
-    assert [one.made_by for one in plan.effect_passes] == [MirroredPass]
+    assert [pass_.made_by for pass_ in plan.effect_passes] == [MirroredPass]
     compensator = Compensator(gpu, plan, None, SIZE, SIZE)
     inputs = inputs_of(gpu, 0.5)
     plain_plan = build_plan((), warp, "pyramid", "none", client_geometry=False)
@@ -179,8 +179,8 @@ def test_any_warp_may_follow(gpu, warp):
     without = read(plain.run(attrs.evolve(inputs, others=inputs.others[: plain_plan.needs.others.count])).shown.texture)
     assert np.isfinite(with_light).all()
     assert not np.array_equal(with_light, without)
-    for one in (compensator, plain):
-        one.close()
+    for closed in (compensator, plain):
+        closed.close()
 
 
 def test_running_compiles_nothing(gpu):

@@ -172,7 +172,7 @@ def test_under_lamps_what_arrives_is_lit_as_the_whole_model(gpu, scene):
         (weight,) = arriving.weights()
         if weight["arrived"] == weight["things"]:
             break
-    errors = [np.abs(one - whole).mean() for one in shown]
+    errors = [np.abs(picture - whole).mean() for picture in shown]
     assert len(errors) > 3 and errors[-1] == 0 and 0 < errors[0] < far / 4
     server.close()
     geometry.close()
@@ -262,7 +262,7 @@ def test_other_plans_pay_nothing_for_what_arrives(warp):
                 break
         assert "scene_update" not in setup.plan.needs and "scene_update" not in refresh.frame.eyes[0]
         assert not setup.server.has_more(instant_ns)
-        assert all("arrived" not in one for one in setup.pipeline.geometry.weights())
+        assert all("arrived" not in weight for weight in setup.pipeline.geometry.weights())
 
 
 def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):

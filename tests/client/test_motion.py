@@ -212,7 +212,7 @@ def test_older_pictures_move_by_their_own_age(gpu):
     rendered, older = world.image(gpu, {RIGID}, 200 * MS), world.image(gpu, {RIGID}, 50 * MS)
     made = pass_for(gpu, (26, 19), RIGID, images=2)
     out = made.run(given_at(rendered, 300 * MS, older))
-    found = [read(one.colour) for one in (out.rendered, *out.others)]
+    found = [read(frame.colour) for frame in (out.rendered, *out.others)]
     made.close()
     for image, age in zip(found, (100 * MS, 250 * MS), strict=True):
         assert np.array_equal(image, run(gpu, world.image(gpu, {RIGID}), age, RIGID)[0])
@@ -382,13 +382,13 @@ def test_what_is_moved_is_what_the_server_draws_then(gpu, motion, least_db):
     made = pass_for(gpu, (240, 200), RIGID)
     moved = made.run(given_at(frame.eyes[0], shown_ns)).rendered
     truth = server.draw(EYE, (240, 200), time_ns=shown_ns)
-    found, exact, before = (read(one.colour)[..., :3] for one in (moved, truth, frame.eyes[0]))
+    found, exact, before = (read(picture.colour)[..., :3] for picture in (moved, truth, frame.eyes[0]))
     body = read(truth.inverse_depth)[..., 0] > 0
     both = body & (read(moved.inverse_depth)[..., 0] > 0)
     made.close()
     server.close()
     assert both.sum() > 0.97 * body.sum()
-    psnr, unmoved = (-10 * np.log10(np.mean((one - exact)[both] ** 2)) for one in (found, before))
+    psnr, unmoved = (-10 * np.log10(np.mean((picture - exact)[both] ** 2)) for picture in (found, before))
     assert psnr > least_db
     assert unmoved < 15
 
@@ -433,7 +433,8 @@ def test_a_plan_reads_and_allocates_what_its_scene_calls_for_and_no_more(gpu, mo
     assert vars(made) == before, "run() compiles and allocates nothing"
     # The eye has not moved, so forward copies what the pass has made.
     assert np.array_equal(
-        read(result.shown.texture), run(gpu, image, 200 * MS, *(one.name for one in plan.effect_passes[0].effects))[0]
+        read(result.shown.texture),
+        run(gpu, image, 200 * MS, *(effect.name for effect in plan.effect_passes[0].effects))[0],
     )
     assert [name for name, _ in gpu.timer.collect()] == ["effects", "warp"] * 3
     compensator.close()

@@ -205,7 +205,7 @@ def test_no_depth_of_any_kind_neither_spreads_nor_shows(gpu, bad):
     world, pictures = World(gpu, 4, (64, 48)), []
     world.bring(gpu, parse_warp("multi").entry)
     for no_depth in (-1, bad):
-        for depth in (world.inverse_depth, *(one.inverse_depth for one in world.others)):
+        for depth in (world.inverse_depth, *(other.inverse_depth for other in world.others)):
             depth[::5, ::3] = no_depth
         world.upload(gpu)
         pictures.append(world.warp(gpu, "multi"))

@@ -178,7 +178,7 @@ def test_a_door_that_moves_makes_all_photons_stale(gpu):
     wanted, door = PhotonMap(budget=20_000, paths=1024), load_scene("doorway")
     moved, fresh = client_of(gpu, door), client_of(gpu, door)
     receive(moved, frames_of(moved, 0, wanted), wanted)
-    assert [len(one) for one in frames_of(moved, 400_000_000, wanted)] == [CUBE_BYTES], "it is still shut"
+    assert [len(frame) for frame in frames_of(moved, 400_000_000, wanted)] == [CUBE_BYTES], "it is still shut"
     receive(moved, frames_of(moved, 2_500_000_000, wanted), wanted)
     receive(fresh, frames_of(fresh, 2_500_000_000, wanted), wanted)
     one, other = (each.store(KeptPhotons, wanted).photons.read() for each in (moved, fresh))
@@ -187,14 +187,14 @@ def test_a_door_that_moves_makes_all_photons_stale(gpu):
 
 def test_updates_in_any_order_and_some_of_them_twice_show_the_same(gpu):
     geometry = ClientScene(gpu, "lantern")
-    contents = [one for time_ms in (0, 300, 600) for one in frames_of(geometry, time_ms * 1_000_000)]
+    contents = [frame for time_ms in (0, 300, 600) for frame in frames_of(geometry, time_ms * 1_000_000)]
     pictures = []
     for order in (contents, contents[::-1], [*contents[3:], *contents]):
         other = ClientScene(gpu, "lantern")
         receive(other, order)
         pictures.append(shown(gpu, other, 700_000_000)[0])
         other.close()
-    assert all(np.array_equal(pictures[0], one) for one in pictures[1:])
+    assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])
 
 
 def test_what_is_lost_is_sent_again_and_what_stands_still_is_sent_once(gpu):
@@ -220,7 +220,7 @@ def test_the_sky_is_sent_once_and_the_sun_whenever_it_has_moved(gpu):
 @pytest.mark.parametrize("budget", [500, 5000, 60_000])
 def test_no_frame_brings_more_than_its_budget(gpu, budget):
     geometry, wanted = ClientScene(gpu, "lantern"), PhotonMap(budget, paths=512)
-    sizes = [len(one) for one in frames_of(geometry, 0, wanted)]
+    sizes = [len(frame) for frame in frames_of(geometry, 0, wanted)]
     assert max(sizes) <= budget
     assert geometry.store(KeptPhotons, wanted).photons.size == 12 * 2 * 512
 
@@ -250,7 +250,7 @@ def test_a_dark_lamp_lights_nothing(gpu):
     dark = client_of(gpu, attrs.evolve(scene, lamps=[attrs.evolve(scene.lamps[0], colour=(0.0, 0.0, 0.0))]))
     contents = frames_of(dark, 0)
     receive(dark, contents)
-    assert [len(one) for one in contents] == [17]
+    assert [len(content) for content in contents] == [17]
     picture = shown(gpu, dark, 0)[0][..., :3]
     assert ((picture == 0) | (picture > 0.999)).all(), "but the bulb"
 

@@ -58,7 +58,7 @@ ALL = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS),
 
 def _draws(warp: str, fill: str) -> bool:
     """Whether it wants the scene's triangles on the client."""
-    entries = (warps.get(warp), *(one.entry for one in parse_fills(fill)))
+    entries = (warps.get(warp), *(fill.entry for fill in parse_fills(fill)))
     return any({CLIENT_DEPTH, CLIENT_MODEL} & {*entry.reads} for entry in entries)
 
 
@@ -109,7 +109,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
 @pytest.mark.parametrize("choice", POSSIBLE, ids=str)
 def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
-    read = [plan.warp.reads_for(plan.choice.settings), *(one.entry.reads for one in parse_fills(choice[1]))]
+    read = [plan.warp.reads_for(plan.choice.settings), *(fill.entry.reads for fill in parse_fills(choice[1]))]
     wanted = {name for reads in read for name in reads if name in readable_names()}
     if plan.warps_twice:
         wanted.add("rendered.inverse_depth")
@@ -261,7 +261,7 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
     """What warp and fills need by themselves, and the shown depth where a fill reads it."""
     costs = Costs(gpu, monkeypatch)
     chain, warp_type = parse_fills(choice[1]), warps.get(choice[0])
-    reads_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
+    reads_depth = any(SHOWN_DEPTH in fill.entry.reads for fill in chain)
     beside = reads_depth and warp_type.depth_reads is not None
     warp = warp_type(gpu, RENDERED_SIZE, SHOWN_SIZE, output=Output(depth=beside), geometry=geometry)
     made = [warp]
@@ -270,8 +270,8 @@ def alone(gpu, monkeypatch, choice, geometry) -> Costs:
         made.append(one.entry(gpu, RENDERED_SIZE, SHOWN_SIZE, one.settings, geometry, depth_read=read))
     if reads_depth and not beside:
         made.append(ShownDepth(gpu, Carry(warp), pictures_read(warp.needs(warp.settings)), RENDERED_SIZE, SHOWN_SIZE))
-    for one in made:
-        one.close()
+    for resource in made:
+        resource.close()
     return costs
 
 
@@ -290,9 +290,9 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     # warp, and one more after each fill that writes one, where anybody reads it (or the fill has no
     # other way); the client's depth once.
     canvases = 2 * (1 + len(chain) + (lens != "none"))
-    has_depth = any(SHOWN_DEPTH in one.entry.reads for one in chain)
-    writing = [one for one in chain if SHOWN_DEPTH in one.entry.writes]
-    kept = [one for one in writing if plan.reads_depth_after(one) or not one.entry.drops_depth]
+    has_depth = any(SHOWN_DEPTH in fill.entry.reads for fill in chain)
+    writing = [fill for fill in chain if SHOWN_DEPTH in fill.entry.writes]
+    kept = [fill for fill in writing if plan.reads_depth_after(fill) or not fill.entry.drops_depth]
     depths = 2 * (1 + len(kept)) if has_depth else 0
     assert len(costs.made["texture"]) == own_counts["texture"] + canvases + depths + plan.draws_client_depth
     assert len(costs.made["framebuffer"]) == own_counts["framebuffer"] + canvases
@@ -308,7 +308,7 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     assert costs.counts == before, "run() compiles and allocates nothing"
     assert (result.shown is result.warped) == (fill == "none")
     assert (result.panel is result.shown) == (lens == "none")
-    assert [name for name, _ in result.filled] == [one.entry.name for one in chain]
+    assert [name for name, _ in result.filled] == [fill.entry.name for fill in chain]
     stages = [name for name, _ in gpu.timer.collect()]
     assert stages == [step.stage for step in plan.steps] * 3
 

@@ -33,7 +33,7 @@ def plan_of(declared: tuple[str, ...], warp: str = "forward", fill: str = "none"
 @pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
 def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(declared):
     plan = plan_of(declared, fill="interpolate", lens="radial")
-    done = [effect.name for one in plan.effect_passes for effect in one.effects]
+    done = [effect.name for pass_ in plan.effect_passes for effect in pass_.effects]
     left_out = dict(plan.left_out)
     refining = [e.name for e in effects if e.refines and e.name in declared and e.refines not in declared]
     assert sorted(done) == sorted(set(declared) - set(refining))
@@ -42,25 +42,25 @@ def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(dec
     assert list(plan.effects) == sorted(done, key=EVERY_EFFECT.index)
 
     stages = [step.stage for step in plan.steps]
-    rendered = [one for one in plan.effect_passes if issubclass(one.made_by, RenderedPass)]
+    rendered = [pass_ for pass_ in plan.effect_passes if issubclass(pass_.made_by, RenderedPass)]
     assert stages[: len(rendered)] == ["effects"] * len(rendered) and stages[len(rendered)] == "warp"
     assert stages[-1] == "lens", "effects come before the lens"
-    assert len({one.made_by for one in plan.effect_passes}) == len(plan.effect_passes), (
+    assert len({pass_.made_by for pass_ in plan.effect_passes}) == len(plan.effect_passes), (
         "effects that share a pass are one pass"
     )
     known = set(readable_names())
     for step in plan.steps:
         assert set(step.reads) <= known, step.name
         known |= set(step.writes)
-    for one in plan.effect_passes:
-        (step,) = [step for step in plan.steps if step.name == one.made_by.name]
-        assert all(effect.name in step.reason and effect.summary in step.reason for effect in one.effects)
+    for pass_ in plan.effect_passes:
+        (step,) = [step for step in plan.steps if step.name == pass_.made_by.name]
+        assert all(effect.name in step.reason and effect.summary in step.reason for effect in pass_.effects)
 
 
 @pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
 def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
     plan = plan_of(declared)
-    needs = reduce(or_, (effect.needs for one in plan.effect_passes for effect in one.effects), Needs())
+    needs = reduce(or_, (effect.needs for pass_ in plan.effect_passes for effect in pass_.effects), Needs())
     assert plan.needs == needs
     parts = frame_bytes(plan.needs, SIZES, plan.layers)
     extra = set(parts) - {"rendered.colour", "rendered.inverse_depth"}
@@ -72,14 +72,14 @@ def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
 def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
     for declared in SETS:
         plan = plan_of(declared)
-        readers = [one for one in plan.effect_passes if SHOWN_DEPTH in one.made_by.reads]
+        readers = [pass_ for pass_ in plan.effect_passes if SHOWN_DEPTH in pass_.made_by.reads]
         assert sum(SHOWN_DEPTH in step.writes for step in plan.steps) == bool(readers)
 
 
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
 def test_fused_with_the_lens_nothing_is_composited(warp):
     plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True, named=EVERY_EFFECT)
-    assert all(issubclass(one.made_by, RenderedPass) for one in plan.effect_passes)
+    assert all(issubclass(pass_.made_by, RenderedPass) for pass_ in plan.effect_passes)
     assert not any(SHOWN in step.writes for step in plan.steps)
     for effect in map(effects.get, EVERY_EFFECT):
         if not issubclass(effect.made_by, RenderedPass):
@@ -99,7 +99,8 @@ def test_what_the_client_draws_itself_leaves_nothing_to_compensate(warp):
     assert plan.effects == () and not {"rendered.colour", "rendered.inverse_depth"} & {*plan.layers}
     reasons = [dict(plan.left_out)[name] for name in EVERY_EFFECT]
     assert all(
-        f"warp '{warp}' {warps.get(warp).without_effects}" in one or one.startswith("it refines") for one in reasons
+        f"warp '{warp}' {warps.get(warp).without_effects}" in reason or reason.startswith("it refines")
+        for reason in reasons
     )
 
 
@@ -111,7 +112,9 @@ def test_an_imposter_compensates_only_what_is_asked_for_by_name(declared):
     assert plan.effects == () and plan.needs == Needs() and plan.layers == ("rendered.colour",)
     assert not any(step.stage == "effects" for step in plan.steps)
     reasons = [dict(plan.left_out)[name] for name in declared]
-    assert all("warp 'none' compensates nothing unless" in one or one.startswith("it refines") for one in reasons)
+    assert all(
+        "warp 'none' compensates nothing unless" in reason or reason.startswith("it refines") for reason in reasons
+    )
     by_name = plan_of(declared, "none", named=declared)
     assert by_name.effects == plan_of(declared).effects and by_name.needs == plan_of(declared).needs
 

@@ -55,8 +55,8 @@ def shown(gpu, updates: list[np.ndarray], spec: str = "points", view: View = EYE
     """Colour and inverse depth, the same with and without depth and twice from the same pose."""
     geometry, choice = ClientScene(gpu), parse_warp(spec)
     warp = choice.entry(gpu, SIZE, SIZE, choice.settings, Output(depth=True), geometry)
-    for one in updates:
-        geometry.store(KeptPoints, Cloud()).receive(one)
+    for update in updates:
+        geometry.store(KeptPoints, Cloud()).receive(update)
     frame = EyeImage(view, allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR))
     canvas, depth = Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR)
     pictures = []
@@ -66,7 +66,7 @@ def shown(gpu, updates: list[np.ndarray], spec: str = "points", view: View = EYE
         pictures.append((read(canvas.texture), read(depth)[..., 0]))
     warp.close()
     assert all(np.array_equal(one, other) for one, other in zip(*pictures, strict=True))
-    assert all(np.isfinite(one).all() for one in pictures[0])
+    assert all(np.isfinite(picture).all() for picture in pictures[0])
     return pictures[0]
 
 

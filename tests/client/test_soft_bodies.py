@@ -49,7 +49,7 @@ def quad(name: str, centre, wide: float, high: float, light, **more) -> Mesh:
 
 def cloth(cells: int = 6) -> Mesh:
     """A curtain that waves towards the eye and back, with a light and an albedo that vary."""
-    u, v = (one.ravel() for one in np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1)))
+    u, v = (grid.ravel() for grid in np.meshgrid(np.linspace(0, 1, cells + 1), np.linspace(0, 1, cells + 1)))
     rest = np.stack([1.2 * u - 0.6, 0.9 + 1.2 * v, np.full(u.size, -2.0)], axis=1)
     first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()[:, None]
     triangles = np.concatenate([first + (0, 1, cells + 2), first + (0, cells + 2, cells + 1)])
@@ -110,7 +110,7 @@ class Shown:
 )
 def test_the_pass_does_what_rays_do(gpu, now, age_ms, late):
     shown = Shown(gpu, now, age_ms, late, gain=(0.5, 1.2, 0.8))
-    (mesh,) = [one for one in shown.scene.meshes if one.deformation is not None]
+    (mesh,) = [mesh for mesh in shown.scene.meshes if mesh.deformation is not None]
     corner = np.asarray(mesh.triangles, np.int64)
     left, right, down, up = FOV.tangents
     pixel = max((right - left) / SIZE[0], (up - down) / SIZE[1])

@@ -128,7 +128,7 @@ def test_the_overlay_lies_over_the_picture_and_fills_holes_where_nothing_passes(
     behind[rng.uniform(size=shape) < 0.3] = 0
     alpha = rng.choice([0.0, 0.25, 0.5, 1.0], size=shape)
     over = np.concatenate([rng.uniform(0, 1, (*shape, 3)) * alpha[..., None], alpha[..., None]], axis=2)
-    behind, over = (one.astype(np.float16).astype(float) for one in (behind, over))
+    behind, over = (layer.astype(np.float16).astype(float) for layer in (behind, over))
     picture, into, overlay = Canvas(gl, size), Canvas(gl, size), allocate(gl, size, COLOUR)
     picture.texture.write(behind.astype(np.float16).tobytes(), alignment=1)
     overlay.write(over.astype(np.float16).tobytes(), alignment=1)

@@ -130,7 +130,7 @@ def test_fill_without_depth_asked_for(gpu):
         fill = choice.entry(gpu, holed.size, holed.size, choice.settings)
         picture, into = holed.picture(gpu), holed.picture(gpu)
         if not depth:
-            picture, into = (attrs.evolve(one, inverse_depth=None) for one in (picture, into))
+            picture, into = (attrs.evolve(layer, inverse_depth=None) for layer in (picture, into))
         fill.run(holed.inputs, picture, into)
         gpu.gl.memory_barrier()
         outs.append(read(into.colour.texture))

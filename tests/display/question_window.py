@@ -81,7 +81,7 @@ class QuestionWindow:
     def _count_drawn(self) -> None:
         """The first of two refreshes may have been sent and not be on the screen yet."""
         counted = [(line, count + 1) for line, count in self._drawn]
-        self._drawn = [one for one in counted if one[1] < 2]
+        self._drawn = [entry for entry in counted if entry[1] < 2]
         for line, count in counted:
             if count == 2:
                 self._tell(line=line)

@@ -125,4 +125,4 @@ def test_every_kind_of_controller_can_do_everything(profile):
 
 
 def test_the_controls_of_a_study_are_what_controllers_can_do():
-    assert {button for one in CONTROLS for button in one.buttons} == set(BUTTONS) - {"pad"}
+    assert {button for control in CONTROLS for button in control.buttons} == set(BUTTONS) - {"pad"}

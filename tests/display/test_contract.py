@@ -109,11 +109,13 @@ def members_of(node: ast.ClassDef) -> dict[str, str]:
             found |= members_of(all_classes()[base.id])
     for statement in ast.walk(node):
         if isinstance(statement, ast.FunctionDef):
-            is_property = any(isinstance(one, ast.Name) and one.id == "property" for one in statement.decorator_list)
+            is_property = any(
+                isinstance(decorator, ast.Name) and decorator.id == "property" for decorator in statement.decorator_list
+            )
             found[statement.name] = "" if is_property else parameters_of(statement)
         targets = statement.targets if isinstance(statement, ast.Assign) else []
         targets = [statement.target] if isinstance(statement, ast.AnnAssign) else targets
-        for target in [part for one in targets for part in ast.walk(one)]:
+        for target in [part for assigned in targets for part in ast.walk(assigned)]:
             own = isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self"
             if own:
                 found[target.attr] = ""

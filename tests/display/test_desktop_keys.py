@@ -14,7 +14,7 @@ command_of, help_text = Keys(CONTROLS).command_of, Keys(CONTROLS).help_text
 
 
 def test_no_key_does_two_things():
-    tokens = [token(key) for one in CONTROLS for key in (one.key, one.back) if key]
+    tokens = [token(key) for control in CONTROLS for key in (control.key, control.back) if key]
     assert len(set(tokens) | set(MOVES) | set(FASTER)) == len(tokens) + len(MOVES) + len(FASTER)
 
 
@@ -26,7 +26,9 @@ def test_a_press_is_a_step_on(one):
     assert (command_of(token(one.key), glfw.REPEAT, 0) is not None) == (one.kind == "number")
 
 
-@pytest.mark.parametrize("one", [one for one in CONTROLS if one.kind in ("choice", "number")], ids=lambda one: one.name)
+@pytest.mark.parametrize(
+    "one", [control for control in CONTROLS if control.kind in ("choice", "number")], ids=lambda one: one.name
+)
 def test_there_is_a_way_back(one):
     command = (
         command_of(token(one.back), glfw.PRESS, 0)
@@ -61,8 +63,8 @@ def test_held_keys_add_up():
 def test_the_help_names_everything():
     lines = help_text(named=str.upper).splitlines()
     assert len(lines) == len(CONTROLS) + len(MOVING)
-    for one in CONTROLS:
-        assert any(one.what in line and one.key.upper() in line.upper() for line in lines), one
+    for listed in CONTROLS:
+        assert any(listed.what in line and listed.key.upper() in line.upper() for line in lines), listed
     assert [line.partition("\t")[0] for line in lines[: len(MOVING)]] == ["mouse", "W A S D", "Q E", "shift"]  # first
 
 

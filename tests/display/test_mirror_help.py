@@ -27,12 +27,12 @@ def laid(controls, *does):
     mirror = Mirror(controls)
     gpu = Gpu(mirror.gl)
     presenter = Noting(gpu)
-    for one in does:
-        if one in ("H", "ESCAPE"):
-            mirror._key(None, getattr(glfw, f"KEY_{one}"), 0, glfw.PRESS, 0)
+    for key in does:
+        if key in ("H", "ESCAPE"):
+            mirror._key(None, getattr(glfw, f"KEY_{key}"), 0, glfw.PRESS, 0)
             continue
         mirror._drawn_ns = 0  # due
-        mirror.show(presenter, None, one)
+        mirror.show(presenter, None, key)
         is_help = isinstance(presenter.last, str) and "\\t" in presenter.last
         print("help" if is_help else "panel" if presenter.last else "nothing", end=" ")
     print()

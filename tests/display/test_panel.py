@@ -392,12 +392,12 @@ def test_a_run_that_has_not_begun_has_a_panel_too(panel):
 
 def test_every_control_is_there_with_its_key(panel):
     """Those of the run as rows, the display's own as buttons; moving is the window's."""
-    for one in CONTROLS:
-        assert one.of_display == (one.name in widgets.ACTIONS)
-        if not one.of_display:
-            place_of(panel, status(), one.name)
-            assert one.kind in widgets.Widgets(str)._by_kind
-        assert widgets.keys_of(one, str)
+    for listed in CONTROLS:
+        assert listed.of_display == (listed.name in widgets.ACTIONS)
+        if not listed.of_display:
+            place_of(panel, status(), listed.name)
+            assert listed.kind in widgets.Widgets(str)._by_kind
+        assert widgets.keys_of(listed, str)
     assert widgets.keys_of(control("latency"), str) == "[ ]"
     assert widgets.keys_of(control("quit"), str) == "Esc"
 
@@ -585,7 +585,7 @@ def test_the_doctor_tells_of_it(monkeypatch):
     from hmdwarp.cli.machine import checks as doctor
 
     def found():
-        return next(one for one in doctor.extras() if one.name == "extra panel")
+        return next(extra for extra in doctor.extras() if extra.name == "extra panel")
 
     assert found().state is doctor.State.OK and "imgui-bundle" in found().detail
 

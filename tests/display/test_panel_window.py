@@ -94,7 +94,7 @@ class Led:
     def heard(self, key: str) -> list[dict]:
         """All it said that has that key, since this was asked last."""
         self.say("where")
-        found, self.all = [one for one in self.all if key in one], []
+        found, self.all = [event for event in self.all if key in event], []
         return found
 
     def __enter__(self) -> Led:
@@ -126,8 +126,8 @@ def test_the_slider_of_latency_is_dragged(led):
     led.hand("mousemove", x + 80, y + 200)
     led.hand("mouseup", "1")
     asked = led.heard("control")
-    assert {one["control"] for one in asked} == {"latency"}
-    values = [one["value"] for one in asked]
+    assert {event["control"] for event in asked} == {"latency"}
+    values = [event["value"] for event in asked]
     assert values == sorted(values) and values[-1] > 600
     assert led.grab()[0] == pytest.approx(x + 80, abs=6)  # where the hand left it
 
@@ -135,12 +135,12 @@ def test_the_slider_of_latency_is_dragged(led):
 def test_a_click_beside_the_panel_is_the_windows_and_one_on_it_the_panels(led):
     _, y = led.grab()
     led.hand("mousemove", "100", "300", "click", "1")
-    assert [one["wanted"] for one in led.heard("click")] == [False, False]
+    assert [event["wanted"] for event in led.heard("click")] == [False, False]
     led.hand("mousemove", "600", y, "sleep", "0.2", "click", "1")
-    assert [one["wanted"] for one in led.heard("click")] == [True, True]
+    assert [event["wanted"] for event in led.heard("click")] == [True, True]
     led.say("off")
     led.hand("click", "1")
-    assert [one["wanted"] for one in led.heard("click")] == [False, False]
+    assert [event["wanted"] for event in led.heard("click")] == [False, False]
     led.say("on")
     assert led.heard("control") == []  # what was clicked meanwhile is not made up for
 
@@ -150,7 +150,7 @@ def test_a_caught_mouse_is_not_the_panels(led):
     led.hand("mousemove", x, y)
     led.say("catch")
     led.hand("mousedown", "1", "mousemove_relative", "60", "0", "mouseup", "1")
-    assert [one["wanted"] for one in led.heard("click")] == [False, False]
+    assert [event["wanted"] for event in led.heard("click")] == [False, False]
     assert led.heard("control") == []
     led.say("free")
 
@@ -158,26 +158,26 @@ def test_a_caught_mouse_is_not_the_panels(led):
 def test_keys_are_the_windows_until_a_number_is_typed(led):
     x, y = led.grab()
     led.hand("mousemove", x, y, "sleep", "0.2", "key", "t")
-    assert [one["wanted"] for one in led.heard("key")] == [False, False]
+    assert [event["wanted"] for event in led.heard("key")] == [False, False]
     led.hand("keydown", "ctrl", "sleep", "0.2", "click", "1", "sleep", "0.2", "keyup", "ctrl")
     led.heard("key")
     led.hand("type", "--delay", "60", "345")
     typed = led.heard("key")
-    assert len(typed) == 6 and all(one["wanted"] for one in typed)
+    assert len(typed) == 6 and all(event["wanted"] for event in typed)
     led.hand("key", "Return")
     assert {"control": "latency", "value": 345.0} in led.all or {"control": "latency", "value": 345.0} in led.heard(
         "control"
     )
     led.heard("key")
     led.hand("key", "w")
-    assert [one["wanted"] for one in led.heard("key")] == [False, False]
+    assert [event["wanted"] for event in led.heard("key")] == [False, False]
 
 
 def test_closed_it_gives_the_callbacks_back(led):
     led.grab()
     led.say("close")
     led.hand("mousemove", "600", "60", "click", "1", "key", "t")
-    assert [one["wanted"] for one in led.heard("click")] == [None, None]
+    assert [event["wanted"] for event in led.heard("click")] == [None, None]
 
 
 @needs.programs("xrdb")

@@ -53,15 +53,15 @@ class Asking:
 
     def say(self, line: str) -> None:
         """To the program; waits until it has done it, and has drawn it twice since."""
-        before = sum(one.get("line") == line for one in self.told)
+        before = sum(event.get("line") == line for event in self.told)
         self._process.stdin.write(f"{line}\n")
         self._process.stdin.flush()
-        until(lambda: sum(one.get("line") == line for one in self.told) > before, line)
+        until(lambda: sum(event.get("line") == line for event in self.told) > before, line)
         time.sleep(0.2)  # after which it is on the screen
 
     def commands(self) -> list[tuple[str, object]]:
         """All so far."""
-        return [(one["command"], one["given"]) for one in self.told if "command" in one]
+        return [(event["command"], event["given"]) for event in self.told if "command" in event]
 
     def now(self, what: str) -> object:
         """The newest state."""

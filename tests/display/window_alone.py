@@ -211,4 +211,4 @@ def colours() -> None:
 
 
 if __name__ == "__main__":
-    {one.__name__: one for one in (twice, beside, source, switches, bare, reset, colours)}[sys.argv[1]]()
+    {function.__name__: function for function in (twice, beside, source, switches, bare, reset, colours)}[sys.argv[1]]()

@@ -38,8 +38,8 @@ def test_all_arrives_whatever_is_lost_late_or_out_of_order(sizes, budget, lost, 
         flying += [update] if arrives else []
         random.shuffle(flying)
         if now % 3 == 0:
-            for one in flying:
-                got |= dict(inbox.take(one.content))
+            for message in flying:
+                got |= dict(inbox.take(message.content))
             flying = []
         if len(got) == len(things):
             break
@@ -51,7 +51,7 @@ def test_nothing_is_sent_twice_unless_it_was_lost():
     things = things_of([5 * FRAGMENT_BYTES])
     outbox = Outbox(things)
     sent = [outbox.update([0, 0], 2 * (FRAGMENT_BYTES + 14), now) for now in range(3)]
-    assert [len(one.fragments) for one in sent] == [2, 2, 1]
+    assert [len(delivery.fragments) for delivery in sent] == [2, 2, 1]
     assert not outbox.waiting and not outbox.update([0], 10_000, 3).fragments
     outbox.heard(sent[1], False, 10)
     outbox.heard(sent[0], True, 9)

@@ -49,7 +49,7 @@ class Client:
 
 
 def update_of(sent: list, now_ns: int) -> PointUpdate:
-    data = packed_sky(SKY, complete=False) + b"".join(block_of(*one).packed() for one in sent)
+    data = packed_sky(SKY, complete=False) + b"".join(block_of(*block).packed() for block in sent)
     return PointUpdate(np.frombuffer(data, np.uint8).copy(), tuple(sent), now_ns)
 
 
@@ -64,7 +64,7 @@ def test_blocks_follow_each_other_in_whole_pages():
 
 def test_what_is_unpacked_is_what_was_packed():
     wanted = [block_of(7, 3, 5), block_of(8, 65535, -1)]
-    data = np.frombuffer(packed_sky(SKY, complete=True) + b"".join(one.packed() for one in wanted), np.uint8)
+    data = np.frombuffer(packed_sky(SKY, complete=True) + b"".join(block.packed() for block in wanted), np.uint8)
     complete, sky, got = unpacked(data)
     assert complete and np.array_equal(sky, SKY)
     for one, other in zip(got, wanted, strict=True):
@@ -125,9 +125,9 @@ def test_ten_minutes_of_loss_and_disorder_stay_within_bounds():
         book.heard(update, arrives, due + 5)
         if arrives:
             flying.append((due, update))
-        for one in [one for one in flying if one[0] <= now]:
-            client.take(one[1])
-        flying = [one for one in flying if one[0] > now]
+        for due in [message for message in flying if message[0] <= now]:
+            client.take(due[1])
+        flying = [message for message in flying if message[0] > now]
         assert client.room.points <= room and len(client.pages) <= room // PAGE
         most = max(most, book.remembered)
     # Two frames of 28 things for each of the 45 frames before the news returns, and each cell's.

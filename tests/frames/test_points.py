@@ -162,8 +162,8 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
             assert size == 12 * COUNT, "nothing else is read, so nothing else is sent"
         else:
             assert size == len(pack(shown.points_m)), "once a frame, not once an eye, and nothing that is not read"
-        assert [one.released for one in sent] == [1] * 5 + [0] * 3, "frames that were shown, and no more"
-    assert [one.released for one in sent] == [1] * 8
+        assert [delivery.released for delivery in sent] == [1] * 5 + [0] * 3, "frames that were shown, and no more"
+    assert [delivery.released for delivery in sent] == [1] * 8
 
 
 @pytest.mark.usefixtures("registered")

@@ -100,7 +100,7 @@ def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, recor
     same = 0
     for name, picture in theirs.items():
         wanted = ours[name.replace("path=atomic64", "path=portable")]
-        off, largest = (np.abs(one).max(axis=(0, 1)) for one in (picture - wanted, wanted))
+        off, largest = (np.abs(array).max(axis=(0, 1)) for array in (picture - wanted, wanted))
         assert (off <= most_off(name.rpartition(" + ")[2]) * largest).all(), f"{name} differs by {off}"
         same += not off.any()
     record_property(

@@ -149,8 +149,8 @@ class Setting(World):
         assert (colour[colour[..., 3] == 0] == 0).all()
         if not is_warped_by_the_frame_alone(name):
             return
-        went_in = [self.colour, *(one.colour for one in (*self.layers, *self.others))]
-        known = np.concatenate([one[one[..., 3] > 0][:, :3] for one in went_in] + [np.zeros((1, 3))])
+        went_in = [self.colour, *(layer.colour for layer in (*self.layers, *self.others))]
+        known = np.concatenate([picture[picture[..., 3] > 0][:, :3] for picture in went_in] + [np.zeros((1, 3))])
         covered = colour[colour[..., 3] > 0][:, :3]
         # A mean of what went in, rounded to a half float: twice for a warp that accumulates.
         slack = 2 * HALF * np.abs(known).max(axis=0) + 1e-6

@@ -138,7 +138,7 @@ def test_mirrors_show_what_the_offline_pipeline_shows_bit_for_bit(gpu):
         expected = download(compensator.run(PassInputs(eye, now, 0, shown_ns=10**8)).shown.texture)
         seen: Reflection = eye["reflection"]
         surface = download(seen.surface).astype(np.float32)
-        colours = [download(one).astype(np.float32) for one in (eye.colour, seen.seen.colour)]
+        colours = [download(texture).astype(np.float32) for texture in (eye.colour, seen.seen.colour)]
         mirrored = (colours[1], metres(seen.seen.inverse_depth), surface[..., :3], seen.mirrors)
         bare = warper.warp(colours[0], metres(eye.inverse_depth), late, now, layers={"reflection": nothing(mirrored)})
         out = warper.warp(colours[0], metres(eye.inverse_depth), late, now, layers={"reflection": mirrored})

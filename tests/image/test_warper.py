@@ -277,7 +277,7 @@ def test_arguments_that_do_not_fit_are_refused(gpu):
 def test_reflections_are_found_in_further_pictures(gpu):
     """A mirror whose image is known: with three more pictures the result is nearer to the truth."""
     views = (mirror_wall.STRAIGHT, *mirror_wall.OTHERS, mirror_wall.SHOWN)
-    pictures = [mirror_wall.picture(one, 0.5) for one in views]
+    pictures = [mirror_wall.picture(view, 0.5) for view in views]
     (colour, depth), *rest = [(each[0][::-1, :, :3].astype(np.float32), 1 / each[1][::-1]) for each in pictures]
     others, truth = [(*each, one) for each, one in zip(rest[:-1], views[1:], strict=False)], rest[-1][0]
     ends = {"rendered": views[0], "shown": views[-1]}

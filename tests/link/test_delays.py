@@ -48,7 +48,8 @@ def test_every_model(name, latency_ms, tmp_path):
     count = len(delays) // 3 * 3 if name == "trace" else len(delays)  # whole rounds of the file
     assert abs(delays[:count].mean() - model.typical_ns(latency_ms * MS)) <= 5 * delays.std() / math.sqrt(count) + 1
     assert all(
-        isinstance(one, int) for one in itertools.islice(model.samples(latency_ms * MS, np.random.default_rng(1)), 5)
+        isinstance(delay, int)
+        for delay in itertools.islice(model.samples(latency_ms * MS, np.random.default_rng(1)), 5)
     )
     assert (drawn(model, latency_ms * MS, 100) == delays[:100]).all()
     if name in ("uniform", "normal"):

@@ -25,19 +25,19 @@ def test_a_rate_that_divides_the_displays_is_every_nth_refresh(server_hz, every)
 def test_every_instant_comes_once_in_order_and_at_the_servers_rate(server_hz, display_hz):
     pacer, instants = Pacer(server_hz, display_hz), refreshes(display_hz, 60)
     found = [pacer.due(now) for now in instants]
-    drawn = [one for at in found for one in at]
+    drawn = [instant for at in found for instant in at]
     assert drawn == sorted(set(drawn))
     assert found[0] == [instants[0]], "the first refresh has a frame"
     # Within a period of the server and of the display, and the thousandth that counts as a divisor.
     length_s = (instants[-1] - instants[0]) * 1e-9
     assert abs(len(drawn) - length_s * server_hz) <= 1 + 2e-3 * length_s * server_hz
     for before, now, at in zip(instants, instants[1:], found[1:], strict=False):
-        assert all(before - 1001 <= one <= now for one in at), "each belongs to the refresh that asks for it"
+        assert all(before - 1001 <= instant <= now for instant in at), "each belongs to the refresh that asks for it"
 
 
 def test_a_server_between_two_rates_draws_between_the_refreshes():
     pacer = Pacer(25.0, 60.0)
-    drawn = [one for now in refreshes(60.0, 31, first_ns=0) for one in pacer.due(now)]
+    drawn = [instant for now in refreshes(60.0, 31, first_ns=0) for instant in pacer.due(now)]
     assert drawn == [number * 40_000_000 for number in range(13)]
 
 

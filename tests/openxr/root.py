@@ -132,8 +132,8 @@ def _check_rights() -> None:
 def _build(place: Path) -> None:
     """Under another name until it is whole."""
     part, packages = place.with_suffix(".part"), place.with_suffix(".packages")
-    for one in (part, packages):
-        shutil.rmtree(one, ignore_errors=True)
+    for folder in (part, packages):
+        shutil.rmtree(folder, ignore_errors=True)
     try:
         # Both at once: apt and pip spend their time on waiting and unpacking.
         with subprocess.Popen(
@@ -154,8 +154,8 @@ def _build(place: Path) -> None:
         _warm(part)
         part.rename(place)
     finally:
-        for one in (part, packages):
-            shutil.rmtree(one, ignore_errors=True)
+        for folder in (part, packages):
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _warm(place: Path) -> None:

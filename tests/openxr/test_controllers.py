@@ -189,7 +189,7 @@ def _focus_is_elsewhere(display: OpenXrDisplay) -> None:
 
 
 def test_where_no_control_has_a_button_nothing_is_asked(monado):
-    assert not any(one.buttons for one in CONTROLS)
+    assert not any(control.buttons for control in CONTROLS)
     made = OpenXrDisplay(DisplayOptions(size=SMALL))
     try:
         assert made._connection.actions is None

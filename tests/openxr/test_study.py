@@ -35,7 +35,7 @@ def contents(folder: Path) -> Contents | None:
 
 def until_showing(folder: Path, key: str, process: subprocess.Popen) -> None:
     until = time.monotonic() + LONG_S
-    while not ((now := contents(folder)) and any(one.key == key for one in now.showings)):
+    while not ((now := contents(folder)) and any(showing.key == key for showing in now.showings)):
         assert process.poll() is None, process.communicate()
         assert time.monotonic() < until, f"{key} was not shown within {LONG_S:g} s"
         time.sleep(0.02)
@@ -76,15 +76,15 @@ def test_the_headset_goes_in_mid_trial(runtime, tmp_path):
     assert process.returncode == 3, said
     assert "--resume" in said and "Traceback" not in said
     before = contents(tmp_path / "tiny-simulated-data")
-    assert [one.status for one in before.sessions] == ["interrupted"]
-    assert [one.complete for one in before.showings if one.key == "trial/2"] == [False]
+    assert [session.status for session in before.sessions] == ["interrupted"]
+    assert [showing.complete for showing in before.showings if showing.key == "trial/2"] == [False]
     monado.start()
     done = subprocess.run(
         [*command, "--resume"], check=False, capture_output=True, text=True, timeout=2 * LONG_S, env=os.environ
     )
     assert done.returncode == 0, done.stdout + done.stderr
     after = contents(tmp_path / "tiny-simulated-data")
-    assert [one.status for one in after.sessions] == ["complete"]
-    assert [one.complete for one in after.showings if one.key == "trial/2"] == [False, True]
+    assert [session.status for session in after.sessions] == ["complete"]
+    assert [showing.complete for showing in after.showings if showing.key == "trial/2"] == [False, True]
     assert after.answers[: len(before.answers)] == before.answers
-    assert len({one.key for one in after.answers}) == len(after.answers)
+    assert len({answer.key for answer in after.answers}) == len(after.answers)

@@ -19,10 +19,10 @@ commands = options_of_commands()
 
 
 def declarations(kind: type = Declared) -> Iterator[type]:
-    for one in kind.__subclasses__():
-        if attrs.has(one):  # attrs makes a class with slots beside the one that was written
-            yield one
-        yield from declarations(one)
+    for subclass in kind.__subclasses__():
+        if attrs.has(subclass):  # attrs makes a class with slots beside the one that was written
+            yield subclass
+        yield from declarations(subclass)
 
 
 def fields() -> dict[str, attrs.Attribute[Any]]:

@@ -169,7 +169,7 @@ def test_light_that_stays_as_it_was_does_not_count(tmp_path):
 
 def test_a_camera_at_rest_before_what_moves_sends_each_of_its_frames(tmp_path):
     """Recorded frames have no scene, and their head stands where the camera does."""
-    frames = [attrs.evolve(one, pose=Pose((0, 1.6, 0))) for one in taken(6)]
+    frames = [attrs.evolve(frame, pose=Pose((0, 1.6, 0))) for frame in taken(6)]
     (tmp_path / "recorded").mkdir()
     write_npz(tmp_path / "recorded", frames)
     options = {"trace": None, "frames": str(tmp_path / "recorded"), "latency_ms": 50.0, "size": None, "headset": None}

@@ -56,7 +56,7 @@ def test_a_run_that_has_ended_keeps_no_codec(tmp_path):
     gc.disable()
     try:
         run(tmp_path, coding=Coding("h264"), seconds=0.2)
-        left = [one for one in gc.get_objects() if isinstance(one, VideoEncoder | VideoDecoder)]
+        left = [value for value in gc.get_objects() if isinstance(value, VideoEncoder | VideoDecoder)]
     finally:
         gc.enable()
     assert left == []
@@ -194,7 +194,7 @@ def test_a_plan_that_is_compared_with_gets_decoded_layers_and_costs_the_client_n
     assert alone.summary["link"]["layers_mbit_s"] == compared.summary["link"]["layers_mbit_s"]
     assert alone.summary["link"]["layers_mbit_s"].keys() == {"cube"}
     plain = run(tmp_path / "plain", gpu=gpu, warp="environment", against="none", seconds=0.1)
-    losses = [one.against[0]["quality"]["psnr_db"]["mean"] for one in (plain, compared)]
+    losses = [result.against[0]["quality"]["psnr_db"]["mean"] for result in (plain, compared)]
     assert losses[0] != losses[1], "the late picture was never coded"
 
 
@@ -208,7 +208,7 @@ def test_the_same_network_twice_gives_the_same_pictures(tmp_path):
         "images": 3,
     }
     both = [contents(run(tmp_path / name, **options).folder) for name in ("a", "b")]
-    pictures = [{name: data for name, data in one.items() if name.endswith(".png")} for one in both]
+    pictures = [{name: data for name, data in files.items() if name.endswith(".png")} for files in both]
     assert pictures[0] == pictures[1] and pictures[0]
 
 

@@ -127,7 +127,7 @@ def test_a_frame_is_undecodable_until_each_of_its_streams_has_its_key_frame(serv
     coder = Coder(Coding("h264"), 60, 0.2)
     frames = [server.draw_frame(VIEWS, number, SIZE, needs=reads.needs) for number in range(4)]
     coded = [coder.encode(frame, reads, wants_key=number == 3) for number, frame in enumerate(frames)]
-    assert [one.is_key for one in coded] == [True, False, False, True]
+    assert [frame.is_key for frame in coded] == [True, False, False, True]
     assert coder.receive(coded[0])
     assert not coder.receive(coded[2]), "the one before it never came"
     assert coder.receive(coded[3])

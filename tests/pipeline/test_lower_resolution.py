@@ -67,7 +67,9 @@ def both(folder, **options) -> tuple[dict, dict]:
     late = run(folder / "late", network=network("resolution", SLOW), **options).summary
     whole = run(folder / "whole", **options).summary
     assert late["link"]["resolution"]["frames"]["0.5"] > 10
-    return tuple({name: one["quality"][name]["mean"] for name in ("psnr_db", "hole_share")} for one in (late, whole))
+    return tuple(
+        {name: summary["quality"][name]["mean"] for name in ("psnr_db", "hole_share")} for summary in (late, whole)
+    )
 
 
 def test_a_codec_goes_on_at_each_size_after_losses_too(tmp_path):
@@ -78,7 +80,7 @@ def test_a_codec_goes_on_at_each_size_after_losses_too(tmp_path):
     assert told[0]["frames"]["shown"] > 20 and told[0]["coded_psnr_db"] > 25
     assert told[0]["frames"] == told[1]["frames"]
     pictures = [
-        {name: data for name, data in contents(tmp_path / one).items() if name.endswith(".png")} for one in "ab"
+        {name: data for name, data in contents(tmp_path / folder).items() if name.endswith(".png")} for folder in "ab"
     ]
     assert pictures[0] == pictures[1] and pictures[0]
 

@@ -217,6 +217,6 @@ def test_plan_tells_both():
     assert [step["name"] for step in told["passes"]] == ["warp none", "lens radial"]
     assert "warp iterative" in [step["name"] for step in told["proxy"]["passes"]]
     assert list(told["frame"]["layers"]) == ["rendered.colour"]
-    assert any("the proxy compensates it" in one["reason"] for one in told["left_out"])
+    assert any("the proxy compensates it" in entry["reason"] for entry in told["left_out"])
     done = hmdwarp("plan", "--strategy", "proxy", "--size", "96x80")
     assert "Passes of the proxy, in order:" in done.stdout

@@ -66,9 +66,9 @@ def test_given_times_are_the_same_twice_over_any_network(tmp_path):
         "latency_ms": 30.0,
     }
     told = [run(tmp_path / name, **options).summary["link"] for name in "ab"]
-    for one in told:
+    for summary in told:
         for name in ("warp_ms", "total_ms", "median_ms", "p95_ms"):
-            del one["response_ms"][name]
+            del summary["response_ms"][name]
     assert told[0] == told[1]
     assert told[0]["response_ms"]["transfer_ms"] > 0
     assert ages_ms(tmp_path / "a") == ages_ms(tmp_path / "b")

@@ -68,5 +68,5 @@ def _kept_after(loop, first: int, last: int) -> tuple[int, int]:
         loop.draw(number * STEP_NS)
         loop.show(number * STEP_NS)
     gc.collect()
-    on_gpu = sum(isinstance(one, moderngl.Texture | moderngl.Buffer) for one in gc.get_objects())
+    on_gpu = sum(isinstance(value, moderngl.Texture | moderngl.Buffer) for value in gc.get_objects())
     return tracemalloc.get_traced_memory()[0], on_gpu

@@ -295,7 +295,7 @@ def layouts_table() -> str:
 
 def contradicted_text() -> str:
     """Return what is said of a TUM RGB-D file that is read as it comes, for docs/traces.md."""
-    layout = next(one for one in LAYOUTS if one.name.startswith("TUM RGB-D"))
+    layout = next(layout for layout in LAYOUTS if layout.name.startswith("TUM RGB-D"))
     with tempfile.TemporaryDirectory() as folder:
         loaded = load_trace(written(layout, load_trace("walk").track, Path(folder)))
     said = next(str(defect) for defect in loaded.defects if defect.kind == "axes-contradicted")

@@ -17,7 +17,7 @@ TRACK = head(100)
 
 def by(loaded) -> dict[str, By]:
     """Who says each fact."""
-    return {one.what: one.by for one in loaded.assumptions}
+    return {assumption.what: assumption.by for assumption in loaded.assumptions}
 
 
 def test_facts_of_a_plain_header_are_said_by_the_file_or_by_nobody(tmp_path):

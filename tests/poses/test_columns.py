@@ -149,7 +149,7 @@ def records() -> list[dict]:
 @pytest.mark.parametrize("form", ["lines", "list", "in a document"])
 def test_json_records_are_read(tmp_path, form):
     path = tmp_path / "poses.json"
-    lines = [json.dumps(one) for one in records()]
+    lines = [json.dumps(record) for record in records()]
     whole = {
         "lines": "\n".join(lines),
         "list": f"[{','.join(lines)}]",

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_no_layout_is_read_wrong_and_the_table_says_how_each_is_read(tmp_path):
-    """`make docs OPTIONS=layouts` writes the table."""
+    """`make docs OPTIONS=trace-layouts` writes the table."""
     assert len({layout.name for layout in layouts.LAYOUTS}) == 20
     truth = load_trace("walk").track
     outcomes = {layout.name: layouts.verdict(layout, truth, tmp_path) for layout in layouts.LAYOUTS}

@@ -136,7 +136,7 @@ def test_many_at_once_are_exact_for_a_constant_velocity_too(now, ahead):
     assert Pose(found.position_m[0], found.orientation_xyzw[0]).isclose(truth(now + ahead), atol=1e-14)
 
 
-@pytest.mark.parametrize("method", [one.name for one in predictors])
+@pytest.mark.parametrize("method", [predictor.name for predictor in predictors])
 def test_many_at_once_are_the_single_ones_where_samples_lie(method):
     """On a steady head; elsewhere `constant_velocity` measures from sample to sample instead."""
     track, one = steady(), predictors.get(method)

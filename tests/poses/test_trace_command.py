@@ -96,8 +96,8 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
     table = rows(TRACK)
     two = write(tmp_path / "two.csv", [*table[:60], *table[:30], ["9", "9"]])
     data = json.loads(run("info", two, "--json"))
-    assert [one["taken"] for one in data["segments"]].count(True) == 1 and len(data["segments"]) == 2
-    assert {one["kind"] for one in data["defects"]} == {one.kind for one in load_trace(two).defects}
+    assert [segment["taken"] for segment in data["segments"]].count(True) == 1 and len(data["segments"]) == 2
+    assert {defect["kind"] for defect in data["defects"]} == {defect.kind for defect in load_trace(two).defects}
     short = json.loads(run("info", write(tmp_path / "s.csv", rows(head(10))), "--json"))
     assert list(short["errors_deg"][-1]) == ["latency_ms", "none", "constant_velocity", "cautious"]
     figures = ("mean", "p50", "p95", "p99", "lead_share", "lead_p95", "lag_p95")

@@ -82,7 +82,7 @@ def test_the_error_table_by_another_route(latency_ms):
 def test_too_short_for_a_latency_is_nan_not_a_guess():
     figures = analyse(head(10))
     assert [r.count > 0 for r in figures.errors] == [ms + 50 <= 150 for ms in LATENCIES_MS]
-    assert all(np.isnan(one.percentiles).all() for one in figures.errors[-1].errors.values())
+    assert all(np.isnan(error.percentiles).all() for error in figures.errors[-1].errors.values())
     alone = analyse(PoseTrack([0], np.zeros((1, 3)), [[0, 0, 0, 1.0]]))
     assert np.isnan(alone.angular_speed_deg_s).all()
 

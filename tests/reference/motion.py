@@ -92,12 +92,13 @@ def moved_picture(inputs: MotionAsked) -> MovedPicture:
     beside = [
         _looked(inputs, squares, SNAP_PX * np.array(offset)) for offset in product((-1, 0, 1), repeat=2) if any(offset)
     ]
-    spread = np.max([np.abs(one.colour - exact.colour)[..., :3].max(axis=-1) for one in beside], axis=0)
-    deep = np.max([np.abs(one.inverse_depth - exact.inverse_depth) for one in beside], axis=0)
+    spread = np.max([np.abs(result.colour - exact.colour)[..., :3].max(axis=-1) for result in beside], axis=0)
+    deep = np.max([np.abs(result.inverse_depth - exact.inverse_depth) for result in beside], axis=0)
     other = np.any(
-        [(one.owner != exact.owner) & ~_touching(one.owner, exact.owner, inputs.size[0]) for one in beside], axis=0
+        [(result.owner != exact.owner) & ~_touching(result.owner, exact.owner, inputs.size[0]) for result in beside],
+        axis=0,
     )
-    undecided = other | np.any([one.near_tie for one in (exact, *beside)], axis=0)
+    undecided = other | np.any([result.near_tie for result in (exact, *beside)], axis=0)
     moved = exact.owner >= 0
     rounding = np.where(moved, 2 * HALF_UNIT * np.abs(exact.colour).max(axis=-1) + HALF_SMALLEST, 0)
     picture = ReferencePicture(exact.colour, np.where(moved, 1.5 * spread, 0) + rounding, undecided)

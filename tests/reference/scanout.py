@@ -59,7 +59,10 @@ def scanned_out(inputs: TwinInputs, last: View, twin: Twin) -> ReferencePicture:
         one = Places(places.pixels[here], error[here], 2 * places.rounding)
         pictures.append(twin(attrs.evolve(inputs, shown=row_view(inputs.shown, last, row, rows), places=one)))
     return ReferencePicture(
-        *(np.concatenate([getattr(one, part) for one in pictures]) for part in ("colour", "tolerance", "undecided"))
+        *(
+            np.concatenate([getattr(picture, part) for picture in pictures])
+            for part in ("colour", "tolerance", "undecided")
+        )
     )
 
 

@@ -67,7 +67,7 @@ def look_through(sheets: Sequence[Sheet], eye: ArrayLike, rays: Array, behind: A
         ):  # from the eye on: what comes later is dimmed by all before it
             veil[ray] += passing[ray] * sheet.opacity * sheet.colour
             passing[ray] *= (1 - sheet.opacity) * sheet.tint + sheet.opacity * sheet.coloured
-    nearest = np.array([max((one[0] for one in found), default=-1.0) for found in met])
+    nearest = np.array([max((entry[0] for entry in found), default=-1.0) for found in met])
     return Seen(veil, passing, nearest, np.array([len(found) for found in met]))
 
 

@@ -192,7 +192,7 @@ def _pairs(
     back, half = inputs.rendered.pose.position_m - inputs.shown.pose.position_m, 0.55 + inputs.settings.overlap
     corners = [_at(patches, grid, half * x, half * y) for x, y in CORNERS]
     seen = [project(ray, back, r, inputs.shown, inputs.shown_size)[0] for ray, r in corners]
-    extent = np.max([np.abs(one - patches.landing) for one in seen], axis=0)
+    extent = np.max([np.abs(place - patches.landing) for place in seen], axis=0)
     reach = float(inputs.settings.reach)
     extent = np.where(np.isnan(extent), reach, np.minimum(extent, reach))
     landing = np.clip(patches.landing, -1e6, 1e6)

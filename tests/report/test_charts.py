@@ -80,7 +80,7 @@ def test_ticks_stand_beside_the_line_and_are_pooled_too():
     plain, ticked = svg(rows), time_series([Series.of("forward", rows, "flip", ticks_s=[0.5, 1.5])], "unit")
     assert ticked.count("<use") == plain.count("<use") + 2
     often = [Series.of("forward", rows, "flip", ticks_s=[k * 1e-3 for k in range(count)]) for count in (1000, 9000)]
-    few, many = (time_series([one], "unit") for one in often)
+    few, many = (time_series([values], "unit") for values in often)
     assert len(many) < 1.2 * len(few)
 
 

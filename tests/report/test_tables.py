@@ -58,7 +58,7 @@ def test_the_best_of_three_is_marked_where_it_is_sure():
     """The run only if it is better than both; a baseline only if it is better than the run."""
     good, bad, worst = some_rows(0), some_rows(0, worse=3), some_rows(0, worse=5)
     names = [
-        [row.best for row in comparison_rows(a_summary(mine), *(a_baseline(mine, one) for one in others))][0]
+        [row.best for row in comparison_rows(a_summary(mine), *(a_baseline(mine, other) for other in others))][0]
         for mine, others in ((good, (bad, worst)), (bad, (worst, good)), (bad, (good, worst)), (good, (good, bad)))
     ]
     assert names == [0, 2, 1, None]

@@ -255,7 +255,7 @@ def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
     options = {"warp": "auto", "budget_ms": 1e-3, "bench": a_bench(tmp_path / "b.json", rows)}
     live = LiveOptions(scene="planes", latency_ms=50.0, pictures=50, **options)
     summary = run_on(monkeypatch, OffscreenDisplay(gpu=gpu, asked=asked), live).summary
-    told = [(*one["what"], "over the budget" in one["reason"]) for one in summary["live"]["changes"]]
+    told = [(*change["what"], "over the budget" in change["reason"]) for change in summary["live"]["changes"]]
     down = ("warp", "fill", True)
     assert told == [down, ("latency", False), ("guard", False), down]
 
@@ -323,7 +323,7 @@ def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
         setup.loop.draw(setup.schedule.first_ns)
         refresh = setup.loop.show(setup.schedule.first_ns + setup.schedule.age_ns)
         assert all("peeled" in eye for eye in refresh.frame.eyes)
-        assert ["peeled" in one.rendered for one in refresh.inputs] == [gets_them, gets_them]
+        assert ["peeled" in inputs.rendered for inputs in refresh.inputs] == [gets_them, gets_them]
 
 
 @pytest.mark.parametrize("against", ["layered", "multi"])

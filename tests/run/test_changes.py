@@ -15,13 +15,13 @@ from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions
 from hmdwarp.run.commands import changed, choices, values
 
-OURS = [one.name for one in CONTROLS if not one.of_display]
+OURS = [control.name for control in CONTROLS if not control.of_display]
 OPTIONS = LiveOptions(scene="room", latency_ms=200, warp="forward", fill="interpolate", guard=1.5)
 
 
 def test_every_control_of_the_run_has_a_value_and_every_choice_its_words():
     assert set(values(OPTIONS)) == set(OURS)
-    assert set(choices()) == {one.name for one in CONTROLS if one.kind == "choice"}
+    assert set(choices()) == {control.name for control in CONTROLS if control.kind == "choice"}
     for name, known in choices().items():
         assert values(OPTIONS)[name] in known
         assert len(set(known)) == len(known) > 1

@@ -40,8 +40,8 @@ def test_steps_pass_over_what_cannot_be(flat, back):
         seen.append(flat.options.warp)
     assert sorted(seen) == sorted(set(choices()["warp"]) - {"multi"} - still)
     assert flat.options.warp == "forward"
-    assert sum(ONE_EYE in one for one in said) == 1
-    assert all(ONE_EYE in one or "its light stands still" in one for one in said)
+    assert sum(ONE_EYE in line for line in said) == 1
+    assert all(ONE_EYE in line or "its light stands still" in line for line in said)
 
 
 def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):

@@ -61,7 +61,7 @@ def misses(method: str, source, track: PoseTrack) -> tuple[float, float]:
     return worst[0], worst[1]
 
 
-@pytest.mark.parametrize("method", [one.name for one in predictors])
+@pytest.mark.parametrize("method", [predictor.name for predictor in predictors])
 @pytest.mark.parametrize("kind", list(KINDS))
 def test_no_predictor_extrapolates_across_a_jump(kind, method):
     track = head(kind)
@@ -70,7 +70,7 @@ def test_no_predictor_extrapolates_across_a_jump(kind, method):
     assert degrees < 5 and metres < 0.05
 
 
-@pytest.mark.parametrize("method", [one.name for one in predictors])
+@pytest.mark.parametrize("method", [predictor.name for predictor in predictors])
 def test_a_small_change_of_space_counts_where_the_source_says_so(method):
     track = head("small")
     degrees, metres = misses(method, Poses(track, spaces=True), track)

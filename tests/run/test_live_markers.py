@@ -58,7 +58,7 @@ def test_a_recorder_gets_what_happens_at_the_instants_of_the_pictures(late, tmp_
         result = run_on(monkeypatch, display, options(out=tmp_path / "out"), after=after)
         markers = receivers[0].markers()
     live, count = result.summary["live"], result.summary["frames"]
-    named = [one["event"] for one in markers]
+    named = [marker["event"] for marker in markers]
     first = "settings" if late else "run_start"
     assert named == [first, "missed", "change", "display_lost", "display_back", "run_end"]
     of = dict(zip(named, markers, strict=True))
@@ -73,9 +73,9 @@ def test_a_recorder_gets_what_happens_at_the_instants_of_the_pictures(late, tmp_
     after_missed = 12 - live["waiting"]
     numbers = [HEARD if late else 0, after_missed, change["frame"] + 1, lost["frame"], lost["frame"] + 1, count - 1]
     shown_ns = np.array([int(row["shown_ns"]) for row in rows_of(tmp_path / "out")[::2]])[numbers]
-    stamps = np.array([one["stamp"] for one in markers])
+    stamps = np.array([marker["stamp"] for marker in markers])
     assert stamps - stamps[0] == pytest.approx((shown_ns - shown_ns[0]) * 1e-9, abs=ROUNDING_S)
-    assert any("stream 'hmdwarp live'; the clock of this display is simulated" in one for one in display.said)
+    assert any("stream 'hmdwarp live'; the clock of this display is simulated" in line for line in display.said)
     assert display.said.count("no program receives the markers: start the recorder") == late
 
 

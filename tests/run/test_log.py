@@ -60,7 +60,7 @@ def seen(monkeypatch) -> Seen:
         if refresh is not None:
             found.refreshes.append(refresh)
             warped = [eye.warped for eye in refresh.eyes if eye.warped is not None]
-            found.holes.append([float((download(one.texture)[..., 3] == 0).mean()) for one in warped])
+            found.holes.append([float((download(result.texture)[..., 3] == 0).mean()) for result in warped])
         add(self, tick, refresh, submitted_ns, notice)
 
     monkeypatch.setattr(LiveLog, "add", adding)

@@ -37,7 +37,10 @@ def test_stamps_are_the_instants_of_the_display_on_lsl_s_clock():
         stream.send("end", now_ns())
         stream.close()
         markers = receiver.markers()
-    assert [(one["event"], one.get("number")) for one in markers] == [*(("shown", n) for n in range(3)), ("end", None)]
+    assert [(marker["event"], marker.get("number")) for marker in markers] == [
+        *(("shown", n) for n in range(3)),
+        ("end", None),
+    ]
     assert told["type"] == "Markers"
     assert "<study>none</study>" in told["xml"] and f"<clock_error_s>{first_error_s:.1e}</clock_error_s>" in told["xml"]
     assert f"within {first_error_s * 1e6:.1f} us" in said

@@ -34,7 +34,9 @@ def wall(tmp_path_factory):
     """A camera that stands still before a wall."""
     path = tmp_path_factory.mktemp("recorded") / "wall"
     path.mkdir()
-    write_npz(path, [attrs.evolve(one, depth_m=np.full_like(one.depth_m, WALL_M)) for one in taken(6, SIZE, 0, 0)])
+    write_npz(
+        path, [attrs.evolve(frame, depth_m=np.full_like(frame.depth_m, WALL_M)) for frame in taken(6, SIZE, 0, 0)]
+    )
     return path
 
 

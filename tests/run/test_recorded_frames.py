@@ -120,7 +120,7 @@ def test_a_quicker_display_is_told_how_far_its_truth_is(run, tmp_path):
     assert 1000 / 90 - 0.1 < offset["time_ms"]["most"] <= 1000 / 60 + 0.1
     assert 0 < offset["turn_deg"]["most"] <= 0.51 and 0 < offset["move_m"]["most"] <= 0.0101
     newest = {round(float(row["drawn_ns"])) for row in rows_of(tmp_path / "out")}
-    assert newest <= {one.time_ns for one in taken(COUNT)}
+    assert newest <= {frame.time_ns for frame in taken(COUNT)}
 
 
 def test_a_slower_server_sends_fewer_of_them(run):
@@ -200,10 +200,10 @@ def framed(folder: Path, rim: tuple[int, int, int, int]) -> Path:
     folder.mkdir()
     frames, rng = taken(COUNT, (60, 40)), np.random.default_rng(5)
     top, bottom, left, right = rim
-    for one in frames:
-        inside = np.zeros(one.depth_m.shape, bool)
+    for frame in frames:
+        inside = np.zeros(frame.depth_m.shape, bool)
         inside[top : 40 - bottom, left : 60 - right] = True
-        one.colour[~inside] = rng.integers(250, 256, (np.count_nonzero(~inside), 1))
+        frame.colour[~inside] = rng.integers(250, 256, (np.count_nonzero(~inside), 1))
     write_npz(folder, frames)
     return folder
 
@@ -248,7 +248,7 @@ def test_layers_that_were_not_recorded_are_refused_by_the_plan(said, told, folde
 STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": "0.001", "frames_rate": "25", "crop": "4"}
 
 
-@pytest.mark.parametrize("name", [one.name for one in options_of(SequenceOptions)])
+@pytest.mark.parametrize("name", [option.name for option in options_of(SequenceOptions)])
 def test_what_is_stated_of_frames_is_refused_where_there_are_none(name):
     with pytest.raises(InputError, match=f"--{name.replace('_', '-')}: .* it is for --frames"):
         RunOptions.of({"trace": "walk", name: STATED[name]})

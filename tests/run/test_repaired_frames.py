@@ -24,8 +24,8 @@ def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("recorded") / "gaps"
     path.mkdir()
     frames = taken(8, SIZE)
-    for one in frames:
-        one.depth_m[10:30, 15:45] = 0
+    for frame in frames:
+        frame.depth_m[10:30, 15:45] = 0
     write_npz(path, frames)
     return path
 

@@ -271,13 +271,18 @@ def test_prediction_helps_where_the_head_moves_steadily(tmp_path):
 
 def test_against_compares_with_another_warp(tmp_path):
     result = run(tmp_path / "a", warp="rotation", against="none,forward+interpolate", metrics_every=3)
-    assert [(one["warp"], one["fill"]) for one in result.against] == [("none", "none"), ("forward", "interpolate")]
+    assert [(summary["warp"], summary["fill"]) for summary in result.against] == [
+        ("none", "none"),
+        ("forward", "interpolate"),
+    ]
     alone = run(tmp_path / "b", warp="none", metrics_every=3)
     assert result.against[0]["quality"] == alone.summary["quality"]
-    assert [one["quality"] for one in result.summary["against"]] == [one["quality"] for one in result.against]
+    assert [summary["quality"] for summary in result.summary["against"]] == [
+        summary["quality"] for summary in result.against
+    ]
     filled = run(tmp_path / "c", warp="forward", fill="interpolate", metrics_every=3)
     assert result.against[1]["quality"] == filled.summary["quality"]
-    assert all(one["time_ms"]["warp"]["median"] > 0 for one in result.against)
+    assert all(summary["time_ms"]["warp"]["median"] > 0 for summary in result.against)
     # The same instants, so the difference of the means is the mean of the differences.
     found, (mine, other) = (
         result.summary["against"][0]["difference"],

@@ -60,7 +60,7 @@ def events_of(path: Path) -> list[dict[str, Any]]:
         if event["ph"] in "stf":
             flows[event["id"]].append(event)
             slices = lanes[event["pid"], event["tid"]]  # an arrow hangs on the slice around it
-            assert any(one["ts"] - SAME_US <= event["ts"] <= one["ts"] + one["dur"] + SAME_US for one in slices)
+            assert any(piece["ts"] - SAME_US <= event["ts"] <= piece["ts"] + piece["dur"] + SAME_US for piece in slices)
     for flow in flows.values():
         assert [event["ph"] for event in flow] == ["s", "t", "f"]
         assert len({(event["cat"], event["name"]) for event in flow}) == 1
@@ -71,13 +71,13 @@ def _check_nesting(slices: list[dict[str, Any]]) -> None:
     """Each slice of a lane begins no earlier than the one before, and is inside it or after it."""
     around: list[float] = []
     last = -1e18
-    for one in slices:
-        start, end = one["ts"], one["ts"] + one["dur"]
+    for piece in slices:
+        start, end = piece["ts"], piece["ts"] + piece["dur"]
         assert start >= last
         last = start
         while around and around[-1] <= start + SAME_US:
             around.pop()
-        assert not around or end <= around[-1] + SAME_US, one
+        assert not around or end <= around[-1] + SAME_US, piece
         around.append(end)
 
 
@@ -117,15 +117,15 @@ def test_a_replay_s_events_agree_with_its_summary(tmp_path, case):
         )
         assert drawn["dur"] == pytest.approx(sum(parts.values()) * 1000, abs=SAME_US)
     # Each refresh shows a frame that is ready, as old as frames.csv says.
-    ready = {one["args"]["frame"]: one["ts"] + one["dur"] for one in way}
-    begun = {one["args"]["frame"]: one["ts"] for one in way}
+    ready = {piece["args"]["frame"]: piece["ts"] + piece["dur"] for piece in way}
+    begun = {piece["args"]["frame"]: piece["ts"] for piece in way}
     ages = [row["age_ms"] for row in result.rows if row["eye"] == 0]
     for one, age_ms in zip(shown, ages, strict=True):
         frame = one["args"]["frame"]
         assert ready[frame] <= one["ts"] + SAME_US
         assert one["ts"] - begun[frame] == pytest.approx(age_ms * 1000, abs=SAME_US)
     # The passes, as measured: an eye's median is the summary's.
-    eyes = [one["dur"] for one in slices(events, "client") if one["name"].endswith("eye")]
+    eyes = [piece["dur"] for piece in slices(events, "client") if piece["name"].endswith("eye")]
     assert len(eyes) == 2 * len(shown)
     assert statistics.median(eyes) == pytest.approx(summary["time_ms"]["total"]["median"] * 1000, abs=1)
     assert bool(slices(events, "display", "scan-out")) == ("scanout_ms" in CASES[case])

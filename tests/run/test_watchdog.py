@@ -118,9 +118,9 @@ def test_a_peer_that_is_stopped_is_noticed(tmp_path):
         assert "has not answered xrLocateViews for 0.5 s" in error
     finally:
         peer.send_signal(signal.SIGCONT)
-        for one in (peer, program):
-            one.kill()
-            one.communicate()
+        for process in (peer, program):
+            process.kill()
+            process.communicate()
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="no SIGSTOP on this system")

@@ -38,7 +38,7 @@ def test_none_beside_another_warp_is_none_alone(scene):
         refresh, whole, beside = refreshed(setup), WholePictures(setup.server), setup.compensator(PLAN)
         for _ in range(2):  # again, from what is held
             inputs = whole.inputs(setup.loop, refresh, PLAN)
-            pictures = [download(beside.run(one).panel.texture) for one in inputs]
+            pictures = [download(beside.run(eye_inputs).panel.texture) for eye_inputs in inputs]
             # Drawn twice, a GPU may blend with another last bit: 2^-10 of a stored half float.
             off = max(np.abs(a.astype(float) - b).max() for a, b in zip(pictures, alone, strict=True))
             assert off <= (0 if setup.gpu.is_software else 2.0**-10)

@@ -34,7 +34,7 @@ def tracer_of(scene, paths=256, bundles=64) -> PhotonTracer:
 
 def traced(tracer, light, direct=False) -> Photons:
     every = tracer.trace(light, range(tracer.bundles), direct=direct)
-    return Photons(*(np.concatenate([getattr(one, name) for one in every]) for name in FIELDS))
+    return Photons(*(np.concatenate([getattr(bundle, name) for bundle in every]) for name in FIELDS))
 
 
 FIELDS = [field.name for field in attrs.fields(Photons)]
@@ -151,8 +151,8 @@ def test_a_bundle_is_a_part_of_all_directions():
     """32 bundles: 8 slices of height, each cut into 4 by the angle about the vertical."""
     tracer = tracer_of(scene_of(cube(), 0.5), 64, 32)
     parts = set()
-    for one in tracer.trace(POINT, range(32), direct=True):
-        ways = one.places[:64] - POINT[0][:3]  # first hits come first
+    for bundle in tracer.trace(POINT, range(32), direct=True):
+        ways = bundle.places[:64] - POINT[0][:3]  # first hits come first
         ways /= np.linalg.norm(ways, axis=1, keepdims=True)
         slices, angles = np.floor(4 * (1 - ways[:, 1])), np.arctan2(ways[:, 2], ways[:, 0]) % (2 * np.pi)
         quarters = np.floor(2 * angles / np.pi)
@@ -185,6 +185,8 @@ def test_far_from_the_origin_photons_are_the_same():
         origin_m=np.array((1e6, -1e6, 1e6)),
         lamps=[Lamp(Fixed(near.lamps[0].place(0)[:3] + (1e6, -1e6, 1e6)), near.lamps[0].colour)],
     )
-    (here,), (there,) = (tracer_of(one, 64, 4).trace(lamps_at(one, 0)[0], [2]) for one in (near, far))
+    (here,), (there,) = (
+        tracer_of(lamp_scene, 64, 4).trace(lamps_at(lamp_scene, 0)[0], [2]) for lamp_scene in (near, far)
+    )
     # Places in the world are good to 1e-10 m there, and a bounce or ten makes more of it.
     assert np.allclose(here.places, there.places, atol=1e-6)

@@ -57,9 +57,9 @@ def test_unpacking_restores_what_was_packed(name):
         ((found, got),) = pieces.meshes_in(number, pieces.things[number])
         assert found == index and got.texture == mesh.texture and got.body == mesh.body
         arrays = ARRAYS + UNDER_LAMPS * pieces.under_lamps(mesh)
-        assert all(np.array_equal(getattr(got, one), getattr(mesh, one)) for one in arrays)
+        assert all(np.array_equal(getattr(got, array), getattr(mesh, array)) for array in arrays)
     for index, got in pieces.meshes_in(0, pieces.things[0]):
-        assert all(np.array_equal(getattr(got, one), getattr(pieces.stand_ins[index], one)) for one in ARRAYS)
+        assert all(np.array_equal(getattr(got, array), getattr(pieces.stand_ins[index], array)) for array in ARRAYS)
     assert len(pieces.things) == pieces.count
     for texture, scale in pieces.levels:
         number = pieces.number_of_level(texture, scale)
@@ -96,7 +96,7 @@ def test_a_blank_scene_holds_nothing_of_what_is_sent(name):
     assert all(not mesh.positions.any() and not mesh.light.any() and not mesh.triangles.any() for mesh in blank.meshes)
     lit = [mesh for mesh in blank.meshes if mesh.light_uv is not None]
     assert bool(lit) == bool(pieces.scene.lamps)
-    assert not any(getattr(mesh, one).any() for mesh in lit for one in UNDER_LAMPS)
+    assert not any(getattr(mesh, lamp).any() for mesh in lit for lamp in UNDER_LAMPS)
     assert all((texture.image == 128).all() for texture in blank.textures)
 
 

@@ -169,7 +169,7 @@ def test_moving_surfaces_light_as_if_they_stood_still(time_ms):
     that pass an edge within the rounding of a float32 may differ, of 512 each."""
     scene, time_ns = scenes.get("doorway").build(), time_ms * 1_000_000
     moving, still = transport_of(scene, time_ns=time_ns), transport_of(placed(scene, time_ns))
-    assert [one.is_moving for one in (moving, still)] == [True, False]
+    assert [mesh.is_moving for mesh in (moving, still)] == [True, False]
     assert np.array_equal(moving.patches.texels, still.patches.texels)
     assert np.abs(moving.form_factors - still.form_factors).max() <= 2 / RAYS
     assert (moving.form_factors != still.form_factors).mean() < 1e-5

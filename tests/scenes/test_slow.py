@@ -41,4 +41,4 @@ def test_shipped_scenes_are_not_slow():
 )
 def test_excess_is_reported_with_its_count(scene, line):
     found = slow_in(scene)
-    assert len(found) == (line is not None) and all(one.startswith(line) for one in found)
+    assert len(found) == (line is not None) and all(text.startswith(line) for text in found)

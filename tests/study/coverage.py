@@ -79,9 +79,9 @@ def true_values(design: Design, model: Model, *, latent: bool = False) -> dict[C
     """(mean, median of the means of all pairs) of the difference, by a large draw."""
     cohort = Population(everybody(model), design, PART).of(range(MANY), seed=999)
     out = {}
-    for one in design.families[0].comparisons:
-        values = differences(cohort, design.scales[0], one, latent=latent)
-        out[one] = (float(values.mean()), pseudomedian(values))
+    for comparison in design.families[0].comparisons:
+        values = differences(cohort, design.scales[0], comparison, latent=latent)
+        out[comparison] = (float(values.mean()), pseudomedian(values))
     return out
 
 
@@ -126,7 +126,7 @@ def without_effect(design: Design, model: Model, n: int, studies: int, seed: int
     ps, found = [], []
     for study in range(studies):
         cohort = population.of(range(n), seed, study)
-        given = {one: differences(cohort, scale, one) for one in design.families[0].comparisons}
+        given = {comparison: differences(cohort, scale, comparison) for comparison in design.families[0].comparisons}
         ps.append([wilcoxon_exact(values).p for values in given.values()])
         found.append(any(significant(design, given, 1 - LEVEL).values()))
     return False_(n, np.array(ps), np.array(found))

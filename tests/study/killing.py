@@ -173,7 +173,7 @@ class Killed:
             live(nursery, first)
             # How long and how talkative a life is.
             usual = {start: live(start, [*first, "--new-session"]) for start in (nursery, Cold)}
-            assert all(one.status == 0 for one in usual.values()), usual
+            assert all(run.status == 0 for run in usual.values()), usual
             while sum(self.tally.values()) < self.kills:
                 self.codes.append(f"person-{len(self.codes) + 1}")
                 self._session(tiny.session(study, model, self.codes[-1], "--store", str(self.store)), chance, usual)
@@ -215,7 +215,7 @@ class Killed:
         except InputError:  # there is none yet, or one that was not made to its end
             return ""
         with store:
-            return next((one.status for one in store.contents().sessions if one.code == self.codes[-1]), "")
+            return next((session.status for session in store.contents().sessions if session.code == self.codes[-1]), "")
 
 
 def faults(killed: Killed) -> list[str]:
@@ -228,8 +228,8 @@ def faults(killed: Killed) -> list[str]:
             f"{session.code}: {fault}"
             for fault in (*_of_session(killed, contents, session), *_of_answers(killed, contents, session))
         ]
-    if sorted(one.code for one in contents.sessions) != sorted(killed.codes):
-        out.append(f"sessions of {[one.code for one in contents.sessions]}, and {killed.codes} had one each")
+    if sorted(session.code for session in contents.sessions) != sorted(killed.codes):
+        out.append(f"sessions of {[session.code for session in contents.sessions]}, and {killed.codes} had one each")
     return [*out, *_of_orders(contents)]
 
 
@@ -245,22 +245,24 @@ def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
 
     And what is there unconfirmed is at most the last of each kill.
     """
-    code_of = {one.id: one.code for one in contents.sessions}
-    there = Counter((code_of[one.session], one.key, one.revision, one.value) for one in contents.answers)
+    code_of = {session.id: session.code for session in contents.sessions}
+    there = Counter((code_of[answer.session], answer.key, answer.revision, answer.value) for answer in contents.answers)
     confirmed = Counter(tuple(line[1:]) for line in killed.told if line[0] == "answer")
-    out = [f"confirmed and missing: {one}" for one in confirmed - there]
+    out = [f"confirmed and missing: {lost}" for lost in confirmed - there]
     out += [f"there {count} times: {one}" for one, count in there.items() if count > 1]
     out += [f"confirmed {count} times: {one}" for one, count in confirmed.items() if count > 1]
     unconfirmed = there - confirmed
     if unconfirmed.total() > killed.kills:
         out.append(f"{unconfirmed.total()} answers that nobody was told of, by {killed.kills} kills")
-    shown = {(code_of[one.session], one.key, one.presentation, one.complete) for one in contents.showings}
+    shown = {
+        (code_of[showing.session], showing.key, showing.presentation, showing.complete) for showing in contents.showings
+    }
     out += [
         f"shown and missing: {line[1:]}" for line in killed.told if line[0] == "shown" and tuple(line[1:]) not in shown
     ]
-    events = Counter((code_of[one.session], one.kind, one.key) for one in contents.events)
+    events = Counter((code_of[event.session], event.kind, event.key) for event in contents.events)
     told = Counter(tuple(line[1:]) for line in killed.told if line[0] == "event")
-    return out + [f"journal lines missing: {one}" for one in told - events]
+    return out + [f"journal lines missing: {lost}" for lost in told - events]
 
 
 def _of_session(killed: Killed, contents: Contents, session: Session) -> list[str]:
@@ -271,20 +273,20 @@ def _of_session(killed: Killed, contents: Contents, session: Session) -> list[st
     with Store(killed.store) as store:
         counting, done = store.answers(session), store.done(session)
     out = [] if session.status == COMPLETE else [f"is {session.status}"]
-    if sorted(one.key for one in counting) != asked:
-        out.append(f"answers to {sorted(one.key for one in counting)}, and {asked} were asked")
+    if sorted(step.key for step in counting) != asked:
+        out.append(f"answers to {sorted(step.key for step in counting)}, and {asked} were asked")
     out += [f"{step.key} is not done" for step in steps if step.key not in done]
-    showings = [one for one in contents.showings if one.session == session.id]
-    whole = {one.id: one for one in showings if one.complete}
+    showings = [showing for showing in contents.showings if showing.session == session.id]
+    whole = {showing.id: showing for showing in showings if showing.complete}
     for step in steps:
-        if isinstance(step, Show) and not any(one.key == step.key for one in whole.values()):
+        if isinstance(step, Show) and not any(showing.key == step.key for showing in whole.values()):
             out.append(f"{step.key} was never seen to its end")
-    for one in whole.values():
-        if len(load_trace(killed.store / "traces" / one.trace).track.time_ns) < 2:
-            out.append(f"{one.trace} has no motion")
-        if not one.actual.get("pictures"):
-            out.append(f"{one.key}: complete, and nobody knows what was shown")
-    for answer in (one for one in counting if one.trial):
+    for showing in whole.values():
+        if len(load_trace(killed.store / "traces" / showing.trace).track.time_ns) < 2:
+            out.append(f"{showing.trace} has no motion")
+        if not showing.actual.get("pictures"):
+            out.append(f"{showing.key}: complete, and nobody knows what was shown")
+    for answer in (step for step in counting if step.trial):
         about = whole.get(answer.showing)
         if about is None or about.key != f"trial/{answer.trial}":
             out.append(f"{answer.key} is about {about}")
@@ -307,6 +309,6 @@ def _of_answers(killed: Killed, contents: Contents, session: Session) -> list[st
 
 def _of_orders(contents: Contents) -> list[str]:
     """Nobody's order was given twice by a session that was killed while it began."""
-    rows = Counter(one.row for one in contents.sessions)
+    rows = Counter(session.row for session in contents.sessions)
     counts = [rows[row] for row in range(4)]
     return [] if max(counts) - min(counts) <= 1 else [f"orders taken {counts} times"]

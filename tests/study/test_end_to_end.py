@@ -50,9 +50,9 @@ class Study:
     def cohort(self) -> Cohort:
         """The same people, by their model alone, with the orders that the sessions were given."""
         sessions = self.contents.sessions
-        people = [person_of(one.code) for one in sessions]
+        people = [person_of(session.code) for session in sessions]
         return Population(self.model, self.design, "main").of(
-            people, self.design.seed, orders=[one.order for one in sessions]
+            people, self.design.seed, orders=[session.order for session in sessions]
         )
 
 
@@ -73,38 +73,43 @@ def study(tmp_path_factory) -> Study:
 
 
 def test_every_session_ends_as_its_person_does(study):
-    assert [one.code for one in study.contents.sessions] == CODES
-    assert [one.status for one in study.contents.sessions] == list(study.cohort().why)
-    assert {one.status for one in study.contents.sessions} == {"complete", "stopped", "sick"}
-    assert "Fast motion sickness" in next(one.why for one in study.contents.sessions if one.status == "sick")
+    assert [session.code for session in study.contents.sessions] == CODES
+    assert [session.status for session in study.contents.sessions] == list(study.cohort().why)
+    assert {session.status for session in study.contents.sessions} == {"complete", "stopped", "sick"}
+    assert "Fast motion sickness" in next(
+        session.why for session in study.contents.sessions if session.status == "sick"
+    )
 
 
 def test_a_dropout_frees_the_order(study):
     """Twelve begin four orders; each is held by as many who stay as any other, but for one."""
-    held = [sum(one.row == row and one.status == "complete" for one in study.contents.sessions) for row in range(4)]
+    held = [
+        sum(session.row == row and session.status == "complete" for session in study.contents.sessions)
+        for row in range(4)
+    ]
     assert max(held) - min(held) <= 1
 
 
 def test_the_store_has_what_was_answered_and_nothing_else(study):
     meant = study.cohort().answers["grade"]
     stored = np.full(meant.shape, np.nan)
-    ratings = [one for one in study.contents.answers if one.scale == "grade"]
+    ratings = [answer for answer in study.contents.answers if answer.scale == "grade"]
     rows = {one.id: row for row, one in enumerate(study.contents.sessions)}
-    for one in sorted(ratings, key=lambda one: one.revision):
-        stored[rows[one.session], one.trial - 1] = np.nan if one.value is None else one.value
+    for rating in sorted(ratings, key=lambda one: one.revision):
+        stored[rows[rating.session], rating.trial - 1] = np.nan if rating.value is None else rating.value
     np.testing.assert_array_equal(stored, meant)
-    assert any(one.revision > 1 for one in study.contents.answers)  # somebody wanted a question once more
-    assert any(one.kind == "pause" for one in study.contents.events)  # and somebody a pause
+    assert any(answer.revision > 1 for answer in study.contents.answers)  # somebody wanted a question once more
+    assert any(event.kind == "pause" for event in study.contents.events)  # and somebody a pause
 
 
 def test_trials_show_their_planned_condition(study):
-    shown = [one for one in study.contents.showings if one.complete and one.trial]
-    assert len({(one.session, one.trial) for one in shown}) == sum(study.cohort().trials)
-    for one in shown:
-        wanted = study.design.part("main").condition(one.condition).settings["latency"]
+    shown = [showing for showing in study.contents.showings if showing.complete and showing.trial]
+    assert len({(showing.session, showing.trial) for showing in shown}) == sum(study.cohort().trials)
+    for showing in shown:
+        wanted = study.design.part("main").condition(showing.condition).settings["latency"]
         # A frame that comes at once is still drawn two refreshes of 50 ms before it is seen.
-        assert one.actual["latency_ms_median"] == pytest.approx(max(wanted, 100.0), abs=1e-6)
-        assert one.actual["pictures"] * 50 == pytest.approx(
+        assert showing.actual["latency_ms_median"] == pytest.approx(max(wanted, 100.0), abs=1e-6)
+        assert showing.actual["pictures"] * 50 == pytest.approx(
             1000 * study.design.seconds, abs=51
         )  # at 20 Hz; both ends count
 
@@ -131,10 +136,10 @@ def test_the_known_effects_come_back_inside_their_intervals(study):
 
 def test_dropouts_are_listed(study):
     analysis = json.loads((study.made / "analysis" / "analysis.json").read_text())
-    sub = {one.sub: one.status for one in study.contents.sessions if one.status != "complete"}
-    assert {one["participant"]: one["status"] for one in analysis["sittings"]["cut"]} == sub
+    sub = {session.sub: session.status for session in study.contents.sessions if session.status != "complete"}
+    assert {entry["participant"]: entry["status"] for entry in analysis["sittings"]["cut"]} == sub
     page = (study.made / "analysis" / "report.html").read_text().replace("<wbr>", "")
-    assert all(one in page for one in sub)
+    assert all(text in page for text in sub)
     with (study.made / "export" / "bids" / "participants.tsv").open(newline="") as file:
         listed = {
             row["participant_id"].removeprefix("sub-"): row["status"] for row in csv.DictReader(file, delimiter="\t")
@@ -151,10 +156,10 @@ def test_the_export_reads_back(study):
     values = [
         {
             (row.participant, row.place, row.condition, row.previous): row.value
-            for row in one.rows
+            for row in table.rows
             if row.value is not None
         }
-        for one in (own, exported)
+        for table in (own, exported)
     ]
     assert values[0] == values[1]
 
@@ -167,7 +172,7 @@ def test_prediction_takes_one_study_or_several(study, tmp_path):
     alone = json.loads(tiny.ran("study", "predict", study.file, "--simulated", "--json"))
     both = json.loads(tiny.ran("study", "predict", study.file, copy, "--simulated", "--json"))
     people = [re.search(r"(\d+) people", found["sentences"][0]) for found in (alone, both)]
-    assert [int(one[1]) for one in people if one] == [len(CODES), 2 * len(CODES)]
+    assert [int(person[1]) for person in people if person] == [len(CODES), 2 * len(CODES)]
     assert both["studies"] == [str(study.file), str(copy)] and alone["scale"] == both["scale"] == "grade"
     said = tiny.ran("study", "predict", study.file, "--simulated")
     assert "What goes with the ratings" in said and alone["measures"][0]["title"] in said
@@ -180,7 +185,7 @@ def test_a_pilot_stays_apart(study):
     with Store(study.data) as store:
         (pilot,) = store.contents(pilot=True).sessions
     assert pilot.code == PILOT
-    assert PILOT not in [one.code for one in study.contents.sessions]
+    assert PILOT not in [session.code for session in study.contents.sessions]
     assert not holding(study.made, pilot.code) and not holding(study.made, pilot.sub)
 
 
@@ -201,7 +206,7 @@ def test_a_withdrawal_leaves_nothing(study, tmp_path):
     """
     data = tmp_path / "tiny-data"
     shutil.copytree(study.data, data)
-    sub = next(one.sub for one in study.contents.sessions if one.code == WITHDRAWN)
+    sub = next(session.sub for session in study.contents.sessions if session.code == WITHDRAWN)
     assert holding(data, sub)
     tiny.ran("study", "withdraw", study.file, WITHDRAWN, "--store", data, "--yes")
     assert not holding(data, sub)

@@ -38,7 +38,7 @@ def until_showing(store: Path, process: subprocess.Popen, key: str = "trial/1") 
     while time.monotonic() < until:
         assert process.poll() is None, process.communicate()
         with suppress(InputError), Store(store) as opened:  # the store is not there yet, or being made
-            if any(one.key == key for one in opened.contents().showings):
+            if any(showing.key == key for showing in opened.contents().showings):
                 return
         time.sleep(0.05)
     raise AssertionError("no trial began")
@@ -74,9 +74,9 @@ def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
     assert "--resume" in said + wrong
     with Store(data) as store:
         contents = store.contents()
-    assert [(one.code, one.status) for one in contents.sessions] == [("one", "interrupted")]
-    assert [one.complete for one in contents.showings if one.key == "trial/1"] == [False]
-    assert [one.key for one in contents.answers] == ["practice/fms/fms"]
+    assert [(session.code, session.status) for session in contents.sessions] == [("one", "interrupted")]
+    assert [showing.complete for showing in contents.showings if showing.key == "trial/1"] == [False]
+    assert [answer.key for answer in contents.answers] == ["practice/fms/fms"]
 
 
 @pytest.fixture
@@ -121,7 +121,7 @@ def test_a_disk_that_is_full_in_mid_session(small_disk, nursery, tmp_path):
         assert "room" in one.said, one.said
         stops.append(one.said)
         subprocess.run(["mount", "-o", f"remount,size={size_k}k", str(small_disk)], check=True)
-    assert len(stops) > 2 and any("--resume" in one for one in stops)
+    assert len(stops) > 2 and any("--resume" in stop for stop in stops)
     assert faults(killed) == []
 
 

@@ -104,9 +104,9 @@ def test_a_condition_shows_each_strategy(tmp_path):
     with shown(tmp_path, head + "".join(conditions)) as store:
         found = measure_study(store, attrs.evolve(OPTIONS, every=9))
         assert (found.measured, found.left_out) == (len(strategies.names()), ())
-        measured = {one.condition: one.measured for one in store.contents().showings if one.complete}
+        measured = {showing.condition: showing.measured for showing in store.contents().showings if showing.complete}
     assert set(measured) == set(strategies.names())
-    assert all(one["psnr_db"] > 5 for one in measured.values())
+    assert all(showing["psnr_db"] > 5 for showing in measured.values())
     assert measured["model"]["flip"] < measured["depth_image"]["flip"] < measured["imposter"]["flip"]
 
 
@@ -116,8 +116,8 @@ def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_f
     assert (found.measured, found.known, found.left_out, len(said)) == (3, 0, (), 3)
     assert seen == sorted(seen) and seen[-1] == (54, 54)
     showings = store.contents().showings
-    assert [bool(one.measured) for one in showings] == [one.complete for one in showings]
-    of = {one.condition: one.measured for one in showings if one.complete}
+    assert [bool(showing.measured) for showing in showings] == [showing.complete for showing in showings]
+    of = {showing.condition: showing.measured for showing in showings if showing.complete}
     # 0.6 s of trace at 30 Hz less the latency of 3 refreshes, every third of them.
     assert [of[name]["refreshes"] for name in ("late", "warped", "reference")] == [5, 5, 6]
     assert of["reference"]["flip"] == 0 and of["reference"]["hole_share"] == 0
@@ -125,7 +125,7 @@ def test_every_whole_trial_is_measured_once_and_what_it_finds_is_what_a_replay_f
     # start).
     assert of["late"]["flip"] > 1.5 * of["warped"]["flip"] > 0 and of["late"]["psnr_db"] < of["warped"]["psnr_db"]
 
-    late = next(one for one in showings if one.complete and one.condition == "late")
+    late = next(showing for showing in showings if showing.complete and showing.condition == "late")
     plain = RunOptions(
         trace=str(store.traces / late.trace),
         scene="planes",
@@ -151,18 +151,25 @@ def test_both_showings_of_a_trial_are_measured_and_each_has_its_own_figures(tmp_
         said: list[str] = []
         assert measure_study(store, OPTIONS, say=said.append).measured == 4
         assert len({line.partition(":")[0] for line in said}) == 4
-        found = [(one.condition, one.measured.get("flip") == 0) for one in store.contents().showings if one.complete]
+        found = [
+            (showing.condition, showing.measured.get("flip") == 0)
+            for showing in store.contents().showings
+            if showing.complete
+        ]
         assert sorted(found) == [("late", False), *[("reference", True)] * 3]
 
 
 def test_known_trials_are_measured_again_only_on_request(store):
     measure_study(store, OPTIONS)
-    before = [one.measured for one in store.contents().showings]
+    before = [showing.measured for showing in store.contents().showings]
     found = measure_study(store, OPTIONS)
     assert (found.measured, found.known) == (0, 3) and "3 were measured before" in found.describe()[0]
-    assert [one.measured for one in store.contents().showings] == before
+    assert [showing.measured for showing in store.contents().showings] == before
     smaller = measure_study(store, attrs.evolve(OPTIONS, size=(48, 60)))
-    assert smaller.measured == 3 and {one.measured.get("size") for one in store.contents().showings} == {None, "48x60"}
+    assert smaller.measured == 3 and {showing.measured.get("size") for showing in store.contents().showings} == {
+        None,
+        "48x60",
+    }
     assert measure_study(store, attrs.evolve(OPTIONS, size=(48, 60), again=True)).measured == 3
 
 
@@ -175,7 +182,7 @@ def test_an_aborted_measurement_resumes_at_the_next_trial(store):
 
     with pytest.raises(Stop):
         measure_study(store, OPTIONS, say=stop)
-    assert sum(bool(one.measured) for one in store.contents().showings) == 1
+    assert sum(bool(showing.measured) for showing in store.contents().showings) == 1
     found = measure_study(store, OPTIONS)
     assert (found.measured, found.known) == (2, 1)
 
@@ -184,13 +191,13 @@ def test_a_cluster_measures_the_same(store):
     """The traces cross to workers, which know nothing of the store."""
     pytest.importorskip("distributed")
     assert measure_study(store, attrs.evolve(OPTIONS, where=ClusterOptions(cluster="local:1"))).measured == 3
-    there = [one.measured for one in store.contents().showings]
+    there = [showing.measured for showing in store.contents().showings]
     assert measure_study(store, attrs.evolve(OPTIONS, again=True)).measured == 3
-    assert [one.measured for one in store.contents().showings] == there
+    assert [showing.measured for showing in store.contents().showings] == there
 
 
 def test_a_missing_or_wrong_trace_is_reported_and_the_others_measured(store):
-    first, second, *_ = [one for one in store.contents().showings if one.complete]
+    first, second, *_ = [showing for showing in store.contents().showings if showing.complete]
     (store.traces / first.trace).unlink()
     (store.traces / second.trace).write_text("nothing\n", encoding="utf-8")
     found = measure_study(store, OPTIONS)
@@ -254,22 +261,22 @@ RATED = attrs.evolve(OPTIONS, jod_s=0.1)
 def test_without_the_package_rating_says_how_to_get_it(store):
     found = measure_study(store, RATED)
     assert found.measured == 0 and len(found.failed) == 3
-    assert all("pip install 'hmdwarp[jod]'" in one.why for one in found.failed)
+    assert all("pip install 'hmdwarp[jod]'" in failure.why for failure in found.failed)
 
 
 @with_cvvdp
 @quiet
 def test_a_jod_rating_is_a_column_and_is_not_repeated(store):
     measure_study(store, OPTIONS)
-    plain = {one.id: one.measured for one in store.contents().showings if one.complete}
+    plain = {showing.id: showing.measured for showing in store.contents().showings if showing.complete}
     said: list[str] = []
     assert measure_study(store, RATED, say=said.append).measured == 3
-    of = {one.condition: one.measured for one in store.contents().showings if one.complete}
+    of = {showing.condition: showing.measured for showing in store.contents().showings if showing.complete}
     assert of["late"]["jod"] < of["warped"]["jod"] < of["reference"]["jod"] == 10.0
     assert all(text.endswith("JOD") for text in said)
-    for one in store.contents().showings:
-        if one.complete:
-            assert {**plain[one.id]} == {name: one.measured[name] for name in plain[one.id]}
+    for showing in store.contents().showings:
+        if showing.complete:
+            assert {**plain[showing.id]} == {name: showing.measured[name] for name in plain[showing.id]}
     for options in (RATED, OPTIONS):
         assert measure_study(store, options).known == 3
 

@@ -168,10 +168,12 @@ def test_the_true_difference_is_that_of_all_people_however_few_are_simulated():
     (few, many) = (power_of(model, design, coin, [n], studies=10, seed=n) for n in (3, 40))
     assert few.true_effect == many.true_effect and few.planned == many.planned
     means = model.ratings["grade"].means[DESIGN.parts[0].name]
-    for one in design.families[0].comparisons:
-        assert few.planned[one] == pytest.approx(0.5, abs=1e-12)
+    for comparison in design.families[0].comparisons:
+        assert few.planned[comparison] == pytest.approx(0.5, abs=1e-12)
         share = {name: norm.cdf(mean - 0.5) for name, mean in means.items()}  # latent_sd is 1 where --sd is 1
-        assert few.true_effect[one] == pytest.approx(share[one.baseline] - share[one.better], abs=1e-12)
+        assert few.true_effect[comparison] == pytest.approx(
+            share[comparison.baseline] - share[comparison.better], abs=1e-12
+        )
 
 
 def test_the_true_difference_counts_drift_and_carry_over_as_simulated_people_do():
@@ -180,10 +182,10 @@ def test_the_true_difference_counts_drift_and_carry_over_as_simulated_people_do(
     design = attrs.evolve(DESIGN, sickness=None)
     population = Population(model, design, DESIGN.parts[0].name)
     cohort = population.of(range(16_000), 1)
-    for one in design.families[0].comparisons:
+    for comparison in design.families[0].comparisons:
         for latent in (False, True):
-            values = differences(cohort, GRADE, one, latent=latent)
-            true = expected_difference(population, GRADE, one, latent=latent)
+            values = differences(cohort, GRADE, comparison, latent=latent)
+            true = expected_difference(population, GRADE, comparison, latent=latent)
             assert values.mean() == pytest.approx(true, abs=4 * values.std() / np.sqrt(len(values)))
 
 
@@ -192,10 +194,10 @@ def test_more_people_find_more_and_dropouts_cost():
     found = power_of(model, DESIGN, GRADE, [8, 12], studies=200, seed=1)
     assert found.balanced == 4
     less = power_of(attrs.evolve(model, dropout=0.2), DESIGN, GRADE, [8, 12], studies=200, seed=1)
-    for one in found.true_effect:
-        assert found.at[0].found[one].value <= found.at[1].found[one].value
-        assert less.at[0].found[one].value < found.at[0].found[one].value
-        assert less.at[1].pairs[one] < found.at[1].pairs[one] <= 12
+    for comparison in found.true_effect:
+        assert found.at[0].found[comparison].value <= found.at[1].found[comparison].value
+        assert less.at[0].found[comparison].value < found.at[0].found[comparison].value
+        assert less.at[1].pairs[comparison] < found.at[1].pairs[comparison] <= 12
     told = " ".join(sentences(less, 0.8))
     assert "do not finish" in told and "complete sessions plan" in told
 
@@ -213,8 +215,8 @@ def test_planned_effects_point_to_the_better_one(sign):
     design = attrs.evolve(DESIGN, scales=(scale,), sickness=None)
     model = planned_model(design, scale, 0.5, 1.0)
     cohort = Population(model, design, DESIGN.parts[0].name).of(range(8000), 1)
-    for one in design.families[0].comparisons:
-        values = differences(cohort, scale, one, latent=True)
+    for comparison in design.families[0].comparisons:
+        values = differences(cohort, scale, comparison, latent=True)
         assert values.mean() == pytest.approx(0.5, abs=0.045)  # 4 standard errors of 1 / sqrt(8000)
         assert values.std() == pytest.approx(1.0, abs=0.032)
 
@@ -258,7 +260,9 @@ def test_power_is_a_set_of_cases_that_can_be_resumed(tmp_path):
     assert again.returncode == 0 and "1 of 3 cases are kept from before" in again.stderr
     rows = json.loads((tmp_path / "power.json").read_text())["scales"][0]["rows"]
     whole = power_of(load_model("quick"), DESIGN, GRADE, [8, 12], studies=120, seed=1)
-    assert [row["power"] for row in rows] == [at.found[one].value for one in whole.true_effect for at in whole.at]
+    assert [row["power"] for row in rows] == [
+        at.found[comparison].value for comparison in whole.true_effect for at in whole.at
+    ]
     assert len([*(tmp_path / "cases").iterdir()]) == 4  # what another number of studies needs stays
     assert all((tmp_path / "cases" / name).stat().st_mtime_ns == time for name, time in done.items())
 
@@ -287,7 +291,7 @@ def test_a_study_with_two_scales_is_planned_on_both_or_on_one(two_scales, tmp_pa
     assert "acr: Quality in five grades (ACR)" in said and "slider: Quality, continuous" in said
     assert "in the units of each scale" in said
     both = json.loads((tmp_path / "both" / "power.json").read_text())["scales"]
-    assert [one["scale"] for one in both] == ["acr", "slider"]
+    assert [power["scale"] for power in both] == ["acr", "slider"]
     tiny.ran("study", "power", two_scales, *EFFECT, "--scale", "slider", "--out", tmp_path / "one")
     assert json.loads((tmp_path / "one" / "power.json").read_text())["scales"] == both[1:]
     rows = list(csv.DictReader((tmp_path / "both" / "power.csv").read_text(encoding="utf-8").splitlines()))

@@ -109,7 +109,7 @@ def test_simulated_significance_equals_the_analysis(scale, repeats):
         )
         cohort = Population(model, design, "main").of(range(people), 7, study)
         comparisons = design.families[0].comparisons
-        given = {one: differences(cohort, design.scales[0], one) for one in comparisons}
+        given = {comparison: differences(cohort, design.scales[0], comparison) for comparison in comparisons}
         found = significant(design, given, ALPHA)
         for row, one in zip(analysed["comparisons"], comparisons, strict=True):
             assert (row["condition"], row["baseline"]) == (one.better, one.baseline)

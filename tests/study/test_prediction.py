@@ -72,16 +72,16 @@ def test_the_correlation_is_pingouins(seed):
 
 def test_people_left_out_are_predicted_as_a_plain_loop_does():
     rows = made_up(5, {FLIP: 0.6, HOLES: 0.1}, people=6)
-    found = {one.name: one for one in few(rows).measures}
-    people = list(dict.fromkeys(one["participant"] for one in rows))
+    found = {measure.name: measure for measure in few(rows).measures}
+    people = list(dict.fromkeys(row["participant"] for row in rows))
     for name in (FLIP, HOLES):
         error = alone = 0.0
         for left_out in people:
             x, y = [], []
             for person in people:
-                mine = [one for one in rows if one["participant"] == person]
-                dx = np.array([one[name] for one in mine]) - np.mean([one[name] for one in mine])
-                dy = np.array([one["value"] for one in mine]) - np.mean([one["value"] for one in mine])
+                mine = [row for row in rows if row["participant"] == person]
+                dx = np.array([row[name] for row in mine]) - np.mean([row[name] for row in mine])
+                dy = np.array([row["value"] for row in mine]) - np.mean([row["value"] for row in mine])
                 if person == left_out:
                     asked = dx, dy
                 else:
@@ -98,21 +98,21 @@ def test_a_choice_is_tested_on_people_who_took_no_part_in_it_as_nested_plain_loo
     rows = made_up(7, {FLIP: 0.5, HOLES: 0.3, AGE: 0.2}, people=7, noise=1.5)
     found = few(rows)
     names = (FLIP, HOLES, AGE)
-    people = list(dict.fromkeys(one["participant"] for one in rows))
+    people = list(dict.fromkeys(row["participant"] for row in rows))
 
     def centred(person, name):
-        values = np.array([one[name] for one in rows if one["participant"] == person])
+        values = np.array([row[name] for row in rows if row["participant"] == person])
         return values - values.mean()
 
     def off(asked, known, name):
-        x, y = (np.concatenate([centred(one, column) for one in known]) for column in (name, "value"))
+        x, y = (np.concatenate([centred(row, column) for row in known]) for column in (name, "value"))
         slope = np.linalg.lstsq(x[:, None], y, rcond=None)[0][0]
         return ((centred(asked, "value") - slope * centred(asked, name)) ** 2).sum()
 
     error, chosen = 0.0, []
     for left_out in people:
-        others = [one for one in people if one != left_out]
-        inner = {name: sum(off(one, [o for o in others if o != one], name) for one in others) for name in names}
+        others = [person for person in people if person != left_out]
+        inner = {name: sum(off(other, [o for o in others if o != other], name) for other in others) for name in names}
         chosen.append(min(inner, key=inner.get))
         error += off(left_out, others, chosen[-1])
     alone = sum((centred(person, "value") ** 2).sum() for person in people)
@@ -128,7 +128,7 @@ def test_the_first_place_flatters_and_a_choice_by_others_does_not():
     of the mean is below 0.01.
     """
     found = [few(made_up(seed, dict.fromkeys(list(MEASURES)[:10], 0.0)), resamples=20) for seed in range(40)]
-    first = np.mean([max(one.skill for one in study.measures) for study in found])
+    first = np.mean([max(measure.skill for measure in study.measures) for study in found])
     chosen = np.mean([study.choice_skill for study in found])
     assert first > 0.01 > chosen
 
@@ -142,24 +142,24 @@ def test_a_choice_that_is_clear_costs_nothing():
 
 def matrix(rows, people, measure):
     """A column for the level of each person, and one for the measure."""
-    levels = np.array([[one["participant"] == person for person in people] for one in rows], dtype=float)
-    return np.column_stack([levels, [one[measure] for one in rows]]) if measure else levels
+    levels = np.array([[row["participant"] == person for person in people] for row in rows], dtype=float)
+    return np.column_stack([levels, [row[measure] for row in rows]]) if measure else levels
 
 
 def test_conditions_left_out_are_predicted_as_a_regression_with_a_level_for_each_person_does():
     rows = made_up(6, {FLIP: 0.6, HOLES: 0.1}, people=6)
-    found = {one.name: one for one in few(rows).measures}
-    people = list(dict.fromkeys(one["participant"] for one in rows))
+    found = {measure.name: measure for measure in few(rows).measures}
+    people = list(dict.fromkeys(row["participant"] for row in rows))
     for name in (FLIP, HOLES):
         error = alone = 0.0
-        for left_out in dict.fromkeys(one["condition"] for one in rows):
-            known = [one for one in rows if one["condition"] != left_out]
-            asked = [one for one in rows if one["condition"] == left_out]
+        for left_out in dict.fromkeys(row["condition"] for row in rows):
+            known = [row for row in rows if row["condition"] != left_out]
+            asked = [row for row in rows if row["condition"] == left_out]
             for measure in (name, None):
                 fit = np.linalg.lstsq(
-                    matrix(known, people, measure), np.array([one["value"] for one in known]), rcond=None
+                    matrix(known, people, measure), np.array([row["value"] for row in known]), rcond=None
                 )[0]
-                off = ((np.array([one["value"] for one in asked]) - matrix(asked, people, measure) @ fit) ** 2).sum()
+                off = ((np.array([row["value"] for row in asked]) - matrix(asked, people, measure) @ fit) ** 2).sum()
                 error, alone = (error + off, alone) if measure else (error, alone + off)
         assert found[name].skill_condition == pytest.approx(1 - error / alone, rel=1e-9)
 
@@ -170,7 +170,7 @@ def test_the_best_measure_of_a_made_up_study_is_found(seed):
     first = found.measures[0]
     assert first.name == FLICKER and first.r > 0.4 and found.sure and first.low > 0
     assert first.skill > 0 and first.skill_condition > 0
-    assert [one.name for one in found.candidates] == [FLICKER] and first.best > 0.95
+    assert [candidate.name for candidate in found.candidates] == [FLICKER] and first.best > 0.95
     assert sentences(found)[0].startswith("Flicker predicts the ratings best")
 
 
@@ -196,7 +196,9 @@ def test_equally_good_measures_stay_undecided():
 
 def test_correlated_measures_are_named():
     found = few(made_up(2, {FLIP: 0.5, FLICKER: 0.0, AGE: 0.0}, together=0.99))
-    assert all(set(one.alike) == {other.title for other in found.measures} - {one.title} for one in found.measures)
+    assert all(
+        set(measure.alike) == {other.title for other in found.measures} - {measure.title} for measure in found.measures
+    )
     text = " ".join(sentences(found))
     assert "is undecided" in text and "ratings cannot separate them" in text and "move together" in text
 
@@ -245,18 +247,18 @@ def test_the_interval_covers_what_is_true():
 def test_units_order_and_direction_play_no_part(seed, scale, shift):
     rows = made_up(seed, {FLIP: 0.5, HOLES: 0.2}, people=6)
     before = few(rows)
-    other = [dict(one) for one in rows]
+    other = [dict(row) for row in rows]
     np.random.default_rng(seed).shuffle(other)
-    for one in other:
-        one[FLIP] = one[FLIP] * scale + shift * scale
-        one["low_is_good"], one["value"] = False, 7 - one["value"]
-    after = {one.name: one for one in few(other).measures}
-    for one in before.measures:
-        got = after[one.name]
+    for row in other:
+        row[FLIP] = row[FLIP] * scale + shift * scale
+        row["low_is_good"], row["value"] = False, 7 - row["value"]
+    after = {measure.name: measure for measure in few(other).measures}
+    for measure in before.measures:
+        got = after[measure.name]
         for name in ("r", "rank_r", "skill", "skill_condition"):
             # Shifting by 1000 times the spread costs three digits of sixteen twice over, in
             # centring and in its squares.
-            assert getattr(got, name) == pytest.approx(getattr(one, name), abs=1e-7)
+            assert getattr(got, name) == pytest.approx(getattr(measure, name), abs=1e-7)
 
 
 def test_the_same_rows_give_the_same_numbers():
@@ -274,7 +276,7 @@ def test_untestable_measures_are_named_with_their_reason():
         one["actual_pose_age_ms_median"] = float(one["participant"][1:])  # differs between people alone
     found = few(rows)
     reasons = dict(found.left_out)
-    assert [one.name for one in found.measures] == [FLIP, HOLES]
+    assert [measure.name for measure in found.measures] == [FLIP, HOLES]
     assert reasons["missed refreshes"] == reasons["age of the pose"] == "the same in all trials of each person"
     assert reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings" and reasons["flicker"] == "not measured"
     assert found.dropped == 5 and found.ratings == 91
@@ -287,16 +289,16 @@ def test_too_little_is_refused_in_words():
     for rows, word in (
         (made_up(1, {FLIP: 0.5}, people=LEAST_PEOPLE - 1), "people"),
         (made_up(1, {FLIP: 0.5}, conditions=2, repeats=3), "conditions"),
-        ([one | {FLIP: 1.0} for one in made_up(1, {FLIP: 0.5})], "no metric differs"),
-        ([one | {"value": 3.0} for one in made_up(1, {FLIP: 0.5})], "same rating"),
-        ([one for one in made_up(1, {FLIP: 0.5}) if one["condition"] == "c0"], "people"),
+        ([row | {FLIP: 1.0} for row in made_up(1, {FLIP: 0.5})], "no metric differs"),
+        ([row | {"value": 3.0} for row in made_up(1, {FLIP: 0.5})], "same rating"),
+        ([row for row in made_up(1, {FLIP: 0.5}) if row["condition"] == "c0"], "people"),
     ):
         found = few(rows)
         assert word in found.refused and found.measures == () and word in sentences(found)[0]
 
 
 def test_pictures_measured_in_different_ways_are_not_compared():
-    alike = [one | {"measured_size": "320x400", "measured_every": 20} for one in made_up(4, {FLIP: 0.5, HOLES: 0.2})]
+    alike = [row | {"measured_size": "320x400", "measured_every": 20} for row in made_up(4, {FLIP: 0.5, HOLES: 0.2})]
     assert few(alike).measures == few(made_up(4, {FLIP: 0.5, HOLES: 0.2})).measures
     for other in ({"measured_size": "640x800"}, {"measured_every": 10}):
         found = few([one | other if k % 2 else one for k, one in enumerate(alike)])
@@ -305,7 +307,7 @@ def test_pictures_measured_in_different_ways_are_not_compared():
 
 def test_missing_ratings_and_other_scales_are_left_alone():
     rows = made_up(4, {FLIP: 0.5, HOLES: 0.2})
-    more = [one | {"value": None} for one in rows[:5]] + [one | {"scale": "acr", "low_is_good": False} for one in rows]
+    more = [row | {"value": None} for row in rows[:5]] + [row | {"scale": "acr", "low_is_good": False} for row in rows]
     assert few(rows + more) == few(rows)
     assert few(rows + more, scale="acr").measures[0].r == pytest.approx(-few(rows).measures[0].r)
 
@@ -318,7 +320,7 @@ def test_one_measure_alone_is_not_called_the_best():
 def test_people_and_conditions_of_two_studies_are_never_one():
     """Each with its own level of the measure and of the grade, which count for nothing."""
     first = made_up(1, {FLIP: 0.6, HOLES: 0.1}, people=6)
-    second = [one | {FLIP: one[FLIP] + 50, "value": one["value"] - 9} for one in made_up(2, {FLIP: 0.6, HOLES: 0.1})]
+    second = [row | {FLIP: row[FLIP] + 50, "value": row["value"] - 9} for row in made_up(2, {FLIP: 0.6, HOLES: 0.1})]
     scale, rows = pooled({"a": first, "b.toml": second})
     found = few(rows)
     assert (scale, found.people, found.conditions, found.ratings) == ("grade", 18, 16, len(first) + len(second))
@@ -328,14 +330,14 @@ def test_people_and_conditions_of_two_studies_are_never_one():
 def test_studies_whose_scale_has_another_good_end_are_refused():
     """Their correlations would cancel each other."""
     first = made_up(1, {FLIP: 0.6})
-    second = [one | {"low_is_good": False, "value": -one["value"]} for one in made_up(2, {FLIP: 0.6})]
+    second = [row | {"low_is_good": False, "value": -row["value"]} for row in made_up(2, {FLIP: 0.6})]
     with pytest.raises(InputError, match="'grade' is not the same .*: low is good in 'a' and high is good in 'b'"):
         pooled({"a": first, "b": second})
 
 
 def test_studies_without_a_common_scale_are_refused_with_what_they_have():
     first = made_up(1, {FLIP: 0.6})
-    second = [one | {"scale": "acr"} for one in made_up(2, {FLIP: 0.6})]
+    second = [row | {"scale": "acr"} for row in made_up(2, {FLIP: 0.6})]
     with pytest.raises(InputError, match=r"on one scale in every study.*'a' \(grade\).*'b' \(acr\)"):
         pooled({"a": first, "b": second})
     with pytest.raises(InputError, match=r"on scale 'acr' in every study.*'a' \(grade\)") as refused:

@@ -54,8 +54,8 @@ def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
     with Store(tmp_path / "data") as store:
         found = measure_study(store, MeasureOptions(every=2, workers=0, pilot=True))
         assert (found.measured, found.left_out) == (2, ())
-        shown = {one.condition: one for one in store.contents(pilot=True).showings if one.complete}
-    assert {one.actual["headset"] for one in shown.values()} == {"camera"}
+        shown = {showing.condition: showing for showing in store.contents(pilot=True).showings if showing.complete}
+    assert {showing.actual["headset"] for showing in shown.values()} == {"camera"}
     late, warped = (shown[name].measured for name in ("late", "warped"))
     assert warped["psnr_db"] > late["psnr_db"] + 3
     plain = RunOptions.of(

@@ -163,8 +163,8 @@ def devices() -> Finding:
     """List the devices that EGL knows, of which HMDWARP_EGL_DEVICE chooses one."""
     known = run_probe("devices")
     listed = [
-        f"{one['index']}: {one['renderer']}{' at ' + one['file'] if one['file'] else ''}"
-        for one in known.get("devices", [])
+        f"{device['index']}: {device['renderer']}{' at ' + device['file'] if device['file'] else ''}"
+        for device in known.get("devices", [])
     ]
     if "error" in known:
         at = f", at {known['stage']}" if known["stage"].startswith("device") else ""

@@ -170,7 +170,7 @@ class EffectRegistry(Registry[Effect]):
             elif name in known:
                 (forced if name == word else forbidden).add(name)
             elif word != AUTO:
-                raise unknown_name("effect", name, [*known, *(f"{FORBID}{one}" for one in known), AUTO, NONE])
+                raise unknown_name("effect", name, [*known, *(f"{FORBID}{effect}" for effect in known), AUTO, NONE])
         if both := self.ordered(forced & forbidden):
             raise InputError(f"--effects '{text}': {', '.join(both)} both forced and forbidden; choose one of the two")
         return forced, forbidden

@@ -98,9 +98,9 @@ class Memory(Fill):
             DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )
         others = [keyframe for keyframe in self._kept if keyframe.view is not rendered.view]
-        for one in most_useful(others, shown, rendered.view, self.settings.use):
-            slot = self._slots[one.slot]
-            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, one.view), shown, seeds=slot.seeds)
+        for kept in most_useful(others, shown, rendered.view, self.settings.use):
+            slot = self._slots[kept.slot]
+            self._holes.add(DepthPicture(slot.colour, slot.inverse_depth, kept.view), shown, seeds=slot.seeds)
 
     def renew(self) -> None:
         self._last.clear()

@@ -43,7 +43,7 @@ class Backward(GatherWarp):
     source = "McMillan and Bishop 1995 (the map); Williams 1978 (the depth test)"
     Settings = BackwardSettings
     depth_reads = ("client.inverse_depth",)
-    scans_out = False  # the client's depth is drawn for one instant
+    scans_out = False  # the client's depth is drawn at one instant
 
     def prepare(self) -> None:
         self._tests = self.settings.test == "on"

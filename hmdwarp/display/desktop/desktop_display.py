@@ -52,7 +52,9 @@ class DesktopDisplay(SwitchableView):
         from .window_commands import WindowCommands
         from .window_input import Keys
 
-        has_panel = options.control_panel and any(one.name == "panel" and one.of_display for one in options.controls)
+        has_panel = options.control_panel and any(
+            control.name == "panel" and control.of_display for control in options.controls
+        )
         self._window = Window(
             glfw,
             TITLE,

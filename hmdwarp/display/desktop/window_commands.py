@@ -38,7 +38,7 @@ class WindowCommands:
             "help": self._help,
             "quit": self._quit,
         }
-        self._handlers = {one.name: handlers[one.name] for one in keys.controls if one.of_display}
+        self._handlers = {control.name: handlers[control.name] for control in keys.controls if control.of_display}
 
     def read(self) -> int:
         """Read mouse and keys, move the walker, and return the time."""

@@ -70,7 +70,9 @@ class Keys:
 
         looks: whether the mouse turns the head.
         """
-        help_ = next((one for one in self.controls if one.name == "help" and not one.needs_text_panel), None)
+        help_ = next(
+            (control for control in self.controls if control.name == "help" and not control.needs_text_panel), None
+        )
         if help_ is None:
             return []
         return [f"{'click to look, ' if looks else ''}{(named or label)(help_.key)} for help"]

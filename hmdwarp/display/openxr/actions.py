@@ -90,7 +90,7 @@ class Actions:
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
         axes = {
-            name: max((self._state("xrGetActionStateFloat", one) for one in ones), key=abs)
+            name: max((self._state("xrGetActionStateFloat", action) for action in ones), key=abs)
             for name, ones in self._axes.items()
         }
         for button in self._repeat.step(buttons, axes, now_ns):

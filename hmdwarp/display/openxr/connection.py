@@ -150,7 +150,7 @@ def connect(
         tracker.attach(calls, instance, spaces)
         session.on_world_change = tracker.world_changes
         frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
-        formats = [int(one) for one in calls.call_once(xr.enumerate_swapchain_formats, session.handle)]
+        formats = [int(format_) for format_ in calls.call_once(xr.enumerate_swapchain_formats, session.handle)]
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)
         largest = (views[0].max_image_rect_width, views[0].max_image_rect_height)
         has_depth = DEPTH_EXTENSION in instance.extensions and depth_format(formats) is not None

@@ -35,7 +35,7 @@ class Mirror:
     """
 
     def __init__(self, controls: tuple[Control, ...] = CONTROLS) -> None:
-        self._keys = Keys(tuple(one for one in controls if one.name not in ELSEWHERE))
+        self._keys = Keys(tuple(control for control in controls if control.name not in ELSEWHERE))
         glfw = start()
         self._window = Window(glfw, "hmdwarp", SIZE, vsync=False)
         self.gl = self._window.gl
@@ -110,7 +110,7 @@ class Mirror:
 
 def help_text(controls: tuple[Control, ...]) -> str:
     """Return every control that works here, a line each."""
-    shown = [(one, "end" if one.name == QUIT else one.what) for one in controls if one.what]
+    shown = [(control, "end" if control.name == QUIT else control.what) for control in controls if control.what]
     return "\n".join(f"{_keys_of(one)}\t{what}" for one, what in shown)
 
 

@@ -30,19 +30,19 @@ def colour_format(offered: list[int]) -> int:
 
     Errors: MachineError if the runtime offers none that we can draw into.
     """
-    for one in COLOURS:
-        if one in offered:
-            return one
-    found = ", ".join(f"{one:#x}" for one in offered) or "none"
+    for colour in COLOURS:
+        if colour in offered:
+            return colour
+    found = ", ".join(f"{format_:#x}" for format_ in offered) or "none"
     raise MachineError(
-        f"the runtime's pictures have formats {found}: expected one of {', '.join(f'{one:#x}' for one in COLOURS)}; "
+        f"the runtime's pictures have formats {found}: expected one of {', '.join(f'{each:#x}' for each in COLOURS)}; "
         "update it"
     )
 
 
 def depth_format(offered: list[int]) -> int | None:
     """Return the best depth format, None if the runtime offers none."""
-    return next((one for one in DEPTHS if one in offered), None)
+    return next((depth for depth in DEPTHS if depth in offered), None)
 
 
 class Swapchain:

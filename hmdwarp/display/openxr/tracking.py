@@ -90,7 +90,7 @@ class Spaces:
     """Reference spaces of a session."""
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
-        offered = {int(one) for one in calls.call_once(xr.enumerate_reference_spaces, session)}
+        offered = {int(kind) for kind in calls.call_once(xr.enumerate_reference_spaces, session)}
         self.name, self.kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
         self.world = self._made(calls, session, self.kind, -height)
         self.head = self._made(calls, session, _Space.VIEW, 0.0)

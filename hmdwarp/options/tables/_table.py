@@ -146,7 +146,7 @@ class Table:
         """Return non-empty texts."""
 
         def are_texts(value: Any) -> bool:
-            return isinstance(value, list) and all(isinstance(one, str) and one.strip() for one in value)
+            return isinstance(value, list) and all(isinstance(entry, str) and entry.strip() for entry in value)
 
         return tuple(self._checked(key, default, are_texts, 'a list of texts, like ["one", "another"]'))
 
@@ -167,7 +167,7 @@ class Table:
                 inner.refuse_unread()
 
     def _unknown(self, key: str) -> KeyFault:
-        known = [_named((*self._path, one)) for one in self._known]
+        known = [_named((*self._path, key)) for key in self._known]
         return KeyFault(_refused(_shortened(_named((*self._path, key))), known), (*self._path, key))
 
     def _checked(self, key: str, default: Any, is_right: Callable[[Any], object], wanted: str) -> Any:

@@ -327,10 +327,10 @@ def find_jumps(
 
 def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
     """Return indices i whose step to sample i + 1 is one of `find_jumps`, or to another space."""
-    times = np.array([one.time_ns for one in samples], np.int64)
-    turned = np.array([one.pose.orientation_xyzw for one in samples])
-    found = find_jumps(times, turned, np.array([one.pose.position_m for one in samples]))
-    changed = np.flatnonzero(np.diff([one.space for one in samples]))
+    times = np.array([sample.time_ns for sample in samples], np.int64)
+    turned = np.array([sample.pose.orientation_xyzw for sample in samples])
+    found = find_jumps(times, turned, np.array([sample.pose.position_m for sample in samples]))
+    changed = np.flatnonzero(np.diff([sample.space for sample in samples]))
     return [int(i) for i in np.union1d(found, changed)]
 
 

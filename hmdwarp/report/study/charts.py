@@ -89,8 +89,8 @@ def score_chart(part: Row) -> str:
 
 def place_chart(part: Row, measure: Row) -> str:
     """Draw each rating, less its participant's and condition's mean, against its trial's place."""
-    places = np.array([one["place"] for one in part["places"]])
-    rest = np.array([one["rest"] for one in part["places"]])
+    places = np.array([place["place"] for place in part["places"]])
+    rest = np.array([place["rest"] for place in part["places"]])
     labels: Style = {"x": "place of the trial in the session", "y": f"{measure['unit']} (up is better)"}
     with canvas((part["part"], "places", rest.tolist()), (5.0, 2.4), **labels) as axes:
         axes.axhline(0, color=PAGE.ink, linewidth=1)
@@ -107,7 +107,7 @@ def place_chart(part: Row, measure: Row) -> str:
 
 def scatter_chart(points: Sequence[Row], label: str, measure: Row) -> str:
     """Draw ratings against a measure. points: x, y."""
-    x, y = np.array([one["x"] for one in points], float), np.array([one["y"] for one in points], float)
+    x, y = np.array([point["x"] for point in points], float), np.array([point["y"] for point in points], float)
     with canvas((label, x.tolist(), y.tolist()), (5.0, 2.6), x=label, y=measure["title"].lower()) as axes:
         axes.plot(x, y, "o", color=_BETTER, alpha=0.55, markersize=4, markeredgewidth=0)
         if measure["low_is_good"]:

@@ -210,7 +210,7 @@ def _prediction(scales: Sequence[Row]) -> Section:
         data, measure = scale["prediction"], scale["measure"]
         if data is None:
             continue
-        titles = {one["name"]: one["title"] for one in data["measures"]}
+        titles = {measure["name"]: measure["title"] for measure in data["measures"]}
         charts = [
             Chart.of(
                 title, scatter_chart(data["points"][name], title, measure), f"{title} against {measure['title']}", ""
@@ -231,12 +231,12 @@ def _people(data: Row) -> Section:
     sessions, notes = data["sittings"], texts("study")["notes"]
     ends = ", ".join(f"{number} {status}" for status, number in sessions["counts"].items())
     blocks: list[Any] = [ends and Text(f"Sessions: {ends}.", "")]
-    blocks.append(_said([_cut(one) for one in sessions["cut"]]) if sessions["cut"] else None)
+    blocks.append(_said([_cut(cut) for cut in sessions["cut"]]) if sessions["cut"] else None)
     for scale in data["scales"]:
         title, count, lines = scale["measure"]["title"], len(scale["missing"]), _missing(scale["missing"])
         fold = Fold(title, [_said(lines)], f"{count} missing", is_open=len(lines) < 16)
         blocks.append(fold if count else Text(f"{title}: no rating is missing."))
-    blocks += [_sickness(one) for one in data["sickness"]]
+    blocks += [_sickness(score) for score in data["sickness"]]
     if data["questionnaires"]:
         blocks.append(Table.of("Questionnaires, before and after", *felt_lines(data["questionnaires"])))
         blocks.append(Text(notes["questionnaires"]))

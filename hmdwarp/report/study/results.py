@@ -167,15 +167,15 @@ def prediction_lines(measures: Iterable[Row]) -> Lines:
     """Return the heads and cells of the table of measures that predict ratings, the best first."""
     return _PREDICTION_HEADS, [
         [
-            one["title"],
-            signed(one["r"]),
-            interval(one["low"], one["high"]),
-            signed(one["rank_r"]),
-            _percent(one["skill"]),
-            f"{_percent(one['skill_low'])} .. {_percent(one['skill_high'])}",
-            _percent(one["best"]),
+            measure["title"],
+            signed(measure["r"]),
+            interval(measure["low"], measure["high"]),
+            signed(measure["rank_r"]),
+            _percent(measure["skill"]),
+            f"{_percent(measure['skill_low'])} .. {_percent(measure['skill_high'])}",
+            _percent(measure["best"]),
         ]
-        for one in measures
+        for measure in measures
     ]
 
 

@@ -81,7 +81,7 @@ class Alignment:
     @property
     def round_trip_ns(self) -> int:
         """The shortest of those kept; half of it bounds the error of the offset."""
-        return min(one.round_trip_ns for one in self._kept)
+        return min(exchange.round_trip_ns for exchange in self._kept)
 
     @property
     def drift(self) -> float:
@@ -96,7 +96,7 @@ class Alignment:
     def _line(self) -> tuple[float, float, float]:
         """Return the middle of the best exchanges, the offset there, and the drift."""
         best = sorted(self._kept, key=lambda one: one.round_trip_ns)[: max(1, len(self._kept) // 4)]
-        times, offsets = [one.middle_ns for one in best], [one.offset_ns for one in best]
+        times, offsets = [exchange.middle_ns for exchange in best], [exchange.offset_ns for exchange in best]
         middle, offset = sum(times) / len(times), sum(offsets) / len(offsets)
         if max(times) - min(times) < _FIT_NS:
             return middle, offset, 0.0

@@ -55,8 +55,8 @@ class Caller:
         self.malformed = 0
         self._context = self._zmq.Context()
         self._orders, orders = (self._context.socket(self._zmq.PAIR) for _ in range(2))
-        for one in (self._orders, orders):
-            one.setsockopt(self._zmq.LINGER, 0)
+        for socket in (self._orders, orders):
+            socket.setsockopt(self._zmq.LINGER, 0)
         orders.bind("inproc://orders")
         self._orders.connect("inproc://orders")
         self._thread = threading.Thread(target=self._work, args=(orders,), name="feed", daemon=True)

@@ -150,9 +150,9 @@ class FrameMessage:
     @property
     def size(self) -> Size:
         """(w, h) of one eye."""
-        for one in (self.inverse_depths[0], self.colours[0]):
-            if not isinstance(one, bytes):
-                return one.shape[1], one.shape[0]
+        for picture in (self.inverse_depths[0], self.colours[0]):
+            if not isinstance(picture, bytes):
+                return picture.shape[1], picture.shape[0]
         return self.coded_size
 
     def light(self, eye: int) -> NDArray[np.float16]:
@@ -173,7 +173,7 @@ class FrameMessage:
     @property
     def further(self) -> list[Part]:
         """The parts of all further layers."""
-        return [one for of_eye in self.layers for several in of_eye.values() for one in several]
+        return [picture for of_eye in self.layers for several in of_eye.values() for picture in several]
 
 
 @attrs.frozen
@@ -225,7 +225,7 @@ def token_of(secret: str) -> bytes:
 
 def encode(message: Message) -> bytes:
     """Return the bytes of a message."""
-    return b"".join(one if isinstance(one, bytes) else one.tobytes() for one in pieces_of(message))
+    return b"".join(piece if isinstance(piece, bytes) else piece.tobytes() for piece in pieces_of(message))
 
 
 def pieces_of(message: Message) -> list[Piece]:
@@ -377,7 +377,7 @@ def _refusal(data: Data) -> Refusal:
     _check_length(data, at + length)
     text = bytes(data[at:]).decode()
     # A line of its own in a log, and no control of the terminal that shows it.
-    return Refusal(number, "".join(one if one.isprintable() else " " for one in text))
+    return Refusal(number, "".join(character if character.isprintable() else " " for character in text))
 
 
 def _stub(data: Data) -> Stub:

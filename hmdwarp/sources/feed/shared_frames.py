@@ -90,10 +90,10 @@ class SharedFrames:
 
     def _free(self, client: bytes, length: int) -> _Segment | None:
         mine = self._of[client]
-        for one in mine:
+        for block in mine:
             # One that is far too large came before the client took a smaller size.
-            if one.number == 0 and length <= one.size <= 2 * length + mmap.PAGESIZE:
-                return one
+            if block.number == 0 and length <= block.size <= 2 * length + mmap.PAGESIZE:
+                return block
         self._made += 1
         name = f"{self._owner}-{self._made}"
         try:
@@ -106,23 +106,23 @@ class SharedFrames:
     def received(self, client: bytes, number: int) -> None:
         """Note that a client has read all frames up to that one."""
         free = 0
-        for one in list(self._of.get(client, ())):
-            if one.number <= number:
-                one.number, free = 0, free + 1
+        for block in list(self._of.get(client, ())):
+            if block.number <= number:
+                block.number, free = 0, free + 1
                 if free > _MOST_FREE:
-                    self._of[client].remove(one)
-                    one.remove()
+                    self._of[client].remove(block)
+                    block.remove()
 
     def take_back(self, client: bytes, number: int) -> None:
         """Note that a frame was never announced."""
-        for one in self._of.get(client, ()):
-            if one.number == number:
-                one.number = 0
+        for block in self._of.get(client, ()):
+            if block.number == number:
+                block.number = 0
 
     def forget(self, client: bytes) -> None:
         """Remove all segments of a client."""
-        for one in self._of.pop(client, ()):
-            one.remove()
+        for block in self._of.pop(client, ()):
+            block.remove()
 
     def close(self) -> None:
         """Remove everything."""

@@ -127,11 +127,11 @@ def _closed(colour: Pixels, inverse: Pixels, settings: CompleteSettings, pixel: 
 def _most_supported(values: Pixels, weight: Pixels, settings: CompleteSettings) -> Pixels:
     """Return the proposal of each pixel that most weight stands behind."""
     support = weight.copy()
-    for one in range(len(values)):
-        for other in range(one + 1, len(values)):
-            same = ~settings.apart(values[one], values[other])
-            support[one] += same * weight[other]
-            support[other] += same * weight[one]
+    for index in range(len(values)):
+        for other in range(index + 1, len(values)):
+            same = ~settings.apart(values[index], values[other])
+            support[index] += same * weight[other]
+            support[other] += same * weight[index]
     support[weight == 0] = -1
     best: Pixels = np.take_along_axis(values, support.argmax(axis=0)[None], axis=0)[0]
     return best

@@ -211,7 +211,7 @@ def numbers_of(where: str | Path, key: str, value: Any, count: int) -> tuple[flo
     """Return so many finite numbers. Errors: InputError naming file and key."""
     if not isinstance(value, list | tuple) or len(value) != count:
         raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected {count} numbers")
-    return tuple(number_of(where, key, one) for one in value)
+    return tuple(number_of(where, key, entry) for entry in value)
 
 
 def number_of(

@@ -109,7 +109,9 @@ def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[n
 
 def _colour_group(path: Path, channels: dict[str, NDArray[np.float32]]) -> str | None:
     """Return what stands before R, G and B: "" or a layer's name with its dot; None without."""
-    groups = [name[:-1] for name in channels if name[-1] == "R" and all(name[:-1] + one in channels for one in _COLOUR)]
+    groups = [
+        name[:-1] for name in channels if name[-1] == "R" and all(name[:-1] + letter in channels for letter in _COLOUR)
+    ]
     groups = [""] if "" in groups else [group for group in groups if group.endswith("Combined.")] or groups
     if len(groups) > 1:
         raise InputError(

@@ -50,7 +50,7 @@ def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assum
     """
     below, beside = (
         np.array([np.abs(np.subtract(line, LAST)).max() <= _NOTHING for line in lines], bool)
-        for lines in ([one[3] for one in matrices], [one[:, 3] for one in matrices])
+        for lines in ([matrix[3] for matrix in matrices], [matrix[:, 3] for matrix in matrices])
     )
     rows, columns = np.flatnonzero(below & ~beside), np.flatnonzero(beside & ~below)
     if len(rows) and len(columns):
@@ -59,7 +59,7 @@ def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assum
         )
     order = "by columns" if len(columns) else "by rows"
     by = By.FILE if len(rows) or len(columns) else By.FORMAT
-    turned = [one.T for one in matrices] if len(columns) else list(matrices)
+    turned = [matrix.T for matrix in matrices] if len(columns) else list(matrices)
     return turned, Assumption(POSE, f"world from camera, matrices {order}", by)
 
 

@@ -160,7 +160,7 @@ class Sequence:
 
 def replaced(facts: Iterable[Assumption], *by: Assumption) -> tuple[Assumption, ...]:
     """Return the facts, those of the same name replaced by others."""
-    return tuple({one.what: one for one in (*facts, *by)}.values())
+    return tuple({fact.what: fact for fact in (*facts, *by)}.values())
 
 
 def is_largest(depth: NDArray[Any]) -> NDArray[np.bool_]:

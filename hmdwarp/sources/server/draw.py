@@ -184,7 +184,7 @@ class Server(Renderer):
     def surfaces(self) -> Iterator[SceneBuffers]:
         """Yield the buffers of all plain surfaces: those that stand still, then those that move."""
         yield self._buffers
-        yield from (one.buffers for one in self._moving)
+        yield from (drawing.buffers for drawing in self._moving)
 
     @property
     def textures(self) -> SceneTextures:

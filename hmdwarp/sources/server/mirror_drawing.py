@@ -232,8 +232,8 @@ class Ball(MirrorSurface):
 
     def _draw_around(self, around: Target, time_ns: int) -> None:
         passes = self._context.colour
-        for one in passes.moving:
-            one.set_time(time_ns)
+        for drawing in passes.moving:
+            drawing.set_time(time_ns)
         key = (time_ns if passes.moving else 0, passes.revision, self._context.textures.revision)
         if self._around is around and self._around_of == key:
             return

@@ -65,7 +65,7 @@ class ScenePasses:
         self._surface = gpu.shaders.draw(self.vertex, self.fragment, **shown, **lit, **shining)
         self._background = gpu.shaders.draw("server/background.vert", "server/background.frag", **defines)
         self._vertices = self._vertex_array(gpu, buffers)
-        self._of_moving = [self._vertex_array(gpu, one.buffers) for one in self.moving]
+        self._of_moving = [self._vertex_array(gpu, drawing.buffers) for drawing in self.moving]
         self._empty = gpu.gl.vertex_array(self._background.program, [])
 
     def _vertex_array(self, gpu: Gpu, buffers: SceneBuffers) -> moderngl.VertexArray:
@@ -85,7 +85,7 @@ class ScenePasses:
     @property
     def revision(self) -> int:
         """Counts changes of what is drawn, apart from textures."""
-        return self.buffers.revision + sum(one.buffers.revision for one in self.moving)
+        return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
         """Draw the whole picture at that instant over the previous content."""
@@ -109,8 +109,8 @@ class ScenePasses:
         self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
-        for one in self.moving:
-            one.set_time(time_ns)
+        for drawing in self.moving:
+            drawing.set_time(time_ns)
         if self.lighting is not None:
             self.lighting.use(self._surface.uniforms, time_ns)
         gl = self._gl

@@ -190,8 +190,8 @@ class _Program:
             markers=self.markers,
         )
         every = self._all_options()
-        for one in every:
-            self.sources[one.scene_key] = self.sources.get(one.scene_key) or source_of(one)
+        for options in every:
+            self.sources[options.scene_key] = self.sources.get(options.scene_key) or source_of(options)
         wait_s = first_picture_wait_s([options.total_latency_ms for options in every])
         trials = TrialRunner(context, self.ending, self._options_of, wait_s, self.sources)
         self.words.recording = lambda: trials.recording

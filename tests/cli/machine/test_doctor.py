@@ -267,14 +267,14 @@ def test_what_an_extra_lacks_is_told_with_what_it_is_for(monkeypatch):
         return there[name]
 
     monkeypatch.setattr(doctor.importlib.metadata, "version", version)
-    found = {one.name: one for one in doctor.extras()}
+    found = {extra.name: extra for extra in doctor.extras()}
     assert list(found) == [f"extra {name}" for name in EXTRAS]
     study = found["extra study"]
     assert study.state is State.OPTIONAL and "hmdwarp[study]" in study.remedy
     assert "statsmodels" in study.detail and "textual" in study.detail and "pyarrow" not in study.detail
     assert EXTRAS["study"] in study.detail
     there.update({re.split(r"[^\w.-]", line)[0]: "1.0" for line in DECLARED["study"]})
-    states = {one.name: one.state for one in doctor.extras()}
+    states = {extra.name: extra.state for extra in doctor.extras()}
     assert states["extra study"] is State.OK and states["extra feed"] is State.OPTIONAL
 
 
@@ -313,7 +313,7 @@ def test_the_devices_are_listed_with_what_draws_on_each():
     if found.state is State.OPTIONAL:
         pytest.skip(f"EGL lists no devices here: {found.detail}")
     assert found.detail.startswith("0: ") and "HMDWARP_EGL_DEVICE chooses another" in found.detail
-    assert [one["index"] for one in found.facts["devices"]] == list(range(len(found.facts["devices"])))
+    assert [device["index"] for device in found.facts["devices"]] == list(range(len(found.facts["devices"])))
 
 
 def test_a_device_that_crashes_is_named_after_those_that_did_not(monkeypatch):

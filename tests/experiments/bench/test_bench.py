@@ -381,4 +381,4 @@ def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_
     ).rows
     for number, value in rows[1]["at_instants"]["flip"].items():
         beside = [row["flip"] for row in replayed if row["frame"] == int(number)]
-        assert any(value == pytest.approx(one, abs=1e-6) for one in beside), "one of the two eyes"
+        assert any(value == pytest.approx(other, abs=1e-6) for other in beside), "one of the two eyes"

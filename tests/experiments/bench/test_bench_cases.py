@@ -81,7 +81,7 @@ def test_a_case_that_fails_leaves_the_others_and_is_run_again(tmp_path, heads):
 
     result = bench(options, lose)
     assert [row["trace"] for row in result.data["rows"]] == ["first", "first"]
-    assert len(result.swept.failed) == 2 and all("second.csv" in one.why for one in result.swept.failed)
+    assert len(result.swept.failed) == 2 and all("second.csv" in failure.why for failure in result.swept.failed)
     assert sum("failed" in note for note in result.data["notes"]) == 2
     with pytest.raises(InputError, match="2 of 4 cases failed.*second.*--resume"):
         result.swept.raise_failures()

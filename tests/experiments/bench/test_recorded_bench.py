@@ -27,10 +27,10 @@ def options(folder, out, **said) -> BenchOptions:
 
 def test_all_warps_that_colour_and_depth_are_enough_for(folder, tmp_path):
     chosen = combinations_of(options(folder, tmp_path), RecordingSource(sequences.open(folder)).scene)
-    warps = {one.warp.partition(":")[0] for one in chosen}
+    warps = {combination.warp.partition(":")[0] for combination in chosen}
     assert set(usable_warps()) <= warps
     assert not warps & {"backward", "layered", "environment", "points", "model"}
-    assert not any(one.plan.needs.others.other_eye for one in chosen)
+    assert not any(combination.plan.needs.others.other_eye for combination in chosen)
 
 
 def test_a_bench_measures_one_eye_at_recorded_instants(folder, tmp_path):

@@ -83,8 +83,8 @@ def test_by_default_all_run_but_what_the_scene_does_not_call_for(tmp_path):
     data, told = compared(tmp_path / "out", "--scene", "planes")
     suited = {name for name in strategies.names() if scene_for(name) == "planes"}
     assert {row["strategy"] for row in data["rows"]} == suited
-    assert {one["strategy"] for one in data["left_out"]} == {*strategies.names()} - suited
-    why = {one["strategy"]: one["why"] for one in data["left_out"]}
+    assert {entry["strategy"] for entry in data["left_out"]} == {*strategies.names()} - suited
+    why = {entry["strategy"]: entry["why"] for entry in data["left_out"]}
     assert "its light stands still" in why["photons"]
     assert why["soft_bodies"] == (
         "nothing in 'planes' calls for it, so that it would do what 'depth_image' does; name it by --strategy to run it"
@@ -286,7 +286,7 @@ def test_recorded_frames_are_compared_by_what_colour_and_depth_allow(tmp_path):
     done = hmdwarp("compare", *said)
     assert (done.returncode, done.stderr) == (0, "")
     data = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
-    ran, left_out = {row["strategy"] for row in data["rows"]}, {one["strategy"] for one in data["left_out"]}
+    ran, left_out = {row["strategy"] for row in data["rows"]}, {entry["strategy"] for entry in data["left_out"]}
     assert {"imposter", "depth_image"} <= ran and {"model", "proxy", "points"} <= left_out
     assert {(row["scene"], row["trace"], row["headset"], *row["size"]) for row in data["rows"]} == {
         ("walk-past", "walk-past", "camera", 60, 40)

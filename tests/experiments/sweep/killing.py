@@ -86,7 +86,7 @@ def _wait(driver: subprocess.Popen, out: Path, count: int) -> None:
 def _a_worker(driver: subprocess.Popen, chance: random.Random) -> psutil.Process:
     """Return one of the driver's workers: its children that have imported something."""
     children = psutil.Process(driver.pid).children()
-    workers = [one for one in children if "spawn_main" in " ".join(one.cmdline())]
+    workers = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
     return chance.choice(workers or children)
 
 

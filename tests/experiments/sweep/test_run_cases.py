@@ -29,7 +29,7 @@ def test_each_case_is_run_once_and_kept(tmp_path):
 
 def test_resuming_runs_only_the_cases_that_failed(tmp_path):
     first = sweep(tmp_path, 20, "wrong")
-    assert [one.why for one in first.failed] == ["13 is no number for this"]
+    assert [failure.why for failure in first.failed] == ["13 is no number for this"]
     with pytest.raises(InputError, match="1 of 20 cases failed: number 13: 13 is no number"):
         first.raise_failures()
     again = sweep(tmp_path, 20, "wrong", resume=True)

@@ -32,17 +32,17 @@ def test_quick_gives_every_experiment_its_verdict(tmp_path):
     done = hmdwarp("thesis", "--quick", "--out", out)
     assert done.returncode == 0, done.stderr
     data = json.loads((out / "results.json").read_text(encoding="utf-8"))
-    assert [one["name"] for one in data["experiments"]] == [one.name for one in EXPERIMENTS]
+    assert [experiment["name"] for experiment in data["experiments"]] == [experiment.name for experiment in EXPERIMENTS]
     assert sum(data["verdicts"].values()) == len(EXPERIMENTS)
     assert set(data["verdicts"]) == {verdict.value for verdict in Verdict}
     page = (out / "thesis.html").read_text(encoding="utf-8")
-    for one in EXPERIMENTS:
-        assert f'id="{one.name}"' in page
-    assert page.count("data:image/jpeg") >= sum(len(one.pictures) for one in EXPERIMENTS)
+    for experiment in EXPERIMENTS:
+        assert f'id="{experiment.name}"' in page
+    assert page.count("data:image/jpeg") >= sum(len(experiment.pictures) for experiment in EXPERIMENTS)
     assert "http://" not in page.replace("http://www.w3.org/", "") and "https://" not in page
     with (out / "results.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == sum(len(one["cells"]) for one in data["experiments"])
+    assert len(rows) == sum(len(experiment["cells"]) for experiment in data["experiments"])
     table = summary_markdown([data, {**data, "experiments": data["experiments"][:1]}]).splitlines()
     assert len(table) == 4 + len(EXPERIMENTS)
 
@@ -89,7 +89,7 @@ def test_a_run_that_fails_leaves_those_on_the_same_frames(tmp_path):
     how, runs = Thoroughness((48, 30), 1, 1), _runs("none", "nonsense", "interpolate")
     swept = run_cases(ThesisWork(runs, published_ratings), cases_of(runs, set(runs), how), tmp_path, KeptOptions())
     assert [case.what.run.fill for case, _ in swept.results()] == ["none", "interpolate"]
-    assert ["nonsense" in one.why for one in swept.failed] == [True]
+    assert ["nonsense" in failure.why for failure in swept.failed] == [True]
     alone = run_cases(
         ThesisWork(runs[2:], published_ratings), cases_of(runs[2:], set(runs), how), tmp_path / "alone", KeptOptions()
     )

@@ -20,7 +20,7 @@ def findings(holds: list[bool | None]) -> list[Finding]:
 
 @given(st.lists(HOLDS))
 def test_the_verdict_follows_from_what_was_measured(holds):
-    known = [one for one in holds if one is not None]
+    known = [hold for hold in holds if hold is not None]
     expected = {
         (): Verdict.UNKNOWN,
         (True,): Verdict.HOLDS,

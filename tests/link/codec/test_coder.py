@@ -369,7 +369,8 @@ def test_an_encoder_that_does_not_open(codec):
 
 def _shift(before: np.ndarray, after: np.ndarray, axis: int, period: int = 24) -> float:
     """By how many pixels a wave of that period, in blue, has moved along an axis."""
-    rows = [srgb_from_linear(one[..., 2].astype(np.float64)).mean(axis=1 - axis)[24:-24] for one in (before, after)]
+    blue = (srgb_from_linear(picture[..., 2].astype(np.float64)) for picture in (before, after))
+    rows = [values.mean(axis=1 - axis)[24:-24] for values in blue]
     length = len(rows[0]) // period * period
     first, second = (np.fft.rfft(row[:length])[length // period] for row in rows)
     return float(-np.angle(second / first) / (2 * np.pi) * period)

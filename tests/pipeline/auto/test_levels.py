@@ -143,6 +143,6 @@ def test_a_level_scaled():
 def test_times_of_two_machines_are_not_mixed():
     """The machine with the most rows counts, however quick the other is."""
     slow = [row("none", "none", 10.0, 0.3), row("rotation", "none", 20.0, 0.1)]
-    ours = [{**one, "latency_ms": latency, "machine": {"host": "ours"}} for one in slow for latency in (100.0, 200.0)]
+    ours = [{**row, "latency_ms": latency, "machine": {"host": "ours"}} for row in slow for latency in (100.0, 200.0)]
     theirs = [{**row("rotation", "none", 0.1, 0.1), "latency_ms": 300.0, "machine": {"host": "theirs"}}]
     assert levels_from([*theirs, *ours]) == levels_from(ours)

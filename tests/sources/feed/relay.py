@@ -98,15 +98,15 @@ class Relay:
             if self._ways[connection]:
                 return
             del self._ways[connection]
-        for one in connection:
-            one.close()
+        for end in connection:
+            end.close()
 
     def cut(self) -> None:
         """Break every connection there is; new ones are let through unless is_down."""
         with self._lock:
             for connection in self._ways:
-                for one in connection:
-                    _hang_up(one)
+                for end in connection:
+                    _hang_up(end)
 
     def __enter__(self) -> Relay:
         return self

@@ -78,8 +78,8 @@ def test_hostile_coded_pictures_are_decoded_or_refused():
         frame = rng.choice(whole)
         frame = attrs.evolve(
             frame,
-            colours=tuple(broken(rng, one, checked=False) for one in frame.colours),
-            inverse_depths=tuple(broken(rng, one, checked=True) for one in frame.inverse_depths),
+            colours=tuple(broken(rng, colour, checked=False) for colour in frame.colours),
+            inverse_depths=tuple(broken(rng, depth, checked=True) for depth in frame.inverse_depths),
             coded_size=rng.choice((SIZE, SIZE, SIZE, (64, 64), (1, 8192))),
         )
         try:

@@ -63,7 +63,7 @@ def message(eyes: list[EyeImage], needs: Needs, *, packs: bool) -> FrameMessage:
     """The frame of these eyes, as it arrives."""
     pictures = [(download(eye.colour), download(eye.inverse_depth)) for eye in eyes]
     further = tuple(parts_of(eye, needs, packs=packs) for eye in eyes)
-    colours, depths = (tuple(one) for one in zip(*pictures, strict=True))
+    colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     sent = attrs.evolve(
         FRAME, views=tuple(eye.view for eye in eyes), colours=colours, inverse_depths=depths, layers=further
     )
@@ -85,9 +85,9 @@ def test_a_layer_arrives_as_it_was_drawn(server, name, packs):
         for ours, theirs in zip(layer.sent(eye[name]), layer.sent(data), strict=True):
             np.testing.assert_array_equal(download(ours), download(theirs))
         if name == "ids":
-            assert [str(one) for one in data.bodies] == [str(one) for one in eye[name].bodies]
+            assert [str(body) for body in data.bodies] == [str(body) for body in eye[name].bodies]
         if name == "reflection":
-            assert [str(one) for one in data.mirrors] == [str(one) for one in MIRRORS]
+            assert [str(mirror) for mirror in data.mirrors] == [str(mirror) for mirror in MIRRORS]
 
 
 def test_a_layer_as_large_as_the_shown_picture_has_its_size(server):

@@ -102,8 +102,8 @@ def test_more_connections_than_there_may_be_are_cut(listener):
         while not any("too many" in line for line in listener.told):
             listener.next(10)
     finally:
-        for one in open_now:
-            one.close()
+        for connection in open_now:
+            connection.close()
     serves(listener)
 
 

@@ -36,7 +36,7 @@ def test_a_pair_is_made_once_and_its_secret_is_this_users_alone(pair, tmp_path):
     assert public_key(tmp_path / "mine.key") == pair.public
     assert stat.S_IMODE((tmp_path / "mine.key_secret").stat().st_mode) == 0o600
     assert pair.secret not in (tmp_path / "mine.key").read_bytes()
-    assert sorted(one.name for one in tmp_path.iterdir()) == ["mine.key", "mine.key_secret"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine.key", "mine.key_secret"]
 
 
 @pytest.mark.parametrize("text", ["", 'curve\n    public-key = "short"\n', "\x00\xff"])

@@ -63,7 +63,7 @@ def test_frames_are_coded_as_requested_and_begin_anew_after_a_change(serving, mo
     link, live = coded["link"], coded["live"]
     assert link["codec"] == "h264" and plain["link"]["codec"] == "none"
     assert link["feed"]["undecodable"] == link["feed"]["malformed"] == 0
-    assert [name for one in live["changes"] for name in one["what"]] == ["guard"]
+    assert [name for change in live["changes"] for name in change["what"]] == ["guard"]
     # A drawn scene packs at least four times; both were asked for at the same rate.
     assert 0 < link["mbit_s"] < plain["link"]["mbit_s"] / 4
     for shown in (display.pictures[4:6], display.pictures[-3:]):
@@ -80,7 +80,7 @@ def test_settings_of_the_server_are_not_changed_and_others_are(serving, monkeypa
     display = OffscreenDisplay(asked=changes, keeps=True)
     summary = run_on(monkeypatch, display, options(serving.address, pictures=12)).summary
     assert sum("latency and scene are the server's" in line for line in display.said) == 1
-    changed = [name for one in summary["live"]["changes"] for name in one["what"]]
+    changed = [name for change in summary["live"]["changes"] for name in change["what"]]
     assert changed == ["guard", "warp"]
     assert max(picture.std() for picture in display.pictures[-3:]) > 10
 
@@ -101,8 +101,8 @@ def test_the_mismatch_of_a_camera_that_stands_elsewhere_is_reported_once(monkeyp
     asked: list[Fov] = []
 
     def camera(views: tuple[View, ...]) -> tuple[View, ...]:
-        asked.extend(one.fov for one in views)
-        return tuple(attrs.evolve(one, pose=one.pose @ there, fov=own) for one in views)
+        asked.extend(view.fov for view in views)
+        return tuple(attrs.evolve(view, pose=view.pose @ there, fov=own) for view in views)
 
     display = OffscreenDisplay()
     with feeder(views_of=camera) as address:
@@ -148,8 +148,8 @@ def test_a_lost_server_is_announced_over_the_picture_and_taken_up_again(monkeypa
     try:
         summary = run_on(monkeypatch, display, options(servers[0].address, out=tmp_path / "out"), after=look).summary
     finally:
-        for one in servers:
-            one.__exit__()
+        for server in servers:
+            server.__exit__()
     told = f"no frames from {servers[0].address}: the last one stays"
     assert before and told in display.labels and display.labels[-1] == ""
     assert summary["live"]["notices"][told] > 0

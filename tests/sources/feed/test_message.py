@@ -127,7 +127,7 @@ def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():
     for name, parts in OF_EYE.items():
         for ours, theirs in zip(parts, back.layers[0][name], strict=True):
             assert type(ours) is type(theirs)
-            sent, came = (one.numbers() if isinstance(one, Packed) else one for one in (ours, theirs))
+            sent, came = (content.numbers() if isinstance(content, Packed) else content for content in (ours, theirs))
             np.testing.assert_array_equal(sent, came)
             assert sent.dtype == came.dtype
     assert back.bytes == LAYERED.bytes > FRAME.bytes

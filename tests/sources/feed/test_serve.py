@@ -162,7 +162,9 @@ def test_motion_vectors_of_a_renderer_move_what_it_drew(tmp_path, monkeypatch):
         of_eyes = []
         for view in ask.views:
             poses = [
-                one for pose in (view.pose, view.head_from_eye) for one in (*pose.position_m, *pose.orientation_xyzw)
+                number
+                for pose in (view.pose, view.head_from_eye)
+                for number in (*pose.position_m, *pose.orientation_xyzw)
             ]
             angles = (view.fov.left, view.fov.right, view.fov.down, view.fov.up)
             of_eyes.append({"velocity": [found, np.array([[1, 1, 1, 0, 0, 0, 0.1, np.inf, 0.01, *poses, *angles]])]})
@@ -236,9 +238,9 @@ def test_a_client_that_takes_nothing_holds_up_no_other_and_its_newest_request_co
     listener = Listener("127.0.0.1:*")
     context = zmq.Context()
     with context.socket(zmq.DEALER) as slow, context.socket(zmq.DEALER) as quick:
-        for one in (slow, quick):
-            one.setsockopt(zmq.LINGER, 0)
-            one.connect(listener.address)
+        for socket in (slow, quick):
+            socket.setsockopt(zmq.LINGER, 0)
+            socket.connect(listener.address)
         for number in (1, 2, 3):
             slow.send(encode(attrs.evolve(ASK, number=number, received=0, token=bytes(32))))
         slow_asked = next_asked(listener)
@@ -295,23 +297,23 @@ def test_every_client_has_its_own_rate():
     listener = Listener("127.0.0.1:*")
     often, seldom = Caller(listener.address), Caller(listener.address)
     got = {often: 0, seldom: 0}
-    for one in got:
-        exchanged(one, listener)
+    for client in got:
+        exchanged(client, listener)
     for step in range(30):
         asking = [often, seldom] if step % 3 == 0 else [often]
-        for one in asking:
-            one.ask(attrs.evolve(ASK, number=1_000_000 + step, token=bytes(32)))
+        for client in asking:
+            client.ask(attrs.evolve(ASK, number=1_000_000 + step, token=bytes(32)))
         waiting = set(asking)
         while waiting:
             answered(listener, 5)
-            for one in list(waiting):
-                frames = [arrival for arrival in one.take() if arrival.frame.number == 1_000_000 + step]
+            for client in list(waiting):
+                frames = [arrival for arrival in client.take() if arrival.frame.number == 1_000_000 + step]
                 if frames:
-                    waiting.discard(one)
-                    got[one] += 1
+                    waiting.discard(client)
+                    got[client] += 1
     assert got == {often: 30, seldom: 10}
-    for one in got:
-        one.close()
+    for client in got:
+        client.close()
     listener.close()
 
 

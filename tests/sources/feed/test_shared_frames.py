@@ -70,7 +70,7 @@ def test_only_this_user_reads_them(address, names):
 
 
 def test_a_frame_is_written_as_it_would_be_sent():
-    turned = attrs.evolve(LAYERED, colours=tuple(one[::-1, ::-1] for one in FRAME.colours))
+    turned = attrs.evolve(LAYERED, colours=tuple(colour[::-1, ::-1] for colour in FRAME.colours))
     with closing(SharedFrames()) as frames:
         for number, frame in enumerate((FRAME, LAYERED, turned), 1):
             asked = attrs.evolve(frame, number=number)
@@ -229,7 +229,7 @@ def test_a_client_that_cannot_open_them_asks_for_frames_by_the_socket(address):
         assert asked >= 3
         server.answer(caller, lambda ask: attrs.evolve(FRAME, number=7, asked_ns=ask.sent_ns))
         caller.wait_until(time.monotonic_ns() + 10_000_000_000)
-        assert [one.frame.number for one in caller.take()] == [7]
+        assert [arrival.frame.number for arrival in caller.take()] == [7]
         assert any("frames come by the socket" in line for line in caller.lines())
 
 

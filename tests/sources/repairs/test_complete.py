@@ -35,7 +35,7 @@ def guessed(colour: np.ndarray, inverse: np.ndarray, row: int, column: int) -> t
     def belong(a: float, b: float) -> bool:
         return max(a, b) <= min(a, b) + 0.15 * (min(a, b) + 0.05)
 
-    groups = [[p for p in proposals if belong(p[0], one[0])] for one in proposals]
+    groups = [[p for p in proposals if belong(p[0], proposal[0])] for proposal in proposals]
     best = max(groups, key=lambda group: sum(weight for _, weight, _ in group))
     share = sum(weight for _, weight, _ in best)
     nearest = min(distance for _, _, distance in best) / max(high, wide) / 0.075

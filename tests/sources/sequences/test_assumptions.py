@@ -42,14 +42,14 @@ FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED
 
 
 def fact(sequence: Sequence, what: str) -> Assumption:
-    (found,) = [one for one in sequence.assumptions if one.what == what]
+    (found,) = [assumption for assumption in sequence.assumptions if assumption.what == what]
     return found
 
 
 @pytest.mark.parametrize("reader", list(readers), ids=lambda reader: reader.name)
 def test_every_layout_says_what_it_assumes(reader):
-    assert [one.what for one in reader.assumes if one.what in FACTS] == list(FACTS)
-    assert all(one.value and isinstance(one.by, By) for one in reader.assumes)
+    assert [assume.what for assume in reader.assumes if assume.what in FACTS] == list(FACTS)
+    assert all(assume.value and isinstance(assume.by, By) for assume in reader.assumes)
 
 
 @pytest.mark.parametrize("name", FORMS)
@@ -60,14 +60,14 @@ def test_every_recording_says_who_states_each_fact(name, tmp_path):
     write, options = FORMS[name].write, FORMS[name].options
     write(tmp_path, taken(2))
     found = sequences.open(tmp_path, options)
-    assert set(FACTS) <= {one.what for one in found.assumptions}
-    assert len({one.what for one in found.assumptions}) == len(found.assumptions)
-    by = {one.what: one.by for one in found.assumptions}
+    assert set(FACTS) <= {assumption.what for assumption in found.assumptions}
+    assert len({assumption.what for assumption in found.assumptions}) == len(found.assumptions)
+    by = {assumption.what: assumption.by for assumption in found.assumptions}
     assert (by["intrinsics"] is By.USER) == (options.intrinsics is not None)
     assert (by["depth scale"] is By.USER) == (options.depth_scale is not None)
     assert (by["frame clock"] is By.USER) == (options.frames_rate_hz is not None) and by["no depth"] is not By.USER
     stated = attrs.evolve(options, frames_rate_hz=12.0, no_depth="far")
-    by = {one.what: one.by for one in sequences.open(tmp_path, stated).assumptions}
+    by = {assumption.what: assumption.by for assumption in sequences.open(tmp_path, stated).assumptions}
     assert by["no depth"] is By.USER and (
         by["frame clock"] is By.USER or "rate" not in fact(found, "frame clock").option
     )
@@ -326,6 +326,8 @@ def test_an_option_is_the_users(tmp_path):
     write_npz(tmp_path, taken(2))
     stated = SequenceOptions(intrinsics=parse_intrinsics("40,42,17.3,11.1"), depth_scale=1.0, frames_rate_hz=10)
     found = sequences.open(tmp_path, stated)
-    assert {one.by for one in found.assumptions if one.what in ("intrinsics", "depth scale", "frame clock")} == {
-        By.USER
-    }
+    assert {
+        assumption.by
+        for assumption in found.assumptions
+        if assumption.what in ("intrinsics", "depth scale", "frame clock")
+    } == {By.USER}

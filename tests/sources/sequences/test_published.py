@@ -6,7 +6,7 @@ import attrs
 import numpy as np
 import pytest
 from PIL import Image
-from published_folders import PUBLISHED, write_scannet, write_tartanair
+from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
 from recorded_folders import FX, STATED, fov_of, taken
 
 from hmdwarp import WarpMap
@@ -15,6 +15,7 @@ from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import SequenceOptions
 
+STRAY = "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
 # By form: a file, what takes its place (None: it is gone), and words of the error.
 WRONG = [
     ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n0 1 x 0\n", ("pose.txt, line 2", "expected 4 numbers")),
@@ -27,6 +28,29 @@ WRONG = [
     ("replica", "../cam_params.json", '{"camera": {"w": 36}}', ("cam_params.json: h is None",)),
     ("tartanair", "pose_left.txt", "\n".join(["0 0 0 0 0 0"] * 3), ("pose_left.txt, line 1", "7 finite numbers")),
     ("tartanair", "pose_left.txt", "0 0 0 0 0 0 1\n", ("1 poses, and a picture 2",)),
+    ("stray_scanner", "odometry.csv", "x, y, z\n1, 2, 3\n", ("odometry.csv, line 1", "the header timestamp, frame")),
+    ("stray_scanner", "odometry.csv", STRAY + "1.0, 000000, 1, 2\n", ("odometry.csv, line 2", "9 finite numbers")),
+    (
+        "stray_scanner",
+        "odometry.csv",
+        STRAY + "1.0, 000000, 0, 0, 0, 0, 0, 0, 2\n",
+        ("line 2", "quaternion of length 2"),
+    ),
+    ("stray_scanner", "rgb.mp4", "no video", ("rgb.mp4", "not a video")),
+    ("stray_scanner", "camera_matrix.csv", None, ("camera_matrix.csv", "cannot be read")),
+    ("rtabmap", "map_camera_poses.txt", "1.0 0 0 0 0 0 0 1\n", ("poses.txt, line 1", "--poses_format 11")),
+    ("rtabmap", "map_calib/8.yaml", None, ("8.yaml", "expected the calibration of its image")),
+    ("rtabmap", "map_calib/8.yaml", "image_width: 36\n", ("8.yaml", "camera_matrix of 9 numbers")),
+    ("open3d", "camera_trajectory.json", '{"class_name": "PinholeCameraTrajectory"}', ("no list of parameters",)),
+    ("open3d", "color/00002.png", None, ("3 parameters for 2 pictures",)),
+    ("colmap", "sparse/0/images.txt", "1 1 0 0 0 0 0\n", ("images.txt, line 1", "IMAGE_ID QW QX QY QZ")),
+    ("colmap", "sparse/0/images.txt", "1 2 0 0 0 0 0 0 1 0000.png\n", ("images.txt, line 1", "quaternion of length 2")),
+    ("colmap", "sparse/0/cameras.txt", "2 PINHOLE 36 24 1 1 1 1\n", ("name camera 1",)),
+    ("colmap", "sparse/0/cameras.txt", "1 PINHOLE 36 24 1 1 1\n", ("line 1", "3 parameters of PINHOLE; expected 4")),
+    ("colmap", "sparse/0/cameras.txt", "1 SIMPLE_RADIAL 36 24 40 18 12 0.1\n", ("line 1", "k1 is 0.1")),
+    ("colmap", "sparse/0/cameras.txt", "1 OPENCV_FISHEYE 36 24 1 1 1 1 0 0 0 0\n", ("camera model OPENCV_FISHEYE",)),
+    ("colmap_dense", "sparse/images.bin", "cut", ("images.bin", "ends in the middle")),
+    ("colmap_dense", "stereo/depth_maps/0001.png.geometric.bin", "36&24&1&cut", ("geometric.bin", "as many floats")),
 ]
 
 
@@ -76,7 +100,7 @@ def test_a_pixel_is_seen_where_the_truth_sees_it(form, folder):
     frames = taken(3, step_m=0.05, step_deg=3)
     PUBLISHED[form].write(folder, frames)
     first, *_, last = sequences.open(folder, PUBLISHED[form].options).frames
-    view, other = (attrs.evolve(first.view, pose=one.pose, fov=fov_of()) for one in (frames[0], frames[-1]))
+    view, other = (attrs.evolve(first.view, pose=frame.pose, fov=fov_of()) for frame in (frames[0], frames[-1]))
     at = np.array([[5.0, 7.0], [20.0, 12.0]])
     inverse = [
         1 / np.flipud(depth)[at[:, 1].astype(int), at[:, 0].astype(int)] for depth in (first.depth_m, frames[0].depth_m)
@@ -149,3 +173,35 @@ def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
     Image.fromarray(taken(1)[0].colour).save(folder / "depth_left/000000_left_depth.png")
     with pytest.raises(InputError, match="3 channels; expected four bytes a pixel"):
         sequences.open(folder, SequenceOptions(intrinsics=STATED.intrinsics)).frames[0].read()
+
+
+def test_pictures_of_a_video_are_read_in_any_order(folder):
+    PUBLISHED["stray_scanner"].write(folder, taken(4))
+    frames = sequences.open(folder).frames
+    for at in (3, 0, 2, 2, 1):
+        assert np.array_equal(frames[at].colour, taken(4)[at].colour)
+
+
+def test_depth_of_a_telephone_has_fewer_pixels_than_its_video(folder):
+    """Each covers two by two of the colour's pixels."""
+    write_stray_scanner(folder, taken(1), stride=2)
+    found = sequences.open(folder).frames[0].depth_m
+    assert np.array_equal(found, np.repeat(np.repeat(found[::2, ::2], 2, 0), 2, 1)) and found.shape == (24, 36)
+
+
+def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):
+    """Its own stereo is in the unit of its poses; that of a depth camera is not."""
+    PUBLISHED["colmap"].write(folder, taken(1))
+    with pytest.raises(InputError, match="--depth-scale"):
+        sequences.open(folder)
+    assert "length: 1 m per unit of the model, whose own is any (nobody says so)" in [
+        str(entry) for entry in sequences.open(folder, PUBLISHED["colmap"].options).assumptions
+    ]
+
+
+def test_an_image_of_colmap_without_depth_is_left_out(folder):
+    PUBLISHED["colmap"].write(folder, taken(3))
+    (folder / "depth/0001.png").unlink()
+    sequence = sequences.open(folder, PUBLISHED["colmap"].options)
+    assert [frame.name for frame in sequence.frames] == ["0000.png", "0002.png"]
+    assert sequence.notes == ("1 frames were left out: no picture or no depth.",)

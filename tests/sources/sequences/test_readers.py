@@ -110,7 +110,7 @@ def agreeing(first: RecordedFrame, second: RecordedFrame) -> float:
     By the warp map, in pixels from the bottom left. What the second hides by something nearer is
     left out.
     """
-    (wide, high), depths = first.size, [np.flipud(one.depth_m).astype(float) for one in (first, second)]
+    (wide, high), depths = first.size, [np.flipud(frame.depth_m).astype(float) for frame in (first, second)]
     y, x = np.nonzero(depths[0] > 0)
     warp = WarpMap.between(first.view, first.size, second.view, second.size)
     pixels, inverse, _ = warp.apply(np.stack([x + 0.5, y + 0.5], axis=1), 1 / depths[0][y, x])

@@ -103,7 +103,7 @@ def test_panes_blend_as_rays_meet_them(gpu, seed):
     turn = Rotation.from_euler("YX", np.random.default_rng(seed).uniform(-8, 8, 2), degrees=True)
     view = View(Pose((0.05, 1.6, 0.1), turn.as_quat()), FOV)
     plain, whole = (picture(gpu, with_meshes(*meshes), view) for meshes in ((), panes))
-    sheets = [sheet(one) for one in panes]
+    sheets = [sheet(pane) for pane in panes]
     rays = world_directions(view, SIZE).reshape(-1, 3)
     seen = look_through(sheets, view.pose.position_m, rays, plain["inverse_depth"].ravel())
     expected = seen.over(plain["colour"][..., :3].reshape(-1, 3)).reshape(whole["colour"][..., :3].shape)
@@ -147,7 +147,7 @@ def test_the_layers_put_together_are_the_whole_picture(gpu, seed):
 def test_the_veil_has_the_depth_of_the_nearest_sheet(gpu):
     panes, view = random_panes(3), View(Pose((0, 1.6, 0)), FOV)
     parts = picture(gpu, attrs.evolve(with_meshes(), meshes=tuple(panes)), view, LAYERS)
-    sheets = [sheet(one) for one in panes]
+    sheets = [sheet(pane) for pane in panes]
     seen = look_through(sheets, view.pose.position_m, world_directions(view, SIZE).reshape(-1, 3))
     nearest = seen.inverse_depth.reshape(SIZE[::-1])
     safe = away_from_changes(seen.count.reshape(SIZE[::-1]))

@@ -59,10 +59,10 @@ def test_a_trial_shows_the_reference_and_then_the_condition():
     design = design_from_text(STUDY, "impaired.toml", checked=False)
     steps = steps_of(design, (("late", "reference", "warped"),), "main")
     shows = [step for step in steps if isinstance(step, Show)]
-    assert [one.condition.name for one in shows] == ["reference", "late"] + ["reference"] * 3 + ["warped"]
-    assert [one.after for one in shows[1::2]] == [one.key for one in shows[::2]]
+    assert [show.condition.name for show in shows] == ["reference", "late"] + ["reference"] * 3 + ["warped"]
+    assert [show.after for show in shows[1::2]] == [show.key for show in shows[::2]]
     asks = [step for step in steps if isinstance(step, Ask)]
-    assert [one.about for one in asks] == [one.key for one in shows[1::2]]
+    assert [ask.about for ask in asks] == [show.key for show in shows[1::2]]
     trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
     assert trials.content == "3 of the reference and a condition, each 2 s, each rated: dcr"
     assert trials.seconds == 3 * (2 * 2 + 6)
@@ -100,7 +100,7 @@ def test_from_the_store_to_the_page(tmp_path):
             store.end(session, COMPLETE)
         contents = store.contents()
     ratings = from_contents(contents, design, SIMULATED)
-    orders = {one.sub: one.order[0] for one in contents.sessions}
+    orders = {session.sub: session.order[0] for session in contents.sessions}
     for row in ratings.rows:
         order = orders[row.participant]
         assert row.condition == order[row.place - 1]

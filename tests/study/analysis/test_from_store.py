@@ -104,7 +104,7 @@ def test_the_last_revision_of_an_answer_counts(contents, design):
 def test_a_missing_rating_has_its_reason(contents, design):
     data = analyse(from_contents(contents, design))
     (scale,) = data["scales"]
-    reasons = sorted(one["why"] for one in scale["missing"])
+    reasons = sorted(entry["why"] for entry in scale["missing"])
     assert reasons == [
         "the participant could not say",
         "the session was stopped before",
@@ -112,7 +112,7 @@ def test_a_missing_rating_has_its_reason(contents, design):
         "the stop rule for sickness ended the session before",
     ]
     assert data["sittings"]["counts"] == {"complete": 7, "sick": 1, "stopped": 1}
-    assert {(one["status"], one["rated"], one["of"]) for one in data["sittings"]["cut"]} == {
+    assert {(entry["status"], entry["rated"], entry["of"]) for entry in data["sittings"]["cut"]} == {
         ("stopped", 1, 3),
         ("sick", 2, 3),
     }
@@ -139,7 +139,9 @@ def test_simulated_sessions_count_only_on_request(contents, design, tmp_path):
 
     Analysis and export refuse in the same words.
     """
-    programs = attrs.evolve(contents, sessions=tuple(attrs.evolve(one, origin=SIMULATED) for one in contents.sessions))
+    programs = attrs.evolve(
+        contents, sessions=tuple(attrs.evolve(session, origin=SIMULATED) for session in contents.sessions)
+    )
     told = "no session of a person to {}: it holds simulated ones: use --simulated"
     with pytest.raises(InputError, match=told.format("analyse")):
         from_contents(programs, design)
@@ -166,8 +168,8 @@ def test_one_person_is_one_person(contents, design):
 
     And of one difference no interval is printed, neither of ratings nor of questionnaires.
     """
-    sub = next(one.sub for one in contents.sessions if one.code == "p0")
-    alone = attrs.evolve(contents, sessions=tuple(one for one in contents.sessions if one.sub == sub))
+    sub = next(session.sub for session in contents.sessions if session.code == "p0")
+    alone = attrs.evolve(contents, sessions=tuple(session for session in contents.sessions if session.sub == sub))
     data = analyse(from_contents(alone, design))
     page = render_study_report(data, "")
     assert not re.search(r"\b1 (people|participants|sessions|ratings|conditions|pairs)\b", page + json.dumps(data))
@@ -231,15 +233,15 @@ def test_custom_scales_are_reported_like_shipped_ones(tmp_path):
         sit(store, design, "one")
         sit(store, design, "two", seed=1)
         data = analyse(from_contents(store.contents(), design))
-    assert {one["scale"] for one in data["sickness"]} == {"my-fms", "misc"}
-    assert {one["scale"] for one in data["questionnaires"]} == {"my-vrsq"}
-    assert [one["measure"]["name"] for one in data["scales"]] == ["grade"]
+    assert {entry["scale"] for entry in data["sickness"]} == {"my-fms", "misc"}
+    assert {questionnaire["scale"] for questionnaire in data["questionnaires"]} == {"my-vrsq"}
+    assert [scale["measure"]["name"] for scale in data["scales"]] == ["grade"]
 
 
 def test_sickness_and_questionnaires_are_reported(contents, design):
     data = analyse(from_contents(contents, design))
     (fms,) = data["sickness"]
-    assert [one["worst"] for one in fms["trials"] if one["trial"]] == [1.0, 2.0, 3.0]
+    assert [trial["worst"] for trial in fms["trials"] if trial["trial"]] == [1.0, 2.0, 3.0]
     total = next(row for row in data["questionnaires"] if row["score"] == "total")
     assert total["n"] == 7 and total["before"] == 0.0 and total["change"] == total["after"] > 0
 
@@ -271,9 +273,9 @@ def test_a_questionnaire_asked_once_has_quartiles_by_part_of_its_scale(tmp_path)
     ipq = load_scale("ipq")
     assert [row["score"] for row in data["asked_once"]] == [score.name for score in ipq.scores]
     answers: dict[int, dict[str, float | None]] = {}
-    for one in stored.answers:
-        if one.scale == "ipq":
-            answers.setdefault(one.session, {})[one.item] = one.value
+    for answer in stored.answers:
+        if answer.scale == "ipq":
+            answers.setdefault(answer.session, {})[answer.item] = answer.value
     sheets = [scored(ipq, sheet) for sheet in answers.values()]
     for row in data["asked_once"]:
         found = [row[name] for name in ("low_quartile", "median", "high_quartile")]

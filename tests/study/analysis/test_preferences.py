@@ -79,7 +79,7 @@ def simulated(design, model, study: int, people: int = PEOPLE) -> Ratings:
     population = Population(model, design, "main")
     cohort = population.of(range(people), 7, study)
     orders = population._orders[population._allotted(cohort.why)]  # noqa: SLF001  (who saw what first)
-    names = [one.name for one in cohort.part.conditions]
+    names = [condition.name for condition in cohort.part.conditions]
     said = [
         Preference(
             f"p{k}", "main", scale.name, names[first], names[second], float(answer), scale.allows_ties, "reference"
@@ -120,13 +120,15 @@ def test_an_analysis_states_scores_and_votes():
     ratings = simulated(design, model, 1, people=20)
     (found,) = preference_results(ratings, design.families, Resampling())
     assert (found["people"], found["answers"], found["missing"]) == (20, 120, 0)
-    assert found["ties"] == sum(one.answer == NEITHER for one in ratings.preferences) > 0
+    assert found["ties"] == sum(preference.answer == NEITHER for preference in ratings.preferences) > 0
     assert found["threshold"] > 0
     reference = next(row for row in found["conditions"] if row["reference"])
     assert (reference["jod"], reference["low"]) == (0, None)
     row = found["comparisons"][0]
-    own = [one for one in ratings.preferences if {one.first, one.second} == {"late", "warped"}]
-    preferred = [{1: one.first, 2: one.second}.get(one.answer, "") for one in own]
+    own = [
+        preference for preference in ratings.preferences if {preference.first, preference.second} == {"late", "warped"}
+    ]
+    preferred = [{1: answer.first, 2: answer.second}.get(answer.answer, "") for answer in own]
     assert (row["for"], row["against"], row["neither"]) == tuple(map(preferred.count, ("warped", "late", "")))
     net = preferred.count("warped") + preferred.count("late")
     # Each person saw the pair once: the exact test of their choices is that of signs.
@@ -174,15 +176,15 @@ def test_from_the_store_to_the_page(tmp_path, order):
         contents = store.contents()
     ratings = from_contents(contents, design, SIMULATED)
     shown = [[pair_of(name) for name in session.order[0]] for session in contents.sessions]
-    assert [len(one) for one in shown] == [6 if order == "williams" else 3] * 8
+    assert [len(pictures) for pictures in shown] == [6 if order == "williams" else 3] * 8
     if order == "adaptive":
-        assert all({name for pair in one for name in pair} == set(SCORES) for one in shown)
-        assert len({frozenset(map(frozenset, one)) for one in shown}) > 2
+        assert all({name for pair in pictures for name in pair} == set(SCORES) for pictures in shown)
+        assert len({frozenset(map(frozenset, pictures)) for pictures in shown}) > 2
         assert [session.row for session in contents.sessions] == list(range(8))
     assert len(ratings.preferences) == sum(map(len, shown))
-    assert [one.rated for one in ratings.sessions] == [
-        sum(p.answer is not None for p in ratings.preferences if p.participant == one.participant)
-        for one in ratings.sessions
+    assert [session.rated for session in ratings.sessions] == [
+        sum(p.answer is not None for p in ratings.preferences if p.participant == session.participant)
+        for session in ratings.sessions
     ]
     data = analyse(ratings)
     assert data["participants"] == 8

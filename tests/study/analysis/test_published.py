@@ -76,11 +76,17 @@ def test_five_of_nine_rows_of_run_2_are_in_run_1(whole):
 
 def test_exactly_four_figures_of_the_thesis_do_not_follow(whole):
     claims = whole["scales"][0]["claims"]
-    figures = [one for one in claims if one["difference"] is not None]
-    wrong = {(one["part"], one["latency_ms"], one["difference"]) for one in figures if not one["follows"]}
+    figures = [claim for claim in claims if claim["difference"] is not None]
+    wrong = {
+        (figure["part"], figure["latency_ms"], figure["difference"]) for figure in figures if not figure["follows"]
+    }
     assert wrong == {("run 1", 200, 0.4), ("run 1", 400, 1.35), ("run 2", 200, -0.5), ("run 2", 400, 0.475)}
-    assert [one["latency_ms"] for one in claims if one["follows"] is False and one["difference"] is None] == [600]
-    assert any("nothing was rated at 600 ms: the latencies are 200, 400, 800 ms" in one["sentence"] for one in claims)
+    assert [claim["latency_ms"] for claim in claims if claim["follows"] is False and claim["difference"] is None] == [
+        600
+    ]
+    assert any(
+        "nothing was rated at 600 ms: the latencies are 200, 400, 800 ms" in claim["sentence"] for claim in claims
+    )
 
 
 def test_a_claim_about_conditions_without_common_raters_says_so(tmp_path):
@@ -95,15 +101,15 @@ def test_a_claim_about_conditions_without_common_raters_says_so(tmp_path):
 
 def test_the_step_of_the_figures_is_the_largest_that_holds_them_all():
     claims = load_claims(SHIPPED / "thesis_claims.toml").claims
-    thousandths = [round(1000 * one.difference) for one in claims if one.difference is not None]
-    assert gcd(*thousandths) == 25 and {one.step for one in claims} == {0.025}
+    thousandths = [round(1000 * claim.difference) for claim in claims if claim.difference is not None]
+    assert gcd(*thousandths) == 25 and {claim.step for claim in claims} == {0.025}
 
 
 def test_the_claims_are_those_of_the_table():
     claims = {
-        (one.part, one.latency_ms): one.difference
-        for one in load_claims(SHIPPED / "thesis_claims.toml").claims
-        if one.difference
+        (claim.part, claim.latency_ms): claim.difference
+        for claim in load_claims(SHIPPED / "thesis_claims.toml").claims
+        if claim.difference
     }
     assert claims == {(line[0], float(line[1])): float(line[5]) for line in LINES}
 
@@ -133,7 +139,7 @@ def test_the_example_of_the_docs_is_a_file_of_claims(tmp_path):
     path = tmp_path / "claims.toml"
     path.write_text(page.split("## Published figures")[1].split("```toml\n")[1].split("```")[0], encoding="utf-8")
     claims = load_claims(path)
-    assert (claims.title, [one.difference for one in claims.claims]) == ("the paper", [0.4, 1.35])
+    assert (claims.title, [claim.difference for claim in claims.claims]) == ("the paper", [0.4, 1.35])
     with pytest.raises(InputError, match="the example of docs/study-analysis.md shows one") as told:
         load_claims(tmp_path / "none.toml")
     assert "hmdwarp/" not in str(told.value)

@@ -264,7 +264,7 @@ def test_copied_rows_are_found_and_others_are_not():
 def test_equal_rows_on_a_coarse_scale_are_called_likely():
     rows = [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0]] * 3
     made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
-    (found,) = copied_rows(Ratings(tuple(r for one in made for r in one.rows), {"grade": GRADE}), "grade", 1)
+    (found,) = copied_rows(Ratings(tuple(r for table in made for r in table.rows), {"grade": GRADE}), "grade", 1)
     assert found["by_chance"] > 0.5 and found["within"] > 0
     assert "no sign of copying" in of_copied(found) and "most likely" not in of_copied(found)
 
@@ -277,7 +277,7 @@ def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):
     path = tmp_path / "claims.toml"
     claims = ("latency_ms = 200\ndifference = 1.50", 'better = "q"\nbaseline = "p"\ndifference = 2.0')
     path.write_text('title = "it"\n' + "".join(f'[[claim]]\npart = "x"\n{claim}\n' for claim in claims))
-    assert [one.step for one in load_claims(path).claims] == [0.01, 0.1]
+    assert [claim.step for claim in load_claims(path).claims] == [0.01, 0.1]
 
 
 @pytest.mark.parametrize(
@@ -336,6 +336,6 @@ REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the
 @pytest.mark.parametrize("turned", [False, True], ids=["low is good", "high is good"])
 def test_a_tie_with_the_reference_is_a_tie(values, says, turned):
     scale = attrs.evolve(GRADE, low_is_good=not turned)
-    values = {name: [7 - one if turned else one for one in column] for name, column in values.items()}
+    values = {name: [7 - value if turned else value for value in column] for name, column in values.items()}
     (part,) = analyse(ratings_of(values, reference="best", measure=scale))["scales"][0]["parts"]
     assert part["reference_sentence"] == says

@@ -141,12 +141,14 @@ def test_only_this_machine_and_only_the_whole_address_gets_in(tmp_path):
         assert len(token) >= 32
         wrong = token[:-1] + ("A" if token[-1] != "A" else "B")
         inside = ["", "ws", "static/js/textual.js"]
-        refused = [f"{root}/{one}" for one in ("", "ws", "static/js/textual.js", *(f"{wrong}/{one}" for one in inside))]
+        refused = [
+            f"{root}/{page}" for page in ("", "ws", "static/js/textual.js", *(f"{wrong}/{path}" for path in inside))
+        ]
         assert set(asyncio.run(statuses(refused))) == {404}
-        assert asyncio.run(statuses([f"{played.address}{one}" for one in ("", "static/js/textual.js")])) == [200, 200]
+        assert asyncio.run(statuses([f"{played.address}{path}" for path in ("", "static/js/textual.js")])) == [200, 200]
         port = int(root.rsplit(":", 1)[1])
         listening = [line.split()[1] for line in Path("/proc/net/tcp").read_text().splitlines()[1:] if " 0A " in line]
-        assert [one for one in listening if one.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
+        assert [line for line in listening if line.endswith(f":{port:04X}")] == [f"0100007F:{port:04X}"]
 
 
 def test_the_server_and_the_page_end_with_a_session_that_is_killed(tmp_path):
@@ -211,7 +213,7 @@ async def chromium(profile: Path, address: str) -> AsyncIterator[Chromium]:
         async with aiohttp.ClientSession() as client:
             async with client.get(listing) as answer:
                 pages = json.loads(await answer.text())
-            url = next(one["webSocketDebuggerUrl"] for one in pages if one["type"] == "page")
+            url = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
             async with client.ws_connect(url, max_msg_size=0) as socket:
                 yield Chromium(socket)
     finally:

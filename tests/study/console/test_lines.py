@@ -84,7 +84,7 @@ def test_a_quiet_console_only_answers(capfd, monkeypatch):
         with make_console("auto", "a study", quiet=True) as console:
             console.say("a line")
             console.tell(ASKING)
-            commands = [one.control for one in console.commands()]
+            commands = [command.control for command in console.commands()]
     assert commands == ["pause"]
     (line,) = capfd.readouterr().err.splitlines()
     assert line.startswith("console: 'dance' is no command")

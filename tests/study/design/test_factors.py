@@ -43,14 +43,14 @@ def read(*changes: tuple[str, str]) -> Design:
 
 
 def names(design: Design) -> list[str]:
-    return [one.name for one in design.parts[0].conditions]
+    return [condition.name for condition in design.parts[0].conditions]
 
 
 def test_lists_of_values_are_crossed():
     design = read()
     assert names(design) == NAMES
-    settings = [dict(one.settings) for one in design.parts[0].conditions[:4]]
-    assert [(one["latency"], one["warp"], one["fill"]) for one in settings] == [
+    settings = [dict(condition.settings) for condition in design.parts[0].conditions[:4]]
+    assert [(setting["latency"], setting["warp"], setting["fill"]) for setting in settings] == [
         (200, "forward", "none"),
         (200, "none", "none"),
         (400, "forward", "none"),

@@ -22,7 +22,7 @@ def test_the_plan_is_accepted_as_it_is(tmp_path, monkeypatch):
     assert "hmdwarp study plan mine.toml" in init("mine")
     design = load_design("mine.toml")
     assert design.name == "mine"
-    assert [one.name for one in design.parts[0].conditions] == [
+    assert [condition.name for condition in design.parts[0].conditions] == [
         "latency200-none",
         "latency200-forward",
         "latency400-none",

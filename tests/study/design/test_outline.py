@@ -37,33 +37,33 @@ def test_a_session_is_all_its_steps_and_their_time():
     plan = design()
     steps = steps_of(plan, rows_for(plan, "run-1")[0], "run-1")
     told = session_phases(plan, "run-1")
-    assert [one.name for one in told] == [
+    assert [part.name for part in told] == [
         "consent",
         "before",
         "practice",
         "trials",
         "after",
     ]  # 6 trials: no break after the last
-    assert sum(one.steps for one in told) == len(steps)
+    assert sum(part.steps for part in told) == len(steps)
     shown = sum(step.seconds for step in steps if isinstance(step, Show | Pause))
     assert shown == 60 + 6 * 20
     asked = sum(isinstance(step, Ask) for step in steps)
-    total = sum(one.seconds for one in told)
+    total = sum(part.seconds for part in told)
     assert shown + 4 * asked <= total <= shown + 6 * asked + 10  # each answer takes 4 to 6 s, the text at least 10
 
 
 def test_breaks_come_between_trials():
-    told = {one.name: one for one in session_phases(design(("every = 6", "every = 2")), "run-1")}
+    told = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 2")), "run-1")}
     assert (told["breaks"].steps, told["breaks"].seconds) == (2, 60)
     assert told["breaks"].content.endswith("after every 2 trials")
-    each = {one.name: one for one in session_phases(design(("every = 6", "every = 1")), "run-1")}
+    each = {phase.name: phase for phase in session_phases(design(("every = 6", "every = 1")), "run-1")}
     assert each["breaks"].content.endswith("after every trial")
 
 
 def test_trials_until_done_take_at_most_their_longest_time():
     until = ("seconds = 20\n", 'seconds = "until done"\nlongest = 90\n')
     plan = design(until)
-    phases = {one.name: one for one in session_phases(plan, "run-1")}
+    phases = {phase.name: phase for phase in session_phases(plan, "run-1")}
     assert phases["trials"].content.startswith("6 until done, at most 90 s, each rated")
     assert phases["trials"].at_most and not phases["practice"].at_most
     assert phases["trials"].seconds >= 6 * 90
@@ -95,7 +95,7 @@ def by_enumeration(n: int) -> float:
     """
     sums = [sum(rank for rank, sign in enumerate(signs, 1) if sign) for signs in product((0, 1), repeat=n)]
     most = n * (n + 1) // 2
-    return sum(abs(one - most / 2) >= most / 2 for one in sums) / len(sums)
+    return sum(abs(total - most / 2) >= most / 2 for total in sums) / len(sums)
 
 
 @pytest.mark.parametrize("n", range(1, 9))

@@ -59,7 +59,7 @@ def test_full_balance(conditions, repeats):
     """Over all orders each pair stands in each place, and each way round, equally often."""
     design = study(conditions, repeats=repeats)
     rows = rows_for(design, "main")
-    names = [one.name for one in design.parts[0].conditions]
+    names = [condition.name for condition in design.parts[0].conditions]
     shown = Counter(name for order in rows for repeat in order for name in repeat)
     assert {pair_of(name) for name in shown} == set(permutations(names, 2))
     assert len(set(shown.values())) == 1
@@ -93,10 +93,10 @@ def test_a_trial_shows_both_before_it_asks():
     assert (first.turn, first.after, second.turn, second.after) == ("first", "", "second", first.key)
     assert isinstance(question, Ask)
     assert question.about == second.key
-    sick = [one for one in steps if isinstance(one, Ask) and one.scale.name == "fms"]
-    assert [(one.trial, one.about) for one in sick] == [(2, "trial/2/second")]
-    assert len({one.key for one in steps}) == len(steps)
-    trials = next(one for one in session_phases(design, "main") if one.name == "trials")
+    sick = [step for step in steps if isinstance(step, Ask) and step.scale.name == "fms"]
+    assert [(question.trial, question.about) for question in sick] == [(2, "trial/2/second")]
+    assert len({step.key for step in steps}) == len(steps)
+    trials = next(phase for phase in session_phases(design, "main") if phase.name == "trials")
     assert trials.content.startswith("3 pairs")
     assert trials.seconds == 3 * 2 * 2 + 4 * 6.0  # each shown for 2 s, and 4 answers
     assert not any("odd number" in note for note in notes(design))

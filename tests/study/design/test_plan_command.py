@@ -63,7 +63,7 @@ def test_the_outline_fits_80_columns(study):
 def test_programs_get_json(study):
     told = json.loads(run(study, "--json"))
     assert told["name"] == "whole" and len(told["parts"][0]["orders"]) == 6
-    assert told["parts"][0]["session_seconds"] == sum(one["seconds"] for one in told["parts"][0]["session"])
+    assert told["parts"][0]["session_seconds"] == sum(step["seconds"] for step in told["parts"][0]["session"])
 
 
 @pytest.mark.parametrize("order", ["fixed", "random"])

@@ -80,7 +80,7 @@ def test_a_small_plan_has_the_usual_for_all_it_leaves_out():
     conditions = '[[condition]]\nname = "a"\n[[condition]]\nname = "b"\nlatency = 0\n'
     design = read(f'schema = 1\nname = "s"\ntitle = "S"\n[trial]\nscales = ["acr"]\n{conditions}')
     (part,) = design.parts
-    assert part.name == "main" and [one.settings for one in part.conditions] == [{}, {"latency": 0}]
+    assert part.name == "main" and [condition.settings for condition in part.conditions] == [{}, {"latency": 0}]
     assert design.practice is None and design.sickness is None and design.consent is None and design.families == ()
     assert (design.seconds, design.repeats, design.order, design.blind, design.seed) == (20, 1, WILLIAMS, BOTH, 0)
 
@@ -120,16 +120,19 @@ def test_the_thesis_is_the_thesis():
     assert [scale.name for scale in design.scales] == ["grade"]
     assert [part.name for part in design.parts] == ["run-1", "run-2"]
     for part, fill in zip(design.parts, ("interpolate", "interpolate+composite"), strict=True):
-        told = [(one.settings["latency"], one.settings["warp"], one.settings["fill"]) for one in part.conditions]
+        told = [
+            (condition.settings["latency"], condition.settings["warp"], condition.settings["fill"])
+            for condition in part.conditions
+        ]
         assert told == [(ms, "none", "none") for ms in (200, 400, 800)] + [
             (ms, "forward", fill) for ms in (200, 400, 800)
         ]
     with PUBLISHED.open(encoding="utf-8") as file:
         rated = {(row["run"], row["latency_ms"], row["warp"], row["fill"] or "none") for row in csv.DictReader(file)}
     assert rated == {
-        (part.name.removeprefix("run-"), *(str(one.settings[key]) for key in ("latency", "warp", "fill")))
+        (part.name.removeprefix("run-"), *(str(condition.settings[key]) for key in ("latency", "warp", "fill")))
         for part in design.parts
-        for one in part.conditions
+        for condition in part.conditions
     }
     for family, part in zip(design.families, design.parts, strict=True):
         assert family.comparisons == tuple(

@@ -131,9 +131,14 @@ def test_words_do_not_overlap():
         layout = layout_of(panel_of(scale).form)
         if isinstance(layout, LineLayout):
             for row in (0, 1):
-                ends = [(one.x - w, one.x + w) for one in layout._placed if one.row == row for w in [_half(one)]]
+                ends = [
+                    (button.x - w, button.x + w)
+                    for button in layout._placed
+                    if button.row == row
+                    for w in [_half(button)]
+                ]
                 assert all(after[0] - before[1] > 4 for before, after in zip(ends, ends[1:], strict=False))
-            assert {one.value for one in layout._placed} == set(scale.anchors)
+            assert {button.value for button in layout._placed} == set(scale.anchors)
 
 
 def _half(one) -> float:
@@ -161,7 +166,7 @@ def _up(panel, name: str) -> float:
 
 
 def test_a_press_on_the_scale_answers():
-    scale = next(one for one in SHIPPED if one.name == "grade")
+    scale = next(scale for scale in SHIPPED if scale.name == "grade")
     asked, (x, y) = asked_of(scale), marker_of(scale, 4.25)
     place = ((x + 0.5) / WIDTH, 1 - (y + 0.5) / asked.panel().height())
     asked.handle(said(("point", place)))
@@ -179,7 +184,7 @@ def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
         )  # to the pixel
         assert (text.uv_from_pixel(size, None) @ (300, 400, 1))[1] > 1  # above it
         eye = window_view("both", load_headset("rift-dk1"), None).eyes.views(Pose((0, 1.6, 0)))[0]
-        tall = notices.of(panel_of(next(one for one in SHIPPED if one.name == "misc")))
+        tall = notices.of(panel_of(next(scale for scale in SHIPPED if scale.name == "misc")))
         for notice in (panel, tall):
             corners = [notice.uv_from_pixel((640, 800), eye) @ (x, y, 1) for x in (0, 640) for y in (0, 800)]
             uv = np.array([corner[:2] / corner[2] for corner in corners])
@@ -193,7 +198,7 @@ def test_a_marker_that_moves_leaves_no_textures_behind(gpu):
 
     Each takes 2 ms, one with a list 5; the limit is against what got much worse alone.
     """
-    notices, asked = Notices(gpu.gl), asked_of(next(one for one in SHIPPED if one.name == "slider"))
+    notices, asked = Notices(gpu.gl), asked_of(next(scale for scale in SHIPPED if scale.name == "slider"))
     try:
         seconds = []
         asked.handle(said("left"))

@@ -97,7 +97,11 @@ def test_poses_are_as_they_were_recorded(tree, store):
     for session in store.contents().sessions:
         folder = tree / f"sub-{session.sub}" / "ses-01"
         scans = {row["filename"]: row for row in table(folder / f"sub-{session.sub}_ses-01_scans.tsv")}
-        shown = {(one.trial, one.presentation): one for one in store.contents().showings if one.session == session.id}
+        shown = {
+            (showing.trial, showing.presentation): showing
+            for showing in store.contents().showings
+            if showing.session == session.id
+        }
         for path in sorted(folder.glob("motion/*_motion.tsv")):
             row = scans[f"motion/{path.name}"]
             showing = shown[int(row["trial"]), int(row["presentation"])]
@@ -109,8 +113,8 @@ def test_poses_are_as_they_were_recorded(tree, store):
             assert np.abs(data[:, 0] * 1e9 - (track.time_ns - track.start_ns)).max() <= 500.1 and data[0, 0] == 0
             channels = table(path.with_name(path.name.replace("_motion", "_channels")))
             assert len(channels) == data.shape[1] == len(CHANNELS)
-            assert [one["type"] for one in channels] == ["LATENCY", *["POS"] * 3, *["ORNT"] * 4]
-            assert [one["component"] for one in channels] == [
+            assert [channel["type"] for channel in channels] == ["LATENCY", *["POS"] * 3, *["ORNT"] * 4]
+            assert [channel["component"] for channel in channels] == [
                 "n/a",
                 "x",
                 "y",
@@ -131,9 +135,9 @@ def test_trials_are_events_of_the_session_and_of_each_recording(tree, store):
         (file,) = folder.glob("beh/*_events.tsv")
         rows = table(file)
         assert list(rows[0])[:3] == ["onset", "duration", "trial_type"]
-        shown = [one for one in store.contents().showings if one.session == session.id]
-        assert [row["trial_type"] for row in rows] == [one.condition for one in shown]
-        assert [int(row["trial"]) for row in rows] == [one.trial for one in shown]
+        shown = [showing for showing in store.contents().showings if showing.session == session.id]
+        assert [row["trial_type"] for row in rows] == [showing.condition for showing in shown]
+        assert [int(row["trial"]) for row in rows] == [showing.trial for showing in shown]
         begun = datetime.fromisoformat(session.started_utc)
         for row, one in zip(rows, shown, strict=True):
             assert float(row["onset"]) == (datetime.fromisoformat(one.started_utc) - begun).total_seconds() > 0
@@ -167,7 +171,7 @@ def test_instants_count_from_the_beginning_of_a_session(tree):
         rows = table(path)
         assert rows[0]["acq_time"] == "1925-01-01T00:00:00.000"
         times = [row["acq_time"] for row in rows]
-        assert times == sorted(times) and all(re.fullmatch(r"1925-01-01T00:\d\d:\d\d\.\d{3}", one) for one in times)
+        assert times == sorted(times) and all(re.fullmatch(r"1925-01-01T00:\d\d:\d\d\.\d{3}", time) for time in times)
 
 
 def test_no_date_and_no_code_is_in_any_byte(tree):
@@ -234,7 +238,7 @@ def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, desi
 
 def test_an_unreadable_trace_is_reported_and_the_rest_exported(store, design, tmp_path):
     contents = store.contents()
-    showings = [one for one in contents.showings if one.trial == 1]
+    showings = [showing for showing in contents.showings if showing.trial == 1]
     (store.traces / showings[0].trace).write_text("no trace at all\n", encoding="utf-8")
     (store.traces / showings[1].trace).unlink()
     made = export(contents, design, tmp_path / "out")

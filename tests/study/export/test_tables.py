@@ -82,7 +82,7 @@ def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
     store.withdraw("Gamma-3")
     contents = store.contents()
     rows = long_rows(contents, design)
-    subs = {one.code: one.sub for one in contents.sessions}
+    subs = {session.code: session.sub for session in contents.sessions}
     assert len(rows) == 2 * 3 and all(row["kind"] == "rating" for row in rows)
     of = {(row["participant"], row["trial"]): row for row in rows}
     revised = of[subs["Alpha-1"], 1]
@@ -114,7 +114,7 @@ def test_a_row_has_its_condition_and_the_one_before(store, design):
 
 
 def test_a_row_says_how_its_pictures_were_measured(store, design, tmp_path):
-    showing = next(one for one in store.contents().showings if one.trial)
+    showing = next(showing for showing in store.contents().showings if showing.trial)
     store.measured(showing.id, {"flip": 0.25, "refreshes": 5, "every": 10, "size": "48x60"})
     out = export(store.contents(), design, tmp_path / "out").folder
     (row,) = [row for row in read(out / "ratings.csv", ",") if row["measured_flip"] != "n/a"]
@@ -133,7 +133,7 @@ def test_a_short_table_and_a_file_for_each_session_hold_the_same_ratings(store, 
         assert {name: row[name] for name in shared} == {name: of[name] for name in shared}
     first = [row for row in short if row["trial"] == "1"]
     assert all(float(row["onset"]) > 0 and row["duration"] == "1.5" for row in first)
-    names = sorted(f"{one.sub}_ses-01.csv" for one in store.contents().sessions)
+    names = sorted(f"{session.sub}_ses-01.csv" for session in store.contents().sessions)
     assert sorted(path.name for path in (out / "sessions").iterdir()) == names
     assert [row for name in names for row in read(out / "sessions" / name, ",")] == short
     one, other = (from_csv(out / name).rows for name in ("ratings.csv", "ratings_short.csv"))
@@ -199,7 +199,7 @@ def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store
             values = {row["item"]: row["value"] for row in mine if row["kind"] == "questionnaire"}
             scores = {row["item"]: row["value"] for row in mine if row["kind"] == "score"}
             assert list(values) == [item.key for item in vrsq.items] and list(scores) == [
-                one.name for one in vrsq.scores
+                score.name for score in vrsq.scores
             ]
             if session.status == "stopped" and phase == "after":
                 assert set(values.values()) | set(scores.values()) == {"n/a"}
@@ -208,7 +208,7 @@ def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store
             # both in percent; total: their mean.
             given = [float(value) for value in values.values()]
             wanted = 100 * sum(given[:4]) / 12, 100 * sum(given[4:]) / 15
-            assert [float(scores[one.name]) for one in vrsq.scores] == pytest.approx([*wanted, sum(wanted) / 2])
+            assert [float(scores[score.name]) for score in vrsq.scores] == pytest.approx([*wanted, sum(wanted) / 2])
 
 
 def test_every_column_is_described(store, design, tmp_path):

@@ -14,8 +14,10 @@ def bytes_of(folder):
 def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
     everything = ExportOptions(remarks=True, revisions=True)
     contents = store.contents()
-    session = next(one for one in contents.sessions if one.code == "Gamma-3")
-    traces = [load_trace(store.traces / one.trace).track for one in contents.showings if one.session == session.id]
+    session = next(session for session in contents.sessions if session.code == "Gamma-3")
+    traces = [
+        load_trace(store.traces / showing.trace).track for showing in contents.showings if showing.session == session.id
+    ]
     numbers = {field_text(float(value)).encode() for track in traces for value in track.position_m.ravel()}
     assert len(numbers) == 4 * 40 * 3
     marks = {b"Gamma-3", session.sub.encode(), *numbers}
@@ -33,7 +35,7 @@ def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
 def test_the_rest_is_as_without_the_withdrawn(store, design, tmp_path):
     """But for the count, nothing tells that there was anybody."""
     contents = store.contents()
-    gone = next(one for one in contents.sessions if one.code == "Gamma-3")
+    gone = next(session for session in contents.sessions if session.code == "Gamma-3")
     before = bytes_of(export(contents, design, tmp_path / "before").folder)
     store.withdraw("Gamma-3")
     after = bytes_of(export(store.contents(), design, tmp_path / "after").folder)
@@ -67,6 +69,6 @@ def test_parquet_holds_nothing_that_a_search_for_bytes_does_not_see(store, desig
     out = export(store.contents(), design, tmp_path / "out").folder
     about = parquet.ParquetFile(out / "ratings.parquet").metadata
     groups = [about.row_group(0).column(k) for k in range(about.num_columns)]
-    assert {one.compression for one in groups} == {"UNCOMPRESSED"}
-    subs = {one.sub.encode() for one in store.contents().sessions}
+    assert {group.compression for group in groups} == {"UNCOMPRESSED"}
+    subs = {session.sub.encode() for session in store.contents().sessions}
     assert np.all([sub in (out / "ratings.parquet").read_bytes() for sub in subs])

@@ -51,7 +51,7 @@ def test_the_parts_of_the_spread_are_those_of_the_model():
     for person in range(4000):
         for condition in range(4):
             cube[person, condition] = made.latent["grade"][person][made.order[person] == condition]
-    means = np.array([GRADE.means[one.name] for one in DESIGN.parts[0].conditions])
+    means = np.array([GRADE.means[condition.name] for condition in DESIGN.parts[0].conditions])
     noise = cube.var(axis=2, ddof=1).mean()
     of_cell = (cube.mean(axis=2) - means) - (cube.mean(axis=2) - means).mean(axis=1, keepdims=True)
     condition = (of_cell**2).sum() / (4000 * 3) - noise / 3
@@ -64,7 +64,7 @@ def test_the_parts_of_the_spread_are_those_of_the_model():
 def test_drift_and_what_was_before_are_in_the_ratings():
     still = {"people_sd": 0.0, "condition_sd": 0.0, "noise_sd": 0.0, "missing": 0.0}
     made = cohort(8, ratings=rating(**still, drift=0.125, carry_over=0.25), dropout=0.0)
-    means = np.array([GRADE.means[one.name] for one in DESIGN.parts[0].conditions])[made.order]
+    means = np.array([GRADE.means[condition.name] for condition in DESIGN.parts[0].conditions])[made.order]
     before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
     np.testing.assert_allclose(made.latent["grade"], 0.75 * means + 0.25 * before + 0.125 * np.arange(4))
 
@@ -72,7 +72,7 @@ def test_drift_and_what_was_before_are_in_the_ratings():
 def test_shares_of_missing_ratings_and_dropouts():
     """2000 people: 4 standard errors of a share p are 4 sqrt(p (1 - p) / 2000)."""
     made = cohort(2000, ratings=rating(missing=0.1), dropout=0.05, sickness=SicknessModel())
-    assert np.mean([one == "complete" for one in made.why]) == pytest.approx(
+    assert np.mean([reason == "complete" for reason in made.why]) == pytest.approx(
         0.95**3, abs=0.032
     )  # after the last trial nobody leaves
     for place in range(4):
@@ -128,7 +128,7 @@ def test_made_up_ratings_are_those_of_the_cohort():
     assert len(found.rows) == 9 * 4 and found.origin == "simulated" and len(found.sessions) == 9
     table = found.table(PART, "grade")
     wanted = made.per_condition("grade")[
-        :, [[one.name for one in DESIGN.parts[0].conditions].index(name) for name in table.conditions]
+        :, [[condition.name for condition in DESIGN.parts[0].conditions].index(name) for name in table.conditions]
     ]
     np.testing.assert_array_equal(table.values, wanted)
     assert all((row.value is None) == bool(row.why_missing) for row in found.rows)
@@ -190,7 +190,9 @@ def test_a_trial_until_done_is_ended_after_a_time_of_its_own():
     times = []
     for show in shows:
         somebody = Simulated(model, design, PART, 1, 5, order)
-        ((first, command), *_) = ((k / 20, one) for k in range(2000) for one in somebody.commands(show, None, k / 20))
+        ((first, command), *_) = (
+            (k / 20, command) for k in range(2000) for command in somebody.commands(show, None, k / 20)
+        )
         assert command.control == "continue"
         times.append(first)
     assert len(set(times)) == len(times) and min(times) > 3 and max(times) < 50

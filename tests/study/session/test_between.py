@@ -36,7 +36,7 @@ def events(path, *kinds: str) -> list[tuple[str, str]]:
 
 
 def presentations(path, key: str) -> list[tuple[int, bool]]:
-    return [(one.presentation, one.complete) for one in contents(path).showings if one.key == key]
+    return [(showing.presentation, showing.complete) for showing in contents(path).showings if showing.key == key]
 
 
 def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu, tmp_path):
@@ -46,10 +46,10 @@ def test_a_trial_that_was_paused_is_shown_again_from_its_start(monkeypatch, gpu,
     assert ran.session.status == COMPLETE
     assert presentations(path, "trial/1") == [(1, False), (2, True)]
     stored = contents(path)
-    (answer,) = [one for one in stored.answers if one.key == "trial/1/grade/grade"]
-    assert answer.showing == next(one.id for one in stored.showings if one.complete)
+    (answer,) = [answer for answer in stored.answers if answer.key == "trial/1/grade/grade"]
+    assert answer.showing == next(showing.id for showing in stored.showings if showing.complete)
     assert events(path, "pause", "continue") == [("pause", "trial/1"), ("continue", "menu")]
-    assert {one.step for one in ran.console.states if one.phase == "paused"} == {
+    assert {state.step for state in ran.console.states if state.phase == "paused"} == {
         "trial 1 of 2"
     }  # in the middle of what
     menu = next(panel for panel in ran.display.panels if isinstance(panel, MessagePanel) and panel.title == "Menu")
@@ -84,7 +84,7 @@ def test_everything_of_the_menu_by_hand(monkeypatch, gpu, tmp_path):
     assert [kind for kind, _ in events(path, "pause", "break", "again", "skip", "answer")] == [
         "answer", "pause", "break", "pause", "again", "answer", "pause", "skip", "answer",
     ]  # fmt: skip
-    answers = [(one.key, one.revision, one.value) for one in contents(path).answers]
+    answers = [(answer.key, answer.revision, answer.value) for answer in contents(path).answers]
     assert answers == [
         ("trial/1/grade/grade", 1, 2.0),
         ("trial/1/grade/grade", 2, 2.0),
@@ -106,13 +106,13 @@ def test_a_repeated_question_keeps_both_answers(monkeypatch, gpu, tmp_path):
     path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(own), at_phase("showing", "trial 2 of 2", Command("again")))
     assert ran.session.status == COMPLETE
-    answers = [(one.key, one.revision, one.value) for one in contents(path).answers]
+    answers = [(answer.key, answer.revision, answer.value) for answer in contents(path).answers]
     assert answers == [
         ("trial/1/grade/grade", 1, 5.0),
         ("trial/1/grade/grade", 2, 2.0),
         ("trial/2/grade/grade", 1, 1.0),
     ]
-    showings = {one.showing for one in contents(path).answers[:2]}
+    showings = {answer.showing for answer in contents(path).answers[:2]}
     assert len(showings) == 1  # both are about the same showing
     assert presentations(path, "trial/2") == [(1, False), (2, True)]
     assert any("answered again" in text for text in ran.console.said)
@@ -167,7 +167,7 @@ def test_a_stop_that_comes_with_the_end_of_a_step_is_a_stop(monkeypatch, gpu, tm
     idle = Person(lambda panel: () if phase == "asking" and getattr(panel, "heading", "") == "trial 1" else None)
     ran = run(monkeypatch, gpu, path, idle, at_phase(phase, "trial 1 of 2", *commands))
     assert ran.session.status == STOPPED
-    assert [one.value for one in contents(path).answers] == answers
+    assert [answer.value for answer in contents(path).answers] == answers
     assert len(events(path, "stop")) == 1
 
 
@@ -225,7 +225,7 @@ def test_without_the_consent_a_session_that_the_experimenter_ends_counts_nowhere
         export(contents(path), load_design(str(path)), tmp_path / "out")
     run(monkeypatch, gpu, path, participant="P2")
     ratings = from_contents(contents(path), load_design(str(path)))
-    assert [one.status for one in ratings.sessions] == [COMPLETE] and len(
+    assert [session.status for session in ratings.sessions] == [COMPLETE] and len(
         {row.participant for row in ratings.rows}
     ) == 1
     assert any("counted nowhere else: 1." in note for note in ratings.notes)
@@ -239,7 +239,10 @@ def test_the_experimenter_types_or_skips_spoken_words(monkeypatch, gpu, tmp_path
     path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(lambda panel: () if isinstance(panel, QuestionPanel) else None), console)
     assert ran.session.status == COMPLETE
-    assert [(one.value, one.by) for one in contents(path).answers] == [(3.25, "experimenter"), (None, "experimenter")]
+    assert [(answer.value, answer.by) for answer in contents(path).answers] == [
+        (3.25, "experimenter"),
+        (None, "experimenter"),
+    ]
 
 
 def test_a_remark_is_kept_word_for_word_and_disturbs_nothing(monkeypatch, gpu, tmp_path):
@@ -298,5 +301,5 @@ def test_a_late_command_does_not_answer_the_next_question(monkeypatch, gpu, tmp_
         console,
     )
     assert ran.session.status == COMPLETE
-    assert [one.value for one in contents(path).answers] == [3.0, 2.0]
+    assert [answer.value for answer in contents(path).answers] == [3.0, 2.0]
     assert ("remark", "trial/1/grade/grade") in events(path, "remark")

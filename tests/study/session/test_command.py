@@ -67,7 +67,7 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     assert "nothing unfinished" not in err  # something unfinished is there, and is to be gone on with
     stored = contents(path, pilot=True)
     assert stored.sessions[0].status == "interrupted"
-    assert [one.complete for one in stored.showings] == [False]
+    assert [showing.complete for showing in stored.showings] == [False]
 
 
 def test_a_session_answered_at_the_console_line_by_line(tmp_path):
@@ -93,7 +93,7 @@ def test_a_session_answered_at_the_console_line_by_line(tmp_path):
         program.communicate()
     assert out.startswith("participant P1 (pilot), session 1, part main: complete\n")
     assert "2 answers, 1 of them about trials" in out
-    assert [(one.value, one.by) for one in contents(path, pilot=True).answers] == [
+    assert [(answer.value, answer.by) for answer in contents(path, pilot=True).answers] == [
         (3.25, "experimenter"),
         (None, "experimenter"),
     ]

@@ -68,7 +68,7 @@ def rows(path):
 def test_people_answer_at_the_window(monkeypatch, gpu, path):
     ran = run(monkeypatch, gpu, path, Typist())
     assert ran.error is None and ran.session.status == "complete"
-    answers = {one.item: one for one in contents(path).answers if one.phase == "before"}
+    answers = {answer.item: answer for answer in contents(path).answers if answer.phase == "before"}
     assert (answers["age"].value, answers["hand"].value, answers["notes"].value) == (34, 2, None)
     assert (answers["age"].text, answers["notes"].text) == ("", "x The picture swims.")
     told = rows(path)
@@ -88,7 +88,7 @@ def test_the_experimenter_types_spoken_words(monkeypatch, gpu, path):
     ran = run(monkeypatch, gpu, path, Person(lambda panel: () if isinstance(panel, QuestionPanel) else None),
               ScriptedConsole(asks))  # fmt: skip
     assert ran.error is None
-    told = {one.item: one for one in contents(path).answers}
+    told = {answer.item: answer for answer in contents(path).answers}
     assert (told["notes"].text, told["notes"].by, told["hand"].value) == ("too dark", "experimenter", 1)
 
 
@@ -106,7 +106,7 @@ def test_simulated_participants_answer_too(monkeypatch, gpu, path, tmp_path):
     ran = run(monkeypatch, gpu, path, Person(lambda panel: ()), simulate=str(tmp_path / "people.toml"), trace="walk")
     assert ran.error is None and ran.session.status == "complete"
     with Store(store_folder(load_design(str(path)), None, SIMULATED)) as store:
-        told = {one.item: one for one in store.contents().answers if one.phase == "before"}
+        told = {answer.item: answer for answer in store.contents().answers if answer.phase == "before"}
     assert 18 <= told["age"].value <= 99 and told["hand"].value in (1, 2, 3) and told["notes"].text
 
 

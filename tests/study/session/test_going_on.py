@@ -114,10 +114,10 @@ def test_a_window_closed_in_mid_trial(monkeypatch, gpu, tmp_path):
     assert cut.actual["pictures"] == 5
     again = run(monkeypatch, gpu, path, resume=True)
     assert again.session.status == COMPLETE
-    assert [(one.key, one.presentation, one.complete) for one in contents(path).showings] == [
+    assert [(showing.key, showing.presentation, showing.complete) for showing in contents(path).showings] == [
         ("trial/1", 1, False), ("trial/1", 2, True), ("trial/2", 1, True),
     ]  # fmt: skip
-    assert len({one.trace for one in contents(path).showings}) == 3
+    assert len({showing.trace for showing in contents(path).showings}) == 3
     assert "We go on with trial 1 of 2" in " ".join(again.display.panels[0].lines)
 
 
@@ -137,11 +137,11 @@ def test_a_trial_seen_in_an_earlier_run_is_shown_again_before_its_rating(monkeyp
         person.looks,
     )
     assert run(monkeypatch, gpu, path, person).session.status == INTERRUPTED
-    assert [(one.key, one.complete) for one in contents(path).showings] == [("trial/1", True)]
+    assert [(showing.key, showing.complete) for showing in contents(path).showings] == [("trial/1", True)]
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
-    first, second = [one for one in contents(path).showings if one.key == "trial/1"]
+    first, second = [showing for showing in contents(path).showings if showing.key == "trial/1"]
     assert (first.presentation, second.presentation) == (1, 2)
-    answer = next(one for one in contents(path).answers if one.key == "trial/1/grade/grade")
+    answer = next(answer for answer in contents(path).answers if answer.key == "trial/1/grade/grade")
     assert answer.showing == second.id
 
 
@@ -149,7 +149,7 @@ def test_a_display_that_comes_back_shows_the_trial_again(monkeypatch, gpu, tmp_p
     path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, at={5: losing()})
     assert ran.session.status == COMPLETE
-    shown = [(one.key, one.presentation, one.complete) for one in contents(path).showings]
+    shown = [(showing.key, showing.presentation, showing.complete) for showing in contents(path).showings]
     assert shown == [("trial/1", 1, False), ("trial/1", 2, True), ("trial/2", 1, True)]
     kinds = [event.kind for event in contents(path).events]
     assert kinds.index("lost") < kinds.index("shown")
@@ -223,7 +223,7 @@ def test_an_interrupted_session_resumes_with_its_first_plan(monkeypatch, gpu, tm
     path.write_text(path.read_text(encoding="utf-8").replace("seconds = 0.1", "seconds = 0.3"), encoding="utf-8")
     ran = run(monkeypatch, gpu, path, resume=True)
     assert ran.session.status == COMPLETE
-    assert all(one.actual["seconds"] < 0.15 for one in contents(path).showings if one.complete)
+    assert all(showing.actual["seconds"] < 0.15 for showing in contents(path).showings if showing.complete)
 
 
 def test_a_session_is_not_resumed_with_a_changed_custom_scale(monkeypatch, gpu, tmp_path):
@@ -273,7 +273,7 @@ def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gp
     assert rehearsal.said[0].startswith("participant R1 (pilot)")
     assert "PILOT" in rehearsal.console.states[0].heading
     assert len(contents(path).sessions) == 2
-    assert [one.code for one in contents(path, pilot=True).sessions] == ["R1"]
+    assert [session.code for session in contents(path, pilot=True).sessions] == ["R1"]
 
 
 @pytest.mark.parametrize(

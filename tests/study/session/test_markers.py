@@ -40,16 +40,16 @@ def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pi
         markers = receiver.markers()
     stored = contents(path)
     # What came before the recorder was connected is lost to it; the practice makes sure of that.
-    markers = markers[[one.get("step") for one in markers].index("trial/1") :]
+    markers = markers[[marker.get("step") for marker in markers].index("trial/1") :]
     wanted = []
     for showing in stored.showings[1:]:
-        asked = [("answer", one.key) for one in stored.answers if one.showing == showing.id]
+        asked = [("answer", answer.key) for answer in stored.answers if answer.showing == showing.id]
         wanted += [("trial_start", showing.key), ("trial_end", showing.key), *asked]
-    after = [("answer", one.key) for one in stored.answers if one.phase == "after"]
-    assert [(one["event"], one.get("step")) for one in markers] == [*wanted, *after, ("session_end", None)]
+    after = [("answer", answer.key) for answer in stored.answers if answer.phase == "after"]
+    assert [(marker["event"], marker.get("step")) for marker in markers] == [*wanted, *after, ("session_end", None)]
 
-    shown = {one.id: one for one in stored.showings}
-    starts, ends = ([one for one in markers if one["event"] == f"trial_{what}"] for what in ("start", "end"))
+    shown = {showing.id: showing for showing in stored.showings}
+    starts, ends = ([marker for marker in markers if marker["event"] == f"trial_{what}"] for what in ("start", "end"))
     for start, end in zip(starts, ends, strict=True):
         assert start["condition"] == shown[start["showing"]].condition
         assert (start["trial"], end["showing"], end["complete"]) == (
@@ -57,11 +57,11 @@ def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pi
             start["showing"],
             True,
         )
-    values = {(one.key, one.value, one.showing) for one in stored.answers}
-    answers = [one for one in markers if one["event"] == "answer"]
-    assert answers and all((one["step"], one["value"], one["showing"]) in values for one in answers)
+    values = {(answer.key, answer.value, answer.showing) for answer in stored.answers}
+    answers = [marker for marker in markers if marker["event"] == "answer"]
+    assert answers and all((answer["step"], answer["value"], answer["showing"]) in values for answer in answers)
     session = ran.session
-    assert {(one["participant"], one["session"]) for one in markers} == {(session.sub, session.number)}
+    assert {(marker["participant"], marker["session"]) for marker in markers} == {(session.sub, session.number)}
     assert session.code not in repr(markers)
     assert markers[-1]["status"] == "complete"
 
@@ -69,10 +69,10 @@ def test_a_recorder_gets_trials_answers_and_conditions_at_the_instants_of_the_pi
     instants = np.array(shown_ns(ran.display)[1:])
     stamps = np.array([[start["stamp"], end["stamp"]] for start, end in zip(starts, ends, strict=True)])
     assert stamps - stamps[0, 0] == pytest.approx((instants - instants[0, 0]) * 1e-9, abs=ROUNDING_S)
-    in_order = [one["stamp"] for one in markers if one["event"] != "trial_end"]
+    in_order = [marker["stamp"] for marker in markers if marker["event"] != "trial_end"]
     assert in_order == sorted(in_order)
     assert any(
-        "stream 'hmdwarp study small'; the clock of this display is simulated" in one for one in ran.console.said
+        "stream 'hmdwarp study small'; the clock of this display is simulated" in line for line in ran.console.said
     )
 
 

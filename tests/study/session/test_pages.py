@@ -82,8 +82,8 @@ def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
         presenter.show(None, framebuffer, (0, 0, 1000, 1000), hardware_srgb=False, notice=presenter.notice(panel))
         data = framebuffer.read(components=3)
         presenter.close()
-        for one in (framebuffer, texture):
-            one.release()
+        for resource in (framebuffer, texture):
+            resource.release()
     shown = np.frombuffer(data, np.uint8).reshape(1000, 1000, 3)
     for across, wanted in ((0.3, RED), (0.7, BLUE)):
         x, y = round(500 + (across - 0.5) * size[0]), 500

@@ -19,7 +19,7 @@ def pairs(folder):
 
 
 def shown(path) -> list[tuple[str, int, bool]]:
-    return [(one.key, one.presentation, one.complete) for one in contents(path).showings]
+    return [(showing.key, showing.presentation, showing.complete) for showing in contents(path).showings]
 
 
 def test_both_are_shown_and_then_compared(tmp_path, gpu, monkeypatch):
@@ -29,8 +29,8 @@ def test_both_are_shown_and_then_compared(tmp_path, gpu, monkeypatch):
     assert ran.session.status == COMPLETE
     stored = contents(path)
     assert shown(path) == [("trial/1/first", 1, True), ("trial/1/second", 1, True)]
-    assert len({one.trace for one in stored.showings}) == 2
-    assert {one.condition for one in stored.showings} == {"plainly-late", "spun-about"}
+    assert len({showing.trace for showing in stored.showings}) == 2
+    assert {showing.condition for showing in stored.showings} == {"plainly-late", "spun-about"}
     (answer,) = stored.answers
     assert (answer.value, answer.showing) == (2, stored.showings[1].id)
     titles = [panel.title for panel in ran.display.panels if isinstance(panel, MessagePanel)]
@@ -52,8 +52,8 @@ def test_the_reference_comes_before_each_condition(tmp_path, gpu, monkeypatch):
     (order,) = stored.sessions[0].order
     keys = [f"trial/{trial}/{turn}" for trial in (1, 2) for turn in ("reference", "second")]
     assert shown(path) == [(key, 1, True) for key in keys]
-    assert [one.condition for one in stored.showings] == ["spun-about", order[0], "spun-about", order[1]]
-    assert [one.showing for one in stored.answers] == [stored.showings[1].id, stored.showings[3].id]
+    assert [showing.condition for showing in stored.showings] == ["spun-about", order[0], "spun-about", order[1]]
+    assert [answer.showing for answer in stored.answers] == [stored.showings[1].id, stored.showings[3].id]
     titles = [panel.title for panel in ran.display.panels if isinstance(panel, MessagePanel)]
     assert "Trial 2 of 2: reference" in titles
     assert "Trial 2 of 2: second" in titles

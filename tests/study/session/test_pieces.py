@@ -196,8 +196,8 @@ def head(yaw_deg: float, x_m: float = 0.0, origin: Origin = Origin.MEASURED) -> 
 )
 def test_a_head_that_hardly_moves_is_flagged(heads, turn_deg, shift_m, still):
     seen = HeadRange()
-    for one in heads:
-        seen.add(one)
+    for head in heads:
+        seen.add(head)
     assert seen.figures() == {
         "head_turn_deg": pytest.approx(turn_deg, abs=1e-5),
         "head_shift_m": pytest.approx(shift_m),

@@ -92,8 +92,8 @@ def test_at_the_stop_rule_the_session_ends_kindly_and_says_why(monkeypatch, gpu,
     assert ran.session.status == SICK
     assert "16, and the session ends at 15" in ran.session.why
     stored = contents(path)
-    assert [one.key for one in stored.showings] == ["practice", "trial/1"]
-    assert [one.key for one in stored.answers][-1] == "after/acr/quality"  # asked all the same
+    assert [showing.key for showing in stored.showings] == ["practice", "trial/1"]
+    assert [answer.key for answer in stored.answers][-1] == "after/acr/quality"  # asked all the same
     kinds = [event.kind for event in stored.events]
     assert kinds[-3:] == ["sick", "answer", "end"]
     assert [panel.title for panel in ran.display.panels if hasattr(panel, "title")][-2:] == [
@@ -111,7 +111,7 @@ def test_a_slip_at_the_sickness_scale_can_be_corrected(monkeypatch, gpu, tmp_pat
     person = feeling("0", "16", "1", own=lambda panel: () if getattr(panel, "title", "") == "We stop here" else None)
     ran = run(monkeypatch, gpu, path, person, console)
     assert (ran.session.status, ran.session.why) == ("complete", "")
-    values = [(one.revision, one.value) for one in contents(path).answers if one.key == "trial/1/fms/fms"]
+    values = [(answer.revision, answer.value) for answer in contents(path).answers if answer.key == "trial/1/fms/fms"]
     assert values == [(1, 16.0), (2, 1.0)]
 
 
@@ -121,7 +121,7 @@ def test_a_sick_participant_may_skip_the_last_questions(monkeypatch, gpu, tmp_pa
     feeling("20", own=lambda panel: () if getattr(panel, "title", "") == "We stop here" else None),
               ScriptedConsole(lambda state: [Command("stop")] if state.step == "the session ends" else []))  # fmt: skip
     assert ran.session.status == SICK
-    assert [one.key for one in contents(path).answers] == ["practice/fms/fms"]
+    assert [answer.key for answer in contents(path).answers] == ["practice/fms/fms"]
 
 
 def test_a_program_that_died_at_the_stop_rule_does_not_go_on_with_trials(monkeypatch, gpu, tmp_path):
@@ -133,4 +133,4 @@ def test_a_program_that_died_at_the_stop_rule_does_not_go_on_with_trials(monkeyp
     assert run(monkeypatch, gpu, path, feeling("0", "16", own=closes)).session.status == "interrupted"
     ran = run(monkeypatch, gpu, path, resume=True)
     assert ran.session.status == SICK
-    assert [one.key for one in contents(path).showings] == ["practice", "trial/1"]
+    assert [showing.key for showing in contents(path).showings] == ["practice", "trial/1"]

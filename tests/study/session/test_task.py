@@ -95,11 +95,11 @@ def test_a_session_with_a_task_stores_its_score_and_says_it_on_the_next_panel(mo
     path = with_task(tmp_path)
     ran = run(monkeypatch, gpu, path, person=Selecting())
     assert ran.session.status == "complete"
-    first, second = (one.actual for one in contents(path).showings)
-    for one in (first, second):
-        assert one["ended_by"] == "time"  # a trial with a time keeps to it
-        assert one["task_targets"] == 2 and one["task_misses"] > 0
-        assert one["task_found"] == len(one["task_times_s"].split())
+    first, second = (showing.actual for showing in contents(path).showings)
+    for showing in (first, second):
+        assert showing["ended_by"] == "time"  # a trial with a time keeps to it
+        assert showing["task_targets"] == 2 and showing["task_misses"] > 0
+        assert showing["task_found"] == len(showing["task_times_s"].split())
     panels = [panel for panel in ran.display.panels if isinstance(panel, MessagePanel) and "Trial" in panel.title]
     assert panels[0].hint == "Find 2 pink balls: bring one to the middle of your view. Enter: select"
     assert panels[-1].hint.startswith(f"{first['task_found']} of 2 found.\nFind 2 pink balls")
@@ -139,7 +139,7 @@ def test_targets_are_part_of_the_picture(monkeypatch, gpu, tmp_path):
     path = study(tmp_path, TASK.format(count=2, size=5) + 'conditions = ["spun-about"]\n')
     run(monkeypatch, gpu, path)
     assert sorted(shown) == [("none", []), ("rotation", ["target-0", "target-1"])]
-    actual = {one.condition: one.actual["task_targets"] for one in contents(path).showings}
+    actual = {showing.condition: showing.actual["task_targets"] for showing in contents(path).showings}
     assert actual == {"plainly-late": None, "spun-about": 2}
 
 
@@ -152,9 +152,9 @@ def test_the_score_is_exported_and_analysed_with_the_rating(monkeypatch, gpu, tm
     ratings = from_contents(stored, design)
     assert ratings.rated_scales() == ("grade", "task_target_s", "task_misses")
     misses = {(row.place, row.value) for row in ratings.rows if row.scale == "task_misses"}
-    assert misses == {(one.trial, one.actual["task_misses"]) for one in stored.showings}
+    assert misses == {(showing.trial, showing.actual["task_misses"]) for showing in stored.showings}
     found = analyse(ratings)
-    assert [one["measure"]["name"] for one in found["scales"]] == list(ratings.rated_scales())
+    assert [scale["measure"]["name"] for scale in found["scales"]] == list(ratings.rated_scales())
     assert found["ratings"] == 4
     assert found["scales"][2]["comparisons"][0]["n"] == 2
 

@@ -39,13 +39,13 @@ def test_the_participant_ends_a_trial_and_the_panel_before_it_says_how(monkeypat
     console = ScriptedConsole()
     ran = run(monkeypatch, gpu, path, person=Decided(), console=console)
     assert ran.session.status == "complete"
-    shown = [one.actual for one in contents(path).showings]
-    assert [one["ended_by"] for one in shown] == ["participant", "participant"]
-    assert all(one["pictures"] > 0 and one["seconds"] < LONGEST_S / 2 for one in shown)
+    shown = [showing.actual for showing in contents(path).showings]
+    assert [showing["ended_by"] for showing in shown] == ["participant", "participant"]
+    assert all(showing["pictures"] > 0 and showing["seconds"] < LONGEST_S / 2 for showing in shown)
     numbers = [panel for panel in ran.display.panels if is_number(panel)]
     assert {panel.hint for panel in numbers} == {"Look around as long as you like. Enter: done"}
     # Over the pictures there is nothing, no clock either.
-    assert ran.display.labels.count("") == ran.display.shown == sum(one["pictures"] for one in shown)
+    assert ran.display.labels.count("") == ran.display.shown == sum(showing["pictures"] for showing in shown)
     seen = [state for state in console.states if state.phase == "showing" and state.seen_s is not None]
     assert seen
     assert all(state.seen_s + state.left_s == pytest.approx(LONGEST_S) for state in seen)
@@ -72,14 +72,14 @@ def test_the_experimenter_may_end_it_on_request(monkeypatch, gpu, tmp_path):
     console = ScriptedConsole(lambda state: [Command("continue")] if state.seen_s else [])
     ran = run(monkeypatch, gpu, path, console=console)
     assert ran.session.status == "complete"
-    assert {one.actual["ended_by"] for one in contents(path).showings} == {"experimenter"}
+    assert {showing.actual["ended_by"] for showing in contents(path).showings} == {"experimenter"}
 
 
 def test_a_session_cut_off_in_such_a_trial_resumes_with_it(monkeypatch, gpu, tmp_path):
     path = until_done(tmp_path)
     assert run(monkeypatch, gpu, path, at={6: closing()}).session.status == "interrupted"
     assert run(monkeypatch, gpu, path, person=Decided(), resume=True).session.status == "complete"
-    ended = [(one.key, one.complete, one.actual["ended_by"]) for one in contents(path).showings]
+    ended = [(showing.key, showing.complete, showing.actual["ended_by"]) for showing in contents(path).showings]
     assert ended == [("trial/1", False, ""), ("trial/1", True, "participant"), ("trial/2", True, "participant")]
 
 
@@ -94,4 +94,4 @@ class Looker:
 def test_a_respondents_end_differs_from_a_participants(monkeypatch, gpu, tmp_path):
     path = until_done(tmp_path)
     run(monkeypatch, gpu, path, respondent=Looker())
-    assert {one.actual["ended_by"] for one in contents(path).showings} == {"simulated"}
+    assert {showing.actual["ended_by"] for showing in contents(path).showings} == {"simulated"}

@@ -121,7 +121,7 @@ def test_the_first_picture_is_there_at_once_whatever_the_latency(one):
     ]
     runs = np.split(np.array(leads), np.flatnonzero(np.diff(leads) > 1) + 1)
     assert len(runs) == 3
-    assert len({len(one) for one in runs}) == 1
+    assert len({len(run) for run in runs}) == 1
     assert not any(isinstance(label, str) and label for label in labels)  # no "waiting for the first frame"
 
 
@@ -199,7 +199,7 @@ def test_the_console_gets_everything_it_shows(one):
 
 def test_a_trial_can_be_replayed_from_its_recording(one, tmp_path):
     path, _ = one
-    showing = next(one for one in contents(path).showings if one.condition == NAMES[1])
+    showing = next(showing for showing in contents(path).showings if showing.condition == NAMES[1])
     file = path.with_name("small-data") / "traces" / showing.trace
     trace = load_trace(str(file))
     assert len(trace.track) == showing.actual["pictures"]

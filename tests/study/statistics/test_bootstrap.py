@@ -28,7 +28,7 @@ def of_all_resamples(differences, level: float = 0.95) -> tuple[float, float]:
         chance[round(float(d[list(drawn)].mean()), 9)] += math.factorial(n) / repeats / n**n
     means = sorted(chance)
     mean = round(float(d.mean()), 9)
-    bias = stats.norm.ppf(sum(chance[one] for one in means if one < mean) + chance[mean] / 2)
+    bias = stats.norm.ppf(sum(chance[value] for value in means if value < mean) + chance[mean] / 2)
     left_out = (d.sum() - d) / (n - 1)
     pulls = left_out.mean() - left_out
     a = (pulls**3).sum() / (6 * (pulls**2).sum() ** 1.5)
@@ -36,7 +36,7 @@ def of_all_resamples(differences, level: float = 0.95) -> tuple[float, float]:
     for tail in ((1 - level) / 2, (1 + level) / 2):
         z = bias + stats.norm.ppf(tail)
         share = stats.norm.cdf(bias + z / (1 - a * z))
-        ends.append(means[np.searchsorted(np.cumsum([chance[one] for one in means]), share)])
+        ends.append(means[np.searchsorted(np.cumsum([chance[value] for value in means]), share)])
     return tuple(ends)
 
 

@@ -38,7 +38,7 @@ def by_enumeration(differences) -> Fraction:
         sum(r for r, positive in zip(ranks, signs, strict=True) if positive)
         for signs in itertools.product((0, 1), repeat=len(ranks))
     ]
-    return min(Fraction(1), 2 * Fraction(sum(one >= found for one in sums), len(sums)))
+    return min(Fraction(1), 2 * Fraction(sum(total >= found for total in sums), len(sums)))
 
 
 @given(DIFFERENCES)

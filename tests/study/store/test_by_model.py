@@ -57,7 +57,7 @@ class StoreByModel(RuleBasedStateMachine):
         shutil.rmtree(self.folder)
 
     def of(self, code):
-        return [one for one in self.told.values() if one.code == code]
+        return [session for session in self.told.values() if session.code == code]
 
     @rule(
         target=running,
@@ -68,7 +68,7 @@ class StoreByModel(RuleBasedStateMachine):
     )
     def begin(self, code, origin, part, again):
         known = self.of(code)
-        refused = code in self.withdrawn or bool(known) != again or any(one.origin != origin for one in known)
+        refused = code in self.withdrawn or bool(known) != again or any(session.origin != origin for session in known)
         try:
             session = begun(self.store, code, part, origin, new_session=again)
         except InputError:
@@ -76,9 +76,9 @@ class StoreByModel(RuleBasedStateMachine):
             return None
         assert not refused and session.number == len(known) + 1 and session.id not in self.told
         held = [
-            one.row
-            for one in self.told.values()
-            if (one.origin, one.part) == (origin, part) and one.status not in (STOPPED, SICK, UNCONSENTED)
+            session.row
+            for session in self.told.values()
+            if (session.origin, session.part) == (origin, part) and session.status not in (STOPPED, SICK, UNCONSENTED)
         ]
         rows = {"one": 4, "two": 2}[part]
         assert held.count(session.row) == min(held.count(row) for row in range(rows)), "the least filled order"
@@ -136,7 +136,7 @@ class StoreByModel(RuleBasedStateMachine):
 
     @rule(target=running, code=st.sampled_from(CODES))
     def resume(self, code):
-        parts = {one.part for one in self.of(code) if one.status == INTERRUPTED}
+        parts = {session.part for session in self.of(code) if session.status == INTERRUPTED}
         try:
             session = self.store.resume(code)
         except InputError:
@@ -156,8 +156,8 @@ class StoreByModel(RuleBasedStateMachine):
         self.store = Store(self.folder / "data", create=True)
         if self.store.name:
             self.store._take_lock()
-        for one in self.told.values():
-            one.status = INTERRUPTED if one.status == "running" else one.status
+        for session in self.told.values():
+            session.status = INTERRUPTED if session.status == "running" else session.status
 
     @precondition(lambda self: self.store.name)
     @rule(code=st.sampled_from(CODES))
@@ -168,7 +168,7 @@ class StoreByModel(RuleBasedStateMachine):
             assert code in self.withdrawn or not self.of(code)
             return
         mine = self.of(code)
-        assert (held.sessions, held.answers) == (len(mine), sum(len(one.answers) for one in mine))
+        assert (held.sessions, held.answers) == (len(mine), sum(len(session.answers) for session in mine))
         assert self.store.withdraw(code) == held
         self.withdrawn.add(code)
         self.told = {id_: one for id_, one in self.told.items() if one.code != code}
@@ -182,18 +182,21 @@ class StoreByModel(RuleBasedStateMachine):
             found = self.store.contents(pilot=pilot)
             told = {id_: one for id_, one in self.told.items() if (one.origin == PILOT) == pilot}
             assert {
-                one.id: (one.code, one.origin, one.part, one.row, one.status, one.consented) for one in found.sessions
+                session.id: (session.code, session.origin, session.part, session.row, session.status, session.consented)
+                for session in found.sessions
             } == {
                 id_: (one.code, one.origin, one.part, one.row, one.status, one.consented) for id_, one in told.items()
             }
-            answers = [((one.session, one.key, one.revision), one.value) for one in found.answers]
+            answers = [((answer.session, answer.key, answer.revision), answer.value) for answer in found.answers]
             assert len(dict(answers)) == len(answers)
             assert dict(answers) == {
                 (id_, *key): value for id_, one in told.items() for key, value in one.answers.items()
             }
-            showings = {(one.session, one.key, one.presentation): one.complete for one in found.showings}
+            showings = {
+                (showing.session, showing.key, showing.presentation): showing.complete for showing in found.showings
+            }
             assert showings == {(id_, *key): value for id_, one in told.items() for key, value in one.showings.items()}
-            remarks = [(one.session, one.data["text"]) for one in found.events if one.kind == "remark"]
+            remarks = [(event.session, event.data["text"]) for event in found.events if event.kind == "remark"]
             assert sorted(remarks) == sorted((id_, text) for id_, one in told.items() for text in one.remarks)
             assert found.withdrawn == len(self.withdrawn)
 

@@ -62,13 +62,13 @@ try:
         if k == 5: fill()
 except Exception as error:
     told = [type(error).__name__, str(error)]
-kept = [one.value for one in store.contents().answers]
+kept = [answer.value for answer in store.contents().answers]
 (folder / "others").unlink()
 store.answer(session, asks(session)[1], 7, 1.0, "participant")
 store.close()
 with Store(folder / "data") as again:
     again.resume("P01")
-    print(json.dumps([told, confirmed, kept, [one.value for one in again.contents().answers]]))
+    print(json.dumps([told, confirmed, kept, [answer.value for answer in again.contents().answers]]))
 """
     (kind, message), confirmed, kept, after = json.loads(answered(code, tmp_path / "disk", before=own_mounts()))
     assert (
@@ -180,7 +180,7 @@ def test_a_folder_with_something_else_in_it(tmp_path):
     (tmp_path / "thesis.tex").write_text("x")
     with Store(tmp_path, create=True) as store, pytest.raises(InputError, match=r"holds something else \(thesis.tex\)"):
         begun(store)
-    assert [one.name for one in tmp_path.iterdir()] == ["thesis.tex"]
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
 
 
 def test_no_such_folder_and_a_file_in_its_place(tmp_path):
@@ -286,7 +286,7 @@ sys.stdin.read()
         process.communicate()
     with Store(tmp_path / "data") as store:
         assert store.resume("P01").status == "running"
-        assert [one.kind for one in store.contents().events] == ["begin", "interrupted", "resume"]
+        assert [event.kind for event in store.contents().events] == ["begin", "interrupted", "resume"]
     os.kill(helper, signal.SIGKILL)  # it lived on, and held nothing
 
 
@@ -349,10 +349,10 @@ def test_a_clock_set_back_is_reported_once_and_changes_no_order(tmp_path):
         ended = store.end(session, COMPLETE)
         found = store.contents()
     assert len(said) == 1 and "set back by" in said[0] and "nothing is lost" in said[0]
-    back = [one for one in found.events if one.kind == "clock"]
+    back = [event for event in found.events if event.kind == "clock"]
     assert len(back) == 1 and 7100 < back[0].data["back_s"] < 7200 and back[0].at_utc < back[0].data["before"]
-    assert [one.key for one in found.answers] == [one.key for one in asks(session)[:4]]
-    assert [one.mono_ns for one in found.events] == sorted(one.mono_ns for one in found.events)
+    assert [answer.key for answer in found.answers] == [ask.key for ask in asks(session)[:4]]
+    assert [event.mono_ns for event in found.events] == sorted(event.mono_ns for event in found.events)
     assert ended.ended_utc < ended.started_utc, "as the clock said; nothing is computed from it"
 
 

@@ -16,7 +16,7 @@ def job(folder):
     with Store(folder, create=True) as store:
         try: session = store.resume("P1")
         except Exception: session = begun(store, "P1")
-        value = max((one.value for one in store.contents().answers), default=0.0)
+        value = max((answer.value for answer in store.contents().answers), default=0.0)
         while True:
             for ask in asks(session):
                 value += 1
@@ -48,8 +48,10 @@ def check(folder, kept, kills) -> None:
         return
     with Store(folder) as store:
         found = store.contents()
-        there = [(one.value, one.key, one.revision) for one in found.answers]
-        told = [(one.data["value"], one.key, one.data["revision"]) for one in found.events if one.kind == "answer"]
+        there = [(answer.value, answer.key, answer.revision) for answer in found.answers]
+        told = [
+            (event.data["value"], event.key, event.data["revision"]) for event in found.events if event.kind == "answer"
+        ]
     assert len(set(there)) == len(there) and len({value for value, *_ in there}) == len(there), "none is doubled"
     assert set(kept) <= set(there), "none is missing"
     assert len(there) - len(kept) <= kills, "what was stored and not yet told: at most one each time"

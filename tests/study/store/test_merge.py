@@ -44,34 +44,36 @@ def contents(folder: Path, **how) -> Contents:
 
 def told(found: Contents) -> dict[str, list]:
     """What was recorded of each person, by the random word, without ids."""
-    of = {one.id: one for one in found.sessions}
-    said: dict[str, list] = {one.sub: [attrs.evolve(one, id=0, code="", facts={})] for one in found.sessions}
+    of = {session.id: session for session in found.sessions}
+    said: dict[str, list] = {
+        session.sub: [attrs.evolve(session, id=0, code="", facts={})] for session in found.sessions
+    }
     places = {one.id: place for place, one in enumerate(found.showings)}
     first = {sub: min(places[s.id] for s in found.showings if of[s.session].sub == sub) for sub in said}
-    for one in (*found.showings, *found.answers, *found.events):
-        sub = of[one.session].sub
-        about = getattr(one, "showing", None)
+    for showing in (*found.showings, *found.answers, *found.events):
+        sub = of[showing.session].sub
+        about = getattr(showing, "showing", None)
         place = None if about is None else places[about] - first[sub]
-        plain = attrs.evolve(one, id=0, session=0, **({"showing": place} if hasattr(one, "showing") else {}))
+        plain = attrs.evolve(showing, id=0, session=0, **({"showing": place} if hasattr(showing, "showing") else {}))
         said[sub].append(plain)
     return said
 
 
 def test_all_that_sites_recorded_is_there_once(two, tmp_path):
     found = merge(two, tmp_path / "all")
-    assert [(one.site, one.participants, one.sessions) for one in found] == [("berlin", 3, 3), ("paris", 2, 2)]
+    assert [(site.site, site.participants, site.sessions) for site in found] == [("berlin", 3, 3), ("paris", 2, 2)]
     merged = contents(tmp_path / "all")
     assert told(merged) == {**told(contents(two["berlin"])), **told(contents(two["paris"]))}
     codes = ["berlin-P01", "berlin-P02", "berlin-P03", "paris-P01", "paris-P02"]
-    assert [one.code for one in merged.sessions] == codes
-    for one in merged.showings:
-        code = merged.session(one.session).code
+    assert [session.code for session in merged.sessions] == codes
+    for showing in merged.showings:
+        code = merged.session(showing.session).code
         place, name = code.split("-")
-        assert (tmp_path / "all" / "traces" / one.trace).read_text() == f"{TRACE} of {name} at {two[place].name}"
+        assert (tmp_path / "all" / "traces" / showing.trace).read_text() == f"{TRACE} of {name} at {two[place].name}"
     assert (
         len(merged.answers)
-        == sum(one.answers for one in found)
-        == sum(len(contents(one).answers) for one in two.values())
+        == sum(site.answers for site in found)
+        == sum(len(contents(store).answers) for store in two.values())
     )
 
 
@@ -85,15 +87,15 @@ def test_tables_say_which_site_and_others_do_not(two, tmp_path):
 def test_a_merged_store_is_a_store(two, tmp_path):
     """Sessions go on in it, people withdraw from it, and it is merged again."""
     merge(two, tmp_path / "all")
-    taken = {one.row for one in contents(tmp_path / "all").sessions}
+    taken = {session.row for session in contents(tmp_path / "all").sessions}
     with Store(tmp_path / "all") as store:
         assert begun(store, "P09").row not in taken  # of four orders, those that either site gave are held
         store.withdraw("paris-P02")
-    assert "paris-P02" not in [one.code for one in contents(tmp_path / "all").sessions]
+    assert "paris-P02" not in [session.code for session in contents(tmp_path / "all").sessions]
     merge({"europe": tmp_path / "all", "asia": site(tmp_path / "c", "P01")}, tmp_path / "more")
     merged = contents(tmp_path / "more")
-    assert {"europe-berlin-P01", "asia-P01"} < {one.code for one in merged.sessions}
-    assert {one.facts["site"] for one in merged.sessions} == {"europe-berlin", "europe-paris", "europe", "asia"}
+    assert {"europe-berlin-P01", "asia-P01"} < {session.code for session in merged.sessions}
+    assert {session.facts["site"] for session in merged.sessions} == {"europe-berlin", "europe-paris", "europe", "asia"}
     assert merged.withdrawn == 1
     with Store(tmp_path / "more") as store, pytest.raises(InputError, match="has withdrawn"):
         begun(store, "europe-paris-P02")
@@ -104,7 +106,7 @@ def test_a_merge_keeps_only_the_code_of_a_withdrawn_participant(two, tmp_path):
         store.withdraw("P01")
     merge(two, tmp_path / "all")
     merged = contents(tmp_path / "all")
-    assert merged.withdrawn == 1 and "paris-P01" not in [one.code for one in merged.sessions]
+    assert merged.withdrawn == 1 and "paris-P01" not in [session.code for session in merged.sessions]
     assert not any(b"P01 at b" in path.read_bytes() for path in (tmp_path / "all").rglob("*") if path.is_file())
 
 
@@ -113,7 +115,7 @@ def test_pilots_stay_apart_and_may_have_had_any_plan(two, tmp_path):
         other = design(TEXT.replace("latency = 800", "latency = 900"))
         store.end(store.begin(other, "one", "try", PILOT), SICK)
     merge(two, tmp_path / "all")
-    assert [one.code for one in contents(tmp_path / "all", pilot=True).sessions] == ["paris-try"]
+    assert [session.code for session in contents(tmp_path / "all", pilot=True).sessions] == ["paris-try"]
 
 
 def test_a_cut_off_session_is_resumed(two, tmp_path):

@@ -123,7 +123,7 @@ def test_a_plan_that_means_something_else_begins_no_session(store, was, is_, tol
         store.begin(changed, "one", "P02", "person")
     assert f"ran with another plan ({told})" in str(error.value) and "study of its own" in str(error.value)
     assert store.begin(changed, "one", "T1", PILOT).plan == changed.text, "rehearsals are where a plan is changed"
-    assert [one.code for one in store.contents().sessions] == ["P01"], "nothing came of the refused one"
+    assert [session.code for session in store.contents().sessions] == ["P01"], "nothing came of the refused one"
 
 
 def test_harmless_changes_of_a_plan_are_kept_with_the_session(tmp_path):
@@ -148,7 +148,7 @@ def test_an_interrupted_session_resumes_with_its_own_plan(tmp_path):
     with Store(tmp_path / "data") as store:
         again = store.resume("P01", facts={"hmdwarp": "next"})
         assert (again.plan, again.order, again.id) == (TEXT, began.order, began.id)
-        kinds = [(one.kind, one.data) for one in store.contents().events]
+        kinds = [(event.kind, event.data) for event in store.contents().events]
         assert [kind for kind, _ in kinds] == ["begin", "interrupted", "resume"] and kinds[-1][1] == {"hmdwarp": "next"}
 
 

@@ -47,19 +47,21 @@ def test_a_whole_session_reads_back_as_stored(store, tmp_path):
     assert found.name == "late" and found.sessions == (ended,) and found.withdrawn == 0
     assert (ended.code, ended.number, ended.part, ended.status, ended.origin) == ("P01", 1, "one", COMPLETE, "person")
     assert ended.plan == design().text and ended.facts == {"gpu": "llvmpipe", "seed": 5}
-    assert [one.key for one in found.answers] == [step.key for step in asks(session)]
-    assert {one.value for one in found.answers} == {2.25} and {one.seconds for one in found.answers} == {1.5}
-    assert [one.key for one in found.showings] == [step.key for step in shows(session)] and all(
-        one.complete for one in found.showings
+    assert [answer.key for answer in found.answers] == [step.key for step in asks(session)]
+    assert {answer.value for answer in found.answers} == {2.25} and {answer.seconds for answer in found.answers} == {
+        1.5
+    }
+    assert [showing.key for showing in found.showings] == [step.key for step in shows(session)] and all(
+        showing.complete for showing in found.showings
     )
-    by_id = {one.id: one for one in found.showings}
-    assert all(by_id[one.showing].trial == one.trial for one in found.answers)
-    assert [one.settings for one in found.showings] == [step.condition.settings for step in shows(session)]
-    assert all((found.folder / "traces" / one.trace).read_text() == "time_ns\n1\n" for one in found.showings)
-    kinds = [one.kind for one in found.events]
+    by_id = {showing.id: showing for showing in found.showings}
+    assert all(by_id[answer.showing].trial == answer.trial for answer in found.answers)
+    assert [showing.settings for showing in found.showings] == [step.condition.settings for step in shows(session)]
+    assert all((found.folder / "traces" / showing.trace).read_text() == "time_ns\n1\n" for showing in found.showings)
+    kinds = [event.kind for event in found.events]
     assert kinds[0] == "begin" and kinds[-2:] == ["remark", "end"] and found.events[-2].data == {"text": "ein Wörtchen"}
     assert kinds.count("answer") == len(found.answers) and kinds.count("shown") == len(found.showings)
-    assert [one.id for one in found.events] == sorted(one.id for one in found.events)
+    assert [event.id for event in found.events] == sorted(event.id for event in found.events)
 
 
 def test_finished_steps_follow_from_the_records(store):
@@ -92,8 +94,8 @@ def test_a_showing_that_was_cut_off_stays_and_is_shown_again_under_a_new_name(tm
         (store.traces / second.trace).write_text("whole")
         store.end_showing(session, second, {"seconds": 2.0}, complete=True)
         showings = store.contents().showings
-        assert [(one.presentation, one.complete) for one in showings] == [(1, False), (2, True)]
-        assert [(store.traces / one.trace).read_text() for one in showings] == ["half", "whole"]
+        assert [(showing.presentation, showing.complete) for showing in showings] == [(1, False), (2, True)]
+        assert [(store.traces / showing.trace).read_text() for showing in showings] == ["half", "whole"]
         assert step.key in store.done(session)
 
 
@@ -116,8 +118,8 @@ def test_a_question_asked_again_keeps_both_answers_and_the_last_counts(store):
     store.answer(session, first, 3, 2.0, "participant")
     store.answer(session, second, 4, 2.0, "participant")
     assert store.answer(session, first, 1.75, 9.0, "experimenter").revision == 2
-    assert [(one.key, one.value) for one in store.answers(session)] == [(first.key, 1.75), (second.key, 4)]
-    assert [one.revision for one in store.contents().answers] == [1, 1, 2]
+    assert [(answer.key, answer.value) for answer in store.answers(session)] == [(first.key, 1.75), (second.key, 4)]
+    assert [answer.revision for answer in store.contents().answers] == [1, 1, 2]
 
 
 def test_the_file_itself_refuses_a_doubled_rating(store):
@@ -198,7 +200,7 @@ def test_declining_is_a_status_and_may_be_revoked(store):
     assert store.end(session, STOPPED).status == STOPPED
     with pytest.raises(ValueError, match="cannot end as 'declined'"):
         store.end(begun(store, "P2"), DECLINED)
-    assert [one.status for one in store.contents().sessions] == [DECLINED, STOPPED, RUNNING]
+    assert [session.status for session in store.contents().sessions] == [DECLINED, STOPPED, RUNNING]
 
 
 def test_a_session_that_is_stopped_before_the_consent_has_a_status_of_its_own(store):
@@ -210,7 +212,7 @@ def test_a_session_that_is_stopped_before_the_consent_has_a_status_of_its_own(st
     again = begun(store, "P1", new_session=True)
     store.finish_step(again, "consent")
     assert store.end(again, STOPPED).status == STOPPED
-    assert [one.consented for one in store.contents().sessions] == [False, False, True]
+    assert [session.consented for session in store.contents().sessions] == [False, False, True]
 
 
 def test_a_store_of_before_that_status_tells_who_declined(store):
@@ -231,11 +233,11 @@ def test_orders_are_filled_evenly_and_gaps_first(store):
     rows = len(rows_for(design(), "one"))
     assert design().order == WILLIAMS and rows == 4
     first = [whole(store, f"P{k}") for k in range(rows)]
-    assert sorted(one.row for one in first) == list(range(rows))
-    assert all(one.order == rows_for(design(), "one")[one.row] for one in first)
+    assert sorted(session.row for session in first) == list(range(rows))
+    assert all(session.order == rows_for(design(), "one")[session.row] for session in first)
     whole(store, "Q1", STOPPED)
     second = [whole(store, f"R{k}") for k in range(rows)]
-    assert sorted(one.row for one in second) == list(range(rows)), "as if Q1 had never been"
+    assert sorted(session.row for session in second) == list(range(rows)), "as if Q1 had never been"
 
 
 @pytest.mark.parametrize(("status", "holds"), [(COMPLETE, True), (INTERRUPTED, True), (STOPPED, False), (SICK, False)])
@@ -255,12 +257,12 @@ def test_pilots_and_parts_are_counted_apart(store):
         begun_one = whole(store, f"T{k}", origin=PILOT)
         with_others.append(begun_one.row)
     assert with_others == alone, "as if nobody else were there"
-    assert [one.row for one in (whole(store, f"S{k}", part="two") for k in range(2))] in ([0, 1], [1, 0])
-    assert {one.origin for one in store.contents().sessions} == {"person"}
+    assert [session.row for session in (whole(store, f"S{k}", part="two") for k in range(2))] in ([0, 1], [1, 0])
+    assert {session.origin for session in store.contents().sessions} == {"person"}
     pilots = store.contents(pilot=True)
-    assert {one.origin for one in pilots.sessions} == {PILOT} and len(pilots.sessions) == 4
-    ids = {one.id for one in pilots.sessions}
-    assert {one.session for one in (*pilots.answers, *pilots.showings, *pilots.events)} == ids
+    assert {session.origin for session in pilots.sessions} == {PILOT} and len(pilots.sessions) == 4
+    ids = {session.id for session in pilots.sessions}
+    assert {answer.session for answer in (*pilots.answers, *pilots.showings, *pilots.events)} == ids
 
 
 def test_the_plan_alone_decides_the_orders(tmp_path):
@@ -338,7 +340,7 @@ def test_a_reader_sees_one_moment_during_writes(store, tmp_path):
         for count, step in enumerate(itertools.islice(asks(session), 4), 1):
             store.answer(session, step, 3, 1.0, "participant")
             found = reader.contents()
-            assert len(found.answers) == count == len([one for one in found.events if one.kind == "answer"])
+            assert len(found.answers) == count == len([event for event in found.events if event.kind == "answer"])
 
 
 def test_another_program_may_read_while_a_session_runs(store, tmp_path):

@@ -78,11 +78,11 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
         ]
     with Store(tmp_path / "data") as store:
         after = store.contents()
-        gone = next(one.id for one in before.sessions if one.code == "P2")
+        gone = next(session.id for session in before.sessions if session.code == "P2")
         assert after.withdrawn == 1
-        assert after.sessions == tuple(one for one in before.sessions if one.id != gone)
+        assert after.sessions == tuple(session for session in before.sessions if session.id != gone)
         for name in ("answers", "showings", "events"):
-            assert getattr(after, name) == tuple(one for one in getattr(before, name) if one.session != gone)
+            assert getattr(after, name) == tuple(row for row in getattr(before, name) if row.session != gone)
         assert len(list(store.traces.iterdir())) == len(after.showings)
 
 
@@ -109,7 +109,9 @@ def test_the_order_is_free_again_and_no_id_comes_twice(tmp_path):
         first = [whole(store, f"P{k}") for k in range(4)]
         store.withdraw("P3")
         again = begun(store, "P9")
-        assert again.row == first[3].row and again.id > first[3].id and again.sub not in [one.sub for one in first]
+        assert (
+            again.row == first[3].row and again.id > first[3].id and again.sub not in [session.sub for session in first]
+        )
 
 
 def test_all_sessions_of_a_participant_go(tmp_path):
@@ -153,7 +155,9 @@ def test_a_reader_that_keeps_the_old_bytes_is_named_and_the_rest_goes_later(tmp_
             reader._db.execute("SELECT count(*) FROM answer").fetchone()
             with pytest.raises(MachineError, match="another program reads"):
                 store.withdraw("P0")
-            assert [one.code for one in store.contents().sessions] == ["P1"], "nobody reads them any more in any case"
+            assert [session.code for session in store.contents().sessions] == ["P1"], (
+                "nobody reads them any more in any case"
+            )
             reader._db.execute("ROLLBACK")
     said: list[str] = []
     with Store(tmp_path / "data", say=said.append) as store:
@@ -194,11 +198,14 @@ def check_finished(folder, subs) -> None:
     A reader before that sees nothing of it, or all where nothing had been begun.
     """
     with Store(folder) as store:
-        seen = {one.code for one in store.contents().sessions}
+        seen = {session.code for session in store.contents().sessions}
         assert {"P0", "P2"} <= seen
         with contextlib.suppress(InputError):
             store.withdraw("P1")
-        assert [one.code for one in store.contents().sessions] == ["P0", "P2"] and store.contents().withdrawn == 1
+        assert [session.code for session in store.contents().sessions] == [
+            "P0",
+            "P2",
+        ] and store.contents().withdrawn == 1
         assert begun(store, "P7").row in range(4)
     data = everything(folder)
     assert subs[1].encode() not in data and not [mark for mark in told_of(1) if mark in data]
@@ -225,7 +232,7 @@ def test_killed_before_each_step(tmp_path, step, count):
     process.communicate(timeout=60)
     assert process.returncode == -signal.SIGKILL
     with Store(tmp_path / "data") as reader:
-        assert [one.code for one in reader.contents().sessions] == ["P0", "P2"], (
+        assert [session.code for session in reader.contents().sessions] == ["P0", "P2"], (
             "marked first: nobody reads them from then on"
         )
     check_finished(tmp_path / "data", subs)

@@ -32,7 +32,7 @@ def ran(*words: object) -> subprocess.CompletedProcess:
 
 def codes(study) -> list[str]:
     with Store(study.with_name("late-data")) as store:
-        return [one.code for one in store.contents().sessions]
+        return [session.code for session in store.contents().sessions]
 
 
 def test_it_erases_and_says_what_it_cannot_reach(study):

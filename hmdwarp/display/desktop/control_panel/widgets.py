@@ -101,12 +101,12 @@ class Widgets:
     def _choice(self, control: Control, value: object, status: Status) -> object | None:
         new = None
         if imgui.begin_combo(f"##{control.name}", str(value), imgui.ComboFlags_.height_large):
-            for one in status.choices.get(control.name, ()):
-                chosen, _ = imgui.selectable(str(one), one == value)
-                if one == value:
+            for choice in status.choices.get(control.name, ()):
+                chosen, _ = imgui.selectable(str(choice), choice == value)
+                if choice == value:
                     imgui.set_item_default_focus()
                 elif chosen:
-                    new = one
+                    new = choice
             imgui.end_combo()
         return new
 
@@ -157,7 +157,9 @@ class Widgets:
         """Draw buttons for the controls of the display. values: which of its switches are on."""
         commands, across = [], 2
         width = (imgui.get_content_region_avail().x - (across - 1) * imgui.get_style().item_spacing.x) / across
-        for number, control in enumerate(one for name in ACTIONS for one in self._controls if one.name == name):
+        for number, control in enumerate(
+            control for name in ACTIONS for control in self._controls if control.name == name
+        ):
             if number % across:
                 imgui.same_line()
             at = imgui.get_cursor_screen_pos()

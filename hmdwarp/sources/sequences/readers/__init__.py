@@ -43,7 +43,7 @@ def _content(place: Path) -> str:
     """Return what is there, in words."""
     if not place.is_dir():
         return "a file"
-    names = sorted(f"{one.name}/" if one.is_dir() else one.name for one in place.iterdir())
+    names = sorted(f"{path.name}/" if path.is_dir() else path.name for path in place.iterdir())
     return f"holds {', '.join(names[:_NAMED])}{' ..' if len(names) > _NAMED else ''}" if names else "an empty folder"
 
 

@@ -120,7 +120,7 @@ def facts_of(
             f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
             "millimetres, 0.0002 for TUM RGB-D)"
         )
-    camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
+    camera_by, scale_by = (by if known is By.FORMAT else known for known in (camera_by, scale_by))
     return Facts(camera, float(scale), (intrinsics_fact(camera, camera_by), scale_fact(scale, scale_by)), only_for)
 
 
@@ -155,6 +155,8 @@ class Pair:
     depth: Path
     time_ns: int
     pose: Pose
+    # Of its own; None for that of all.
+    camera: Camera | None = None
 
 
 def sequence_of(
@@ -180,14 +182,13 @@ def sequence_of(
         raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {reader.summary}")
     size = size_of(pairs[0].colour)
     _refuse_other_size(reader, folder, facts, size)
-    fov = facts.camera.fov(size, str(folder))
 
     def frame(pair: Pair) -> RecordedFrame:
         return RecordedFrame(
             pair.colour.name,
             pair.time_ns,
             pair.pose,
-            fov,
+            (pair.camera or facts.camera).fov(size, str(folder)),
             size,
             reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
             partial(depth_of, pair.depth),
@@ -199,12 +200,12 @@ def sequence_of(
 
 def _refuse_other_size(reader: SequenceReader, folder: Path, facts: Facts, size: Size) -> None:
     """Raise InputError where numbers of a layout are for pictures of another size."""
-    open_facts = [one for one in facts.assumptions if one.by in (By.FORMAT, By.NOBODY)]
+    open_facts = [assumption for assumption in facts.assumptions if assumption.by in (By.FORMAT, By.NOBODY)]
     if facts.only_for in (None, size) or not open_facts:
         return
     (wide, high), (found_wide, found_high) = facts.only_for, size
-    taken = " and ".join(f"{one.what} {one.value}" for one in open_facts)
-    remedy = " ".join(_STATES[one.what] for one in open_facts)
+    taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
+    remedy = " ".join(_STATES[fact.what] for fact in open_facts)
     raise InputError(
         f"{folder}: pictures of {found_wide}x{found_high}, and what {reader.name} takes where files do not say it "
         f"({taken}) is for {wide}x{high}: give {remedy}, or write {CAMERA} there"
@@ -235,7 +236,7 @@ def made(
                 f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
             )
         if before.size != after.size:
-            sizes = ", ".join(f"{one.name} {one.size[0]}x{one.size[1]}" for one in (before, after))
+            sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
             raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
     apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
     if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:

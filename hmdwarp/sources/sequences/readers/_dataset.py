@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import Axes
 from ..options import RATE_HZ, SequenceOptions
 from ..recorded import AXES, CLOCK
-from . import _base
+from ._base import Row, poses_of, rows_of
 
 
 def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
@@ -23,7 +24,7 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
 
     Errors: InputError.
     """
-    rows = _base.rows_of(path)
+    rows = rows_of(path)
     found = []
     for row in rows:
         try:
@@ -39,14 +40,30 @@ def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> dict[int, Pose]:
     """Return world_from_eye of files of a matrix, from camera to world; not those of inf or NaN."""
     matrices = {number: matrix_in(path) for number, path in files.items()}
     whole = [(number, matrix) for number, matrix in matrices.items() if np.isfinite(matrix).all()]
-    poses, _ = _base.poses_of(axes, [(str(files[number]), matrix) for number, matrix in whole])
+    poses, _ = poses_of(axes, [(str(files[number]), matrix) for number, matrix in whole])
     return dict(zip((number for number, _ in whole), poses, strict=True))
+
+
+def inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inverse of a (4, 4) matrix. Errors: InputError where it has none."""
+    try:
+        return np.asarray(np.linalg.inv(matrix), np.float64)
+    except np.linalg.LinAlgError:
+        raise InputError(f"{where}: the matrix has no inverse; expected a rotation and a position") from None
 
 
 def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     """Return the files of a folder by the first number in their names."""
     numbers = ((re.search(r"\d+", path.name), path) for path in sorted(folder.glob(pattern)))
     return {int(number.group()): path for number, path in numbers if number}
+
+
+def instant_ns(row: Row, column: int = 0) -> int:
+    """Return the nanoseconds of seconds in a row, to the last digit. Errors: InputError."""
+    try:
+        return int(Decimal(row.words[column]) * 10**9)
+    except (InvalidOperation, ValueError, OverflowError):
+        raise row.wrong("seconds") from None
 
 
 def left_out(count: int, why: str) -> list[str]:

@@ -42,7 +42,7 @@ class FolderReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         shared = read_json(path / CAMERA) if (path / CAMERA).is_file() else {}
-        found = [find_frame(one, shared=shared) for one in _frames_in(path)]
+        found = [find_frame(frame, shared=shared) for frame in _frames_in(path)]
         times = _times(path, found, options)
         frames = [_frame(one, time_ns, options) for one, time_ns in zip(found, times, strict=True)]
         if not found:
@@ -50,27 +50,27 @@ class FolderReader(SequenceReader):
         has_clock = any(key in found[0].facts for key in _TIMES)
         facts = assumptions_of(found[0], options.intrinsics, options.depth_scale)
         facts.append(clock_fact(options, "time_s or time_ns of each frame" if has_clock else ""))
-        notes = dict.fromkeys(note for one in found for note in one.notes)
+        notes = dict.fromkeys(note for frame in found for note in frame.notes)
         return made(self, path, frames, assumptions=facts, notes=list(notes)[:1])
 
 
 def _frames_in(path: Path) -> list[Path]:
-    found = [one for one in pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(one)]
-    whole = [one for one in found if one.suffix.lower() == NPZ]
+    found = [picture for picture in pictures_in(path, (NPZ, EXR, *PICTURES)) if not is_depth(picture)]
+    whole = [path for path in found if path.suffix.lower() == NPZ]
     return whole or found
 
 
 def _times(path: Path, found: list[FrameFile], options: SequenceOptions) -> list[int]:
     """Return the instants that the frames state, or those of their rate. Errors: InputError."""
-    stated = [one for one in found if any(key in one.facts for key in _TIMES)]
+    stated = [frame for frame in found if any(key in frame.facts for key in _TIMES)]
     if stated and len(stated) < len(found):
-        lacking = next(one for one in found if one not in stated)
+        lacking = next(frame for frame in found if frame not in stated)
         raise InputError(
             f"{lacking.where}: no time_s, which {stated[0].where.name} has; expected it in all frames or in none"
         )
     if not stated or options.frames_rate_hz is not None:
         return [at_rate(options, number) for number in range(len(found))]
-    times = [_time_ns(one) for one in found]
+    times = [_time_ns(frame) for frame in found]
     return [time - min(times) for time in times]
 
 

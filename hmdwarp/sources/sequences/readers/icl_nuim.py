@@ -59,7 +59,7 @@ class IclNuimReader(SequenceReader):
         facts = facts_of(path, options, CAMERA_OF_RENDERER, _UNIT, only_for=VGA)
         axes, file = facts.axes(), min(path.glob(_TRAJECTORY), default=path / "trajectory.gt.freiburg")
         colours, depths = (
-            {one.stem: one for one in pictures_in(folder_named(path, name))} for name in ("rgb", "depth")
+            {picture.stem: picture for picture in pictures_in(folder_named(path, name))} for name in ("rgb", "depth")
         )
         pairs = []
         for row in rows_of(file):

@@ -63,10 +63,10 @@ class NerfstudioReader(SequenceReader):
         file = _file(path)
         data = read_json(file)
         listed = data.get("frames")
-        if not isinstance(listed, list) or not all(isinstance(one, dict) for one in listed):
+        if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
             raise InputError(f"{file}: frames is {reprlib.repr(listed)}; expected a list of frames")
         _refuse_other_cameras(file, [data, *listed])
-        whole = [one for one in listed if _depth_of(one)]
+        whole = [entry for entry in listed if _depth_of(entry)]
         if not whole:
             raise InputError(
                 f"{file}: none of its {len(listed)} frames has a depth_file_path; expected depth for a warp"
@@ -108,7 +108,7 @@ def _depth_of(own: Mapping[str, Any]) -> Any:
 
 def _others_named(listed: list[Mapping[str, Any]]) -> str:
     """Return what frames have in place of a depth file, in words."""
-    found = dict.fromkeys(key for one in listed for key in one if "depth" in key.lower())
+    found = dict.fromkeys(key for entry in listed for key in entry if "depth" in key.lower())
     return f": {', '.join(found)} is not read, {' or '.join(_DEPTHS[:2])} is" if found else ""
 
 
@@ -151,7 +151,7 @@ def _picture(file: Path, where: str, name: object) -> Path:
         raise InputError(f"{where}: file_path is {name!r}; expected the name of a picture")
     path = file.parent / name
     tried = [path, *(path.with_name(path.name + ending) for ending in PICTURES)] if not path.suffix else [path]
-    return next((one for one in tried if one.is_file()), path)
+    return next((path for path in tried if path.is_file()), path)
 
 
 def _positive(where: str | Path, key: str, data: Mapping[str, Any]) -> float | None:
@@ -169,17 +169,17 @@ def _times(wheres: list[str], whole: list[Mapping[str, Any]], options: SequenceO
     key = next((key for key in ("timestamp", "time") if whole[0].get(key) is not None), "")
     if not key or options.frames_rate_hz is not None and key == "timestamp":
         return [round(number * step_ns) for number in range(len(whole))], clock_fact(options)
-    values = [one.get(key) for one in whole]
+    values = [entry.get(key) for entry in whole]
     found = [number_of(where, key, one, "seconds") for where, one in zip(wheres, values, strict=True)]
     if key == "time" and _is_share(found):
         last, spread = len(found) - 1, max(found) - min(found)
-        times = [round((one - min(found)) / (spread or 1) * last * step_ns) for one in found]
+        times = [round((value - min(found)) / (spread or 1) * last * step_ns) for value in found]
         fact = clock_fact(options)
         return times, attrs.evolve(fact, value=f"{fact.value}; time is a share of the recording")
     if options.frames_rate_hz is not None or len(found) > 1 and len(set(found)) == 1:
         return [round(number * step_ns) for number in range(len(whole))], clock_fact(options)
     by = By.FORMAT if key == "timestamp" else By.NOBODY
-    return [round(one * 1e9) for one in found], Assumption(CLOCK, f"{key}, in seconds", by, "--frames-rate")
+    return [round(value * 1e9) for value in found], Assumption(CLOCK, f"{key}, in seconds", by, "--frames-rate")
 
 
 def _is_share(times: list[float]) -> bool:

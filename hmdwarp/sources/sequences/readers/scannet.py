@@ -50,7 +50,7 @@ class ScanNetReader(SequenceReader):
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         for side in ("color", "depth"):
             _refuse_moved(_file(path, f"extrinsic_{side}"))
-        colours = {int(one.stem): one for one in pictures_in(path / "color") if one.stem.isdigit()}
+        colours = {int(picture.stem): picture for picture in pictures_in(path / "color") if picture.stem.isdigit()}
         depths, files = by_number(path / "depth", "*.png"), by_number(path / "pose", "*.txt")
         first = min(colours.keys() & depths.keys(), default=None)
         if first is None:
@@ -80,7 +80,7 @@ class ScanNetReader(SequenceReader):
 def _file(path: Path, name: str) -> Path | None:
     """Return a file of the calibration: of the full sets, or of their frames_25k."""
     places = (path / "intrinsic" / f"{name}.txt", path / f"{name.replace('intrinsic_', 'intrinsics_')}.txt")
-    return next((one for one in places if one.is_file()), None)
+    return next((place for place in places if place.is_file()), None)
 
 
 def _camera(file: Path | None) -> Camera | None:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from ....errors import InputError
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera
 from ..options import SequenceOptions
-from ..picture_files import read_depth
 from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
 from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, intrinsics_fact, scale_fact, sequence_of
@@ -22,7 +17,6 @@ from ._dataset import axes_of, by_number, clock_of, left_out, poses_in_files
 # The data set's page gives them for depth and says that neither camera was calibrated.
 KINECT = Camera(585.0, 585.0, 320.0, 240.0, size=(640, 480))
 _UNIT = 0.001
-_NONE = 65535  # no depth
 _UNREGISTERED = "Colour and depth of 7-Scenes are of two cameras and not registered to each other."
 
 
@@ -60,17 +54,12 @@ class SevenScenesReader(SequenceReader):
         pairs = [Pair(colours[at], depths[at], at_rate(options, at), poses[at]) for at in whole]
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
         more = (axes_of(axes), clock_of(options, By.FORMAT))
-        return sequence_of(self, path, pairs, facts, notes=[_UNREGISTERED, *notes], more=more, depth_of=_measured)
+        return sequence_of(self, path, pairs, facts, notes=[_UNREGISTERED, *notes], more=more)
 
 
 def _sequences_in(path: Path) -> list[str]:
     """Return the folders of a scene's sequences."""
     return sorted({pose.parent.name for pose in path.glob("seq-*/frame-*.pose.txt")})
-
-
-def _measured(path: Path) -> NDArray[Any]:
-    depth = read_depth(path)
-    return np.asarray(np.where(depth == _NONE, depth.dtype.type(0), depth))
 
 
 readers.register(SevenScenesReader())

@@ -68,7 +68,7 @@ class TartanAirReader(SequenceReader):
         facts, axes = facts_of(path, options, camera, 1.0), parse_axes(NED)
         rows = rows_of(path / f"pose_{side}.txt")
         colours = by_number(path / f"image_{side}", "*.png")
-        depths = {int(one.name.split("_")[0]): one for one in pictures_in(path / f"depth_{side}", DEPTHS)}
+        depths = {int(picture.name.split("_")[0]): picture for picture in pictures_in(path / f"depth_{side}", DEPTHS)}
         whole = sorted(colours.keys() & depths.keys())
         if whole and whole[-1] >= len(rows):
             raise InputError(f"{path}: {len(rows)} poses, and a picture {whole[-1]}; expected a line for each")

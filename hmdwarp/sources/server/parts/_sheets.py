@@ -127,7 +127,7 @@ class Sheets:
         order, gl, vertices = self._ordered(view, time_ns), self._context.gpu.gl, self._array(program)
         if order.runs:
             clip = clip_from_eye(view.fov)
-            self._kinds["clip_from_here"] = [(clip @ one).T for one in order.eye_from]
+            self._kinds["clip_from_here"] = [(clip @ from_here).T for from_here in order.eye_from]
             self._kinds_on_gpu.write(self._kinds.tobytes())
             self._kinds_on_gpu.bind_to_storage_buffer(0)
         flags = (moderngl.BLEND if blending else 0) | (

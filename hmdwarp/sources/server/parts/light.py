@@ -38,7 +38,7 @@ class Light(Part):
 
     def close(self) -> None:
         self._passes.close()
-        for one in self._moving:
-            one.close()
+        for drawing in self._moving:
+            drawing.close()
         self._buffers.close()
         self._textures.close()

@@ -25,8 +25,8 @@ class Motion(Part):
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         moving = context.colour.moving
-        self._bodies = tuple(one for one in moving if isinstance(one, MovingBody))
-        self._deforming = tuple(one for one in moving if isinstance(one, DeformingMesh))
+        self._bodies = tuple(body for body in moving if isinstance(body, MovingBody))
+        self._deforming = tuple(body for body in moving if isinstance(body, DeformingMesh))
         self._of_bodies: _Numbers | None = None
         self._of_deforming: _Velocities | None = None
 
@@ -43,9 +43,9 @@ class Motion(Part):
         return eye
 
     def close(self) -> None:
-        for one in (self._of_bodies, self._of_deforming):
-            if one is not None:
-                one.close()
+        for velocities in (self._of_bodies, self._of_deforming):
+            if velocities is not None:
+                velocities.close()
 
 
 class _Numbers:
@@ -83,7 +83,7 @@ class _Velocities:
         self._context, self._deforming = context, deforming
         gl = context.gpu.gl
         self._draw = context.gpu.shaders.draw("server/moving.vert", "server/moving.frag", VELOCITY=1)
-        self._velocities = [gl.buffer(reserve=12 * len(one.mesh.positions), dynamic=True) for one in deforming]
+        self._velocities = [gl.buffer(reserve=12 * len(mesh.mesh.positions), dynamic=True) for mesh in deforming]
         self._vertices = [
             one.buffers.vertex_array(gl, self._draw.program, (buffer, "3f4", "in_velocity"), colour=False)
             for one, buffer in zip(deforming, self._velocities, strict=True)

@@ -44,7 +44,7 @@ class Peeled(Part):
 
     def _passes_for(self, drawing: Drawing) -> ScenePasses:
         plain = self.context.passes_for(drawing)
-        moving = tuple(one for one in plain.moving if one.layer not in drawing.needs)
+        moving = tuple(mover for mover in plain.moving if mover.layer not in drawing.needs)
         if (plain, moving) not in self._passes:
             self._passes[plain, moving] = plain.peeling(moving)
         return self._passes[plain, moving]

@@ -94,7 +94,7 @@ class _Sender:
         while stale and left >= largest and traced < MOST_TRACED:
             # Of one lamp, as many as surely fit.
             of = self._bundles[stale[0]][0]
-            batch = [one for one in stale[: left // largest] if self._bundles[one][0] == of]
+            batch = [bundle for bundle in stale[: left // largest] if self._bundles[bundle][0] == of]
             traced += len(batch) * self._wanted.paths_of_bundle
             for bundle, found in zip(batch, self._traced(lights[of][0], batch), strict=True):
                 entered = self.book.sent(bundle, state_of[bundle], empty=not len(found))
@@ -102,7 +102,7 @@ class _Sender:
                     out += self._packed(entered, found)
                     sent.append(entered)
             left = self._wanted.budget - CUBE_BYTES - len(out)
-            stale = [one for one in stale if one not in batch]
+            stale = [bundle for bundle in stale if bundle not in batch]
         self._complete = not stale
         start = self._cube.packed(whole=self.book.whole)
         return PhotonUpdate(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
@@ -117,7 +117,7 @@ class _Sender:
     def _traced(self, light: Light | None, bundles: Sequence[int]) -> list[TracedPhotons]:
         """Return the photons of some bundles of one lamp."""
         of, numbers = self._bundles[bundles[0]][0], [self._bundles[bundle][1] for bundle in bundles]
-        return [one.at_most(self._wanted.most_photons) for one in self._tracers[of].trace(light, numbers)]
+        return [photons.at_most(self._wanted.most_photons) for photons in self._tracers[of].trace(light, numbers)]
 
     def _packed(self, entered: Sent, found: TracedPhotons) -> bytes:
         powers = found.powers * of_atlas(self._factors, found.texels)

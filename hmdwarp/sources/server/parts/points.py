@@ -115,7 +115,7 @@ class _Sender:
             sent += more
         lacks = shown & (self.book.points < need)
         self._complete = not lacks.any()
-        content = b"".join(self._block(one, spacing).packed() for one in sent)
+        content = b"".join(self._block(block, spacing).packed() for block in sent)
         background = self._cells.scene.background
         sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self._complete)
         return PointUpdate(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)

@@ -52,8 +52,8 @@ class Reflections(Part):
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needed = drawing.needs.get("reflection", Mirrored(0))
-        layered = [one for one in self._surfaces if _kind_of(one) in needed]
-        baked = [one for one in self._surfaces if one not in layered]
+        layered = [surface for surface in self._surfaces if _kind_of(surface) in needed]
+        baked = [surface for surface in self._surfaces if surface not in layered]
         if baked:
             seen, surface = self.kept("seen", eye.size), self.kept("surface", eye.size, depth=False)
             self._draw(eye, baked, seen, surface, drawing.marched)
@@ -62,7 +62,7 @@ class Reflections(Part):
             return eye
         seen, surface = self.context.acquire(eye.size), self.context.acquire(eye.size, COLOUR, depth=False)
         self._draw(eye, layered, seen, surface, drawing.marched)
-        shapes = tuple(one.mirror.shape for one in layered)
+        shapes = tuple(surface.mirror.shape for surface in layered)
         bounds = bounds_of_all(shapes, eye.view, eye.size)
         mirrored = Surface(seen.colour, seen.inverse_depth)
         return eye.having(reflection=Reflection(mirrored, surface.colour, shapes, bounds))
@@ -76,12 +76,12 @@ class Reflections(Part):
         over(seen.inverse_depth).clear(red=-1.0)
         onto = over(surface.colour)
         onto.clear(alpha=1.0)
-        for one in chosen:
-            one.draw_surface(eye, onto)
-        mirrors = uniforms_of([one.mirror for one in chosen], eye.view, eye.size)
+        for mirrored in chosen:
+            mirrored.draw_surface(eye, onto)
+        mirrors = uniforms_of([surface.mirror for surface in chosen], eye.view, eye.size)
         # Plane mirrors come first and ignore balls: at the rim of a ball's triangles something else
         # shows.
-        planes = mirrors | {"mirror_count": sum(not one.mirror.shape.is_curved for one in chosen)}
+        planes = mirrors | {"mirror_count": sum(not surface.mirror.shape.is_curved for surface in chosen)}
         for number, one in enumerate(chosen):
             if isinstance(one, Ball):
                 side = FACE_PIXELS + 2
@@ -131,7 +131,7 @@ class Reflections(Part):
         seen.colour.use(0)
         units = {"picture": 0, "surface": 1, "seen_inverse_depth": 2, "seen": 0}
         pixel = (1 / eye.size[0], 1 / eye.size[1])
-        mirrors = uniforms_of([one.mirror for one in chosen], eye.view, eye.size)
+        mirrors = uniforms_of([surface.mirror for surface in chosen], eye.view, eye.size)
         self._compose.uniforms.set(size=eye.size, seen_pixel=pixel, **units, **mirrors)
         self._barrier()
         self._compose.run(*eye.size)

@@ -83,11 +83,11 @@ class VoxelLighting(Lighting):
         self._filled = np.zeros(0, np.int64)
         self._cut(0)
         self._facing = [gl.texture3d((grid.size,) * 3, 4, dtype="f2") for _ in range(6)]
-        for one in self._facing:
-            one.write(b"\0" * (8 * grid.size**3))
-            one.build_mipmaps()
-            one.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
-            one.repeat_x = one.repeat_y = one.repeat_z = False
+        for grid_of_way in self._facing:
+            grid_of_way.write(b"\0" * (8 * grid.size**3))
+            grid_of_way.build_mipmaps()
+            grid_of_way.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+            grid_of_way.repeat_x = grid_of_way.repeat_y = grid_of_way.repeat_z = False
         names = ("voxel_direct", "voxel_gather", "voxel_fill")
         self._direct, self._gather, self._fill = (gpu.shaders.compute(f"server/{name}.comp") for name in names)
         cones, width = cones_of(settings.cones)
@@ -175,8 +175,8 @@ class VoxelLighting(Lighting):
         self._fill.uniforms.set(cell_count=self._cell_count, grid_size=self.grid.size)
         self._fill.run(self._cell_count)
         self.gpu.barrier()
-        for one in self._facing:
-            one.build_mipmaps()
+        for grid_of_way in self._facing:
+            grid_of_way.build_mipmaps()
 
     def close(self) -> None:
         super().close()

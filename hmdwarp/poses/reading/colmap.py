@@ -1,0 +1,159 @@
+"""Sparse models of COLMAP, as text or binary: cameras, and images with the world's pose in each."""
+
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import TraceError
+
+MARK = "Image list with two lines of data per image"  # in the comment above the images
+# Name and number of parameters of each camera model, by its number in binary files.
+_MODELS = (
+    ("SIMPLE_PINHOLE", 3),
+    ("PINHOLE", 4),
+    ("SIMPLE_RADIAL", 4),
+    ("RADIAL", 5),
+    ("OPENCV", 8),
+    ("OPENCV_FISHEYE", 8),
+    ("FULL_OPENCV", 12),
+    ("FOV", 5),
+    ("SIMPLE_RADIAL_FISHEYE", 4),
+    ("RADIAL_FISHEYE", 5),
+    ("THIN_PRISM_FISHEYE", 12),
+)
+_POSE = struct.Struct("<i7di")
+_CAMERA = struct.Struct("<iiQQ")
+_POINT_BYTES = 24
+
+
+@attrs.frozen(eq=False)
+class ColmapImage:
+    """An image and the pose of its camera."""
+
+    where: str
+    name: str
+    camera_id: int
+    position: NDArray[np.float64]  # (3,) of the camera in the world
+    rotation: NDArray[np.float64]  # (3, 3) world from camera
+
+
+@attrs.frozen
+class ColmapCamera:
+    """A camera of a model."""
+
+    where: str
+    model: str
+    size: tuple[int, int]  # (w, h)
+    parameters: tuple[float, ...]
+
+
+def read_images(path: Path) -> list[ColmapImage]:
+    """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
+    rows = _images_in_binary(path) if path.suffix == ".bin" else images_in_text(path, _bytes(path))
+    return sorted(rows, key=lambda image: image.name)
+
+
+def read_cameras(path: Path) -> dict[int, ColmapCamera]:
+    """Return the cameras of cameras.txt or cameras.bin by their numbers. Errors: TraceError."""
+    return dict(_cameras_in_binary(path) if path.suffix == ".bin" else _cameras_in_text(path))
+
+
+def images_in_text(path: Path, raw: bytes) -> Iterator[ColmapImage]:
+    """Yield the images of the text form: a line of its pose, and one of points, which may be empty.
+
+    Errors: TraceError naming the line.
+    """
+    lines = enumerate(_lines(path, raw), 1)
+    for number, line in lines:
+        if not line.strip() or line.startswith("#"):
+            continue
+        where, words = f"{path}, line {number}", line.split(maxsplit=9)
+        try:
+            numbers = [float(word) for word in words[:9]]
+            name = words[9].strip()
+        except (ValueError, IndexError):
+            wanted = "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then a line of points"
+            raise TraceError(f"{where}: '{line.strip()[:60]}'; expected {wanted}") from None
+        yield _image(where, name, int(numbers[8]), numbers[1:8])
+        next(lines, None)
+
+
+def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapImage:
+    from scipy.spatial.transform import Rotation
+
+    w, x, y, z, *moved = pose
+    length = float(np.linalg.norm((w, x, y, z)))
+    if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
+        raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
+    world_from_camera = Rotation.from_quat((x, y, z, w)).as_matrix().T
+    return ColmapImage(where, name, camera_id, -world_from_camera @ np.array(moved), world_from_camera)
+
+
+def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
+    for number, line in enumerate(_lines(path, _bytes(path)), 1):
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        where = f"{path}, line {number}"
+        try:
+            key, wide, high = int(words[0]), int(words[2]), int(words[3])
+            yield key, ColmapCamera(where, words[1], (wide, high), tuple(float(word) for word in words[4:]))
+        except (ValueError, IndexError):
+            raise TraceError(f"{where}: '{line.strip()[:60]}'; expected CAMERA_ID MODEL WIDTH HEIGHT PARAMS") from None
+
+
+def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
+    raw = _bytes(path)
+    stream = io.BytesIO(raw)
+    for number in range(_count(path, stream)):
+        _, *pose, camera_id = _unpacked(path, stream, _POSE)
+        begin = stream.tell()
+        end = raw.find(b"\0", begin)
+        name = stream.read(max(0, end - begin))
+        stream.read(1)
+        yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
+        stream.seek(_POINT_BYTES * _count(path, stream), io.SEEK_CUR)
+
+
+def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
+    stream = io.BytesIO(_bytes(path))
+    for number in range(_count(path, stream)):
+        key, model, wide, high = _unpacked(path, stream, _CAMERA)
+        if not 0 <= model < len(_MODELS):
+            raise TraceError(f"{path}, camera {number}: model {model}; expected 0 to {len(_MODELS) - 1}")
+        name, count = _MODELS[model]
+        parameters = _unpacked(path, stream, struct.Struct(f"<{count}d"))
+        yield key, ColmapCamera(f"{path}, camera {number}", name, (wide, high), parameters)
+
+
+def _count(path: Path, stream: io.BytesIO) -> int:
+    return int(_unpacked(path, stream, struct.Struct("<Q"))[0])
+
+
+def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[Any, ...]:
+    data = stream.read(form.size)
+    if len(data) < form.size:
+        raise TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
+    return form.unpack(data)
+
+
+def _bytes(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise TraceError(f"{path}: cannot be read ({error.strerror or error})") from None
+
+
+def _lines(path: Path, raw: bytes) -> list[str]:
+    try:
+        return raw.decode("utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise TraceError(f"{path}: not a text file ({error})") from None

@@ -1,0 +1,110 @@
+"""Open3D: a camera trajectory as JSON, beside the pictures that were taken with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ....errors import InputError
+from ....poses.assumptions import Assumption, By
+from ....poses.reading.axes import parse_axes
+from ..camera import Camera, camera_of, read_json
+from ..matrices import by_rows, square_of
+from ..options import SequenceOptions
+from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
+from . import readers
+from ._base import (
+    OPTICAL,
+    Pair,
+    SequenceReader,
+    at_rate,
+    facts_of,
+    folder_named,
+    paired,
+    poses_of,
+    scale_fact,
+    sequence_of,
+)
+from ._dataset import axes_of, clock_of, inverse_of
+
+_UNIT = 0.001
+_CLASS = "PinholeCameraTrajectory"
+_NAMES = ("camera_trajectory.json", "trajectory.json", "key.json")
+_HEAD = 4096  # bytes that are searched for the class
+
+
+class Open3DReader(SequenceReader):
+    """Trajectories of Open3D; extrinsics are from world to camera, matrices by columns.
+
+    Source: Open3D documentation, io.write_pinhole_camera_trajectory, camera.PinholeCameraParameters
+    and geometry.RGBDImage (depth_scale 1000).
+    """
+
+    name = "open3d"
+    summary = f"Open3D: color/, depth/ and {_NAMES[0]} of class {_CLASS}"
+    assumes = (
+        Assumption(INTRINSICS, "intrinsic_matrix of each frame", By.FILE, "--intrinsics"),
+        scale_fact(_UNIT, By.NOBODY),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(OPTICAL)),
+        Assumption(POSE, "camera from world, inverted; matrices by columns", By.FORMAT),
+        clock_of(SequenceOptions(), By.NOBODY),
+    )
+
+    def fits(self, path: Path) -> int:
+        return 87 if _trajectory(path) is not None and (path / "depth").is_dir() else 0
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        file = _trajectory(path)
+        if file is None:
+            raise InputError(f"{path}: no JSON file of class {_CLASS}; expected {self.summary}")
+        cameras = read_json(file).get("parameters")
+        files = paired(folder_named(path, "color", "colour", "rgb", "image"), path / "depth")
+        if not isinstance(cameras, list) or len(cameras) != len(files):
+            count = len(cameras) if isinstance(cameras, list) else "no list of"
+            raise InputError(f"{file}: {count} parameters for {len(files)} pictures; expected one for each")
+        own = [_camera(f"{file}, parameters {at}", one) for at, one in enumerate(cameras)]
+        facts = facts_of(path, options, None, _UNIT, own=own[0], by=By.NOBODY)
+        axes = facts.axes()
+        places = [f"{file}, parameters {at}" for at in range(len(cameras))]
+        views, order = by_rows(str(file), [square_of(*one) for one in zip(places, _extrinsics(cameras), strict=True)])
+        poses, _ = poses_of(axes, list(zip(places, map(inverse_of, places, views), strict=True)))
+        stated = own if options.intrinsics is None else [None] * len(own)
+        pairs = [
+            Pair(colour, depth, at_rate(options, at), pose, camera)
+            for at, ((colour, depth), pose, camera) in enumerate(zip(files, poses, stated, strict=True))
+        ]
+        order = attrs.evolve(order, value=order.value.replace("world from camera", "camera from world, inverted"))
+        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options, By.NOBODY)))
+
+
+def _extrinsics(cameras: list[Any]) -> list[Any]:
+    return [one.get("extrinsic") for one in cameras]
+
+
+def _trajectory(path: Path) -> Path | None:
+    """Return the trajectory by its usual names, else the only JSON file of its class."""
+    found = sorted(path.glob("*.json")) if path.is_dir() else []
+    fitting = [one for one in found if _CLASS.encode() in _head_and_tail(one)]
+    named = [one for one in fitting if one.name in _NAMES]
+    return named[0] if named else fitting[0] if len(fitting) == 1 else None
+
+
+def _head_and_tail(file: Path) -> bytes:
+    with file.open("rb") as stream:
+        head = stream.read(_HEAD)
+        stream.seek(max(0, file.stat().st_size - _HEAD))
+        return head + stream.read()
+
+
+def _camera(where: str, one: Any) -> Camera:
+    intrinsic = one.get("intrinsic") if isinstance(one, dict) else None
+    camera = camera_of(where, intrinsic) if isinstance(intrinsic, dict) else None
+    if camera is None:
+        raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")
+    return camera
+
+
+readers.register(Open3DReader())

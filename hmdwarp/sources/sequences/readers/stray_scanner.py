@@ -1,0 +1,90 @@
+"""Stray Scanner: the video, depth and odometry of a telephone with a depth camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from ....poses.assumptions import Assumption, By
+from ....poses.reading.axes import parse_axes
+from ..camera import Camera
+from ..options import SequenceOptions
+from ..picture_files import NPY, fitted_depth, read_depth
+from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
+from ..video_pictures import VideoPictures
+from . import readers
+from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of, scale_fact
+from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in
+
+VIDEO, CAMERA, ODOMETRY = "rgb.mp4", "camera_matrix.csv", "odometry.csv"
+# The world is ARKit's, y up; the camera was turned to x right, y down, z forward.
+_AXES = "world=x,y,-z head=x,-y,z"
+_UNIT = 0.001
+_CLOCK = Assumption(CLOCK, f"seconds in {ODOMETRY}", By.FILE, "--frames-rate")
+_HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
+
+
+class StrayScannerReader(SequenceReader):
+    """Recordings of Stray Scanner; depth has fewer pixels than colour, of the same field of view.
+
+    Source: Stray Robots documentation, data specification; for the axes, the app's OdometryEncoder.
+    """
+
+    name = "stray_scanner"
+    summary = f"Stray Scanner: {VIDEO}, depth/N.png, {ODOMETRY} and {CAMERA}"
+    assumes = (
+        Assumption(INTRINSICS, CAMERA, By.FILE, "--intrinsics"),
+        scale_fact(_UNIT, By.FORMAT),
+        Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
+        axes_of(parse_axes(_AXES)),
+        Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
+        _CLOCK,
+    )
+
+    def fits(self, path: Path) -> int:
+        return 93 if (path / ODOMETRY).is_file() and (path / VIDEO).is_file() else 0
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        rows, matrix = _rows(path / ODOMETRY), matrix_in(path / CAMERA, 3)
+        camera = Camera(matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2])
+        facts, axes = facts_of(path, options, None, _UNIT, own=camera), parse_axes(_AXES)
+        video = VideoPictures(path / VIDEO)
+        fov = facts.camera.fov(video.size, str(path / CAMERA))
+        depths = {int(one.stem): one for one in pictures_in(path / "depth", (".png", NPY)) if one.stem.isdigit()}
+        frames = []
+        for at, row in enumerate(rows):
+            _, number, *pose = row.floats(len(row.words))[: len(_HEADER)]
+            if int(number) in depths:
+                time_ns = instant_ns(row) if options.frames_rate_hz is None else at_rate(options, at)
+                read = _reading(video, at, depths[int(number)], facts.depth_scale)
+                raw = partial(read_depth, depths[int(number)])
+                turned = pose_of_numbers(axes, row.where, pose)
+                frames.append(RecordedFrame(f"{VIDEO} {at}", time_ns, turned, fov, video.size, read, raw))
+        more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
+        notes = left_out(len(rows) - len(frames), "no depth")
+        return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
+
+
+def _rows(file: Path) -> list[Row]:
+    """Return the rows below the header. Errors: InputError."""
+    head, *rows = rows_of(file) or [Row(str(file), ["nothing"])]
+    if head.words[: len(_HEADER)] != _HEADER:
+        raise head.wrong(f"the header {', '.join(_HEADER)}")
+    short = next((row for row in rows if len(row.words) != len(head.words)), None)
+    if short is not None:
+        raise short.wrong(f"{len(head.words)} finite numbers")
+    return rows
+
+
+def _reading(video: VideoPictures, number: int, depth: Path, scale: float) -> Callable[[], Pictures]:
+    """Return what reads a picture of the video and its depth."""
+
+    def read() -> Pictures:
+        colour = video.picture(number)
+        return as_pictures(colour, in_metres(fitted_depth(read_depth(depth), colour, depth), scale))
+
+    return read
+
+
+readers.register(StrayScannerReader())
