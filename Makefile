@@ -43,7 +43,7 @@ replay: setup  ## the main job: replay a recorded head 200 ms late and report on
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
-	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS)
+	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5)
 
 test-quick: setup  ## one case of each test of the quick parts: about a minute
 	@.venv/bin/python -m pytest --quick -q $(PYTEST_OPTIONS)

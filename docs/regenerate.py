@@ -34,6 +34,7 @@ BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
+    "trace formats": ("-m hmdwarp list formats --markdown", True),
     "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
@@ -173,7 +174,7 @@ def later_table(rows: Sequence[dict[str, Any]]) -> str:
 
 def front_page() -> str:
     """Return both tables of README.md, each with a line that says what it shows."""
-    defaults = "From the thesis's method to the default, one change after the other: 200 ms late, 480x600 an eye."
+    defaults = "From the thesis's method to the default, one change at a time: 200 ms late, 480x600 an eye."
     machine = text_of("machine").split(";")[1].strip()
     warps = f"200 ms late, guard band 1.5, 1280x800 an eye, {machine}; each warp with the fill of the lowest FLIP."
     warps = textwrap.fill(" ".join(warps.split()), 100, break_on_hyphens=False)

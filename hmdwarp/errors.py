@@ -5,7 +5,11 @@ A message says in one line what was found, what was expected and what to do.
 
 from __future__ import annotations
 
+import difflib
+import os
 from collections.abc import Sequence
+
+FILE = "FILE"  # how an entry begins that stands for a file of the user
 
 
 class HmdwarpError(Exception):
@@ -60,3 +64,24 @@ def counted(number: int, word: str) -> str:
 def listed(names: Sequence[str], word: str = "and") -> str:
     """Return "a, b and c"; "" for no names."""
     return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def nearest(name: str, known: list[str]) -> str:
+    """Return the known name that `name` may be a slip of, "" for none that is near."""
+    by_small = {name.casefold(): name for name in known}
+    small = name.casefold()
+    close = difflib.get_close_matches(small, by_small, n=1)
+    longer = [candidate for candidate in by_small if len(small) > 2 and candidate.startswith(small)]
+    return by_small[[*close, *longer][0]] if close or longer else ""
+
+
+def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
+    """Return the error for an unknown `name`; its message offers the nearest of `known`.
+
+    Where a file is known too (an entry like FILE.toml), a directory is called one.
+    """
+    if any(name.startswith(FILE) for name in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
+        return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
+    near = nearest(name, known)
+    hint = f"did you mean '{near}'? " if near else ""
+    return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")

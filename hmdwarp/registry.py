@@ -15,44 +15,19 @@ Other packages add entries through entry points of the group `hmdwarp.<registry>
 
 from __future__ import annotations
 
-import difflib
 import functools
 import importlib
-import os
 import pkgutil
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Generic, TypeVar
 
-from .errors import InputError, UnknownNameError
+from .errors import InputError, unknown_name
 
 if TYPE_CHECKING:
     import importlib.metadata
 
-FILE = "FILE"  # how an entry begins that stands for a file of the user
-
 T = TypeVar("T")
 E = TypeVar("E")
-
-
-def nearest(name: str, known: list[str]) -> str:
-    """Return the known name that `name` may be a slip of, "" for none that is near."""
-    by_small = {name.casefold(): name for name in known}
-    small = name.casefold()
-    close = difflib.get_close_matches(small, by_small, n=1)
-    longer = [candidate for candidate in by_small if len(small) > 2 and candidate.startswith(small)]
-    return by_small[[*close, *longer][0]] if close or longer else ""
-
-
-def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
-    """Return the error for an unknown `name`; its message offers the nearest of `known`.
-
-    Where a file is known too (an entry like FILE.toml), a directory is called one.
-    """
-    if any(name.startswith(FILE) for name in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
-        return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
-    near = nearest(name, known)
-    hint = f"did you mean '{near}'? " if near else ""
-    return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")
 
 
 class Registry(Generic[T]):

@@ -12,6 +12,7 @@ __version__ = "0.1.0"
 
 # What each optional package is for. Which packages they are, pyproject.toml says.
 EXTRAS = {
+    "bags": "recorded frames and head traces in bags of ROS",
     "bench": "cv2.warpFrame among the warps of bench",
     "cluster": "--cluster",
     "draco": "glTF scenes compressed with Draco",
@@ -30,7 +31,7 @@ _PACKAGE = Path(__file__).resolve().parent
 def folder(name: str) -> Path:
     """Return the folder `name` (shaders, recordings) of this installation.
 
-    In a checkout it lies beside the package, in an installed wheel inside it.
+    In a checkout it lies next to the package, in an installed wheel inside it.
     Errors: FileNotFoundError if it was not shipped.
     """
     for place in (_PACKAGE / "_data" / name, _PACKAGE.parent / name):

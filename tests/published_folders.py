@@ -129,16 +129,24 @@ def write_video(path: Path, frames: list[Taken]) -> None:
         container.mux(stream.encode())
 
 
-def write_stray_scanner(folder: Path, frames: list[Taken], stride: int = 1) -> None:
-    """Write with the world of ARKit, which is OpenXR's. stride: of the depth's pixels."""
+def write_stray_scanner(folder: Path, frames: list[Taken], stride: int = 1, focus: tuple[float, ...] = ()) -> None:
+    """Write with the world of ARKit, which is OpenXR's.
+
+    stride: of the depth's pixels. focus: of each frame, as a share of FX, in the app's later form.
+    """
     write_video(folder / "rgb.mp4", frames)
-    lines = ["timestamp, frame, x, y, z, qx, qy, qz, qw"]
+    later = ", fx, fy, cx, cy, distortion_center_x, distortion_center_y" if focus else ""
+    lines = [f"timestamp, frame, x, y, z, qx, qy, qz, qw{later}"]
     for i, one in enumerate(frames):
         write_depth(folder / f"depth/{i:06}.png", attrs.evolve(one, depth_m=one.depth_m[::stride, ::stride]), 1000)
         pose = seven_numbers(camera_matrix(one, OPTICAL, np.asarray)).replace(" ", ", ")
-        lines.append(f"{seconds(1000 * 10**9 + one.time_ns)}, {i:06}, {pose}")
+        lines.append(f"{seconds(1000 * 10**9 + one.time_ns)}, {i:06}, {pose}{_focused(focus, i)}")
     _text(folder / "odometry.csv", "\n".join(lines) + "\n")
     _text(folder / "camera_matrix.csv", f"{FX}, 0.0, {CX}\n0.0, {FY}, {CY}\n0.0, 0.0, 1.0")
+
+
+def _focused(focus: tuple[float, ...], number: int) -> str:
+    return f", {FX * focus[number]}, {FY * focus[number]}, {CX}, {CY}, , " if focus else ""
 
 
 def ros(v: np.ndarray) -> np.ndarray:
@@ -146,7 +154,7 @@ def ros(v: np.ndarray) -> np.ndarray:
     return np.array([-v[2], -v[0], v[1]])
 
 
-_ROBOT = np.array([[0.0, 0, 1, 0.1], [-1, 0, 0, 0.02], [0, -1, 0, 0.3]])  # from the optical frame
+ROBOT = np.array([[0.0, 0, 1, 0.1], [-1, 0, 0, 0.02], [0, -1, 0, 0.3]])  # from the optical frame
 _CALIBRATION = """%YAML:1.0
 ---
 camera_name: "{name}"
@@ -173,14 +181,14 @@ def write_rtabmap(folder: Path, frames: list[Taken], robot: bool = False) -> Non
     """Write with ids as names. robot: poses of its frame in place of the camera's."""
     wide, high = frames[0].colour.shape[1::-1]
     lines = ["#timestamp x y z qx qy qz qw id"]
-    local = np.vstack([_ROBOT, [0, 0, 0, 1]])
+    local = np.vstack([ROBOT, [0, 0, 0, 1]])
     for i, one in enumerate(frames, 7):
         _save(folder / f"map_rgb/{i}.jpg", one)
         write_depth(folder / f"map_depth/{i}.png", one, 1000)
         matrix = camera_matrix(one, OPTICAL, ros)
         matrix = matrix @ np.linalg.inv(local) if robot else matrix
         lines.append(f"{seconds(1_700_000_000 * 10**9 + one.time_ns)} {seven_numbers(matrix)} {i}")
-        numbers = ", ".join(map(str, _ROBOT.ravel()))
+        numbers = ", ".join(map(str, ROBOT.ravel()))
         text = _CALIBRATION.format(name=i, wide=wide, high=high, FX=FX, FY=FY, CX=CX, CY=CY, local=numbers)
         _text(folder / f"map_calib/{i}.yaml", text)
     _text(folder / f"map_{'' if robot else 'camera_'}poses.txt", "\n".join(lines) + "\n")
@@ -246,6 +254,34 @@ def write_colmap_dense(folder: Path, frames: list[Taken]) -> None:
     (folder / "sparse/cameras.bin").write_bytes(camera)
 
 
+def write_traced(folder: Path, frames: list[Taken]) -> None:
+    """Write pictures named by the clock of a trace in TUM's format, which has more poses."""
+    _text(folder / "intrinsics.txt", f"{FX} 0 {CX}\n0 {FY} {CY}\n0 0 1\n")
+    lines = ["# timestamp tx ty tz qx qy qz qw"]
+    for i, one in enumerate(frames):
+        stamp = seconds(1_700_000_000 * 10**9 + one.time_ns)
+        _save(folder / f"rgb/{stamp}.png", one)
+        write_depth(folder / f"depth/{stamp}.png", one, 1000)
+        lines.append(f"{stamp} {seven_numbers(camera_matrix(one, OPTICAL, y_down))}")
+        if i + 1 < len(frames):
+            between = attrs.evolve(one, pose=one.pose.towards(frames[i + 1].pose, 0.5))
+            stamp = seconds(1_700_000_000 * 10**9 + (one.time_ns + frames[i + 1].time_ns) // 2)
+            lines.append(f"{stamp} {seven_numbers(camera_matrix(between, OPTICAL, y_down))}")
+    _text(folder / "trajectory.txt", "\n".join(lines) + "\n")
+
+
+def write_traced_matrices(folder: Path, frames: list[Taken]) -> None:
+    """Write a matrix for each picture in the axes of OpenXR, and metres as floats."""
+    _text(folder / "intrinsics.json", json.dumps({"fx": FX, "fy": FY, "cx": CX, "cy": CY}))
+    lines = []
+    for i, one in enumerate(frames):
+        _save(folder / f"color/{i:04}.png", one)
+        (folder / "depth").mkdir(exist_ok=True)
+        np.save(folder / f"depth/{i:04}.npy", one.depth_m)
+        lines.append(" ".join(f"{x:.12g}" for x in camera_matrix(one, ("right", "up", "back"), np.asarray)[:3].ravel()))
+    _text(folder / "poses.txt", "\n".join(lines) + "\n")
+
+
 @attrs.frozen
 class Form:
     """A folder of one layout: the reader that must recognise it, who writes it, what is stated."""
@@ -264,10 +300,15 @@ PUBLISHED = {
     "replica": Form("replica", write_replica, colour_within=JPEG),
     "tartanair": Form("tartanair", write_tartanair, STATED),
     "stray_scanner": Form("stray_scanner", write_stray_scanner),
+    "stray_scanner_later": Form("stray_scanner", partial(write_stray_scanner, focus=(1.0,) * 9)),
     "rtabmap": Form("rtabmap", write_rtabmap, colour_within=JPEG),
     "rtabmap_robot": Form("rtabmap", partial(write_rtabmap, robot=True), colour_within=JPEG),
     "open3d": Form("open3d", write_open3d),
     "colmap": Form("colmap", write_colmap, SequenceOptions(depth_scale=0.001)),
     "colmap_dense": Form("colmap", write_colmap_dense),
+    "traced": Form("traced", write_traced, SequenceOptions(depth_scale=0.001)),
+    "traced_matrices": Form(
+        "traced", write_traced_matrices, SequenceOptions(frames_axes="openxr", frames_rate_hz=30.0)
+    ),
     "tartanair_v2": Form("tartanair", write_tartanair_v2, attrs.evolve(STATED, frames_rate_hz=30.0)),
 }

@@ -45,7 +45,7 @@ def test_half_floats_give_the_same_bytes_as_the_formula():
 
 
 @pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64])
-def test_what_no_byte_can_hold(dtype):
+def test_values_beyond_a_byte_are_clamped(dtype):
     assert srgb8_from_linear(np.array([np.nan, -np.inf, -1, 0, 2, np.inf], dtype)).tolist() == [0, 0, 0, 0, 255, 255]
 
 

@@ -43,7 +43,7 @@ def test_noise_grows_with_the_distance_squared(frame_of):
     assert np.std(errors) == pytest.approx(0.002, rel=0.1)
 
 
-def test_what_is_out_of_range_or_at_an_edge_has_no_depth(frame_of):
+def test_pixels_out_of_range_or_at_an_edge_have_no_depth(frame_of):
     far = frame_of(far_m=3.0)
     assert np.array_equal(far.depth_m == 0, far.truth_m > 3.0) and (far.depth_m == 0).any()
     edges = frame_of(edge_gaps=1.0).depth_m == 0

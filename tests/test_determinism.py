@@ -59,7 +59,7 @@ def test_every_kind_of_pass_gives_the_same_bits(warp, scene, tmp_path):
     assert pictures(tmp_path / "a") == pictures(tmp_path / "b")
 
 
-def test_what_is_measured_does_not_change_what_is_shown(first, tmp_path):
+def test_measuring_does_not_change_the_shown_pictures(first, tmp_path):
     """Reading pictures back, drawing the truth and running a second warp must leave no trace in the
     first one's pictures.
     """

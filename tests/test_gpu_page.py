@@ -70,7 +70,7 @@ def test_a_gpu_is_filed_by_its_name_and_renewed_in_its_place(page):
     assert "old\n" not in page.read_text(encoding="utf-8") and "A remark." in page.read_text(encoding="utf-8")
 
 
-def test_what_has_no_time_left_is_named(tmp_path):
+def test_parts_without_time_left_are_named(tmp_path):
     run = bench_gpu.Measuring(tmp_path, minutes=0)
     assert run.part("a part", "-c", "pass") is None
     run = bench_gpu.Measuring(tmp_path, minutes=1)

@@ -54,7 +54,7 @@ APART = {
     "gpu": {"geometry", "colour"},
     "scenes": {"poses", "headsets"},
     "sources": {"headsets", "link"},
-    "frames": {"gpu", "poses"},
+    "frames": {"gpu"},
     "link": {"gpu", "headsets", "scenes", "poses", "frames"},
     "client": {"link", "poses"},
     "metrics": {"client", "sources", "link"},
@@ -378,6 +378,34 @@ def files_imported(path: Path) -> set[Path]:
             )
             found |= set([place for place in places if place.is_file()][:1])
     return found - {path}
+
+
+# What stands before a library that loads late: commands, for help; glfw, whose windowing system
+# start() chooses first; Dear ImGui and OpenXR, which a machine may lack; SciPy, for files alone.
+LATE = ("cli/", "display/desktop/", "display/openxr/", "scenes/_load.py", "report/image_result.py")
+
+
+def late_imports(source: str, *, functions: bool = True) -> list[int]:
+    """Lines that import from the house itself for annotations alone, or in a function."""
+    nodes = list(ast.walk(ast.parse(source)))
+    late = [node for node in nodes if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
+    late += [node for node in nodes if functions and isinstance(node, ast.FunctionDef)]
+    return sorted({n.lineno for one in late for n in ast.walk(one) if isinstance(n, ast.ImportFrom) and n.level})
+
+
+def test_only_a_face_loads_late():
+    """Our own modules are imported at the top; what loads later is reached through its package."""
+    texts = {name_of(path): path.read_text(encoding="utf-8") for path in modules()}
+    found = [f"{name}:{n}" for name, text in texts.items() if not name.startswith(LATE) for n in late_imports(text)]
+    assert not found, f"import these at the top: {found}"
+    found = [name for name, text in texts.items() if name.startswith("cli/") and late_imports(text, functions=False)]
+    assert not found, f"annotate by the package, such as poses.PoseTrack: {found}"
+
+
+def test_late_imports_are_noticed():
+    assert late_imports("def f():\n    from ..poses import predict") == [2]
+    assert late_imports("if TYPE_CHECKING:\n    from .frame import Frame") == [2]
+    assert late_imports("from .. import poses\ndef f():\n    import scipy") == []
 
 
 def test_no_private_module_is_imported_by_another_package():

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 
 
-def test_what_was_left_out_is_one_line():
+def test_omitted_tests_are_reported_in_one_line():
     """Each remedy once, with all that it brings; other skips are no lack."""
     skipped = [
         ("a", "Skipped: " + needs.missing("Xvfb", needs.APT + "xvfb")),

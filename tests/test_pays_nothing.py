@@ -59,7 +59,7 @@ def test_a_plain_scene_costs_the_same_whatever_is_allowed(scene):
 
 
 @pytest.mark.parametrize("scene", CALLING)
-def test_what_is_forbidden_costs_the_client_and_the_link_nothing(scene):
+def test_forbidden_effects_cost_the_client_and_the_link_nothing(scene):
     with_all, without = (costs_of(scene=scene, effects=asked) for asked in ("auto", "none"))
     assert not {path for path in without.shaders if path.startswith("effects/")}
     assert set(without.layers) == {"rendered.colour", "rendered.inverse_depth"}
@@ -111,7 +111,7 @@ def test_a_forced_effect_runs_its_pass_on_a_scene_that_has_nothing_of_it(name):
 
 
 @pytest.mark.parametrize("name", sorted(ASKED_WHERE_IT_IS))
-def test_what_a_scene_lacks_costs_nothing_even_if_named(name):
+def test_effects_that_a_scene_lacks_cost_nothing_even_if_named(name):
     assert costs_of(scene="planes", effects=name) == costs_of(scene="planes", effects="auto")
 
 

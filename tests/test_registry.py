@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 import hmdwarp
-from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.registry import Registry, _entry_points, nearest, unknown_name
+from hmdwarp.errors import InputError, UnknownNameError, nearest, unknown_name
+from hmdwarp.registry import Registry, _entry_points
 
 
 def registries() -> dict[str, Registry]:

@@ -63,7 +63,7 @@ def _print_what_the_terminal_can() -> None:
 
     Neither is a reason to end a run that is done.
     """
-    with suppress(AttributeError):  # closed (None), or somebody's own stream
+    with suppress(AttributeError):  # closed (None), or a caller's own stream
         sys.stdout.reconfigure(errors="replace")  # type: ignore[union-attr]
 
 

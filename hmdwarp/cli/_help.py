@@ -12,7 +12,7 @@ _LONG = 1000  # characters: longer than any first sentence
 class Group(TyperGroup):
     """A group of commands that wraps their summaries instead of cutting them.
 
-    A command may have two words, such as `bench merge` beside `bench`.
+    A command may have two words, such as `bench merge` next to `bench`.
     """
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:

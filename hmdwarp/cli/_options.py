@@ -23,8 +23,8 @@ JSON = Option("Print one JSON object instead of text.", bool, False, name="json"
 def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None]], Callable[..., None]]:
     """Return a decorator.
 
-    The function becomes a command with these options, and gets what was said: values by option
-    name. The command's attribute `options` has them.
+    The function becomes a command with these options, and gets their values by name. The command's
+    attribute `options` has them.
     """
     options = [option for part in declared for option in ([part] if isinstance(part, Option) else options_of(part))]
 

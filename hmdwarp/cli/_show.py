@@ -103,7 +103,7 @@ class _Lines:
         def run() -> None:
             self._estimated.wait(LINE_EVERY_S)
             while not over.is_set():
-                with suppress(OSError):  # nobody reads any more
+                with suppress(OSError):  # the reader is gone
                     screen.print(self.line(), soft_wrap=True)
                 over.wait(LINE_EVERY_S)
 
@@ -143,7 +143,7 @@ def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], Non
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
-    """Names on the left, their texts wrapped beside them, line by line."""
+    """Names on the left, their texts wrapped next to them, line by line."""
     rows = list(rows)
     left = indent + max((len(name) for name, _ in rows), default=0) + 2
     width = max(left + 24, _width())

@@ -8,22 +8,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import attrs
 
-if TYPE_CHECKING:
-    from ..client.classes import Client
-    from ..client.fills import Fill
-    from ..client.strategies import Strategy
-    from ..client.warps import Warp
-    from ..frames.layers import EyeSizes, Layer
-    from ..headsets import Headset
-    from ..options import Option
-    from ..poses import PoseTrack
-    from ..poses.assumptions import Assumption
-    from ..study.design import Design
-    from ..study.scales import Scale
+from .. import headsets, poses
+from ..options import Option
+from ..poses.assumptions import Assumption, By
+from ..study import design, scales
 
 _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture", "own": "its own"}
 
@@ -40,21 +31,19 @@ def entries(kind: str) -> list[dict[str, str]]:
 def _strategies() -> list[dict[str, str]]:
     from ..client.strategies import strategies
 
-    return [_strategy_row(strategy) for strategy in strategies]
-
-
-def _strategy_row(strategy: type[Strategy]) -> dict[str, str]:
-    sets = strategy.options("")
-    return {
-        "name": strategy.name,
-        "summary": strategy.summary,
-        "crosses": strategy.crosses,
-        "client": strategy.client,
-        "late": strategy.late,
-        "sets": ", ".join(f"{name}={value}" for name, value in sets.items()) or "nothing",
-        "classes": ", ".join(f"class-{number}" for number in strategy.classes),
-        "source": strategy.source,
-    }
+    return [
+        {
+            "name": strategy.name,
+            "summary": strategy.summary,
+            "crosses": strategy.crosses,
+            "client": strategy.client,
+            "late": strategy.late,
+            "sets": ", ".join(f"{name}={value}" for name, value in strategy.options("").items()) or "nothing",
+            "classes": ", ".join(f"class-{number}" for number in strategy.classes),
+            "source": strategy.source,
+        }
+        for strategy in strategies
+    ]
 
 
 def _warps() -> list[dict[str, str]]:
@@ -62,7 +51,22 @@ def _warps() -> list[dict[str, str]]:
     from ..client.warps import warps
     from ..run.outside import OUTSIDE, missing
 
-    rows = [_warp_row(warp) for warp in warps]
+    rows = [
+        {
+            "name": warp.name,
+            "summary": warp.summary,
+            "kind": warp.kind,
+            "reads": ", ".join(warp.reads),
+            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
+            "fused_with_the_lens": "yes" if warp.fuses else "no",
+            "follows_scanout": "yes" if warp.scans_out else "no",
+            "exact_when": warp.exact_when,
+            "gets_wrong": warp.gets_wrong,
+            "does_as": "none",
+            "source": warp.source,
+        }
+        for warp in warps
+    ]
     own = {row["name"]: row for row in rows}
     for text, system in every_baseline().items():
         choice = parse_warp(text)
@@ -94,37 +98,20 @@ def _outside_row(name: str, system: str, keys: list[str]) -> dict[str, str]:
     return {key: said.get(key, "none") for key in keys}
 
 
-def _warp_row(warp: type[Warp]) -> dict[str, str]:
-    return {
-        "name": warp.name,
-        "summary": warp.summary,
-        "kind": warp.kind,
-        "reads": ", ".join(warp.reads),
-        "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
-        "fused_with_the_lens": "yes" if warp.fuses else "no",
-        "follows_scanout": "yes" if warp.scans_out else "no",
-        "exact_when": warp.exact_when,
-        "gets_wrong": warp.gets_wrong,
-        "does_as": "none",
-        "source": warp.source,
-    }
-
-
 def _fills() -> list[dict[str, str]]:
     from ..client.fills import fills
 
-    return [_fill_row(fill) for fill in fills]
-
-
-def _fill_row(fill: type[Fill]) -> dict[str, str]:
-    return {
-        "name": fill.name,
-        "summary": fill.summary,
-        "reads": ", ".join(fill.reads),
-        "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(fill.Settings)) or "none",
-        "leaves_no_hole": "yes" if fill.complete else "no",
-        "source": fill.source,
-    }
+    return [
+        {
+            "name": fill.name,
+            "summary": fill.summary,
+            "reads": ", ".join(fill.reads),
+            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(fill.Settings)) or "none",
+            "leaves_no_hole": "yes" if fill.complete else "no",
+            "source": fill.source,
+        }
+        for fill in fills
+    ]
 
 
 def _repairs() -> list[dict[str, str]]:
@@ -164,9 +151,7 @@ def _scenes() -> list[dict[str, str]]:
 
 
 def _headsets() -> list[dict[str, str]]:
-    from ..headsets import headset_names, load_headset
-
-    return [_headset_row(load_headset(name)) for name in headset_names()]
+    return [_headset_row(headsets.load_headset(name)) for name in headsets.headset_names()]
 
 
 def _axes() -> list[dict[str, str]]:
@@ -181,27 +166,27 @@ def _axes() -> list[dict[str, str]]:
 def _clients() -> list[dict[str, str]]:
     from ..client.classes import client_names, load_client
 
-    return [_client_row(load_client(name)) for name in client_names()]
+    return [
+        {
+            "name": client.name,
+            "summary": client.summary,
+            "scene": client.scene,
+            "compute_shaders": "yes" if client.compute_shaders else "no",
+            "layers": "all" if client.more_layers else "colour and depth",
+            "budget": _limit(client.budget_ms, "ms an eye"),
+            "decoder": _limit(client.decoder_mpx_s, "Mpx/s"),
+            "download": _limit(client.download_mbit_s, "Mbit/s"),
+            "source": client.source or "none",
+        }
+        for client in map(load_client, client_names())
+    ]
 
 
-def _client_row(client: Client) -> dict[str, str]:
-    def limit(value: float, unit: str) -> str:
-        return f"{value:g} {unit}" if math.isfinite(value) else "no limit"
-
-    return {
-        "name": client.name,
-        "summary": client.summary,
-        "scene": client.scene,
-        "compute_shaders": "yes" if client.compute_shaders else "no",
-        "layers": "all" if client.more_layers else "colour and depth",
-        "budget": limit(client.budget_ms, "ms an eye"),
-        "decoder": limit(client.decoder_mpx_s, "Mpx/s"),
-        "download": limit(client.download_mbit_s, "Mbit/s"),
-        "source": client.source or "none",
-    }
+def _limit(value: float, unit: str) -> str:
+    return f"{value:g} {unit}" if math.isfinite(value) else "no limit"
 
 
-def _headset_row(headset: Headset) -> dict[str, str]:
+def _headset_row(headset: headsets.Headset) -> dict[str, str]:
     angles = (math.degrees(angle) for angle in attrs.astuple(headset.left_fov))
     return {
         "name": headset.name,
@@ -219,7 +204,11 @@ def _headset_row(headset: Headset) -> dict[str, str]:
 def _formats() -> list[dict[str, str]]:
     from ..poses.formats import formats
 
-    return [{"name": f.name, "summary": f.summary, "can_write": "yes" if f.writes else "no"} for f in formats]
+    rows = []
+    for one in formats:
+        facts = {fact.what: f"{fact.value} ({_stated_by(fact)})" for fact in one.assumes()}
+        rows.append({"name": one.name, "summary": one.summary, "can_write": "yes" if one.writes else "no", **facts})
+    return rows
 
 
 def _layouts() -> list[dict[str, str]]:
@@ -234,21 +223,18 @@ def _layouts() -> list[dict[str, str]]:
 
 
 def _stated_by(fact: Assumption) -> str:
-    from ..poses.assumptions import By
-
     if fact.by not in (By.USER, By.NOBODY):
         return f"by the {fact.by}"
     return f"stated by {fact.option}" if fact.by is By.USER else f"not stated{fact.option and f': {fact.option}'}"
 
 
 def _recordings() -> list[dict[str, str]]:
-    from ..poses import load_trace
     from ..resources import recording_names
 
-    return [_recording_row(load_trace(name).track) for name in recording_names()]
+    return [_recording_row(poses.load_trace(name).track) for name in recording_names()]
 
 
-def _recording_row(track: PoseTrack) -> dict[str, str]:
+def _recording_row(track: poses.PoseTrack) -> dict[str, str]:
     # As 'hmdwarp trace synth' writes it into the file.
     made_by, _, what = track.origin.rpartition("; ")
     return {
@@ -261,12 +247,10 @@ def _recording_row(track: PoseTrack) -> dict[str, str]:
 
 
 def _scales() -> list[dict[str, str]]:
-    from ..study.scales import load_scale, scale_names
-
-    return [_scale_row(load_scale(name)) for name in scale_names()]
+    return [_scale_row(scales.load_scale(name)) for name in scales.scale_names()]
 
 
-def _scale_row(scale: Scale) -> dict[str, str]:
+def _scale_row(scale: scales.Scale) -> dict[str, str]:
     items = [item.described for item in scale.items]
     return {
         "name": scale.name,
@@ -284,45 +268,42 @@ def _scale_row(scale: Scale) -> dict[str, str]:
 
 
 def _studies() -> list[dict[str, str]]:
-    from ..study.design import load_design, study_names
-
-    return [_study_row(load_design(name, checked=False)) for name in study_names()]
+    return [_study_row(design.load_design(name, checked=False)) for name in design.study_names()]
 
 
-def _study_row(design: Design) -> dict[str, str]:
-    parts = [f"{part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in design.parts]
+def _study_row(study: design.Design) -> dict[str, str]:
+    parts = [f"{part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in study.parts]
     return {
-        "name": design.name,
-        "summary": design.title,
-        "scales": ", ".join(scale.name for scale in design.scales),
+        "name": study.name,
+        "summary": study.title,
+        "scales": ", ".join(scale.name for scale in study.scales),
         "conditions": "; ".join(parts),
-        "order": design.order,
+        "order": study.order,
     }
 
 
 def _layers() -> list[dict[str, str]]:
     from ..frames.layers import layers
-    from ..headsets import load_headset
     from ..pipeline.options import PipelineOptions
     from ..pipeline.sizes import eye_sizes
 
-    headset = load_headset(PipelineOptions().headset)
+    headset = headsets.load_headset(PipelineOptions().headset)
     sizes = eye_sizes(1.0, headset, headset.eye_size_px)
-    return [_layer_row(layer, sizes, headset.name) for layer in layers]
-
-
-def _layer_row(layer: type[Layer], sizes: EyeSizes, headset: str) -> dict[str, str]:
-    per, count = "frame" if layer.per_frame else "eye", layer.bytes(layer.something, sizes)
-    return {
-        "name": layer.name,
-        "summary": layer.summary,
-        "format": " + ".join(layer.formats) or "none: no picture",
-        "size": _SIZES[layer.size_class] if layer.formats else "none",
-        "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset}" if count else "none",
-        "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
-        "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
-        "coded_as": " + ".join(layer.coded_as()) if count else "nothing",
-    }
+    rows = []
+    for layer in layers:
+        per, count = "frame" if layer.per_frame else "eye", layer.bytes(layer.something, sizes)
+        row = {
+            "name": layer.name,
+            "summary": layer.summary,
+            "format": " + ".join(layer.formats) or "none: no picture",
+            "size": _SIZES[layer.size_class] if layer.formats else "none",
+            "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset.name}" if count else "none",
+            "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
+            "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
+            "coded_as": " + ".join(layer.coded_as()) if count else "nothing",
+        }
+        rows.append(row)
+    return rows
 
 
 def _options() -> list[dict[str, str]]:

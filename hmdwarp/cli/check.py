@@ -1,16 +1,12 @@
-"""hmdwarp check: which conventions make somebody's frames agree with each other."""
+"""hmdwarp check: the conventions under which frames agree with each other."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import typer
 
+from .. import check as conventions
 from ..check.options import CheckOptions
 from ._options import JSON, Said, as_json, takes
-
-if TYPE_CHECKING:
-    from ..check import Answer
 
 
 @takes(CheckOptions, JSON)
@@ -39,7 +35,7 @@ def check(said: Said) -> None:
         typer.echo(f"picture: {options.out}")
 
 
-def _print(answer: Answer) -> None:
+def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
     paragraph(answer.headline())

@@ -1,4 +1,4 @@
-"""hmdwarp compare: strategies of remote rendering beside each other."""
+"""hmdwarp compare: strategies of remote rendering side by side."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ class ListOptions(Declared):
 @takes(ListOptions)
 def list_(said: Said) -> None:
     """List what there is to choose from: warps, fills, scenes, recordings, studies and more."""
-    from ..registry import unknown_name
+    from ..errors import unknown_name
 
     options = ListOptions.of(said)
     if options.kind is None:
@@ -67,7 +67,7 @@ def list_(said: Said) -> None:
 
 
 def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
-    from ..registry import unknown_name
+    from ..errors import unknown_name
     from .catalogue import entries
 
     rows = entries(kind)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import typer
 
+from .. import client, headsets, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, DEFAULT_GUARD, Option
 from ..pipeline.options import PipelineOptions
@@ -16,11 +17,6 @@ from ..pipeline.source_kinds import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
-
-if TYPE_CHECKING:
-    from ..client.plan import Plan, Step
-    from ..headsets import Headset
-    from ..scenes import Scene
 
 REPLAY = "replay"
 # 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
@@ -35,13 +31,11 @@ def plan(said: Said) -> None:
 
     Tells what makes the scene slow to draw, and what to do about it.
     """
-    from ..headsets import load_headset
     from ..pipeline import source_of
     from ..run import check_names
-    from ..scenes import slow_in
 
     source = said["source"]
-    load_headset(said["headset"])
+    headsets.load_headset(said["headset"])
     kind, told = _driver(source)
     if said["lens"] is None and told:
         said["lens"] = "none"
@@ -49,7 +43,7 @@ def plan(said: Said) -> None:
     check_names(options)
     frames = source_of(options)
     options, headset, scene = frames.fitted(options), frames.headset, frames.scene
-    slow, noted = list(slow_in(scene)), [*frames.notes, *scene.notes]
+    slow, noted = list(scenes.slow_in(scene)), [*frames.notes, *scene.notes]
     about = (_auto if options.warp == AUTO else _passes)(options, headset, scene, told)
     if said["json"]:
         names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
@@ -73,7 +67,7 @@ class _About:
     notes: list[str] = attrs.field(factory=list)
 
 
-def _passes(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
+def _passes(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for, proxy_plan_for
 
     built = build_plan_for(options, headset, scene, **told)
@@ -125,7 +119,7 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]) -> _About:
+def _auto(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]) -> _About:
     """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
 
@@ -146,7 +140,7 @@ def _auto(options: PipelineOptions, headset: Headset, scene: Scene, told: dict[s
 
 
 def _auto_from_file(
-    bench: Path, options: PipelineOptions, headset: Headset, scene: Scene, told: dict[str, Any]
+    bench: Path, options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]
 ) -> _About:
     from ..pipeline.auto.levels import best_within
     from ..pipeline.planning import plans_for
@@ -179,7 +173,7 @@ def _auto_from_file(
     return _About(data, show, list(found.notes))
 
 
-def _frame(options: PipelineOptions, headset: Headset, plans: list[Plan]) -> dict[str, Any]:
+def _frame(options: PipelineOptions, headset: headsets.Headset, plans: list[client.Plan]) -> dict[str, Any]:
     """Return the bytes of frames that carry what all the plans read, and how many there are."""
     from ..client.plan import needs_of
     from ..frames import frame_bytes
@@ -223,6 +217,6 @@ def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def _told(step: Step) -> str:
+def _told(step: client.Step) -> str:
     reads = f"reads {', '.join(step.reads)}; " if step.reads else ""
     return f"{step.reason}\n{reads}writes {', '.join(step.writes)}"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import attrs
 import typer
 
+from .. import poses
 from ..errors import InputError
 from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.options import MOTIONS, TraceOptions
@@ -20,9 +21,6 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from ..poses import LoadedTrace
-    from ..poses.prediction import PredictionErrors
-    from ..poses.track_statistics import Analysis
 
 app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
 
@@ -40,20 +38,18 @@ def info(said: Said) -> None:
     """Show rate, duration, gaps, speeds, what latency costs, and every defect with its repair."""
     from rich.console import Console
 
-    from ..poses import analyse, load_trace, trace_as_json
-
     if said["plot"] is not None:
         from ..report import refuse_existing
 
         refuse_existing(said["plot"], force=said["force"])
-    loaded = load_trace(said["trace"], TraceOptions.of(said))
-    figures = analyse(loaded.track)
+    loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
+    figures = poses.analyse(loaded.track)
     if said["plot"] is not None:
         from ..report import trace_plot_png, write_bytes
 
         write_bytes(said["plot"], trace_plot_png(loaded.track, loaded.axes))
     if said["json"]:
-        typer.echo(as_json(trace_as_json(loaded, figures)))
+        typer.echo(as_json(poses.trace_as_json(loaded, figures)))
         return
     console = Console()
     if not console.is_terminal:
@@ -78,10 +74,8 @@ def convert(said: Said) -> None:
     """
     from rich.console import Console
 
-    from ..errors import InputError
+    from ..errors import InputError, unknown_name
     from ..poses.formats import formats
-    from ..poses.load import load_trace
-    from ..registry import unknown_name
     from ..report import counted, refuse_existing, write_stream
 
     to, out = said["to"], said["out"]
@@ -91,7 +85,7 @@ def convert(said: Said) -> None:
     target = formats.get(to)
     if not target.writes:
         raise InputError(f"--to {to}: this format is read, not written: expected one of {', '.join(able)}")
-    loaded = load_trace(said["trace"], TraceOptions.of(said))
+    loaded = poses.load_trace(said["trace"], TraceOptions.of(said))
     if not (out.exists() and out.samefile(loaded.path)):  # refused by write_stream, forced or not
         refuse_existing(out, force=said["force"])
     write_stream(out, lambda stream: target.write(loaded.track, stream), source=loaded.path, binary=target.binary)
@@ -129,7 +123,6 @@ class SynthOptions(Declared):
 @takes(SynthOptions)
 def synth(said: Said) -> None:
     """Write synthetic head motion: of people, or there and back at one speed."""
-    from ..poses.synth import synthesise, write_synthetic
     from ..report import counted, refuse_existing, write_stream
 
     options = SynthOptions.of(said)
@@ -138,7 +131,7 @@ def synth(said: Said) -> None:
             f"--out {options.out}: found '{options.out.suffix}'; the trace is text: expected a name in .csv"
         )
     refuse_existing(options.out, force=options.force)
-    track = synthesise(
+    track = poses.synthesise(
         options.kind,
         options.seed,
         options.seconds,
@@ -146,12 +139,12 @@ def synth(said: Said) -> None:
         speed=options.speed,
         amplitude=options.amplitude,
     )
-    write_stream(options.out, lambda stream: write_synthetic(track, stream))
+    write_stream(options.out, lambda stream: poses.write_synthetic(track, stream))
     samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
     typer.echo(f"{options.out}: {samples}, {track.origin}", err=True)
 
 
-def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
+def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
     from rich.table import Table
     from rich.text import Text
 
@@ -184,35 +177,33 @@ def _facts(loaded: LoadedTrace, figures: Analysis) -> Table:
     return table
 
 
-def _speed_table(figures: Analysis) -> Table:
+def _speed_table(figures: poses.Analysis) -> Table:
     from rich.table import Table
-
-    from ..poses.track_statistics import SPEED_PERCENTILES
 
     table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
     table.add_column("")
-    for p in SPEED_PERCENTILES:
+    for p in poses.SPEED_PERCENTILES:
         table.add_column(f"p{p:g}", justify="right")
     table.add_row("turning, deg/s", *(f"{v:.1f}" for v in figures.angular_speed_deg_s))
     table.add_row("moving, m/s", *(f"{v:.3f}" for v in figures.linear_speed_m_s))
     return table
 
 
-def _error_table(figures: Analysis) -> Table:
+def _error_table(figures: poses.Analysis) -> Table:
     from rich.table import Table
 
     title = "What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)"
     return _by_predictor(Table(title=title, title_justify="left"), figures, _angles)
 
 
-def _lead_table(figures: Analysis) -> Table:
+def _lead_table(figures: poses.Analysis) -> Table:
     from rich.table import Table
 
     title = "Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees"
     return _by_predictor(Table(title=title, title_justify="left"), figures, _lead)
 
 
-def _by_predictor(table: Table, figures: Analysis, cell: Callable[[PredictionErrors], str]) -> Table:
+def _by_predictor(table: Table, figures: poses.Analysis, cell: Callable[[poses.PredictionErrors], str]) -> Table:
     """Fill in a row for each latency, a column for each predictor."""
     for name in ("latency", *figures.errors[0].errors):
         table.add_column(name, justify="right")
@@ -222,11 +213,11 @@ def _by_predictor(table: Table, figures: Analysis, cell: Callable[[PredictionErr
     return table
 
 
-def _angles(errors: PredictionErrors) -> str:
+def _angles(errors: poses.PredictionErrors) -> str:
     return f"{' / '.join(map(_angle, errors.percentiles))} ({errors.mean:.2f})"
 
 
-def _lead(errors: PredictionErrors) -> str:
+def _lead(errors: poses.PredictionErrors) -> str:
     return f"{100 * errors.lead_share:.1f} %, {_angle(errors.lead)} / {_angle(errors.lag)}"
 
 
@@ -234,7 +225,7 @@ def _angle(degrees: float) -> str:
     return f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}"
 
 
-def _segment_table(loaded: LoadedTrace) -> Table:
+def _segment_table(loaded: poses.LoadedTrace) -> Table:
     from rich.table import Table
 
     table = Table(title="Recordings in the file", title_justify="left")
@@ -253,7 +244,7 @@ def _segment_table(loaded: LoadedTrace) -> Table:
     return table
 
 
-def _assumption_table(loaded: LoadedTrace) -> Table:
+def _assumption_table(loaded: poses.LoadedTrace) -> Table:
     from rich.table import Table
 
     table = Table("fact", "taken as", "who says so", title="What was assumed of the file", title_justify="left")
@@ -262,7 +253,7 @@ def _assumption_table(loaded: LoadedTrace) -> Table:
     return table
 
 
-def _print_defects(console: Console, loaded: LoadedTrace) -> None:
+def _print_defects(console: Console, loaded: poses.LoadedTrace) -> None:
     from rich.text import Text
 
     from ..report import counted

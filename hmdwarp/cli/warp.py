@@ -1,4 +1,4 @@
-"""hmdwarp warp: somebody's own RGB-D frame, to another pose."""
+"""hmdwarp warp: your own RGB-D frame, to another pose."""
 
 from __future__ import annotations
 
@@ -78,9 +78,10 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..client.plan import PICTURE
+    from ..image.image_files import has_depth, write_image
     from ..image.usable import plan_of
     from ..image.warper import warp_image
-    from ..report import ImageResult, has_depth, refuse_existing, refuse_source, write_image_result
+    from ..report import refuse_existing, refuse_source
     from ..sources.repairs import parse_repairs
     from ..sources.sequences import read_frame, read_view
 
@@ -107,8 +108,7 @@ def warp(said: Said) -> None:
         result="linear",
         depth=depth,
     )
-    image = ImageResult(result.colour, result.coverage, result.depth_m, result.time_ms, shown)
-    write_image_result(options.out, image)
+    write_image(options.out, result, shown)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
     if result.hole_share > _NOTHING:

@@ -26,7 +26,7 @@ def scene_drawn(plan: Plan) -> str:
 
 
 def layers_beyond_picture(plan: Plan) -> list[str]:
-    """Return the layers that warp and fills read beside the pictures with depth of all frames."""
+    """Return the layers that warp and fills read besides the pictures with depth of all frames."""
     read = dict.fromkeys(
         [*plan.warp.reads_for(plan.choice.settings), *(name for fill in plan.fills for name in fill.entry.reads)]
     )

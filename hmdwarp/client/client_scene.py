@@ -18,7 +18,7 @@ Size = tuple[int, int]
 class Store:
     """Something that the client keeps for all passes that ask for the same: on the GPU, or not.
 
-    A strategy declares one beside its warp, effect or fill. Each is made at first use, and closed
+    A strategy declares one next to its warp, effect or fill. Each is made at first use, and closed
     with the client's scene. Which of its kind it is, `wanted` says: an attrs class, a tuple, or
     None where there is one only.
     """

@@ -394,7 +394,7 @@ def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPa
 
 
 def _plan_shown_depth(chain: Sequence[type[Fill]], who: str, draft: _Draft) -> None:
-    """Add the second run of a warp that cannot write the shown depth beside the colour."""
+    """Add the second run of a warp that cannot write the shown depth along with the colour."""
     stage = "fill" if any(SHOWN_DEPTH in fill.reads for fill in chain) else "effects"
     reason = f"needed by {who}: the rendered depth, warped as the colour is"
     draft.add(stage, STEP_SHOWN_DEPTH, reason, PICTURE[1:], (SHOWN_DEPTH,))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from ..frames.layers.voxels import VoxelLight
 from ..options import Choice, NoSettings, parse_choice, parse_settings
-from ..registry import Registry, unknown_name
+from ..registry import Registry
 from .fills import Fill, fills
 from .warps import Warp, warps
 

@@ -1,5 +1,4 @@
 from ._base import Closed as Closed
-from ._base import Command as Command
 from ._base import Display as Display
 from ._base import DisplayOptions as DisplayOptions
 from ._base import EyePicture as EyePicture
@@ -10,6 +9,7 @@ from ._base import TextPanel as TextPanel
 from ._base import Tick as Tick
 from .controls import CONTROLS as CONTROLS
 from .controls import MOVING as MOVING
+from .controls import Command as Command
 from .controls import Control as Control
 from .controls import control as control
 from .controls import help_closes as help_closes

@@ -11,17 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import MachineError
-from .controls import CONTROLS, Control
+from ..geometry import Eyes, View
+from ..gpu.context import Gpu
+from ..gpu.textures import Canvas
+from ..headsets import Headset
+from ..poses import PoseSource, PoseTrack
+from .controls import CONTROLS, Command, Control
 from .status import Status
 
 if TYPE_CHECKING:
     import moderngl
-
-    from ..geometry import Eyes, View
-    from ..gpu.context import Gpu
-    from ..gpu.textures import Canvas
-    from ..headsets import Headset
-    from ..poses import PoseSource, PoseTrack
 
 
 class Closed(Exception):
@@ -99,15 +98,6 @@ class Tick:
     render: bool = True
     notice: str = ""  # for the user ("tracking lost"), "" for none
     missed: int = 0  # refreshes without a picture since the last tick
-
-
-@attrs.frozen
-class Command:
-    """A user's request."""
-
-    control: str  # its name in display.controls
-    value: object = None  # what it is set to, None for one step
-    back: bool = False  # a step back instead of forward
 
 
 @attrs.frozen

@@ -9,6 +9,15 @@ import attrs
 
 
 @attrs.frozen
+class Command:
+    """A user's request."""
+
+    control: str  # its name in display.controls
+    value: object = None  # what it is set to, None for one step
+    back: bool = False  # a step back instead of forward
+
+
+@attrs.frozen
 class Control:
     """One thing that the user can change."""
 

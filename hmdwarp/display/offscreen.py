@@ -7,7 +7,6 @@ visible, and two runs are identical whatever the load of the machine.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import moderngl
 
@@ -15,12 +14,9 @@ from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
 from ..poses.pose_source import LoopedSource
-from . import Command, DisplayOptions, Label, Status, Tick
+from . import Command, DisplayOptions, Label, Picture, Status, Tick
 from .desktop.layout import SwitchableView
 from .present import Presenter
-
-if TYPE_CHECKING:
-    from . import Picture
 
 AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Protocol
 
 import attrs
 
 from ..geometry import View
+from ..poses import PoseSample
 from .layers import Layer, layers
 from .needs import Needs
 
 if TYPE_CHECKING:
     import moderngl
-
-    from ..gpu.timers import Lap
-    from ..poses import PoseSample
 
 
 @attrs.frozen(eq=False)
@@ -38,7 +36,7 @@ class EyeImage:
     drawn_ns: int = 0
     # 1/m by which a code may have changed the inverse depth of nearly every pixel; 0 as drawn.
     depth_error: float = 0.0
-    # False where nobody asked for the picture: it is empty, the further layers are there.
+    # False where the picture was not requested: it is empty, the further layers are there.
     is_drawn: bool = True
 
     @property
@@ -82,6 +80,13 @@ class EyeImage:
             yield from layer.textures(data)
 
 
+class Timed(Protocol):
+    """The GPU's work for a frame, as gpu.timers.Lap has it."""
+
+    def read(self) -> Iterable[tuple[str, float]]:
+        """Return (stage, ms) of each stage; waits for the GPU if it has not finished."""
+
+
 @attrs.frozen(eq=False)
 class Frame:
     """All eyes as the server drew them."""
@@ -92,7 +97,7 @@ class Frame:
     # are known.
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
-    drawing: Lap | None = None
+    drawing: Timed | None = None
     # Milliseconds of work on its way, by name (render, encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
 

@@ -144,7 +144,7 @@ class BundleSender:
 
     @property
     def remembered(self) -> int:
-        """How many things it remembers beside its numbers for each bundle."""
+        """How many things it remembers besides its numbers for each bundle."""
         return sum(len(update.bundles) for *_, update in self._news)
 
     def stale(self, lights: Sequence[bytes]) -> list[int]:

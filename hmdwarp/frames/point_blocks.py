@@ -135,7 +135,7 @@ class PointSender:
 
     @property
     def remembered(self) -> int:
-        """How many things it remembers beside its numbers for each cell."""
+        """How many things it remembers besides its numbers for each cell."""
         lost = sum(map(len, self._lost.values()))
         return lost + len(self._to_forget) + len(self._held) + sum(len(news[2].blocks) for news in self._news)
 

@@ -92,7 +92,7 @@ def _file(egl: _Egl, handle: int) -> str:
 class EglContext:
     """A context of OpenGL's core profile on a device, for moderngl.create_context(context=).
 
-    It is lost when the GPU is reset, and can be asked, where the driver offers that. shared: not
+    It is lost when the GPU is reset, and reports that where the driver supports it. shared: not
     so, for a context with which a runtime shares its own: EGL refuses two that differ in it.
     Errors: OSError where the device has no such OpenGL.
     """

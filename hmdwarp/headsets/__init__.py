@@ -1,18 +1,10 @@
 """Headsets: one .toml file each, with the source of its numbers.
 
 All code that assumes two eyes and a panel is here.
+
+Names are in __init__.pyi; each loads its module at first use.
 """
 
-from ._load import headset_names, load_headset
-from ._model import COLOURS, MAX_COEFFICIENTS, CameraDisplay, Headset, RadialLens, camera_display
+import lazy_loader
 
-__all__ = [
-    "COLOURS",
-    "MAX_COEFFICIENTS",
-    "CameraDisplay",
-    "Headset",
-    "RadialLens",
-    "camera_display",
-    "headset_names",
-    "load_headset",
-]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, unknown_name
 from ..geometry import Fov
 from ..options.tables import Table
-from ..registry import unknown_name
 from ._model import COLOURS, Headset, RadialLens
 
 _FOLDER = Path(__file__).parent

@@ -75,7 +75,7 @@ class RadialLens:
             slope.pop()
         roots = polynomial.polyroots(slope)
         turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1)]
-        # Beside a very large root polyroots may lose a very small one; a coarse scan along the
+        # Next to a very large root polyroots may lose a very small one; a coarse scan along the
         # radius does not.
         t = np.linspace(0, 1, 1025)
         turns = np.append(turns, t[polynomial.polyval(t, slope) <= 0])

@@ -1,8 +1,6 @@
-"""Warp one RGB-D frame of the caller's own in one call, without scene or headset.
+"""Warp one RGB-D frame of the caller's own in one call, without scene or headset."""
 
-Names are in __init__.pyi; each loads its module at first use.
-"""
+from .usable import usable_fills, usable_warps
+from .warper import WarpedImage, WarpedTextures, Warper
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ = ["WarpedImage", "WarpedTextures", "Warper", "usable_fills", "usable_warps"]

@@ -65,8 +65,8 @@ class WarpedImage:
     hole_share: float
     # Of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32).
     encoding: str = LINEAR
-    # (h, w) metres along -z in the shown view, inf infinitely far, NaN unknown; None unless asked
-    # for.
+    # (h, w) metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
+    # requested.
     depth_m: NDArray[np.float64] | None = None
 
 

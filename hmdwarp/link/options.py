@@ -111,7 +111,7 @@ class LinkOptions(Declared):
     )
     # The same seed gives the same network, whatever is sent through it.
     seed: int = option(0, "Random seed for jitter and packet loss.", name="link_seed", valid=Number(most=2**63 - 1))
-    # What adds to a frame's way beside the network; None: the latency is all of it.
+    # What adds to a frame's way besides the network; None: the latency is all of it.
     response: StageTimes | None = option(
         None,
         "fixed: a picture is as old as the latency says; sum: rendering, encoding and decoding come on top, as "
@@ -178,7 +178,7 @@ class LinkOptions(Declared):
         return Overload(round(1e9 / self.sends_hz(display_hz)), round(queue_ms * 1e6))
 
     def sends_hz(self, display_hz: float) -> float:
-        """Return the server's rate beside this display."""
+        """Return the server's rate for this display."""
         return self.server_rate_hz or display_hz
 
     def longest_ns(self, latency_ns: int) -> int:

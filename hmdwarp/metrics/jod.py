@@ -11,16 +11,14 @@ from __future__ import annotations
 import statistics
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 
 from ..resources import import_extra
+from .job import Compared
 from .metric import Figure
-
-if TYPE_CHECKING:
-    from .job import Compared
 
 EXTRA, PACKAGE = "jod", "cvvdp"
 TRUTH_JOD = 10.0
@@ -102,7 +100,7 @@ class Clips:
     def finish(self) -> None:
         """Rate what no clip is full with; what follows begins a new one.
 
-        A single picture is no clip, and is left out beside others.
+        A single picture is no clip, and is left out where there are others.
         """
         for (eye, which), clip in self._open.items():
             if len(clip) > 1 or (clip and which not in self._clips):

@@ -13,7 +13,7 @@ from ..geometry import View, WarpMap
 from ..gpu import flip_rows
 from .picture_pairs import pixel_centres, row_blocks
 
-# The nearest pixel of the other eye may lie half a pixel beside the point on each axis. On a
+# The nearest pixel of the other eye may lie half a pixel from the point on each axis. On a
 # surface slanted by up to 80 degrees, at 10 pixels per degree, that is 1 % of its inverse depth.
 # Surfaces that occlude each other differ by more.
 DEPTH_TOLERANCE = 0.02
@@ -66,7 +66,7 @@ class SharedSurface:
         mine, theirs = [], []
         for rows in row_blocks(height):
             pixel, inverse_depth, _ = mapping.apply(pixel_centres(rows, width), here[rows])
-            with np.errstate(invalid="ignore"):  # NaN: beside or behind the right eye
+            with np.errstate(invalid="ignore"):  # NaN: out of view of the right eye
                 inside = (pixel >= 0).all(axis=-1) & (pixel < (width, height)).all(axis=-1)
             x, y = np.floor(pixel[inside]).astype(np.int64).T
             index, inverse_depth = y * width + x, inverse_depth[inside]

@@ -5,16 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import attrs
 
 from ..errors import InputError
+from ..geometry import GuardBand
 from .declared import option
 from .limits import Number
-
-if TYPE_CHECKING:
-    from ..geometry import GuardBand
 
 AUTO = "auto"
 # Of a run and a bench; with prediction auto gains hardly more at 200 ms, and draws more.
@@ -80,7 +78,7 @@ def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
     default: a factor, or an attrs.Factory; then `more` says what it makes. more: what only some
     commands take, added to the help that all share.
     """
-    # No default on the command line, to tell a guard that was said from one that was not.
+    # No default on the command line, to tell a guard that was set from one that was not.
     about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
     said = f" [default: {default:g}]" if isinstance(default, float) else ""
     return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)
@@ -107,8 +105,6 @@ def check_one_guard(said: Mapping[str, Any]) -> None:
 
 def guard_band(options: HasGuard) -> GuardBand:
     """Return the guard band of the options. Errors: InputError while it is "auto"."""
-    from ..geometry import GuardBand
-
     if isinstance(options.guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
     return GuardBand.of(options.guard) if options.rendered_size is None else GuardBand(size=options.rendered_size)

@@ -8,7 +8,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, listed
 from .declared import Option, option, option_of
 
 Split = Callable[[str], list[str]]
@@ -39,16 +39,16 @@ def several(
 ) -> Any:
     """Return an attrs field that takes several values of another class' option, each once.
 
-    Its name, unit, limits and parser are the option's. default: () if nothing said means all that
+    Its name, unit, limits and parser are the option's. default: () if unset means all that
     there are. help: in place of its own. split: from one text of the command line to values.
     each: converter of one value. about: as for `option`.
     """
     one = option_of(field)
     said = (help or one.help).removesuffix(".")
-    shown = f"; by default {' and '.join(map(_text, default))}" if default else ""
+    shown = f"; by default {listed([*map(_text, default)])}" if default else ""
     return option(
         default,
-        f"{said}{shown}. For several, repeat it{', or put commas between' if not about.get('positional') else ''}.",
+        f"{said}{shown}. For several, repeat it{' or use commas' if not about.get('positional') else ''}.",
         **{
             "name": one.name,
             "kind": list,

@@ -6,18 +6,15 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from itertools import product
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..frames import EyeImage, Frame
 from ..geometry import View, WarpMap
 from ..gpu.textures import download
-
-if TYPE_CHECKING:
-    from ..frames import EyeImage, Frame
-    from ..scenes import Body, Mesh, Scene
+from ..scenes import Body, Mesh, Scene
 
 # A frame is sent if something may have moved by more than this.
 SEEN_PX = 0.5

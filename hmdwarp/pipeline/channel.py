@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from ..link import SCALES, Pacer
+from ..frames import Frame
+from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats
 from ..sources.feed.message import request_bytes
 from .frame_coder import CodedFrame, Coder
 from .layers_read import Reads
-
-if TYPE_CHECKING:
-    from ..frames import Frame
-    from ..link import Link, LinkOptions, TransitStats
 
 # Called with a frame, whether it arrived, and when the sender hears of it.
 Settled = Callable[["Frame", bool, int], None]

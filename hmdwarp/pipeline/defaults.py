@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .. import client
 from ..errors import InputError
 from ..options import AUTO, DEFAULT_GUARD
 
@@ -19,10 +20,8 @@ def default_fill(warp: str) -> str:
     """
     if warp in (AUTO, DEFAULT_WARP):
         return DEFAULT_FILL
-    from ..client.variants import parse_warp
-
     try:
-        chosen = parse_warp(warp)
+        chosen = client.parse_warp(warp)
     except InputError:
         return DEFAULT_FILL
     return DEFAULT_FILL if _DEPTH in chosen.entry.reads_for(chosen.settings) else "none"

@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..frames import EyeSizes, Needs
+from ..frames import EyeImage, EyeSizes, Needs
 from ..frames.layers import OWN, Layer, layers
+from ..geometry import View
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed.message import FrameMessage
 from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed
+from ..sources.server import Renderer
 from .motion_vectors import velocity_of
-
-if TYPE_CHECKING:
-    from ..frames import EyeImage
-    from ..geometry import View
-    from ..sources.server import Renderer
 
 Array = NDArray[Any]
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}

@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import picture_from_linear
+from ..frames import Frame
 from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO
+from ..geometry import Fov
 from ..gpu.textures import download, upload
 from ..link.codec import (
     AS_VIDEO,
@@ -36,13 +38,11 @@ from ..link.codec import (
     unpack,
 )
 from ..metrics import psnr_db
+from .layers_read import Reads
 
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frames import Frame
-    from ..geometry import Fov
-    from .layers_read import Reads
 
 # At most so many samples are kept: half an hour at 60 Hz.
 KEPT = 1 << 17

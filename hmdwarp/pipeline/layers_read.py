@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-from ..client.plan import needs_of
-from ..frames import Needs
-from ..frames.layers import layers
-
-if TYPE_CHECKING:
-    from ..client.plan import Plan
-    from ..frames import Frame
-    from ..frames.layers import Layer
+from ..client.plan import Plan, needs_of
+from ..frames import Frame, Needs
+from ..frames.layers import Layer, layers
 
 # Number of the eye, and name of the layer.
 Place = tuple[int, str]

@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 import attrs
 
-from ..client.inputs import PassInputs
-from ..link import ResponseTime
-from .changes import SEEN_PX
-
-if TYPE_CHECKING:
-    from ..client.compensator import Compensator, EyeResult
-    from ..client.inputs import History
-    from ..client.plan import Plan
-    from ..frames import EyeImage, Frame, Needs
-    from ..geometry import Eyes, View
-    from ..gpu.timers import Lap, Stages
-    from ..link import TransitStats
-    from ..poses import PoseSample
-    from .auto.adaptive import AdaptiveCompensator
-    from .changes import Changes
-    from .channel import Channel
-    from .frame_source import FrameSource
-    from .requested import PoseRequest
+from ..client.compensator import Compensator, EyeResult
+from ..client.inputs import History, PassInputs
+from ..client.plan import Plan
+from ..frames import EyeImage, Frame, Needs
+from ..geometry import Eyes, View
+from ..gpu.timers import Lap, Stages
+from ..link import ResponseTime, TransitStats
+from ..poses import PoseSample
+from .auto.adaptive import AdaptiveCompensator
+from .changes import SEEN_PX, Changes
+from .channel import Channel
+from .frame_source import FrameSource
+from .requested import PoseRequest
 
 
 class _Pictures(TypedDict):

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import attrs
 
+from .. import headsets
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError
+from ..geometry import GuardBand
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..link.options import ALL, DROP
@@ -36,14 +38,10 @@ from ..options import (
 )
 from ..scenes.options import SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
+from . import auto
 from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
 from .proxy_options import ProxyOptions
 from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
-
-if TYPE_CHECKING:
-    from ..geometry import GuardBand
-    from .auto.levels import QualityLevel
-
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]
@@ -261,7 +259,7 @@ class PipelineOptions(Declared):
         heading=RENDERING,
     )
     # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
-    levels: tuple[QualityLevel, ...] = ()
+    levels: tuple[auto.QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.source_kind is REMOTE:
@@ -474,6 +472,4 @@ def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> d
 
 
 def _own_lens(headset: str) -> str:
-    from ..headsets import load_headset
-
-    return "radial" if load_headset(headset).lens is not None else "none"
+    return "radial" if headsets.load_headset(headset).lens is not None else "none"

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import attrs
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from ..frames import Needs
-    from ..geometry import Guard
-    from ..poses import PoseSample, PoseSource
+from ..frames import Needs
+from ..geometry import Guard
+from ..poses import PoseSample, PoseSource
 
 
 @attrs.define(eq=False)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
+from ..client import ClientScene
 from ..client.compensator import Compensator, EyeResult
-
-if TYPE_CHECKING:
-    from ..client import ClientScene
-    from ..client.inputs import PassInputs
-    from ..client.plan import Plan
-    from ..gpu.context import Gpu
-    from ..headsets import Headset
+from ..client.inputs import PassInputs
+from ..client.plan import Plan
+from ..gpu.context import Gpu
+from ..headsets import Headset
 
 Size = tuple[int, int]
 

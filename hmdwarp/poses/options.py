@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import attrs
@@ -13,22 +14,46 @@ from ..options import Declared, Number, names_in, one_of, option
 MOTIONS = "still, look-around, reversals, walk, fast-turns, forward, backward, sideways or rotate"
 TIME_UNITS = ("s", "ms", "us", "ns", "100ns")
 QUAT_ORDERS = ("xyzw", "wxyz")
+DIRECT, INVERSE = "direct", "inverse"
+ROWS, COLUMNS = "rows", "columns"
+
+
+VECTOR, AXIS_ANGLE = "vector", "axis-angle"
 
 
 @attrs.frozen
 class Euler:
-    """How three angles make an orientation."""
+    """How angles make an orientation."""
 
-    order: str  # turns about the fixed axes in the order they are applied, such as "zxy"
+    # Turns about the fixed axes in the order of their use, such as "zxy"; or VECTOR, AXIS_ANGLE.
+    order: str
     degrees: bool
+    signs: tuple[int, ...] = (1, 1, 1)  # of the turns
+
+    def words(self) -> str:
+        """Return it as `parse_euler` takes it."""
+        turns = self.order if self.order in (VECTOR, AXIS_ANGLE) else self._turns()
+        return f"{turns},{'deg' if self.degrees else 'rad'}"
+
+    def _turns(self) -> str:
+        return "".join("-" * (sign < 0) + axis for axis, sign in zip(self.order.upper(), self.signs, strict=True))
 
 
 def parse_euler(text: str) -> Euler:
-    """Parse `--euler`: turns about the fixed axes in order, and unit, as ZXY,deg of Unity."""
-    order, _, unit = text.strip().lower().partition(",")
-    if sorted(order) != ["x", "y", "z"] or unit.strip() not in ("deg", "rad"):
+    """Parse `--euler`: turns about the fixed axes in order, and unit, as ZXY,deg of Unity.
+
+    A minus turns about an axis the other way (-X-YZ,deg: roll, pitch, yaw of Unreal); "vector,rad"
+    is a rotation vector, "axis-angle,rad" an axis beside its angle.
+    """
+    order, _, unit = (part.strip() for part in text.strip().lower().partition(","))
+    axes = order.replace("-", "")
+    signed = order in (VECTOR, AXIS_ANGLE) or (sorted(axes) == ["x", "y", "z"] and re.fullmatch("(-?[xyz]){3}", order))
+    if not signed or unit not in ("deg", "rad"):
         raise InputError(f"--euler '{text}': expected the order in which turns are applied and a unit, such as ZXY,deg")
-    return Euler(order, unit.strip() == "deg")
+    if order in (VECTOR, AXIS_ANGLE):
+        return Euler(order, unit == "deg")
+    signs = tuple(-1 if sign else 1 for sign in re.findall("(-?)[xyz]", order))
+    return Euler(axes, unit == "deg", signs)
 
 
 def _check_euler(_: object, __: attrs.Attribute[Any], value: str | None) -> None:
@@ -83,7 +108,9 @@ class TraceOptions(Declared):
     )
     # See `load.StatedColumns`.
     columns: str | None = option(
-        None, "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w)."
+        None,
+        "Which columns to read, by name or number from 1: t=1,p=2+3+4,q=5+6+7+8 (x y z w); in place of q, m=2-17 (a "
+        "matrix), r=5+6+7 (a rotation vector), a=5+6+7+8 (axis and angle) or e=5+6+7 (with --euler).",
     )
     # A name, or a number from 1.
     time_column: str | None = option(None, "The column of the clock, by name or number from 1.")
@@ -92,8 +119,20 @@ class TraceOptions(Declared):
     # See `parse_euler`.
     euler: str | None = option(
         None,
-        "Read Euler angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg).",
+        "Read angles: the order of turns about the fixed axes, and deg or rad (Unity: ZXY,deg); vector,rad for a "
+        "rotation vector, axis-angle,rad for an axis and its angle.",
         valid=_check_euler,
+    )
+    pose: str | None = option(
+        None,
+        "Direction of the file's poses: direct (world from head, the default) or inverse (head from world, as "
+        "COLMAP and OpenCV write cameras).",
+        valid=one_of(DIRECT, INVERSE),
+    )
+    matrix: str | None = option(
+        None,
+        "Order of a matrix's numbers, rows or columns; by default where 0,0,0,1 or the rotation lies says it.",
+        valid=one_of(ROWS, COLUMNS),
     )
     # Share of all rows.
     lost_rows: float = option(

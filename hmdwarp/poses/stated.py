@@ -37,9 +37,9 @@ class Layout:
     """Which columns to read, their meaning, and who says so."""
 
     time: int | None  # column index
-    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` an angle a letter
+    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` its angles
     orientation: tuple[int, ...]
-    matrix: bool = False
+    matrix: str = ""  # how its numbers were ordered, in words; "": none
     euler: Euler | None = None
     nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
     position: tuple[int, int, int] | None = None  # columns of x y z
@@ -53,7 +53,8 @@ class Layout:
     gravity_down: tuple[float, ...] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
     scale: float = 1.0  # metres per unit
     scale_by: By = By.NOBODY
-    direction_by: By = By.NOBODY  # world from head
+    inverse: bool = False  # poses are head from world
+    direction_by: By = By.NOBODY
     clock_ignored: bool = False  # --trace-rate replaces the time column
     caveats: tuple[Defect, ...] = ()  # defects of every file of the format
 

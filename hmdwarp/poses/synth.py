@@ -24,9 +24,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..registry import unknown_name
+from ..errors import InputError, unknown_name
 from . import quaternions
+from .formats.native import write_native
 from .glides import BACKWARD, FORWARD, ROTATE, SIDEWAYS, Glide
 from .track import PoseTrack
 
@@ -132,8 +132,6 @@ def _glided(glide: Glide, t: Array) -> Motion:
 
 def write_synthetic(track: PoseTrack, stream: IO[str]) -> None:
     """Write native CSV, rounded to `DECIMALS`: the same seed gives the same bytes everywhere."""
-    from .formats.native import write_native
-
     write_native(track, stream, DECIMALS)
 
 

@@ -12,9 +12,6 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
-from .image_result import ImageResult as ImageResult
-from .image_result import has_depth as has_depth
-from .image_result import write_image_result as write_image_result
 from .label_places import boxes_touch as boxes_touch
 from .label_places import leaders as leaders
 from .label_places import place_labels as place_labels

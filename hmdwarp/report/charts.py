@@ -289,7 +289,7 @@ def draw_names(
     axes: Axes, names: Mapping[str, list[int]], points: np.ndarray, is_best: np.ndarray, line: np.ndarray,
     palette: Palette,
 ) -> None:  # fmt: skip
-    """Write each name beside one of its points."""
+    """Write each name next to one of its points."""
     to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
     area = (box.width * to_points, box.height * to_points)
     at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points

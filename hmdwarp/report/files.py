@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, MachineError
+from .pictures import png_bytes
 
 _STEM = 60  # characters of a name that a partial file's name has
 _NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
@@ -47,13 +48,13 @@ def write_error(error: OSError, path: Path) -> HmdwarpError:
 
 @attrs.define
 class Partial:
-    """A new file beside the one that it will become; what killed runs left of that one is deleted.
+    """A new file next to the one that it will become; what killed runs left of that one is deleted.
 
     Errors: OSError where it cannot be made.
     """
 
     path: Path
-    # Holds a lock while this file is written, so that nobody takes it for one left behind.
+    # Holds a lock while this file is written, so that no other run takes it for one left behind.
     _handle: int
 
     @classmethod
@@ -84,7 +85,7 @@ def _sweep(final: Path, but: Path) -> None:
     for left in os.scandir(final.parent):
         if left.path == str(but) or not ours.fullmatch(left.name) or not left.is_file(follow_symlinks=False):
             continue
-        with suppress(OSError):  # somebody else's file, or deleted by another run
+        with suppress(OSError):  # another user's file, or deleted by another run
             handle = os.open(left.path, os.O_RDONLY)
             try:
                 if lock(handle):
@@ -107,7 +108,7 @@ def lock(handle: int, *, wait: bool = False) -> bool:
 
 @contextmanager
 def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a temporary path beside `path`; it takes the final name when the block ends.
+    """Yield a temporary path next to `path`; it takes the final name when the block ends.
 
     If the block fails, it is deleted; if the process is killed, by the next that writes `path`.
 
@@ -246,6 +247,4 @@ def _field(value: Any) -> Any:
 
 def write_png(path: str | os.PathLike[str], picture: NDArray[Any]) -> None:
     """Write an (h, w, 3) or (h, w) uint8 picture, top row first, as PNG. Errors: as write_bytes."""
-    from .pictures import png_bytes
-
     write_bytes(path, png_bytes(picture))

@@ -84,7 +84,7 @@ def _settled(choices: list[_Places], order: NDArray[Any]) -> tuple[NDArray[Any],
 
 @attrs.frozen(eq=False)
 class _Costs:
-    """What the places of all labels cost, p of them, by themselves and beside each other."""
+    """What the places of all labels cost, p of them, by themselves and next to each other."""
 
     ranges: list[NDArray[Any]]  # the places of each label, the one it has first
     own: Array  # (p)
@@ -121,7 +121,7 @@ class _Costs:
         return chosen
 
     def _of(self, chosen: NDArray[Any]) -> Array:
-        """Return what each label's place costs beside the others'."""
+        """Return what each label's place costs next to the others'."""
         costs: Array = self.own[chosen] + self.pairwise[np.ix_(chosen, chosen)].sum(axis=1)
         return costs
 
@@ -192,7 +192,7 @@ class _Places:
         return _Places(self.boxes[kept], self.starts[kept], self.tips[kept], self.cost[kept])
 
     def quarrels(self, boxes: Array, starts: Array, tips: Array) -> Array:
-        """Return the cost (k, n) of each place beside n others: boxes (n, 4), leaders (n, 2)."""
+        """Return the cost (k, n) of each place next to n others: boxes (n, 4), leaders (n, 2)."""
         cut = segments_hit(self.starts, self.tips, boxes) + segments_hit(starts, tips, self.boxes).T.astype(np.float64)
         crossed = _segments_cross(self.starts, self.tips, starts, tips)
         costs: Array = _COVERS * boxes_touch(self.boxes, boxes, _GAP) + _CUT * cut + _CROSSES * crossed

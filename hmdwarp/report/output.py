@@ -45,7 +45,7 @@ class OutputFolder:
     everything beside it is of one run. Files of an earlier run that match an `owned` pattern and
     were not written again are removed; no other file is.
 
-    Files in the way are overwritten only beside a `last` that hmdwarp wrote, or by force.
+    Files in the way are overwritten only next to a `last` that hmdwarp wrote, or by force.
 
     Errors: InputError if the folder cannot be written or holds such files of others, MachineError
     if the disk is full.
@@ -69,7 +69,7 @@ class OutputFolder:
             self._made = _first_missing(self.folder)
             self.folder.mkdir(parents=True, exist_ok=True)
             with _locked(self.folder):  # else another run takes a folder just made for one left behind
-                # One that was killed while it gave the names has no `last` beside them.
+                # One that was killed while it gave the names has no `last` next to them.
                 self._may_replace |= self._clean_up()
                 self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
                 self._staging.mkdir()

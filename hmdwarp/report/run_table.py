@@ -79,7 +79,7 @@ def how_sure(summary: Summary, *, mark: str | None) -> str:
     mark: None where nothing is compared.
     """
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
-        return f"No intervals{f' and no {mark}' if mark else ''}: they take {LEAST_INSTANTS} measured refreshes"
+        return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
     return "±: 95 % interval of the mean" + (f"; {mark}: the best of the line, for sure (95 %)" if mark else "")
 
 
@@ -93,10 +93,10 @@ def column_names(summary: Summary, *baselines: Summary) -> list[str]:
 
 
 def summary_table(summary: Summary, *baselines: Summary) -> Table:
-    """Return the table that ends a run: means (medians for times) with the bad tail beside them.
+    """Return the table that ends a run: means (medians for times) with the bad tail next to them.
 
     The best column of each quality line is bold and starred, so that it reads without colour too.
-    Only the first baseline has its tail beside it, where a terminal has room for no more.
+    Only the first baseline has its tail next to it, where a terminal has room for no more.
     """
     from rich.text import Text
 

@@ -34,18 +34,18 @@ _RESPONSE = {
     "p95_ms": "{kind} (95th percentile)",
 }
 # With --response fixed a frame is as old as the latency says, whatever the stages took here.
-_WITH_STAGES = "the latency and this machine's stages on top"
+_WITH_STAGES = "latency plus this machine's stages"
 _FRAMES = {
     "skipped": "not drawn (the server was busy)",
     "unchanged": "not drawn (nothing would have changed)",
     "drawn": "drawn",
     "sent": "sent",
-    "never_shown": "drawn in vain (never shown)",
+    "never_shown": "never shown",
     "dropped": "dropped before a full queue",
     "lost": "lost on the network",
     "undecodable": "undecodable (depend on a lost frame)",
     "late": "too late (a newer one was shown)",
-    "superseded": "superseded (a newer one came by the same refresh)",
+    "superseded": "superseded (a newer one arrived for the same refresh)",
     "shown": "shown",
     "under_way": "in transit at the end",
 }
@@ -65,7 +65,7 @@ def source_facts(summary: Summary) -> Pairs:
     across, down = recorded["fov_deg"]
     camera = f"{'×'.join(map(str, recorded['size']))}, {across:.1f} × {down:.1f} degrees"
     distance = recorded["eye_distance_mm"]
-    eyes = f"both, the right one {distance:g} mm beside the camera" if distance else "one, the camera's"
+    eyes = f"both, the right one {distance:g} mm from the camera" if distance else "one, the camera's"
     return [
         ("recorded frames", f"{recorded['folder']} ({recorded['frames']}, {recorded['layout']})"),
         ("camera", camera),

@@ -58,7 +58,7 @@ def plain(value: float | None, digits: int = 2) -> str:
 def pair_text(baseline: str, condition: str) -> str:
     """Return "forward over none, 200 ms"; a positive difference is a gain over the baseline.
 
-    The common end of the two names is said once.
+    The common end of the two names is written once.
     """
     head, comma, tail = condition.rpartition(", ")
     return f"{head if comma and baseline.endswith(f', {tail}') else condition} over {baseline}"

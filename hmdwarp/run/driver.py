@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from ..display import Command, Display, Label, Lost, Tick
+from ..pipeline.loop import Refresh
 from .ending import Ending, come_back
 from .garbage import GarbageControl
 from .host import PipelineHost
 from .live_log import LiveLog
 from .recorder import Recorder
-
-if TYPE_CHECKING:
-    from ..pipeline.loop import Refresh
 
 Say = Callable[[str], None]
 AfterRefresh = Callable[[int], None]

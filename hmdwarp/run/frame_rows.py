@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
+from ..pipeline.loop import Refresh
 from ..poses import Origin, PoseSample
 from ..report import FRAME_COLUMNS, POSE_PARTS
 from .speeds import Speeds
-
-if TYPE_CHECKING:
-    from ..pipeline.loop import Refresh
 
 Row = dict[str, Any]
 Stages = Iterable[tuple[str, float]]

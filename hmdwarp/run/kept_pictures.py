@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..colour import picture_from_linear
 from ..gpu.textures import download
+from ..pipeline.loop import Refresh
 from ..report import OutputFolder
 from .run_summary import EYES
 
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ..pipeline.loop import Refresh
 
 MOST = 1000
 _WAITING = 8  # full pictures in memory at a time; beyond that the loop waits for the disk

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
@@ -13,11 +13,9 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for
 from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
+from .replay_setup import ReplaySetup
 from .seen_offset import SeenOffset
 from .spread import is_measured
-
-if TYPE_CHECKING:
-    from .replay_setup import ReplaySetup
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
 

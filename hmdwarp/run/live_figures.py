@@ -5,22 +5,20 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..display import Tick
 from ..link import ResponseTime, figures_of_parts
+from ..pipeline.channel import Channel
+from ..pipeline.loop import Refresh
 from .frame_rows import STAGE_COLUMNS
 from .garbage import Pauses
 from .misses import MissTally
 from .timeline import Timeline
-
-if TYPE_CHECKING:
-    from ..display import Tick
-    from ..pipeline.channel import Channel
-    from ..pipeline.loop import Refresh
 
 MOST_ROWS = 1 << 15  # six minutes at 90 Hz are kept whole
 MOST_EVENTS = 1000  # switches, losses; a held key makes thirty a second

@@ -7,17 +7,20 @@ import threading
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..display import Display, Status, Tick
+from ..pipeline.auto.adaptive import AdaptiveCompensator
+from ..pipeline.loop import Refresh
 from ..report import OutputFolder, live_lines, render_live_report
 from .commands import values
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, stage_columns
 from .hole_counter import HoleCounter
+from .host import PipelineHost
 from .kept_pictures import Pictures
 from .lines import Lines
 from .live_figures import LiveFigures
@@ -28,11 +31,6 @@ from .options import LiveOptions
 from .run_summary import OWNED
 from .speeds import angle_between, speeds_between
 from .trace_events import TraceEvents
-
-if TYPE_CHECKING:
-    from ..pipeline.auto.adaptive import AdaptiveCompensator
-    from ..pipeline.loop import Refresh
-    from .host import PipelineHost
 
 _STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])
 _NO_EYE = (math.nan,) * (len(STAGE_COLUMNS) + 1)  # columns of an absent eye

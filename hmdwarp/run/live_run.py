@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
 
-from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions
+from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions, OffscreenDisplay, desktop, openxr
 from ..errors import MachineError
 from ..pipeline.loop import Refresh
 from ..pipeline.source import Source
@@ -142,18 +142,18 @@ def open_display(
     """
     wanted = display_options(options, source, watching, controls)
     if options.source == OFFSCREEN:
-        return _offscreen(wanted)
+        return OffscreenDisplay(wanted)
     # What was recorded is seen from where the camera was, not from a headset's head.
     if options.source == DESKTOP or source.kind.has_head:
-        return _desktop(wanted)
+        return desktop.DesktopDisplay(wanted)
     try:
-        return _openxr(wanted)
+        return openxr.OpenXrDisplay(wanted)
     except MachineError as error:
         why = str(error)
         if options.source == OPENXR:
             raise MachineError(f"{why}; or take a window: --source desktop") from error
     try:
-        display = _desktop(wanted)
+        display = desktop.DesktopDisplay(wanted)
     except MachineError as error:
         raise MachineError(
             f"neither headset nor window: {why}; and {error}; or show it nowhere: --source offscreen"
@@ -186,21 +186,3 @@ def display_options(
         rate_hz=options.rate_hz,
         controls=controls,
     )
-
-
-def _openxr(wanted: DisplayOptions) -> Display:
-    from ..display.openxr import OpenXrDisplay
-
-    return OpenXrDisplay(wanted)
-
-
-def _offscreen(wanted: DisplayOptions) -> Display:
-    from ..display.offscreen import OffscreenDisplay
-
-    return OffscreenDisplay(wanted)
-
-
-def _desktop(wanted: DisplayOptions) -> Display:
-    from ..display.desktop import DesktopDisplay
-
-    return DesktopDisplay(wanted)

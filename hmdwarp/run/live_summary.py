@@ -6,7 +6,7 @@ It has the keys of a replay's, so that the same tools compare both, and `live`.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -15,14 +15,12 @@ from ..display import Display
 from ..errors import counted
 from ..metrics import aggregate_columns, middle_and_tail
 from .frame_rows import STAGE_COLUMNS
+from .host import PipelineHost
+from .kept_pictures import Pictures
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .misses import MEASURED, STANDS, TURNED
 from .options import OPENXR, LiveOptions
 from .run_summary import Facts, chosen_passes
-
-if TYPE_CHECKING:
-    from .host import PipelineHost
-    from .kept_pictures import Pictures
 
 
 @attrs.frozen(eq=False)

@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
+from ..link.delays.trace import read_delays
 from ..options import Declared, Number, one_of, option
 
 MEASURED = "measured"
@@ -39,8 +40,6 @@ def parse_client_time(text: str) -> tuple[float, ...] | None:
             raise InputError(
                 f"--client-time '{text}': expected milliseconds, a CSV file of them, or {MEASURED}"
             ) from None
-        from ..link.delays.trace import read_delays  # an entry of a registry, which brings NumPy
-
         return tuple(read_delays(Path(text), "time"))
     if not 0 <= number <= _MOST_MS:
         raise InputError(f"--client-time {text}: expected 0 to {_MOST_MS:g} ms")

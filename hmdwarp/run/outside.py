@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import importlib
 import time
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..client.compensator import EyeResult
+from ..client.inputs import PassInputs
+from ..client.plan import Plan
 from ..colour import linear_from_srgb, picture_from_linear
+from ..geometry import View
+from ..gpu.context import Gpu
 from ..gpu.textures import Canvas, download, upload
 from ..resources import install_line
-
-if TYPE_CHECKING:
-    from ..client.inputs import PassInputs
-    from ..client.plan import Plan
-    from ..geometry import View
-    from ..gpu.context import Gpu
 
 OPENCV = "cv2.warpFrame"
 # By name: the system, as in the baselines of a warp.

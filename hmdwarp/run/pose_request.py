@@ -10,6 +10,7 @@ import numpy as np
 from ..client.effects import effects
 from ..client.lens import lenses
 from ..client.variants import parse_fills, parse_indirect, parse_warp
+from ..errors import unknown_name
 from ..frames import Needs
 from ..link import CHANGES
 from ..link.codec import check_codec
@@ -19,7 +20,6 @@ from ..pipeline.requested import PoseRequest
 from ..poses import PoseSample, PoseSource, PoseTrack, jumps_between
 from ..poses.prediction import predict
 from ..poses.predictors import predictors
-from ..registry import unknown_name
 from ..sources.server.draw import MIRRORS
 
 KEPT_NS = 1_000_000_000

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
-from ..display import Closed, Lost
+from ..display import Closed, Lost, openxr
 from ..errors import MachineError
 from ..poses import Origin, PoseSample
 from ..poses.synth import RATE_HZ, synthesise
@@ -18,8 +17,6 @@ from .recorder import LEAST, Recorder
 from .watchdog import Watchdog
 
 BY = "hmdwarp record"
-if TYPE_CHECKING:
-    from ..display.openxr import OpenXrHead
 
 Say = Callable[[str], None]
 
@@ -70,13 +67,11 @@ def _made_up(options: RecordOptions, say: Say) -> None:
 
 
 def _of_headset(options: RecordOptions, say: Say) -> None:
-    from ..display.openxr import OpenXrHead
-
     with (
         Ending(options.seconds, None) as ending,
         Recorder(options.out, say, BY, force=options.force) as recorder,
         Watchdog(options.hang_s, [recorder.save]) as watchdog,
-        OpenXrHead(watchdog.watching) as head,
+        openxr.OpenXrHead(watchdog.watching) as head,
     ):
         rate_hz = options.rate_hz or head.rate_hz
         recorder.begin(head.about, rate_hz)
@@ -93,7 +88,9 @@ def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
     return f"recording {what} to {recorder.path} ({ends})"
 
 
-def _sample(head: OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say) -> None:
+def _sample(
+    head: openxr.OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say
+) -> None:
     """Sample a head at even intervals.
 
     A source that needs longer than that is sampled as often as it can be read.

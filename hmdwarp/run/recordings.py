@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
+from .. import poses
 from ..errors import InputError
 from ..options import Option, several
 from .options import RunOptions
-
-if TYPE_CHECKING:
-    from ..poses import LoadedTrace
 
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
 
@@ -35,7 +33,7 @@ def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
     return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
 
 
-def refuse_traces_of_one_name(traces: Mapping[str, LoadedTrace]) -> None:
+def refuse_traces_of_one_name(traces: Mapping[str, poses.LoadedTrace]) -> None:
     """Raise InputError if two traces have one name. traces: by option."""
     refuse_one_name(
         "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}

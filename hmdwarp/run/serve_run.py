@@ -5,14 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
-from ..frames import Needs
+from ..frames import Frame, Needs
 from ..frames.layers import layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
@@ -25,9 +24,6 @@ from ..sources.feed.message import ANY, MOST_BYTES, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .serve_options import ServeOptions
-
-if TYPE_CHECKING:
-    from ..frames import Frame
 
 _WAIT_MS = 200  # between looks at whether to stop
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 import attrs
 
 from ..client.plan import Plan, needs_of
+from ..display import Display
 from ..frames import Needs
 from ..geometry import Eyes, Pose
 from ..gpu.context import Gpu
@@ -24,9 +25,6 @@ from ..pipeline.source import FirstRequest, Source
 from ..poses import PoseSample, PoseSource, PoseTrack
 from ..poses.pose_source import Moment
 from .pose_request import pose_request
-
-if TYPE_CHECKING:
-    from ..display import Display
 
 Options = TypeVar("Options", bound=PipelineOptions)
 

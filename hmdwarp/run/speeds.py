@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..pipeline.loop import Refresh
 from ..poses import PoseTrack, quaternions
-
-if TYPE_CHECKING:
-    from ..pipeline.loop import Refresh
 
 _HALF_NS = 5_000_000
 _APART_NS = 500_000_000  # after a longer break the speed between two pictures is meaningless

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
-if TYPE_CHECKING:
-    from ..link import TransitStats
-    from ..pipeline.loop import Refresh
+from ..link import TransitStats
+from ..pipeline.loop import Refresh
 
 MOST_FRAMES = 12
 

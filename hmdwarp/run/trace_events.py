@@ -9,14 +9,12 @@ from __future__ import annotations
 import json
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ..link import TransitStats
+from ..pipeline.loop import Refresh
 from .lines import Lines
 from .run_summary import EYES
-
-if TYPE_CHECKING:
-    from ..link import TransitStats
-    from ..pipeline.loop import Refresh
 
 # Rows of the time line from top to bottom, each a process of the format: number and name.
 FRAMES, SERVER, CLIENT, DISPLAY = range(1, 5)

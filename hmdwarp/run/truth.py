@@ -7,18 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..client.inputs import PassInputs
 from ..geometry import Fov, View
 from ..gpu.textures import download
-
-if TYPE_CHECKING:
-    from ..client.inputs import PassInputs
-    from ..sources.server import Renderer
+from ..sources.server import Renderer
 
 # Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
 # drawn separately.

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 
+from ..client.inputs import PassInputs
+from ..client.plan import Plan
+from ..frames import EyeImage, Frame
 from ..frames.layers import layers
 from ..pipeline.layers_read import Reads
-
-if TYPE_CHECKING:
-    from ..client.inputs import PassInputs
-    from ..client.plan import Plan
-    from ..frames import EyeImage, Frame
-    from ..pipeline.loop import Loop, Refresh
-    from ..sources.server import Renderer
+from ..pipeline.loop import Loop, Refresh
+from ..sources.server import Renderer
 
 
 class WholePictures:

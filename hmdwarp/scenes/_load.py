@@ -8,8 +8,7 @@ from pathlib import Path
 
 import attrs
 
-from ..errors import InputError
-from ..registry import unknown_name
+from ..errors import InputError, unknown_name
 from ._scene import Scene, SceneSource, scenes
 from .options import SceneOptions
 
@@ -29,7 +28,7 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
         _refuse_options(text, options)
         return _built(scenes.get(text))
     check_scene_name(text)
-    from ._files import scene_from_file
+    from ._files import scene_from_file  # reading glTF brings SciPy, and shipped scenes do without
 
     return scene_from_file(Path(name_or_path), options)
 

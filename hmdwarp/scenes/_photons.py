@@ -5,20 +5,15 @@ Source: Jensen 1996, Global Illumination using Photon Maps; Crassin et al. 2013,
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ._scene import ATLAS
+from ._scene import ATLAS, Background
 from .radiosity import OFF_M, Transport, cosine_ways, nearest_known, sky_light
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ._scene import Background
 
 Array = NDArray[np.float64]
 Light = tuple[Array, tuple[float, float, float]]  # place and colour, as lamps_at() returns them

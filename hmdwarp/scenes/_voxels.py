@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ._mesh import Mesh
+from ._scene import Scene
 from .radiosity import lit_meshes, mean_colour, moved_meshes
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from ._mesh import Mesh
-    from ._scene import Scene
 
 Array = NDArray[np.float64]
 _ON_PLANE = 1e-9  # cells by which a corner may pass a plane and still lie on it

@@ -7,9 +7,10 @@ Diffuse Surfaces; Cohen and Wallace 1993, Radiosity and Realistic Image Synthesi
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from contextlib import suppress
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -18,14 +19,8 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import SceneError
 from ._cache import cache_folder, read_arrays, write_arrays
-from ._scene import ATLAS, NEAREST_M
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from ._mesh import Mesh, Texture
-    from ._scene import Background, Lamp, Scene
+from ._mesh import Mesh, Texture
+from ._scene import ATLAS, NEAREST_M, Background, Lamp, Scene
 
 Array = NDArray[np.float64]
 VERSION = 2  # of stored rays; counted up with every change of them

@@ -150,7 +150,7 @@ def _size(actual: Mapping[str, Any]) -> tuple[int, int] | None:
 def is_known(showing: Showing, run: RunOptions) -> bool:
     """Return whether it was measured as `run` would: other sizes or steps are not comparable.
 
-    What was rated as well is known where no rating is asked for.
+    A trial measured with a rating is also known where none is requested.
     """
     how = _how(run)
     return {key: showing.measured.get(key) for key in how} == how

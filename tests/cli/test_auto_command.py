@@ -7,7 +7,7 @@ import json
 from bench_files import a_bench
 
 
-def test_what_it_wants_and_what_plan_tells(command, tmp_path):
+def test_warp_auto_needs_a_budget_and_plan_explains_it(command, tmp_path):
     path = a_bench(tmp_path / "b.json")
     command("replay", "walk", "--warp", "auto").refused("--budget MS")
     command("replay", "walk", "--budget", "3").refused("only --warp auto keeps to a budget")

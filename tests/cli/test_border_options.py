@@ -57,7 +57,7 @@ def test_plan_tells_how_many_pixels_and_which_field_of_view_result(command):
         assert "1600x900, 1.41 times the pixels, 102.7 x 96.7 degrees" in told
 
 
-def test_what_cannot_be_meant(command):
+def test_impossible_values_are_refused(command):
     command("replay", "still", "--guard", "much").refused("guard 'much'", "or auto")
     for which in (
         ("replay", "still"),

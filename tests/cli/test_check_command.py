@@ -67,7 +67,7 @@ def test_two_folders_are_two_eyes_and_files_are_frames(command, recording, tmp_p
     assert swapped.startswith("wrong: eyes.") and "left, right = right, left" in swapped
 
 
-def test_what_cannot_be_checked_is_refused(command, recording, tmp_path):
+def test_frames_that_cannot_be_checked_are_refused(command, recording, tmp_path):
     frames = right_frames(recording, CAMERA, np.random.default_rng(5), stereo=True)
     left, right = write(tmp_path / "left", frames[::2]), write(tmp_path / "right", frames[1:8:2])
     command("check", left, right).refused("12 frames", "4: expected one of each eye")

@@ -335,7 +335,7 @@ def test_no_summary_is_cut_in_80_columns(group, command, monkeypatch):
     assert summaries and "..." not in summaries and "\u2026" not in summaries and max(map(len, out.splitlines())) <= 80
 
 
-def test_what_means_the_same_is_called_the_same():
+def test_options_of_one_meaning_have_one_name():
     names = {row["name"] for row in entries("options")}
     assert {"trace-rate", "metrics-every", "force", "guard"} <= names
     assert not {"recording", "every", "trace info rate"} & names

@@ -57,7 +57,7 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--fill", "interpolate+"), "unknown fill ''"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_in_one_line(command, tmp_path, options, told):
+def test_impossible_values_are_refused_in_one_line(command, tmp_path, options, told):
     command(*QUICK, "--out", tmp_path / "out", *options).refused(told)
     assert not (tmp_path / "out").exists()
 
@@ -83,14 +83,14 @@ def test_a_delay_trace_is_followed(command, tmp_path):
     assert {round(float(row.split(",")[column]), 1) for row in rows[1:]} == {66.7}
 
 
-def test_what_the_link_did_is_printed_where_it_did_something(command, tmp_path):
+def test_effects_of_the_link_are_printed_where_there_are_any(command, tmp_path):
     options = ("--codec", "h264", "--loss", "0.2", "--link-seed", "2", "--latency", "50")
     out = (
         command(*(part for part in QUICK if part != "--quiet"), "--seconds", "1", "--out", tmp_path / "out", *options)
         .done()
         .out
     )
-    assert "lost on the network" in out and "Mbit/s" in out and "this machine's stages on top" in out
+    assert "lost on the network" in out and "Mbit/s" in out and "latency plus this machine's stages" in out
     link = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["link"]
     assert link["frames"]["lost"] > 0 and link["codec"] == "h264"
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")

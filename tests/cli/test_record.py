@@ -70,7 +70,7 @@ def test_quiet_is_quiet(tmp_path, command):
         (["--source", "desktop", "--scene", "nowhere"], 2, "nowhere"),
     ],
 )
-def test_what_cannot_be_meant_is_told_and_leaves_nothing(tmp_path, command, options, status, told, monkeypatch):
+def test_impossible_values_are_refused_and_leave_no_file(tmp_path, command, options, status, told, monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     command("record", "--out", tmp_path / "a.csv", *options).refused(told, status=status)
     assert not list(tmp_path.iterdir())

@@ -66,7 +66,7 @@ def test_plan_tells_what_was_noticed(command, scene):
         (("--scene-scale", "0"), "scene-scale 0: expected a number of at least 1e-06"),
     ],
 )
-def test_what_a_file_lacks_is_refused_with_what_it_has(command, scene, said, message):
+def test_an_unknown_name_in_a_file_is_refused_with_the_known_ones(command, scene, said, message):
     failed = command("plan", "--scene", scene, *said)
     assert failed.status == 2
     assert message in " ".join(failed.err.split())

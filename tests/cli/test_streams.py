@@ -91,7 +91,7 @@ def test_quiet_prints_nothing(command, tmp_path):
     assert (tmp_path / "out" / "report.html").exists()
 
 
-def test_nobody_complains_of_a_home_that_cannot_be_written(program, tmp_path):
+def test_a_read_only_home_causes_no_message(program, tmp_path):
     # The cache has a place: without one Mesa says so by itself.
     nowhere = {"HOME": os.devnull, "XDG_CONFIG_HOME": "", "MPLCONFIGDIR": "", "XDG_CACHE_HOME": str(tmp_path)}
     done = program(*REPLAY, tmp_path / "out", "--quiet", env=nowhere).done()

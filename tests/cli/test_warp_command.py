@@ -179,7 +179,7 @@ def test_size_and_names_are_taken(warp, tmp_path):
         ({}, {}, ["--size", "99999x4"], "99999x4"),
     ],
 )
-def test_what_does_not_fit_is_refused(frame, pose, options, told, warp, tmp_path):
+def test_inputs_that_do_not_fit_are_refused(frame, pose, options, told, warp, tmp_path):
     warp(frame, pose, *options).refused(told)
     assert not (tmp_path / "out.npz").exists()
 

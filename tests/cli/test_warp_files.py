@@ -113,7 +113,7 @@ def test_exr_without_its_package_says_how_to_get_it(command, folder, monkeypatch
         assert done.status == 3 and "pip install 'hmdwarp[exr]'" in done.err
 
 
-def test_what_is_missing_is_named(command, folder):
+def test_missing_inputs_are_named(command, folder):
     to = ("--to", folder / "1.json", "--out", folder / "out.png")
     frame = folder / "0.png"
     (folder / "0.depth.png").rename(folder / "z.png")

@@ -80,7 +80,7 @@ def test_the_border_of_the_picture_itself_is_seen(gpu):
         assert (got == 1).all()
 
 
-def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
+def test_a_near_thing_leaves_a_hole_of_its_parallax(gpu):
     """A square at 1 m before a wall at 4 m, seen from 0.4 m to the right at 30 pixels per tangent.
 
     12 px against 3 px of parallax.

@@ -103,7 +103,7 @@ def test_light_is_the_shown_colour_as_it_is(gpu):
     assert np.abs(got[filled][:, :3] - wanted).max() <= STORED * wanted.max()
 
 
-def test_what_finds_no_light_stays_a_hole(gpu):
+def test_a_pixel_that_finds_no_light_stays_a_hole(gpu):
     shown = Shown(gpu, "planes", holes=np.ones(SIZE[::-1], bool))
     shown.shown_depth[:] = -1
     got, depth = shown.fill("composite")
@@ -111,7 +111,7 @@ def test_what_finds_no_light_stays_a_hole(gpu):
     assert (depth == -1).all()
 
 
-def test_of_two_sides_it_takes_the_one_that_the_background_came_from(gpu):
+def test_it_takes_the_side_that_the_background_came_from(gpu):
     """A wall that moved to the left past the eye: light from the right of the hole alone."""
     shown = Shown(gpu, "planes", holes=np.zeros(SIZE[::-1], bool))
     middle = SIZE[0] // 2
@@ -186,7 +186,7 @@ def test_settings_that_are_none_are_refused(text):
         parse_fills(f"composite:{text}")
 
 
-def test_nothing_is_made_once_it_runs(gpu):
+def test_running_allocates_no_objects(gpu):
     shown = Shown(gpu, "spheres")
     shown.fill("composite")
     compiled = gpu.shaders.compiled

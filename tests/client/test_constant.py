@@ -21,7 +21,7 @@ def test_it_equals_its_twin(gpu, size, empty):
     assert np.abs(got - wanted).max() <= largest * (ROUNDED + holed.colour.size * 2.0**-24)
 
 
-def test_nothing_covered_becomes_black(gpu):
+def test_an_uncovered_picture_becomes_black(gpu):
     got = Holed(gpu, 3, (31, 17), empty=1.0).fill(gpu, "constant")[0]
     assert np.array_equal(got, np.broadcast_to([0.0, 0, 0, 1], got.shape))
 

@@ -112,7 +112,7 @@ def test_a_complete_fill_leaves_nothing_empty(gpu, name):
 
 
 @pytest.mark.parametrize("name", FILLS)
-def test_nothing_to_fill_and_nothing_to_fill_from(gpu, name):
+def test_pictures_without_holes_and_without_colour_are_filled(gpu, name):
     for empty in (0.0, 1.0):
         holed = Holed(gpu, 11, (19, 23), empty)
         got, _ = holed.fill(gpu, name)

@@ -60,7 +60,7 @@ def test_a_still_head_sees_the_servers_picture_byte_for_byte(gpu, scene, spec):
     assert (colour[..., 3] == 1).all()
 
 
-def test_nothing_is_sent_of_a_scene_that_the_client_has_whole(gpu):
+def test_a_whole_scene_on_the_client_leaves_nothing_to_send(gpu):
     server = Server(gpu, load_scene("room"))
     late = frame(gpu, server, "difference:share=1")
     (texture,) = late["difference"].values()

@@ -65,7 +65,7 @@ def test_a_view_along_a_face_is_copied_bit_for_bit(gpu, world, index, margin):
 
 @pytest.mark.parametrize("degrees", [30, 90, 135, 180, 270, 1e-7])
 @pytest.mark.parametrize("axis", [(0, 1, 0), (1, 0, 0), (0, 0, 1), (1, 1, 1), (-1, 2, 0.5)])
-def test_whatever_the_turn_all_is_covered_and_shows_its_own_direction(gpu, world, axis, degrees):
+def test_any_turn_is_covered_and_each_pixel_shows_its_own_direction(gpu, world, axis, degrees):
     """A cube that holds the direction itself.
 
     Bilinear looks into a curve of radius 1 are off by an eighth of a pixel's angle squared, half
@@ -110,7 +110,7 @@ def test_a_step_of_the_eye_changes_nothing(gpu, world):
     assert np.array_equal(first, second)
 
 
-def test_what_is_not_covered_in_the_cube_stays_a_hole(gpu, world):
+def test_uncovered_places_of_the_cube_stay_holes(gpu, world):
     world.cube[10:40, 70:100] = 0
     world.bring_cube(gpu)
     out, wanted = world.warp(gpu, "environment"), world.reference("environment")

@@ -141,7 +141,7 @@ def test_the_near_border_is_inside_and_the_far_one_is_not(gpu, axis):
     assert np.array_equal(forwards, wanted), "what lands at 8.0 of 8 is outside, and not at the start of the next row"
 
 
-def test_what_leaves_at_the_right_does_not_hide_the_start_of_the_next_row(gpu):
+def test_a_pixel_that_leaves_at_the_right_hides_nothing_in_the_next_row(gpu):
     """The last column lands at exactly 8.0 of 8, before a sky that stays where it is."""
     depth = np.zeros((8, 8))
     depth[:, 7] = 0.5
@@ -240,7 +240,7 @@ def test_the_one_pass_shader_is_valid_glsl(tmp_path, number):
     assert done.returncode == 0, done.stdout
 
 
-def test_what_64_bit_keys_name_is_the_portable_picture(gpu):
+def test_64_bit_keys_give_the_portable_picture(gpu):
     """The keys by NumPy, as the one pass over the drawn pixels would leave them.
 
     The copy of the colours by the shader itself.

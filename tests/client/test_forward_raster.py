@@ -37,7 +37,7 @@ def test_a_loop_over_the_pixels_gives_the_same(gpu, seed):
 
 
 @pytest.mark.parametrize(("step", "wins"), [(0.5, "near"), (-0.5, "far")])
-def test_what_comes_later_hides_what_is_nearer(gpu, step, wins):
+def test_a_later_pixel_hides_a_nearer_one(gpu, step, wins):
     """Half the picture at 1 m, half at 8 m, which come to lie over each other where the eye moves
     to the near side.
     """

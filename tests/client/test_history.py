@@ -24,7 +24,7 @@ def frame(drawn_ns: int) -> Frame:
 
 
 @given(KEEPS, SPACINGS, INSTANTS)
-def test_what_is_held_is_within_the_limits(keep, spacing_ns, instants):
+def test_held_frames_keep_within_the_limits(keep, spacing_ns, instants):
     history = History(keep, spacing_ns, lambda _: None)
     for now in instants:
         history.offer(frame(now))
@@ -54,7 +54,7 @@ def test_every_offered_frame_is_held_or_given_back_once(keep, spacing_ns, instan
 
 
 @given(SPACINGS, INSTANTS)
-def test_who_keeps_none_gives_each_back_at_once(spacing_ns, instants):
+def test_a_history_of_none_returns_each_frame_at_once(spacing_ns, instants):
     discarded: list[Frame] = []
     history = History(0, spacing_ns, discarded.append)
     for number, now in enumerate(instants, start=1):

@@ -56,7 +56,7 @@ def test_one_look_is_exact_on_a_slanted_plane(gpu, spec):
 
 
 @pytest.mark.parametrize("spec", ["iterative", "iterative:slanted=3"])
-def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu, spec):
+def test_a_near_thing_leaves_a_hole_of_its_parallax(gpu, spec):
     """Seen from 0.4 m to the right at 30 pixels per tangent.
 
     12 px of parallax at 1 m, 3 px at 4 m.
@@ -106,7 +106,7 @@ def test_sky_is_seen_and_does_not_move(gpu):
 
 
 @pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
-def test_what_lies_behind_an_eye_is_not_mirrored(gpu, pose):
+def test_a_surface_behind_an_eye_is_not_mirrored(gpu, pose):
     """Past a wall at 2 m, and turned round.
 
     The rendered picture shows nothing of what is before the eye.

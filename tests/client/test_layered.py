@@ -203,6 +203,6 @@ def test_impossible_numbers_of_layers_are_refused(layers):
         parse_warp(f"layered:layers={layers}")
 
 
-def test_what_it_needs_of_a_frame():
+def test_it_needs_these_layers_of_a_frame():
     choices = [parse_warp(f"layered:layers={n}") for n in (2, 3, 4)]
     assert [choice.entry.needs(choice.settings)["peeled"] for choice in choices] == [1, 2, 3]

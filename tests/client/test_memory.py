@@ -96,7 +96,7 @@ def test_scenery_that_was_seen_comes_back(gpu, client):
     )
 
 
-def test_what_an_edge_hides_now_is_remembered_from_where_it_was_seen(gpu, client):
+def test_a_place_behind_an_edge_is_remembered_from_where_it_was_seen(gpu, client):
     """A step to the right saw the wall behind the square."""
     client.sees(seconds(drawn(gpu, BEFORE_A_WALL, at(0.35)), 0), at(0.35))
     newest = seconds(drawn(gpu, BEFORE_A_WALL, at(-0.1)), 1)
@@ -117,7 +117,7 @@ def test_the_depth_of_what_is_remembered_is_that_in_the_shown_view(gpu, client):
     assert (client.depth()[out[..., 3] == 0] == -1).all()
 
 
-def test_what_has_left_is_forgotten_once_a_newer_frame_looks_through_its_place(gpu, client):
+def test_a_thing_that_left_is_forgotten_once_a_newer_frame_sees_through_its_place(gpu, client):
     """A square before the wall is seen, goes while it is looked at, and is not put back when the
     head has turned away from it.
     """
@@ -134,7 +134,7 @@ def test_what_has_left_is_forgotten_once_a_newer_frame_looks_through_its_place(g
     assert known.mean() > 0.9, "what stayed is still known"
 
 
-def test_what_changed_its_colour_is_forgotten(gpu, client):
+def test_a_changed_colour_is_forgotten(gpu, client):
     """A lamp before the wall was dark and is bright."""
     dark, bright = (scene_of(square(1, (0, 0), 0.25, level), WALL) for level in (0.05, 0.9))
     client.sees(seconds(drawn(gpu, dark, turned(0)), 0), turned(0))
@@ -144,7 +144,7 @@ def test_what_changed_its_colour_is_forgotten(gpu, client):
     assert not (np.abs(middle[..., 0] - 0.05) < 0.01).any()
 
 
-def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
+def test_a_still_thing_is_remembered_however_often_it_is_seen(gpu, client):
     """20 looks at the same things from places a little apart.
 
     Outlines move by parts of a pixel each time.
@@ -162,7 +162,7 @@ def test_what_stays_is_not_forgotten_however_often_it_is_looked_at(gpu, client):
 
 @pytest.mark.parametrize("moved_on", [False, True])
 @pytest.mark.parametrize("what", ["ids", "velocity"])
-def test_what_moves_by_itself_is_never_remembered(gpu, client, what, moved_on):
+def test_moving_bodies_are_never_remembered(gpu, client, what, moved_on):
     """The square is a body of its own, or deforms.
 
     Also where a pass before the warp has used up what tells it apart.
@@ -202,7 +202,7 @@ def test_both_eyes_share_what_they_saw(gpu, client):
     assert (out[..., 3] > 0).mean() > 0.9
 
 
-def test_what_is_too_old_is_forgotten_and_so_is_what_was_seen_in_another_run(gpu):
+def test_old_pictures_and_those_of_another_run_are_forgotten(gpu):
     wall = scene_of(WALL)
     for later, known in ((1.9, True), (2.1, False), (-1.0, False)):
         client = Client(gpu, "memory:age=2")
@@ -296,7 +296,7 @@ def test_room_is_made_by_what_the_others_cover():
     assert most_redundant(same, turned(-90)).slot == 0, "of equals the oldest"
 
 
-def test_what_is_looked_into_sees_what_the_rendered_view_does_not():
+def test_the_most_useful_pictures_look_where_the_rendered_view_does_not():
     kept = [keyframe(0, 60, s=1), keyframe(1, -30, s=2), keyframe(2, 180, s=3), keyframe(3, 0, s=4)]
     chosen = most_useful(kept, turned(30), turned(0), 1)
     assert [picture.slot for picture in chosen] == [0]
@@ -340,7 +340,7 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
 
 
 @pytest.mark.parametrize("seed", [5, 6])
-def test_what_is_forgotten_equals_its_twin(gpu, seed):
+def test_forgetting_equals_its_twin(gpu, seed):
     """Of one random world against another from near by, and against itself, which disproves nothing
     that the twin lets stand.
     """

@@ -179,7 +179,7 @@ def test_a_surface_that_comes_closer_has_no_cracks(gpu, spec):
 
 
 @pytest.mark.parametrize("spec", CUTS)
-def test_what_lies_behind_the_eye_or_is_seen_from_behind_is_not_drawn(gpu, spec):
+def test_triangles_behind_the_eye_or_seen_from_behind_are_not_drawn(gpu, spec):
     through = Scene(gpu, np.full(SIZE[::-1], 1.0), Pose((0, 0, -1.5))).warp(spec)
     assert (through == 0).all(), "the eye has passed the plane"
     turned = Scene(gpu, np.full(SIZE[::-1], 1.0), Pose((0, 0, -2), (0, 1, 0, 0))).warp(spec)
@@ -206,7 +206,7 @@ def test_pixels_without_depth_belong_to_no_triangle(gpu, spec):
 
 
 @pytest.mark.parametrize("spec", CUTS)
-def test_of_two_surfaces_at_one_depth_the_one_drawn_first_stays(gpu, spec):
+def test_the_first_of_two_surfaces_at_one_depth_stays(gpu, spec):
     """Three pixels in one.
 
     Whichever wins, it is the same one each time, and the twin's order says which.

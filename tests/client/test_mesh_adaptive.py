@@ -114,7 +114,7 @@ def test_no_cracks_where_cells_of_many_sizes_meet(gpu, scale, seed):
     assert np.array_equal(full, drawn)
 
 
-def test_what_is_off_the_screen_is_not_drawn(gpu):
+def test_cells_off_the_screen_are_not_drawn(gpu):
     depth = room()
     here = Drawn(gpu, "mesh_adaptive", depth, Pose((0.1, 0, 0)))
     turned = Drawn(gpu, "mesh_adaptive", depth, Pose((0.1, 0, 0), (0, np.sin(0.35), 0, np.cos(0.35))))

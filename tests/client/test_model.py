@@ -116,7 +116,7 @@ def test_a_single_picture_has_no_scene():
         warp_image(colour, depth, HERE, THERE, warp="model")
 
 
-def test_who_can_run_it():
+def test_clients_that_lack_the_scene_cannot_run_it():
     for warp, client in (("model", "class-2"), ("model:share=0.2", "class-1")):
         with (
             pytest.raises(PlanError, match=f"client '{client}' cannot run warp '{warp}'"),
@@ -135,7 +135,7 @@ def last_pictures(tmp_path, **options):
 
 
 @pytest.mark.parametrize(("scene", "codec"), [("parade", "h264"), ("gallery", "none")])
-def test_what_arrives_little_by_little_becomes_the_truth_bit_for_bit(tmp_path, scene, codec):
+def test_progressive_arrival_ends_at_the_truth_bit_for_bit(tmp_path, scene, codec):
     """parade: what deforms and stands; gallery: mirrors. The pieces are not changed by a codec."""
     warp = PROGRESSIVE.replace("300000", "1000000")
     summary, psnr_db = last_pictures(tmp_path, scene=scene, warp=warp, seconds=0.4, coding=Coding(codec))
@@ -223,7 +223,7 @@ def test_a_head_at_rest_does_not_stop_what_is_still_to_come(tmp_path):
     assert result.summary["link"]["frames"]["unchanged"] > 0
 
 
-def test_what_is_seen_comes_first(gpu):
+def test_visible_parts_come_first(gpu):
     """When all triangles in front of the head have come, what is behind it is still coarse."""
     server, choice = Server(gpu, load_scene("workshop")), parse_warp("model:arrives=progressive,budget=60000")
     needs = choice.entry.needs(choice.settings)

@@ -149,7 +149,7 @@ def test_the_shader_does_what_rays_and_moved_squares_do(gpu, seed, parts):
 
 
 @pytest.mark.parametrize("parts", [(RIGID,), (SOFT,), (RIGID, SOFT)], ids="+".join)
-def test_nothing_has_moved_at_the_instant_it_was_drawn(gpu, parts):
+def test_a_frame_shown_when_drawn_has_no_motion(gpu, parts):
     image, made = MovingWorld(7).image(gpu, set(parts), 40 * MS), pass_for(gpu, (26, 19), *parts)
     assert made.run(given_at(image, 40 * MS)).rendered is image
     made.close()
@@ -165,7 +165,7 @@ def test_two_runs_are_equal_to_the_last_bit(gpu):
     assert found[0] == found[1] == found[2]
 
 
-def test_what_stands_still_keeps_its_bits(gpu):
+def test_still_pixels_keep_their_bits(gpu):
     world = MovingWorld(9)
     colour, inverse_depth = run(gpu, world.image(gpu, {RIGID, SOFT}), 200 * MS, RIGID, SOFT)
     keys = world.asked({RIGID, SOFT}, 200 * MS).keys()
@@ -330,7 +330,7 @@ def test_soft_motion_is_limited_in_reach(gpu):
     made.close()
 
 
-def test_what_moves_another_way_at_the_same_depth_is_torn_off(gpu):
+def test_neighbours_that_move_apart_at_one_depth_are_torn(gpu):
     """The lower half goes to the right by 17 pixels, the upper half stays.
 
     Nothing is stretched between them.
@@ -369,7 +369,7 @@ def checkered(body: int) -> Mesh:
     ],
     ids=["fan", "door", "thrown"],
 )
-def test_what_is_moved_is_what_the_server_draws_then(gpu, motion, least_db):
+def test_a_moved_picture_is_what_the_server_draws_then(gpu, motion, least_db):
     """Where both show the body: a checked square, resampled once.
 
     Without the pass less than 15 dB is left of it.

@@ -78,7 +78,7 @@ def inner(picture: np.ndarray, margin: int = 14) -> np.ndarray:
     return picture[margin:-margin, margin:-margin]
 
 
-def test_what_the_other_eye_saw_fills_the_shadow_of_an_edge(gpu):
+def test_the_other_eye_fills_the_shadow_of_an_edge(gpu):
     """The newest stands left of the square and hides the wall to its right.
 
     The other eye, right of it, saw that.
@@ -103,14 +103,14 @@ def test_a_past_frame_fills_what_has_left_the_field_of_view(gpu):
     assert np.abs(inner(both)[..., :3] - 0.25).max() <= HALF_FLOAT
 
 
-def test_what_has_gone_is_not_painted_over_what_the_newest_sees(gpu):
+def test_a_thing_that_left_is_not_painted_over_the_newest_frame(gpu):
     """A past frame holds a square that the newest, which looks right through its place, has not."""
     newest, past = drawn(gpu, scene_of(WALL), at(0.02)), drawn(gpu, BEFORE_A_WALL, at(0))
     out = put_together(gpu, newest, (past,), at(0.05))
     assert np.abs(inner(out)[..., :3] - 0.25).max() <= HALF_FLOAT
 
 
-def test_what_the_newest_could_not_see_may_stand_before_what_it_saw(gpu):
+def test_older_frames_may_show_things_in_front_of_the_newest(gpu):
     """A small square hid a middle one from the newest eye.
 
     From the shown one the middle one is before the wall.
@@ -124,7 +124,7 @@ def test_what_the_newest_could_not_see_may_stand_before_what_it_saw(gpu):
     assert (np.abs(out - truth)[middle_one].max(axis=-1) <= HALF_FLOAT).mean() > 0.9
 
 
-def test_of_equal_surfaces_the_newest_is_shown(gpu):
+def test_the_newest_of_equal_surfaces_is_shown(gpu):
     """The wall was dark before and is bright now."""
     before, now = scene_of(WALL), scene_of(square(3, (0, 0), 20, 0.5))
     out = put_together(gpu, drawn(gpu, now, at(0)), (drawn(gpu, before, at(0.05)),), at(0.02))
@@ -234,7 +234,7 @@ def test_in_the_room_past_frames_and_the_other_eye_leave_fewer_holes(gpu):
     assert wrong[1] < wrong[0]
 
 
-def test_what_it_needs_of_frames():
+def test_it_needs_the_other_eye_and_older_frames():
     specs = ("multi", "multi:frames=0,eye=own", "multi:spacing=40", "multi:views=2")
     told = {spec: parse_warp(spec).entry.needs(parse_warp(spec).settings) for spec in specs}
     assert told["multi"].others == Others(2, 300_000_000, True)

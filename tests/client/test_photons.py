@@ -197,7 +197,7 @@ def test_updates_in_any_order_and_some_of_them_twice_show_the_same(gpu):
     assert all(np.array_equal(pictures[0], picture) for picture in pictures[1:])
 
 
-def test_what_is_lost_is_sent_again_and_what_stands_still_is_sent_once(gpu):
+def test_lost_photons_are_sent_again_and_still_light_once(gpu):
     """Every third frame is lost. Afterwards nothing is left to send, as long as no light moves."""
     scene = with_lamps_stopped(load_scene("lantern"))
     whole, torn = client_of(gpu, scene), client_of(gpu, scene)

@@ -161,7 +161,7 @@ def test_one_run_keeps_older_frames_one_way():
         needs_of(plans)
 
 
-def test_what_is_impossible_is_only_what_draws_without_geometry():
+def test_only_passes_that_draw_without_geometry_are_impossible():
     refused = set(ALL) - set(POSSIBLE)
     assert refused and all(_draws(warp, fill) and not geometry for warp, fill, _, geometry in refused)
     for choice in refused:

@@ -31,7 +31,7 @@ def plan_of(declared: tuple[str, ...], warp: str = "forward", fill: str = "none"
 
 
 @pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
-def test_what_is_declared_is_compensated_and_the_rest_left_out_with_a_reason(declared):
+def test_declared_effects_are_compensated_and_the_rest_left_out_with_a_reason(declared):
     plan = plan_of(declared, fill="interpolate", lens="radial")
     done = [effect.name for pass_ in plan.effect_passes for effect in pass_.effects]
     left_out = dict(plan.left_out)
@@ -94,7 +94,7 @@ def test_a_warp_that_carries_nothing_leaves_out_what_it_cannot(warp):
 
 
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.kind == "draw"])
-def test_what_the_client_draws_itself_leaves_nothing_to_compensate(warp):
+def test_a_warp_that_draws_leaves_nothing_to_compensate(warp):
     plan = plan_of(EVERY_EFFECT, warp, named=EVERY_EFFECT)
     assert plan.effects == () and not {"rendered.colour", "rendered.inverse_depth"} & {*plan.layers}
     reasons = [dict(plan.left_out)[name] for name in EVERY_EFFECT]
@@ -119,7 +119,7 @@ def test_an_imposter_compensates_only_what_is_asked_for_by_name(declared):
     assert by_name.effects == plan_of(declared).effects and by_name.needs == plan_of(declared).needs
 
 
-def test_what_was_forced_or_forbidden_is_told_as_that():
+def test_forced_and_forbidden_effects_are_reported_as_such():
     left_out = dict(plan_of(("overlay",), forced=["overlay"], forbidden=["transparency"]).left_out)
     assert left_out["transparency"].startswith("the scene calls for it, but it was forbidden: a pane has the depth")
     assert left_out["rigid_motion"] == "nothing in the scene calls for it"

@@ -55,7 +55,7 @@ def random_depth(seed: int, size: tuple[int, int], holes: float = 0.1, sky: floa
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_of_64_by_64_it_is_the_median_of_all(gpu, seed):
+def test_a_picture_of_64_by_64_gives_the_median_of_all(gpu, seed):
     depth = random_depth(seed, (GRID, GRID), holes=seed * 0.2, sky=0.05)
     assert gpu_median(gpu, depth) == lower_median(depth)
 
@@ -63,7 +63,7 @@ def test_of_64_by_64_it_is_the_median_of_all(gpu, seed):
 @pytest.mark.parametrize(
     "size", [(1, 1), (3, 5), (67, 53), (129, 2), (2, 129), (1000, 3), (63, 65), (641, 401), (128, 128)]
 )
-def test_of_any_size_it_is_the_median_of_the_cells(gpu, size):
+def test_any_size_gives_the_median_of_the_cells(gpu, size):
     depth = random_depth(sum(size), size)
     got = gpu_median(gpu, depth)
     assert got == lower_median(samples(depth))
@@ -83,7 +83,7 @@ def test_with_few_values_and_many_ties(gpu, size, values, seed):
     assert got in values or (got == 0 and not (samples(depth) >= 0).any())
 
 
-def test_of_nothing_it_is_infinitely_far(gpu):
+def test_an_empty_picture_is_infinitely_far(gpu):
     assert gpu_median(gpu, np.full((7, 9), -1.0)) == 0
 
 

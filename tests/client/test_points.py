@@ -127,7 +127,7 @@ def test_hard_points(gpu, points, area):
         assert (depth == 0).all(), "sky alone"
 
 
-def test_nothing_at_all(gpu):
+def test_no_points_draw_an_empty_picture(gpu):
     for updates in ([], [np.zeros(0, np.uint8)], [np.frombuffer(packed_sky(SKY, complete=False), np.uint8).copy()]):
         colour, depth = shown(gpu, updates)
         assert not colour.any() and (depth == -1).all()

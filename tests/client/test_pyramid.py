@@ -101,7 +101,7 @@ def test_a_crack_in_what_is_near_stays_near(gpu):
     assert np.abs(depth[crack] - 1).max() <= 1e-3
 
 
-def test_what_a_moving_head_uncovers_is_filled_from_the_wall_and_the_border_too(gpu):
+def test_places_that_a_moving_head_uncovers_are_filled_from_the_wall(gpu):
     colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
     before, after = filled(gpu, "search", "pyramid", colour, depth, Pose((0.4, 0, 0)))
     y, x = np.mgrid[:60, :60]

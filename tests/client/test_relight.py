@@ -113,7 +113,7 @@ def test_fewer_triangles_are_nearly_as_good(gpu):
     assert shown.error(shown.fill("model:share=0.1")[0]) < 0.3 * shown.error(shown.colour)
 
 
-def test_nothing_near_gets_in_front_of_what_is_covered(gpu):
+def test_near_surfaces_do_not_hide_covered_pixels(gpu):
     """A wall that the near plane cuts.
 
     Where it touches the plane its depth is 0, which is where what is covered is put.
@@ -235,7 +235,7 @@ def test_settings_that_are_none_are_refused(text):
 
 
 @pytest.mark.parametrize("name", ["model", "model:texture=0.25,light=off", "relight"])
-def test_nothing_is_made_once_it_runs(gpu, name):
+def test_running_allocates_no_objects(gpu, name):
     shown = Shown(gpu, "spheres")
     shown.fill(name)
     compiled, models = gpu.shaders.compiled, shown.geometry.weights()

@@ -61,7 +61,7 @@ def test_a_picture_warped_thirty_times_stays_sharper(gpu, name):
 
 
 @pytest.mark.parametrize("name", [name for name in SHARPER if name != "backward"])
-def test_nothing_rings_or_leaves_the_range_of_numbers(gpu, name):
+def test_sharp_samples_neither_ring_nor_leave_the_range(gpu, name):
     """The brightest half float beside black, and holes: no colour but between those around it."""
     picture = np.zeros((SIZE, SIZE, 4))
     picture[..., 3] = 1
@@ -85,6 +85,6 @@ def test_the_setting_is_one_of_two_words(name):
 
 
 @pytest.mark.parametrize("name", ["none", "environment"])
-def test_what_shows_the_late_picture_or_a_cube_has_no_such_setting(name):
+def test_warps_of_the_late_picture_or_a_cube_lack_the_setting(name):
     with pytest.raises(InputError, match="no setting of"):
         parse_warp(f"{name}:resample=catmull-rom")

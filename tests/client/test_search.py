@@ -52,7 +52,7 @@ def test_a_large_motion_through_many_levels_equals_brute_force(gpu):
         assert (np.abs(got[..., :3] - wanted.colour[..., :3]).max(axis=-1) <= wanted.tolerance)[decided].all()
 
 
-def test_what_a_near_thing_hid_is_a_hole_of_its_parallax(gpu):
+def test_a_near_thing_leaves_a_hole_of_its_parallax(gpu):
     """Seen from 0.4 m to the right at 30 pixels per tangent.
 
     12 px of parallax at 1 m, 3 px at 4 m.
@@ -79,7 +79,7 @@ def test_the_thinnest_thing_in_front_is_found_whole_and_what_is_behind_it_too(gp
     assert np.array_equal(np.argwhere(got[7, :57, 3] == 0)[:, 0], np.arange(27, 27 + width))
 
 
-def test_of_three_surfaces_on_one_ray_the_nearest_wins(gpu):
+def test_the_nearest_of_three_surfaces_on_one_ray_wins(gpu):
     """Three posts at 1, 1.5 and 3 m that from 0.6 m to the right stand behind one another, at
     column 20.
     """
@@ -117,7 +117,7 @@ def test_no_depth_stays_a_hole_and_does_not_spread(gpu, bad):
 
 
 @pytest.mark.parametrize("pose", [Pose((0, 0, -3.0)), Pose((0, 0, 0), (0, 1, 0, 0)), Pose((0, 0, -3.0), (0, 1, 0, 0))])
-def test_what_lies_behind_an_eye_is_not_mirrored(gpu, pose):
+def test_a_surface_behind_an_eye_is_not_mirrored(gpu, pose):
     """Past a wall at 2 m, and turned round.
 
     The rendered picture shows nothing of what is before the eye.

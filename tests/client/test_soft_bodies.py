@@ -170,7 +170,7 @@ def test_all_of_it_is_taken_out_and_nothing_else(gpu):
     assert np.array_equal(shown.left_depth == -1, shown.taken)
 
 
-def test_what_the_late_picture_did_not_see_has_its_baked_light(gpu):
+def test_places_that_the_late_picture_did_not_see_have_baked_light(gpu):
     """The late eye looked the other way."""
     away = View(Pose(HERE.pose.position_m, (0.0, 1.0, 0.0, 0.0)), FOV)
     shown = Shown(gpu, HERE, 100, late=away, gain=(0.1, 0.1, 0.1))

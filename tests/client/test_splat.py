@@ -126,7 +126,7 @@ def test_a_sphere_that_comes_closer_has_no_cracks(gpu):
 
 
 @pytest.mark.parametrize("closer", [1.0, 2.0, 4.0])
-def test_nothing_behind_shows_through_what_comes_closer(gpu, closer):
+def test_an_approaching_surface_lets_nothing_through(gpu, closer):
     """A white square at 1 m before a black wall at 5 m, the eye at its side and closer.
 
     Not a trace of black inside, or white outside.

@@ -74,7 +74,7 @@ def test_the_guess_is_what_lies_on_the_line_that_things_moved_on(gpu):
     assert np.abs(after[y, x, 2] - y / 60).max() <= 1 / 60
 
 
-def test_what_the_rendered_picture_did_not_look_at_stays_empty(gpu):
+def test_places_outside_the_rendered_view_stay_empty(gpu):
     colour, depth = square_before_a_wall(np.s_[20:40, 20:40])
     before, after = filled(gpu, "search", "stretch", colour, depth, Pose((0.4, 0, 0)))
     assert (before[:, 57:, 3] == 0).all()

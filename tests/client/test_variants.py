@@ -50,7 +50,7 @@ def choices(draw: st.DrawFn) -> Choice:
 
 
 @given(choices())
-def test_what_is_printed_is_read_back(choice):
+def test_printed_texts_are_read_back(choice):
     again = parse_warp(str(choice))
     assert again == choice
     assert str(again) == str(choice)

@@ -94,7 +94,7 @@ def test_an_unmoved_head_gets_light_times_what_passes_plus_the_veil(gpu, seed):
     assert (np.abs(found[..., :3] - expected) <= HALF_UNIT * np.abs(expected) + 1e-6).all()  # one store in half floats
 
 
-def test_what_stands_before_the_veil_hides_it(gpu):
+def test_a_thing_in_front_of_the_veil_hides_it(gpu):
     veiled = Veiled(gpu, 1, SIZES[0], moved=False)
     depth = veiled.world.inverse_depth
     assert np.array_equal(veiled.lay(1e9), veiled.behind)

@@ -47,7 +47,7 @@ def test_all_arrives_whatever_is_lost_late_or_out_of_order(sizes, budget, lost, 
     assert inbox.whole == len(things)
 
 
-def test_nothing_is_sent_twice_unless_it_was_lost():
+def test_only_lost_updates_are_sent_twice():
     things = things_of([5 * FRAGMENT_BYTES])
     outbox = Outbox(things)
     sent = [outbox.update([0, 0], 2 * (FRAGMENT_BYTES + 14), now) for now in range(3)]
@@ -69,7 +69,7 @@ def test_the_first_in_order_crosses_first_and_the_order_may_change():
     assert outbox.waiting == {0, 1}
 
 
-def test_what_comes_again_changes_nothing_and_takes_no_memory():
+def test_a_repeated_update_changes_nothing_and_takes_no_memory():
     outbox, inbox = Outbox(things_of([3 * FRAGMENT_BYTES])), Inbox()
     update = outbox.update([0], 10_000, 0)
     assert len(list(inbox.take(update.content))) == 1
@@ -85,5 +85,5 @@ def test_an_update_is_written_over_by_the_link():
 
 
 @pytest.mark.parametrize("order", [[], [0]])
-def test_nothing_to_send_is_nothing(order):
+def test_no_updates_make_no_message(order):
     assert len(Outbox([b"abc"][: len(order)]).update([], 100, 0).content) == 0

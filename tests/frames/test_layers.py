@@ -100,7 +100,7 @@ def test_older_frames_that_are_not_kept_have_no_spacing():
     assert (Needs(others=Others(0, 0, True)) | Needs(others=Others(1, 50))).others == Others(1, 50, True)
 
 
-def test_what_is_not_needed_is_not_there():
+def test_unneeded_layers_are_absent():
     assert Needs(cube=False, peeled=0, others=Others()) == Needs() == {}
     assert "cube" not in Needs(cube=False)
     assert hash(Needs(cube=True, ids=False)) == hash(Needs(cube=True))

@@ -48,7 +48,7 @@ def test_powers_beyond_what_fits_are_the_largest_that_does():
     assert not light_of(shared_exponent(np.zeros((3, 3)))).any()
 
 
-def test_what_is_sent_is_what_is_read():
+def test_sent_bundles_are_read_back():
     """Places to half a step of the cube, 1 / 131070 of its edge."""
     chance = np.random.default_rng(5)
     cube = Cube(np.array((-2.0, 0.5, 7.0)), 5.5)
@@ -107,7 +107,7 @@ def photons(bundle: int, light: int) -> np.ndarray:
 
 @settings(max_examples=60)
 @given(st.data())
-def test_whatever_is_lost_or_overtaken_in_the_end_all_bundles_are_of_now(data):
+def test_all_bundles_end_up_current_after_loss_and_overtaking(data):
     """Light 0 is a bundle without photons. After the last change, a few rounds without loss."""
     count = 5
     net = Network(count)

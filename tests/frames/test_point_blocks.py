@@ -62,7 +62,7 @@ def test_blocks_follow_each_other_in_whole_pages():
         at += count
 
 
-def test_what_is_unpacked_is_what_was_packed():
+def test_packing_is_reversible():
     wanted = [block_of(7, 3, 5), block_of(8, 65535, -1)]
     data = np.frombuffer(packed_sky(SKY, complete=True) + b"".join(block.packed() for block in wanted), np.uint8)
     complete, sky, got = unpacked(data)
@@ -86,7 +86,7 @@ def test_an_empty_update_brings_nothing():
     assert client.room.points == 0 and not client.pages
 
 
-def test_what_comes_twice_is_kept_once_and_an_older_age_is_nothing():
+def test_repeated_blocks_are_kept_once_and_older_ones_ignored():
     client = Client(1024)
     for sent in ([(1, 1, 0)], [(1, 1, 0)], [(1, 0, 1)]):
         client.take(update_of(sent, 0))

@@ -168,7 +168,7 @@ def test_nearer_is_always_on_the_same_side(layer):
 
 
 @pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
-def test_what_lies_beyond_the_planes_is_clamped_when_written(layer):
+def test_depths_beyond_the_planes_are_clamped_when_written(layer):
     near, far = sorted((layer.near_z, layer.far_z))
     ends = {layer.near_z: layer.min_depth, layer.far_z: layer.max_depth}
     assert layer.encode(1 / near * 3) == pytest.approx(ends[near], abs=2 * UNIT)

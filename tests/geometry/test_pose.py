@@ -250,7 +250,7 @@ def test_turns_are_those_of_scipy(pose, other):
     assert np.abs(pose.relative_to(other).orientation_xyzw - between).max() <= SUMMED
 
 
-def test_what_a_pose_remembers_cannot_be_changed():
+def test_the_cached_arrays_of_a_pose_are_read_only():
     with pytest.raises(ValueError, match="read-only"):
         Pose().rotation_matrix[0, 0] = 2
 

@@ -267,7 +267,7 @@ def test_a_known_camera():
     [(0, 500, 320, 240, 640, 480), (500, -1, 320, 240, 640, 480), (500, 500, math.nan, 240, 640, 480),
      (500, 500, 320, 240, 0, 480), (math.inf, 500, 320, 240, 640, 480)],
 )  # fmt: skip
-def test_what_is_no_camera_is_refused(camera):
+def test_invalid_cameras_are_refused(camera):
     with pytest.raises(InputError, match="no camera: fx"):
         Fov.from_intrinsics(*camera)
 

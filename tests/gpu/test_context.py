@@ -96,7 +96,7 @@ def test_a_closed_one_is_current_nowhere():
     assert done.returncode == 0, done.stderr
 
 
-def test_what_a_gpu_says_of_itself(gpu):
+def test_a_gpu_describes_itself(gpu):
     assert gpu.gl.version_code >= context.WANTED
     assert gpu.renderer == gpu.gl.info["GL_RENDERER"]
     assert gpu.max_texture_size >= 16384 // 2, "OpenGL 4.3 promises 16384, software renderers may have less"

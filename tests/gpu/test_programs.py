@@ -107,7 +107,7 @@ class LinkingFails:
         ("GLSL Linker failed\n\nProgram\n=======\nerror: v\n", "a.frag", ["error: v"]),
     ],
 )  # fmt: skip
-def test_what_a_linker_says_is_translated_by_the_stage_it_stands_under(shaders, message, first, told):
+def test_linker_messages_are_translated_by_their_stage(shaders, message, first, told):
     """Recorded messages: the driver that writes them is not here."""
     for stage in ("vert", "frag"):
         (shaders / f"a.{stage}").write_text("//\n//\nvoid main() {}\n", encoding="utf-8")
@@ -265,7 +265,7 @@ def read_only(values: list[float]) -> np.ndarray:
     return array
 
 
-def test_what_may_have_changed_is_written_and_what_cannot_is_not(gpu, shaders, monkeypatch):
+def test_only_uniforms_that_may_have_changed_are_written(gpu, shaders, monkeypatch):
     """The same array may hold other numbers, and so may what a read-only view shows.
 
     The same tuple may not.

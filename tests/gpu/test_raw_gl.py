@@ -26,7 +26,7 @@ def quiet(gl, what: str) -> None:
     assert gl.error == "GL_NO_ERROR", what
 
 
-def test_what_is_drawn_lands_in_the_foreign_texture(gpu):
+def test_drawing_lands_in_the_foreign_texture(gpu):
     """The texture stands for a runtime's: made by moderngl, known by its GL name alone."""
     gl, size = gpu.gl, (7, 5)
     released = gl.framebuffer([gl.texture((2, 2), 4)])

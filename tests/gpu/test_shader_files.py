@@ -68,7 +68,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
         warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(one_colour)).close()
         for spec in every_choice():
-            with suppress(MachineError):  # test_what_this_machine_cannot_compile_is_told says so
+            with suppress(MachineError):  # test_shaders_that_this_machine_cannot_compile_are_reported says so
                 _compile_all(gpu, spec, libraries)
         for spec in every_fill():
             for choice in parse_fills(spec):
@@ -168,7 +168,7 @@ def test_every_stage_is_compiled_as_the_program_uses_it(gpu, variants):
 
 
 @pytest.mark.parametrize("name", [n for n in STAGES if "#extension" in (ROOT / n).read_text(encoding="utf-8")])
-def test_what_this_machine_cannot_compile_is_told(gpu, variants, name):
+def test_shaders_that_this_machine_cannot_compile_are_reported(gpu, variants, name):
     if missing := lacking(gpu, name):
         pytest.skip(
             f"{gpu.renderer} has no {', '.join(sorted(missing))}; glslangValidator checks it in "
@@ -237,7 +237,7 @@ def test_every_compute_shader_checks_its_bounds_first(name):
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_what_is_writeonly_is_never_read(name):
+def test_writeonly_images_are_never_read(name):
     """Mesa compiles it, NVIDIA refuses it."""
     assert not read_though_writeonly((ROOT / name).read_text(encoding="utf-8"))
 

@@ -353,6 +353,22 @@ def test_colour_comes_back_as_it_went_in_or_as_requested(given, result):
     assert np.array_equal(as_bytes[out.encoding], picture)
 
 
+def test_a_hidden_area_with_alpha_0_brings_no_black_into_view():
+    """Corners that a headset's lens never shows, which the engine left black, far away or near."""
+    y, x = np.mgrid[-1:1:48j, -1:1:64j]
+    seen = x**2 + y**2 < 1.1
+    colour = np.where(seen[..., None], np.uint8(200), np.uint8(0)) * np.ones(3, np.uint8)
+    fov = Fov.symmetric(1.2, 1.0)
+    turned = View(Pose((0.05, 0, 0), Rotation.from_euler("y", 12, degrees=True).as_quat()), fov)
+    for corner_m in (math.inf, 0.1):
+        depth = np.where(seen, 2.0, corner_m)
+        black = warp_image(colour, depth, View(Pose(), fov), turned, "iterative", "pyramid").colour
+        masked = np.dstack([colour, np.where(seen, np.uint8(255), np.uint8(0))])
+        right = warp_image(masked, depth, View(Pose(), fov), turned, "iterative", "pyramid").colour
+        # All that was drawn is one grey, so that a fill can only give that grey.
+        assert black.min() < 20 and right.min() > 195
+
+
 def test_alpha_is_coverage():
     """0 is a hole, as depth of 0 is; anything else is seen, and no colour is blended."""
     colour = np.random.default_rng(3).integers(0, 256, (4, 6, 4), dtype=np.uint8)

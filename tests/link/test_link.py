@@ -256,7 +256,7 @@ def test_no_latency_shows_the_frame_just_sent():
         assert len(link) == 1
 
 
-def test_of_frames_sent_at_once_the_last_is_shown():
+def test_the_last_of_frames_sent_at_once_is_shown():
     discarded = []
     link = constant(10, discarded.append)
     for name in "abc":
@@ -363,7 +363,7 @@ def test_each_frame_is_settled_once_and_heard_of_one_delay_after_it_came():
     assert settled == [(2, False, 40), (3, True, 10), (1, True, 20), (0, True, 60)]
 
 
-def test_what_cannot_be_decoded_has_not_arrived():
+def test_undecodable_frames_count_as_not_arrived():
     settled = []
     link = Link(itertools.repeat(7), receive=lambda frame: frame != 1, settled=lambda *fate: settled.append(fate))
     for frame in range(3):

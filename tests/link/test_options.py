@@ -21,7 +21,7 @@ from hmdwarp.link.delays.uniform import UniformJitter
 MS = 1_000_000
 
 
-def test_nothing_said_is_the_latency_alone():
+def test_default_options_delay_by_the_latency_alone():
     options = LinkOptions.of({})
     assert options == LinkOptions() == LinkOptions.of({"jitter": "constant", "loss": "none"})
     assert options.is_plain

@@ -41,14 +41,14 @@ def run(mbit: list[float], full_bytes: int, queue_ms: float = 250.0) -> Run:
 
 
 @given(load=st.floats(0.05, 0.99))
-def test_what_fits_is_never_lowered(load):
+def test_frames_that_fit_are_never_lowered(load):
     """load: of the link by full frames. 8 Mbit/s are 10,000 bytes in a period."""
     found = run([8.0] * 3 * S, round(load * 10_000))
     assert set(found.scales) == {1.0} and not found.changes
 
 
 @given(load=st.floats(1.05, 3.5))
-def test_what_does_not_fit_is_lowered_before_a_frame_is_dropped_and_then_rests(load):
+def test_too_large_frames_are_lowered_before_any_is_dropped(load):
     """At a quarter of the pixels everything up to a load of 3.5 fits."""
     found = run([8.0] * 20 * S, round(load * 10_000))
     assert found.dropped == 0

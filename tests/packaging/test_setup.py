@@ -196,7 +196,7 @@ def test_without_rights_the_line_to_type_is_printed_and_set_up_goes_on(machine, 
     assert not (tmp_path / "calls").exists()
 
 
-def test_nothing_missing_nothing_said(machine, tools, capfd):
+def test_a_complete_machine_gets_no_message(machine, tools, capfd):
     for name in ("Xvfb", "glslangValidator", "chromium"):
         stand_in(tools / name, "")
     machine.install_for_tests()

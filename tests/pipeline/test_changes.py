@@ -77,7 +77,7 @@ def test_no_point_moves_farther_than_the_bound_says_and_the_bound_is_tight(gpu, 
         assert bound <= 1.1 * farthest, "without parallax it is the motion of a corner"
 
 
-def test_nothing_moves_for_a_head_at_rest_and_everything_before_the_first_frame(gpu):
+def test_a_head_at_rest_changes_nothing_and_the_first_frame_everything(gpu):
     scene = load_scene("room")
     server, changes = Server(gpu, scene), Changes(scene)
     view = View(scene.viewpoint, FOV)
@@ -93,7 +93,7 @@ def test_nothing_moves_for_a_head_at_rest_and_everything_before_the_first_frame(
 
 
 @pytest.mark.parametrize("scene_name", ["workshop", "parade"])
-def test_what_moves_by_itself_counts(gpu, scene_name):
+def test_moving_bodies_count_as_changes(gpu, scene_name):
     scene = load_scene(scene_name)
     server, changes = Server(gpu, scene), Changes(scene)
     view = View(scene.viewpoint, FOV)

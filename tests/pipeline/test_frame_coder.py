@@ -95,7 +95,7 @@ def check(coding: str, before: np.ndarray, after: np.ndarray, depth_error: float
 
 
 @pytest.mark.parametrize(("name", "depth"), [*((name, "exact") for name in DRAWN), *product(DEEP, DEPTH_CODES[1:])])
-def test_what_arrives_is_what_was_drawn_within_the_bound_of_its_coding(server, name, depth):
+def test_arrived_layers_are_within_the_bound_of_their_coding(server, name, depth):
     """Everything that passes read is overwritten before it is decoded: nothing slips by.
 
     A video bounds no pixel of noise; that what is no depth stays so is checked all the same.
@@ -189,7 +189,7 @@ def plan(warp: str, fill: str = "none", effects: tuple[str, ...] = ()):
         ([plan("rotation", effects=("overlay",))], {"colour", "overlay"}),
     ],
 )
-def test_what_no_plan_reads_is_neither_coded_nor_counted(server, plans, names):
+def test_unread_layers_are_neither_coded_nor_counted(server, plans, names):
     """Frames carry it all, as where other plans run on them."""
     reads = Reads.of(plans)
     frame = server.draw_frame(VIEWS, 0, SIZE, needs=EVERYTHING)
@@ -198,7 +198,7 @@ def test_what_no_plan_reads_is_neither_coded_nor_counted(server, plans, names):
     server.recycle(frame)
 
 
-def test_of_peeled_surfaces_those_that_are_read_are_coded(server):
+def test_only_peeled_surfaces_that_are_read_are_coded(server):
     frame = server.draw_frame(VIEWS, 0, SIZE, needs=Needs(peeled=3))
     coder = Coder(Coding("h264"), 60, 0.2)
     coded = coder.encode(frame, Reads.of([plan("layered:layers=2")]), wants_key=False)

@@ -192,7 +192,7 @@ def test_without_one_nothing_is_told_of_it(tmp_path):
         ({"proxy": True, "proxy_latency": -1.0}, "--proxy-latency -1 ms: expected"),
     ],
 )
-def test_what_makes_no_sense_is_refused(said, words):
+def test_contradictory_options_are_refused(said, words):
     with pytest.raises(InputError, match=words):
         build_plan_for(PipelineOptions.of(said), None, None)
 

@@ -112,7 +112,7 @@ def test_counts_at_the_end_of_the_trace(seconds, count):
      ({"latency_ms": 2001.0}, "latency 2001 ms is longer"),
      ({"latency_ms": 1999.0}, "latency 1999 ms is longer"), ({"latency_ms": 1e9}, "latency")],
 )  # fmt: skip
-def test_nothing_to_show_is_refused(options, told):
+def test_a_run_without_a_frame_to_show_is_refused(options, told):
     """1999 ms is 120 refreshes after drawing at 60 Hz, 2000 ms; the last would be at 2.0167 s."""
     with pytest.raises(InputError, match=told):
         schedule_of(track(2.0) if options.get("latency_ms") != 1999.0 else track(1.9995), small(**options), 60.0)

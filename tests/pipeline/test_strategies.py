@@ -107,7 +107,7 @@ def test_bench_compares_all(scene, tmp_path):
         ({"strategy": "impostor"}, "did you mean 'imposter'"),
     ],
 )
-def test_what_does_not_go_together_is_refused(said, words):
+def test_options_that_exclude_each_other_are_refused(said, words):
     with pytest.raises(InputError, match=words):
         build_plan_for(PipelineOptions.of(said), None, None)
 

@@ -42,7 +42,7 @@ class Wandering:
 
 @pytest.mark.slow(15)
 @pytest.mark.parametrize("name", [*strategies.names(), "model:arrives=progressive"])
-def test_nothing_grows_once_the_head_has_been_everywhere(gpu, name):
+def test_memory_stops_growing_once_the_head_has_been_everywhere(gpu, name):
     headset = load_headset("flat-90")
     said = {"strategy": name, "scene": scene_for(name), "size": "32x24", "lens": "none", "latency": 20.0}
     options = PipelineOptions.of({**said, "predict": "none", "loss": "0.1", "link_seed": 3})

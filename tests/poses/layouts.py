@@ -192,26 +192,26 @@ LAYOUTS = (
     ),  # fmt: skip
     Layout(
         "TUM-VI",
-        "world=x,z,y head=x,z,y",
+        "tum-vi",
         _csv(
             "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []",
             lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
         ),
-        {"up": "z"},
+        {"axes": "tum-vi"},
     ),  # fmt: skip
     Layout("Aria MPS, HOT3D (Aria)", "aria", _aria, {"axes": "aria"}),
     Layout(
         "HOT3D (Quest 3), turned device",
-        "world=x,y,-z head=-y,x,-z",
+        "hot3d-quest3",
         _csv(
             "timestamp[ns],t_wo_x[m],t_wo_y[m],t_wo_z[m],q_wo_w,q_wo_x,q_wo_y,q_wo_z",
             lambda r: [r.ns, *r.p, *_wxyz(r.q)],
         ),
-        {"axes": "world=x,y,-z head=-y,x,-z"},
+        {"axes": "hot3d-quest3"},
     ),  # fmt: skip
     Layout("ARKit, 4x4 matrices", "arkit", _csv("", lambda r: [r.s, *_matrix_4x4(r)], " ")),
     Layout("KITTI odometry, 3x4 matrices", "kitti", _csv("", _matrix_3x4, " "), {"rate": 90.0, "axes": "kitti"}),
-    Layout("nerfstudio transforms.json (OpenGL camera)", _PLAIN, _frames),
+    Layout("nerfstudio transforms.json", "nerfstudio", _frames, {"axes": "nerfstudio"}),
     Layout(
         "ROS 2 bag as CSV",
         "ros",

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 import pytest
+from published_folders import write_colmap
+from recorded_folders import taken
+from ros_bags import HAS_ROSBAGS, write_ros1
 
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import Assumption, By, assumption_rows, first_stated
+from hmdwarp.poses.formats import formats
 
+from . import test_other_files as files
 from .test_trace_command import run
-from .traces import head, rows, write
+from .traces import WRITERS, head, rows, save, write
 
 TRACK = head(100)
 
@@ -24,7 +32,7 @@ def test_facts_of_a_plain_header_are_said_by_the_file_or_by_nobody(tmp_path):
     loaded = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw"))
     assert by(loaded) == {
         "columns": By.FILE,
-        "quaternion": By.FILE,
+        "orientation": By.FILE,
         "pose": By.NOBODY,
         "length": By.NOBODY,
         "axes": By.NOBODY,
@@ -60,3 +68,82 @@ def test_an_assumption_says_who_says_it(who, said):
 def test_the_first_that_states_a_fact_is_believed():
     assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
     assert first_stated(None, None, None) == (None, By.NOBODY)
+
+
+def _bids(folder: Path) -> Path:
+    channels = [(f"q{part}", f"quat_{part}", "ORNT", "head", "n/a", "n/a") for part in "xyzw"]
+    return files.bids(folder, channels, TRACK.orientation_xyzw)
+
+
+def _table(header: str, order: str = "xyzw", *before: str) -> Callable[[Path], Path]:
+    return lambda folder: write(folder / "a.csv", [[*before, *row] for row in rows(TRACK, order)], header)
+
+
+def _text(text: str) -> Callable[[Path], Path]:
+    def written(folder: Path) -> Path:
+        path = folder / "a.txt"
+        path.write_text(text)
+        return path
+
+    return written
+
+
+_TIMED = "x,y,z,qx,qy,qz,qw"
+_HEAD = ",".join([*(f"HeadPos{a}" for a in "XYZ"), *(f"HeadOrientation{a}" for a in "WXYZ")])
+_ROS = ",".join([*(f"pose.position.{a}" for a in "xyz"), *(f"pose.orientation.{a}" for a in "xyzw")])
+_EYES = "Position{0},Position{1},Position{2},Quaternion{0},Quaternion{1},Quaternion{2},QuaternionW".format(*"XYZ")
+TURNED = [[row[0], "0", *row[4:]] for row in rows(TRACK, "wxyz")]
+SAMPLES: dict[str, Callable[[Path], Path]] = {
+    "bids": _bids,
+    "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
+    "euroc": lambda folder: save(TRACK, folder / "a.csv", "euroc"),
+    "eyenavgs": _table(f"ViewIndex,FOV1,GazePosX,Timestamp,{_EYES}", "xyzw", "0", "1", "0"),
+    "frame_wxyz": lambda folder: write(folder / "a.txt", TURNED, "", " "),
+    "iwer": _text(json.dumps({"schema": [], "frames": files.iwer_frames(TRACK)})),
+    "json": _text("\n".join(json.dumps(dict(zip(files.NAMES, map(float, r), strict=True))) for r in rows(TRACK))),
+    "matrices": lambda folder: write(
+        folder / "a.txt", files.fields(files.SECONDS[:100], files.poses(TRACK).reshape(-1, 16)), ""
+    ),
+    "mcap": lambda folder: save(TRACK, folder / "a.mcap", "mcap"),
+    "motive": lambda folder: (files.motive(folder / "a.csv"), folder / "a.csv")[1],
+    "multiviewpoint": lambda folder: write(folder / "a.txt", TURNED, "timestamp viewpoint w x y z", " "),
+    "named": _table(f"time,{_TIMED}"),
+    "native": lambda folder: save(TRACK, folder / "a.csv", "native"),
+    "qualisys": lambda folder: files.qualisys(folder / "a.tsv"),
+    "questset": _table(f"LeftTouchPosX,time,{_HEAD}", "wxyz", "0"),
+    "rosbag": lambda folder: (write_ros1(folder, taken(3)), folder / "taken.bag")[1],
+    "ros2_csv": lambda folder: write(
+        folder / "a.csv",
+        [["1", str(i * 10**7), *row[1:]] for i, row in enumerate(rows(TRACK))],
+        f"header.stamp.sec,header.stamp.nanosec,{_ROS}",
+    ),
+    "ticks": lambda folder: write(
+        folder / "a.csv", rows(TRACK, stamp=lambda ns: str(638 * 10**15 + ns // 100)), f"timestamp,{_TIMED}"
+    ),
+    "tum": lambda folder: save(TRACK, folder / "a.tum", "tum"),
+    "unreal": lambda folder: files.unreal(folder / "a.csv"),
+    "vectors": _text(files.VECTORS["NumPy"]),
+}
+_MARKS = {param.values[0]: param.marks for param in WRITERS}
+_MARKS["rosbag"] = (pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed"),)
+_OPTIONS = {"colmap": TraceOptions(rate=90.0)}  # of files without a clock
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=_MARKS.get(name, ())) for name in formats.names()])
+def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
+    """A new format needs a sample here."""
+    loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
+    assert loaded.format == name
+    entries = {one.what: one for one in loaded.assumptions}
+    known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}
+    if any(defect.kind == "no-position" for defect in loaded.defects):
+        known.remove("length")
+    assert set(entries) == known
+    assert all(one.value and one.by in By for one in loaded.assumptions)
+    for stated in formats.get(name).assumes():
+        found = entries.get(stated.what)
+        if stated.by is By.FORMAT and found is not None:
+            assert found.by in (By.FORMAT, By.FILE), f"{found} is stated by the format"
+            assert found.by is By.FILE or np.isin(stated.value.split()[0], found.value.split())
+        if found is not None and found.by is By.FORMAT:
+            assert stated.by in (By.FORMAT, By.FILE), f"{found}, but the format says nothing of it"

@@ -114,7 +114,7 @@ def test_outside_there_is_nothing(place):
     assert (looked.colour == 0).all()
 
 
-def test_what_rounding_may_decide_is_marked():
+def test_pixels_that_rounding_may_decide_are_marked():
     places = np.array([[[0.5, 1.0], [0.001, 1.0], [1.999, 1.0], [1.0, 0.001], [math.nan, 1.0], [1.0, 1.0]]])
     marked = near_edge(places, (2, 2), np.full((1, 6), 0.01))
     assert marked.tolist() == [[False, True, True, True, False, False]]

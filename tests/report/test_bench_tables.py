@@ -154,7 +154,7 @@ def test_a_lead_within_the_noise_is_not_marked_and_too_few_instants_mark_nothing
         for row in (quick, slow)
     ]
     assert cases(few)[0].held() == []
-    assert "no *: intervals take 6 instants" in printed(few) and "±" in printed([quick])
+    assert "no *: intervals need 6 instants" in printed(few) and "±" in printed([quick])
 
 
 def _beside(row, by):

@@ -87,7 +87,7 @@ def test_with_too_few_instants_there_are_neither_intervals_nor_marks():
     assert len({row["frame"] for row in few if "flip" in row}) == 5
     text = printed(a_summary(few), a_baseline(few, worse))
     assert "±" not in text and re.search(r"\d \*", text) is None
-    assert "No intervals and no *: they take 6 measured refreshes" in " ".join(text.split())
+    assert "No intervals and no *: they need 6 measured refreshes" in " ".join(text.split())
 
 
 def test_an_unmeasured_figure_is_a_dash():

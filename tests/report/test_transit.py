@@ -13,9 +13,9 @@ def test_each_part_stands_once_and_empty_ones_are_left_out():
     assert "waiting for earlier frames" not in dict(response_rows(summary))
     rows = response_rows(summary)
     assert rows[-3:] == [
-        ("the latency and this machine's stages on top (mean: the sum of these)", "272.30 ms"),
-        ("the latency and this machine's stages on top (median)", "268.40 ms"),
-        ("the latency and this machine's stages on top (95th percentile)", "301.20 ms"),
+        ("latency plus this machine's stages (mean: the sum of these)", "272.30 ms"),
+        ("latency plus this machine's stages (median)", "268.40 ms"),
+        ("latency plus this machine's stages (95th percentile)", "301.20 ms"),
     ]
     assert sum(float(text.split()[0]) for _, text in rows[:-3]) == pytest.approx(272.3, abs=0.05)
     assert dict(frame_rows(summary)) == {
@@ -23,7 +23,7 @@ def test_each_part_stands_once_and_empty_ones_are_left_out():
         "sent": "120",
         "lost on the network": "3",
         "too late (a newer one was shown)": "1",
-        "superseded (a newer one came by the same refresh)": "2",
+        "superseded (a newer one arrived for the same refresh)": "2",
         "shown": "100",
         "in transit at the end": "14",
     }

@@ -131,7 +131,7 @@ def test_another_size_counts_in_proportion(tmp_path):
     )
 
 
-def test_what_this_program_has_not_is_left_out(tmp_path):
+def test_unknown_warps_of_a_bench_are_left_out(tmp_path):
     rows = [
         a_row("none", "none", 1.0, 0.3),
         a_row("teleport", "none", 2.0, 0.1),
@@ -327,7 +327,7 @@ def test_each_level_gets_what_it_would_get_alone(budget_ms, gets_them):
 
 
 @pytest.mark.parametrize("against", ["layered", "multi"])
-def test_what_the_compared_warp_needs_is_not_handed_to_the_run(tmp_path, against):
+def test_layers_of_a_compared_warp_are_not_handed_to_the_run(tmp_path, against):
     assert run(tmp_path, warp="forward", fill="pyramid", against=against, seconds=0.1).summary["frames"] > 0
 
 

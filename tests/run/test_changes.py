@@ -56,7 +56,7 @@ def test_numbers_stop_at_their_bounds(name, back):
     assert values(options)[name] == control(name).span[0 if back else 1]
 
 
-def test_what_is_in_no_list_steps_into_it():
+def test_a_value_outside_the_list_steps_into_it():
     """Settings of a warp's own, a scene from a file."""
     special = attrs.evolve(OPTIONS, warp="mesh:cut=slope", scene="model.glb")
     for name in ("warp", "scene"):
@@ -94,6 +94,6 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("name", "value"), REFUSED)
-def test_what_cannot_be_meant_is_refused_by_name(name, value):
+def test_impossible_values_are_refused_by_name(name, value):
     with pytest.raises(InputError, match=name):
         changed(OPTIONS, Command(name, value))

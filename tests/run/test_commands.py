@@ -52,7 +52,7 @@ def test_a_value_that_cannot_be_is_not_replaced_by_another(flat):
     assert len(said) == 2
 
 
-def test_what_can_be_of_several_is_done(flat):
+def test_possible_commands_of_several_are_carried_out(flat):
     one = CommandHandler(flat, lambda text: None)
     assert one.handle([Command("warp", "multi"), Command("latency", 30.0), Command("warp", "backward")])
     assert (flat.options.warp, flat.options.latency_ms) == ("backward", 30)

@@ -73,7 +73,7 @@ def led(gpu):
     return runs
 
 
-def test_what_was_drawn_ahead_is_there_at_the_first_picture(led):
+def test_frames_drawn_ahead_are_there_at_the_first_picture(led):
     """Longer ahead than frames are under way.
 
     No picture is black, and none is younger than the latency.
@@ -87,7 +87,7 @@ def test_what_was_drawn_ahead_is_there_at_the_first_picture(led):
     assert log.result().summary["live"]["age_ms"]["median"] >= LATENCY_MS
 
 
-def test_who_watches_hears_of_every_frame_that_was_there(led):
+def test_a_frame_handler_gets_every_frame(led):
     watch = Led(10, 5)
     led(watch)
     assert 5 < len(watch.heads) <= 15
@@ -102,7 +102,7 @@ def test_a_plate_stays_where_it_is_whatever_the_tracking_does(led):
     assert display.labels[12] == "tracking lost"
 
 
-def test_who_watches_hears_that_the_display_went_before_it_is_waited_for(led):
+def test_a_frame_handler_learns_of_a_lost_display_before_the_wait(led):
     watch = Led(10, 5)
     display, _ = led(watch, events={3: Lost("the headset went away")})
     assert watch.why == ["the headset went away"]

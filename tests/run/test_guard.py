@@ -51,7 +51,7 @@ def test_a_step_aside_counts_for_what_is_a_metre_away():
     assert found == pytest.approx(1 + 0.25 / NEAR_M)
 
 
-def test_what_leaves_every_plane_is_infinitely_much():
+def test_a_turn_out_of_every_plane_needs_an_infinite_guard():
     assert np.isinf(needed_factors(FLAT, heads(STILL), heads(turned("y", 60)))).all()
 
 
@@ -110,7 +110,7 @@ def test_the_note_is_for_people():
     assert "1.30 times" in str(Guard(1.3, 1.299))
 
 
-def test_what_is_no_guard_is_refused():
+def test_invalid_guards_are_refused():
     assert parse_guard(" auto ") == "auto"
     assert parse_guard("1.5") == 1.5
     assert parse_guard("1.25x1.125") == (1.25, 1.125)

@@ -52,7 +52,7 @@ def test_it_tells_the_refresh_before_of_each_eye(gpu, counter):
         before = tuple(share for _, share in eyes)
 
 
-def test_what_was_counted_outlives_its_picture(gpu, counter):
+def test_a_count_outlives_its_picture(gpu, counter):
     """A change of the size frees the old pictures at once."""
     old, wanted = picture(gpu, 3, (50, 20), 0.2)
     counter.count([old])

@@ -137,7 +137,7 @@ def test_passes_that_read_the_same_are_exchanged_between_two_pictures(gpu, value
     "values",
     [{"warp": "layered"}, {"warp": "multi"}, {"fill": "wide"}, {"scene": "spheres"}, {"guard": 1.25}, {"view": "flat"}],
 )
-def test_what_needs_other_frames_begins_anew(gpu, values):
+def test_changes_that_need_other_frames_restart_the_pipeline(gpu, values):
     """Its first picture comes when its first frame has arrived.
 
     50 ms, shown 20 ms after it is asked for, every 10 ms.
@@ -158,7 +158,7 @@ def test_back_again_is_as_before(gpu):
         assert running.ages_ms[-1] == 50.0
 
 
-def test_nothing_changes_nothing(gpu):
+def test_an_empty_change_keeps_the_pipeline(gpu):
     with Running(gpu) as running:
         pipeline, plan = running.host.pipeline, running.host.plan
         running.set()

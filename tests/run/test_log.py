@@ -199,7 +199,7 @@ def test_pictures_have_an_end(monkeypatch, tmp_path):
     assert any("2 pictures were kept: the limit" in note for note in result.summary["notes"])
 
 
-def test_what_happened_is_told(monkeypatch, tmp_path):
+def test_events_are_listed(monkeypatch, tmp_path):
     events = {
         8: Tick(0, 0, render=False),
         9: Tick(0, 0, missed=2, notice="tracking lost"),
@@ -316,7 +316,7 @@ def test_pictures_need_a_folder():
         LiveOptions(images_every=2)
 
 
-def test_nothing_waits_for_the_gpu(monkeypatch, tmp_path, seen):
+def test_logging_does_not_wait_for_the_gpu(monkeypatch, tmp_path, seen):
     """With timer queries, a refresh's times are asked for after the next one was handed over, and
     the last one's at the end.
     """
@@ -335,7 +335,7 @@ def test_nothing_waits_for_the_gpu(monkeypatch, tmp_path, seen):
     assert all(row["total_ms"] and row["hole_share"] for row in rows_of(tmp_path / "out"))
 
 
-def test_nothing_shown_leaves_nothing_and_says_so(monkeypatch, tmp_path):
+def test_a_run_without_a_picture_writes_nothing_and_says_so(monkeypatch, tmp_path):
     result, display = go(monkeypatch, tmp_path / "out", closed_at(1), options={"record": tmp_path / "head.csv"})
     assert result.describe() == ["no picture was shown"] and result.folder is None
     assert "nothing recorded" in display.said[-1] and not list(tmp_path.iterdir())
@@ -348,7 +348,7 @@ def test_a_folder_that_cannot_be_made_is_told_before_a_display_opens(monkeypatch
 
 
 @pytest.mark.parametrize("error", [MachineError("the GPU is gone"), KeyboardInterrupt()])
-def test_whatever_ends_it_what_was_shown_is_written(monkeypatch, tmp_path, error):
+def test_any_ending_writes_the_shown_refreshes(monkeypatch, tmp_path, error):
     with pytest.raises(type(error)):
         go(monkeypatch, tmp_path / "out", {15: error}, options={"record": tmp_path / "head.csv"})
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

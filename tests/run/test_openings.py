@@ -64,7 +64,7 @@ def absent(request, monkeypatch, tmp_path) -> str:
     return told
 
 
-def test_who_insists_on_the_headset_is_told_why_there_is_none(absent):
+def test_source_openxr_reports_why_there_is_no_headset(absent):
     with pytest.raises(MachineError) as caught:
         opened(source="openxr")
     assert str(caught.value).startswith("no OpenXR runtime: XR_RUNTIME_JSON names ")
@@ -84,7 +84,7 @@ def test_with_neither_both_reasons_are_told(absent):
     assert caught.value.exit_status == 3
 
 
-def test_who_insists_on_the_window_hears_nothing_of_headsets(monkeypatch):
+def test_source_desktop_reports_nothing_about_headsets(monkeypatch):
     monkeypatch.setenv("DISPLAY", ":987")
     with pytest.raises(MachineError) as caught:
         opened(source="desktop")

@@ -134,7 +134,7 @@ def test_live_shows_one_eye_in_the_flat_view(folder, tmp_path):
         (RunOptions, {"frames": None, "trace": "walk", "repair": "edges"}, "--repair edges: a rendered scene"),
     ],
 )
-def test_what_recorded_frames_cannot_do_is_refused(kind, said, told, folder):
+def test_options_beyond_recorded_frames_are_refused(kind, said, told, folder):
     with pytest.raises(InputError) as caught:
         kind.of({"frames": folder, **said})
     assert told in str(caught.value)
@@ -149,7 +149,7 @@ def test_pages_say_folder_camera_and_eyes_in_place_of_a_scene(folder, tmp_path, 
     said = {"frames": folder, "latency": 100.0, "metrics_every": 3, "workers": 0, "images": 0, "against": ""}
     for name, more, eyes, time in (
         ("one", {}, "one, the camera's", "warp to lens, the camera's eye"),
-        ("both", {"eye_distance": 63.0}, "both, the right one 63 mm beside the camera", "warp to lens, both eyes"),
+        ("both", {"eye_distance": 63.0}, "both, the right one 63 mm from the camera", "warp to lens, both eyes"),
     ):
         out = tmp_path / name
         result = replayed(RunOptions.of({**said, **more, "out": out}), True, gpu)

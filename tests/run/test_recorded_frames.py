@@ -189,7 +189,7 @@ def test_over_a_link_with_a_codec(run):
         ({"warp": "auto", "budget": 5.0}, "--warp auto with --frames"),
     ],
 )
-def test_what_a_recording_cannot_do_is_refused(said, told, folder):
+def test_options_beyond_a_recording_are_refused(said, told, folder):
     with pytest.raises(InputError) as caught:
         options(folder, **said)
     assert told in str(caught.value)
@@ -222,7 +222,7 @@ def test_a_rim_without_a_picture_is_told_and_left_out_where_asked(run, tmp_path)
 @pytest.mark.parametrize(
     "rim", [(0, 0, 0, 0), (2, 2, 2, 0), (12, 12, 20, 20)], ids=["none", "three sides", "background"]
 )
-def test_what_may_well_be_a_picture_is_no_rim(rim, run, tmp_path):
+def test_a_plausible_picture_is_no_rim(rim, run, tmp_path):
     assert not any("--crop" in note for note in run(framed(tmp_path / "framed", rim)).summary["notes"])
 
 
@@ -249,7 +249,7 @@ STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": "0.001", "fra
 
 
 @pytest.mark.parametrize("name", [option.name for option in options_of(SequenceOptions)])
-def test_what_is_stated_of_frames_is_refused_where_there_are_none(name):
+def test_options_of_frames_are_refused_without_frames(name):
     with pytest.raises(InputError, match=f"--{name.replace('_', '-')}: .* it is for --frames"):
         RunOptions.of({"trace": "walk", name: STATED[name]})
 

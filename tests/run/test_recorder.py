@@ -80,7 +80,7 @@ def test_a_place_that_cannot_be_written_is_told_before_anything_runs(tmp_path):
         Recorder(tmp_path / "nowhere" / "a.csv")
 
 
-def test_who_will_not_come_to_the_end_saves_what_there_is(tmp_path):
+def test_an_early_end_saves_the_trace_so_far(tmp_path):
     one, two = (Recorder(tmp_path / name) for name in ("one.csv", "two.csv"))
     for recorder, count in ((one, 1), (two, 2)):
         recorder.begin(ABOUT, 90.0)
@@ -96,7 +96,7 @@ def test_who_will_not_come_to_the_end_saves_what_there_is(tmp_path):
 
 
 @pytest.mark.parametrize("count", [0, 1])
-def test_what_no_reader_takes_is_not_left_behind(tmp_path, count):
+def test_an_unreadable_trace_is_not_left_behind(tmp_path, count):
     (told,) = record(tmp_path / "a.csv", samples(count))
     assert "nothing recorded" in told and not list(tmp_path.iterdir())
 

@@ -413,7 +413,7 @@ class Made:
 
 
 @pytest.mark.parametrize("warp", ["forward", "backward"])
-def test_nothing_is_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
+def test_no_objects_are_made_after_the_second_shown_refresh(warp, tmp_path, monkeypatch):
     """At the second one the frame being drawn, the one shown and those under way exist together for
     the first time.
     """

@@ -15,7 +15,7 @@ from hmdwarp.run.speeds import angle_between
 
 
 @given(count=st.integers(0, 3000), half=st.integers(1, 40))
-def test_what_is_kept_is_evenly_spaced_over_all_of_it(count, half):
+def test_kept_rows_are_evenly_spaced(count, half):
     most = 2 * half
     table = Thinned(("number", "square"), most)
     for number in range(count):
@@ -26,7 +26,7 @@ def test_what_is_kept_is_evenly_spaced_over_all_of_it(count, half):
     assert len(kept) <= most and (table.every == 1 or len(kept) > half) and (table.every & (table.every - 1)) == 0
 
 
-def test_what_was_not_measured_is_left_out():
+def test_unmeasured_rows_are_left_out():
     table = Thinned(("a", "b"))
     for row in ((1, np.nan), (np.nan, np.nan), (2, 3)):
         table.add(row)

@@ -135,7 +135,7 @@ def test_following_the_scan_out_is_better_than_showing_its_middle(tmp_path):
     assert any("shows all rows as in its middle" in note for note in middle["notes"])
 
 
-def test_what_cannot_follow_shows_the_middle_and_says_so(tmp_path):
+def test_a_warp_without_scanout_shows_the_middle_and_says_so(tmp_path):
     summary = figures(tmp_path, warp="forward", scanout_ms=16.0)
     assert any("warp 'forward' shows all rows as in its middle" in note for note in summary["notes"])
 
@@ -168,7 +168,7 @@ def test_fused_and_scanned_out_together(tmp_path):
         ({"warp": "forward"}, "only gather warps can"),
     ],
 )
-def test_what_cannot_be_fused_is_refused_in_one_line(options, told):
+def test_warps_that_cannot_be_fused_are_refused_in_one_line(options, told):
     asked = small(**{"warp": "rotation", "headset": "rift-dk1", "lens": "radial", "fused": True, **options})
     with pytest.raises(InputError, match=told) as refused, set_up_replay(asked):
         pass

@@ -72,7 +72,7 @@ def test_an_open_sheet_has_one_side_unless_its_material_says_two(tmp_path, gpu):
 
 
 @pytest.mark.parametrize("strength", [None, 2.5])
-def test_what_emits_shines_by_its_factor_and_strength(tmp_path, gpu, strength):
+def test_emission_follows_its_factor_and_strength(tmp_path, gpu, strength):
     more = (
         {} if strength is None else {"extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}}
     )

@@ -41,7 +41,7 @@ def test_the_bootstrap_of_a_mean_is_short_by_what_student_knew():
 
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [12, 24])
-def test_nothing_is_found_where_there_is_nothing(n):
+def test_no_effect_is_found_where_there_is_none(n):
     found = without_effect(*designed(), n, STUDIES, seed=2)
     most = bounds(1 - LEVEL, STUDIES)[1]
     assert found.any_found.mean() <= most  # Holm over three

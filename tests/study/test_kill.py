@@ -18,7 +18,7 @@ SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
 
 
 @pytest.mark.slow(40)
-def test_nothing_is_lost_however_often_the_program_is_killed(tmp_path, capsys):
+def test_killing_the_program_loses_nothing(tmp_path, capsys):
     killed = Killed(tmp_path, SEED, KILLS)
     killed.run()
     assert not faults(killed), f"STUDY_KILL_SEED={SEED}"

@@ -205,7 +205,7 @@ def test_a_missing_or_wrong_trace_is_reported_and_the_others_measured(store):
     assert "recording is gone" in found.left_out[0] and second.trace in found.left_out[1]
 
 
-def test_nothing_to_measure_is_an_error(store):
+def test_a_study_without_trials_to_measure_is_refused(store):
     with pytest.raises(InputError, match="nothing to measure"):
         measure_study(store, attrs.evolve(OPTIONS, pilot=True))
 

@@ -21,7 +21,7 @@ GL_LIMITS = {
     "max_storage_block_bytes": "GL_MAX_SHADER_STORAGE_BLOCK_SIZE",
     "max_storage_blocks": "GL_MAX_COMPUTE_SHADER_STORAGE_BLOCKS",
 }
-# Both are needed for a 64-bit depth test in one pass; everything has a 32-bit path beside it.
+# Both are needed for a 64-bit depth test in one pass; there is a 32-bit path for everything.
 INT64_EXTENSIONS = {"GL_ARB_gpu_shader_int64", "GL_NV_shader_atomic_int64"}
 
 

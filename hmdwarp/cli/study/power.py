@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import attrs
 import typer
 
 from ...experiments.sweep.options import KeptOptions
 from ...options import Declared, Number, force_field, group, option, out_field
+from ...study import power as study
+from ...study import respondents, scales
 from .._options import QUIET, Said, takes
 from ._options import study_field
-
-if TYPE_CHECKING:
-    from ...study.power import Power
-    from ...study.respondents import Model
-    from ...study.scales import Scale
 
 
 @attrs.frozen
@@ -44,7 +40,6 @@ class PowerOptions(Declared):
 @takes(PowerOptions, QUIET)
 def power(said: Said) -> None:
     """Simulate the study many times, dropouts included, and analyse each like `study analyse`."""
-    from ...study import power as study
     from ...study.design import load_design
     from .._show import sayer, steps
 
@@ -69,7 +64,9 @@ def power(said: Said) -> None:
     swept.raise_failures()
 
 
-def _print(powers: Sequence[Power], models: Mapping[Scale, Model], options: PowerOptions) -> None:
+def _print(
+    powers: Sequence[study.Power], models: Mapping[scales.Scale, respondents.Model], options: PowerOptions
+) -> None:
     from .._show import paragraph
 
     first = powers[0]
@@ -85,10 +82,9 @@ def _print(powers: Sequence[Power], models: Mapping[Scale, Model], options: Powe
     paragraph(f"Table and plot: {options.out}")
 
 
-def _print_one(found: Power, target: float) -> None:
+def _print_one(found: study.Power, target: float) -> None:
     from rich.table import Table
 
-    from ...study.power import name_of, sentences
     from .._show import console, paragraph
 
     table = Table(box=None, pad_edge=False)
@@ -96,10 +92,10 @@ def _print_one(found: Power, target: float) -> None:
     for at_n in found.at:
         table.add_column(str(at_n.n), justify="right")
     for comparison in found.true_effect:
-        table.add_row(name_of(comparison, found), *(f"{at_n.found[comparison].value:.0%}" for at_n in found.at))
+        table.add_row(study.name_of(comparison, found), *(f"{at_n.found[comparison].value:.0%}" for at_n in found.at))
     if len(found.true_effect) > 1:
         table.add_row("all of them", *(f"{at_n.all_found.value:.0%}" for at_n in found.at))
     table.add_row("finish", *(f"{at_n.complete:.1f}" for at_n in found.at))
     console().print(table)
-    for sentence in sentences(found, target):
+    for sentence in study.sentences(found, target):
         paragraph(sentence)

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
 
 import attrs
 import typer
 
+from ...study import store
 from ...study.session import SessionOptions
 from .._options import QUIET, Said, takes
 from .._signals import Ended
-
-if TYPE_CHECKING:
-    from ...study.store import Session
 
 INTERRUPTED = 130
 
@@ -27,15 +24,15 @@ def run(said: Said) -> None:
 def _run(options: SessionOptions, quiet: bool) -> None:
     """Run it, and exit with a status of its own where the session was interrupted.
 
-    The closing words are said by then; the usual line "nothing unfinished is left" would be wrong.
+    The closing words are printed by then; the usual "nothing unfinished is left" would be wrong.
     """
     from ...study.session import run_session
 
     said: list[str] = []
-    ends: list[Session] = []
+    ends: list[store.Session] = []
     status = INTERRUPTED
 
-    def end(session: Session) -> None:
+    def end(session: store.Session) -> None:
         ends.append(session)
         if quiet and options.participant.lower() == "new":
             typer.echo(session.code)

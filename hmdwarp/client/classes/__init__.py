@@ -7,9 +7,8 @@ from pathlib import Path
 
 import attrs
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...options.tables import Table, parsed, text_of
-from ...registry import unknown_name
 
 # What the client has of the scene, from nothing to all. reduced: every triangle for depth, and a
 # reduced model for colour. whole: the whole scene for colour too.

@@ -8,11 +8,11 @@ from typing import ClassVar
 
 import attrs
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...frames import Needs
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
-from ...registry import Registry, unknown_name
+from ...registry import Registry
 from ...scenes import Mesh, Scene
 from ..carry import Carry
 from ..client_scene import ClientScene
@@ -38,10 +38,10 @@ class Effect:
     source: str
     # Name of the effect that this one builds on, "" for none.
     refines: str = ""
-    # Names of the effects that it stands in for: they are left out beside it.
+    # Names of the effects that it stands in for: they are left out where it is used.
     instead_of: tuple[str, ...] = ()
     # Whether only `--effects` asks for it: a way to draw frames, or another way to compensate
-    # content. Asked for in a scene without a mesh that has the effect, it is left out.
+    # content. Requested in a scene without a mesh that has the effect, it is left out.
     by_name_only: bool = False
 
 

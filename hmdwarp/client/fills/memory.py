@@ -107,7 +107,7 @@ class Memory(Fill):
 
     def _learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
-        rendered = inputs.as_drawn  # moving things can still be told apart in it
+        rendered = inputs.as_drawn  # moving things can still be distinguished in it
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:

@@ -33,7 +33,7 @@ class Strategy:
     source: ClassVar[str]
     # The warp; "" where any will do that `check` accepts.
     warp: ClassVar[str]
-    # The chain of fills; None for the one that usually follows the warp, or the one that was said.
+    # The chain of fills; None for the one that usually follows the warp, or the one that was set.
     fill: ClassVar[str | None] = None
     # Further options of a run, by name.
     more: ClassVar[Mapping[str, Any]] = {}
@@ -83,7 +83,7 @@ def has_own_link(text: str) -> bool:
 
 
 def with_strategy(said: Mapping[str, Any], defaults: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return what was said, with the options that the strategy in it sets.
+    """Return the options that were set, with those that the strategy in it sets.
 
     said, defaults: by option name; an option at its default counts as not said. Errors: as
     options_of_strategy; InputError for an option that the strategy sets otherwise.

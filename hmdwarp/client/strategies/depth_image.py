@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ...errors import InputError
+from ..variants import parse_warp
 from . import Strategy, strategies
 
 _DEPTH = "rendered.inverse_depth"
@@ -27,8 +28,6 @@ class DepthImage(Strategy):
     @classmethod
     def check(cls, said: Mapping[str, Any]) -> None:
         """Check that the warp reads depth. Errors: as parse_warp; InputError if it does not."""
-        from ..variants import parse_warp
-
         if said.get("warp") in (None, "auto"):
             return
         warp = parse_warp(said["warp"])

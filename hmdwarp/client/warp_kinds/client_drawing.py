@@ -14,7 +14,7 @@ from ..warps import Warp
 
 
 class ClientDrawing(Warp):
-    """Draw for the shown view and instant, with a depth buffer of its own where none is asked for.
+    """Draw for the shown view and instant, with a depth buffer of its own where none is given.
 
     A subclass draws in run_with_depth().
     """
@@ -34,7 +34,7 @@ class ClientDrawing(Warp):
     def prepare(self) -> None:
         if self.geometry is None:
             raise PlanError(f"warp '{self.name}' needs the scene on the client; for frames without one use 'iterative'")
-        # Where the depth goes that nobody reads; it keeps near surfaces before far ones.
+        # Target for depth that is not read; it keeps near surfaces before far ones.
         self._own_depth = allocate(self.gpu.gl, self.shown_size, SCALAR)
         self.prepare_scene(self.geometry)
 

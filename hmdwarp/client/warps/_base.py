@@ -32,7 +32,7 @@ class Output:
     lens: LensPass | None = None
     # Whether rows light up one after the other, from PassInputs.shown to PassInputs.shown_last.
     scanout: bool = False
-    # Whether run_with_depth() will be called: the inverse depth is written beside the colour.
+    # Whether run_with_depth() will be called: the inverse depth is written along with the colour.
     depth: bool = False
 
 
@@ -53,7 +53,7 @@ class Warp(ABC):
     source: ClassVar[str]
     # An attrs class of the settings, each with a default (`mesh:cut=slope`).
     Settings: ClassVar[type] = NoSettings
-    # Settings that trade accuracy for time; the bench runs them beside the defaults.
+    # Settings that trade accuracy for time; the bench runs them next to the defaults.
     variants: ClassVar[tuple[str, ...]] = ()
     # Settings with which it does what a published or shipped system does, and the name of that. The
     # bench runs and marks them too.
@@ -64,14 +64,14 @@ class Warp(ABC):
     # Whether it scatters, sorts or shares between pixels. Without, each shown pixel looks something
     # up by itself, which clients without compute shaders can do too.
     needs_compute: ClassVar[bool] = True
-    # What it reads to write the shown inverse depth beside the colour; None for a warp that runs a
+    # What it reads to write the shown inverse depth with the colour; None for a warp that runs a
     # second time for it, see client/carry.py.
     depth_reads: ClassVar[tuple[str, ...] | None] = None
-    # Of a warp that draws: why no effect is compensated beside it.
+    # Of a warp that draws: why no effect is compensated with it.
     without_effects: ClassVar[str] = "draws it as it is now: nothing is left to compensate"
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
-    # Whether it stands for no compensation at all: no effect is compensated beside it unless it is
+    # Whether it stands for no compensation at all: no effect is compensated with it unless it is
     # asked for by name, and frames carry the whole picture.
     imposter: ClassVar[bool] = False
 
@@ -95,7 +95,7 @@ class Warp(ABC):
             "rendered_pixel": rendered_pixel,
             "shown_size": tuple(shown_size),
         }
-        # Where the inverse depth of this run goes: by run() into one pixel that nobody reads.
+        # Where the inverse depth of this run goes: by run() into one pixel that is not read.
         self._no_depth = allocate(gpu.gl, (1, 1), SCALAR) if self.output.depth else None
         self.depth_into = self._no_depth
         self.prepare()

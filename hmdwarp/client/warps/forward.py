@@ -69,7 +69,7 @@ class Forward(ScatterWarp):
         self._path.run(self.forward_map(inputs), into)
 
     def depth_pass(self, words: int) -> Compute | None:
-        """Return the pass that reads the shown depth out of keys, if it is wanted."""
+        """Return the pass that reads the shown depth out of keys, if it is needed."""
         return self.gpu.shaders.compute("warps/forward_depth.comp", WORDS=words) if self.output.depth else None
 
     def close(self) -> None:

@@ -8,23 +8,19 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
 
 from ...gpu.context import Gpu
 from ...headsets import load_headset
 from ...poses import PoseSource
 from ...poses.pose_source import LoopedSource
 from ...poses.walker import Walker
-from .. import Closed, Command, DisplayOptions, Label, Tick
+from .. import Closed, Command, DisplayOptions, Label, Picture, Tick
 from ..status import Status
 from .control_panel import column_width
 from .layout import SwitchableView
 from .pacing import Pacer
 from .window import Window
 from .window_system import start
-
-if TYPE_CHECKING:
-    from .. import Picture
 
 TITLE = "hmdwarp"
 MINIMISED_S = 0.1

@@ -48,7 +48,7 @@ def picture_area(framebuffer: Size, column: int) -> Size:
 
 
 def window_size(wanted: Size, room: Size, column: int = 0) -> Size:
-    """Return the size of a new window for pictures of `wanted` pixels and a panel beside them.
+    """Return the size of a new window for pictures of `wanted` pixels and a panel next to them.
 
     It is large enough to read, and within most of the free area of the screen; the pictures'
     aspect is kept.

@@ -8,17 +8,14 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
 from .layout import Size, window_size
-from .window_system import XConnection, last_error, mode_of, screen_of, screen_text
-
-if TYPE_CHECKING:
-    from .window_system import VideoMode, WindowHandle
+from .window_system import VideoMode, WindowHandle, XConnection, last_error, mode_of, screen_of, screen_text
 
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 _NO_ERROR = 0  # GL_NO_ERROR
@@ -46,7 +43,7 @@ class WindowContext:
 
 
 class Window:
-    """A window for pictures of (w, h) `wanted` pixels, with a column beside them.
+    """A window for pictures of (w, h) `wanted` pixels, with a column next to them.
 
     column: its width in pixels at a content scale of 1.
     Errors: MachineError with the reason why there is no window, or no OpenGL 4.3 in it.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import glfw
 
@@ -12,9 +12,7 @@ from ...poses import PoseSample
 from ...poses.walker import Walker
 from .. import Command
 from ..controls import MOVING, Control
-
-if TYPE_CHECKING:
-    from .window_system import WindowHandle
+from .window_system import WindowHandle
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control
 # everywhere; the help writes what the user's own keyboard has printed there.

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     WindowHandle = ctypes._Pointer[glfw._GLFWwindow]
     ScreenHandle = ctypes._Pointer[glfw._GLFWmonitor]
     VideoMode = glfw._GLFWvidmode.GLFWvidmode
+else:  # glfw loads in start()
+    WindowHandle = ScreenHandle = VideoMode = object
 
 
 REMEDY = (

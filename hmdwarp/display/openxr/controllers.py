@@ -22,7 +22,7 @@ _TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", 
 PROFILES: dict[str, Bindings] = {
     # Two buttons a hand and no stick: each hand's main one moves the marker to its own side. Of the
     # others, the right hand's confirms, the one most people write with, and the left hand's is the
-    # menu. Long presses mean nothing: nobody would discover them in a headset.
+    # menu. Long presses mean nothing: a user would not discover them in a headset.
     "/interaction_profiles/khr/simple_controller": (
         ("left", f"{_LEFT}/select/click"),
         ("right", f"{_RIGHT}/select/click"),

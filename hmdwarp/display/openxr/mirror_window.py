@@ -1,21 +1,17 @@
-"""A desktop window beside the headset: it mirrors the left eye and reads the keys."""
+"""A desktop window that mirrors the left eye of the headset and reads the keys."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ...gpu.textures import Canvas
 from .. import Closed, Command, Label, Status
 from ..controls import CONTROLS, Control, help_closes
 from ..desktop.window import Window
 from ..desktop.window_input import Keys, label, token
 from ..desktop.window_system import start
-from ..present import fitted
-
-if TYPE_CHECKING:
-    from ...gpu.textures import Canvas
-    from ..present import Presenter
+from ..present import Presenter, fitted
 
 SIZE = (480, 480)
 TITLE_NS = 250_000_000

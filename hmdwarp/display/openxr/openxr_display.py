@@ -14,7 +14,7 @@ import attrs
 
 from ...errors import HmdwarpError, MachineError
 from ...geometry import View
-from .. import Command, DisplayOptions, Label, Status, Tick
+from .. import Command, DisplayOptions, EyePicture, Label, Picture, Status, Tick
 from ..notice import Notice
 from ..present import Presenter
 from .connection import IDLE_S, Connected, Connection, connect
@@ -25,7 +25,6 @@ from .swapchain import NEAR_M, Swapchain
 from .tracking import HeadTracker, RuntimeEyes
 
 if TYPE_CHECKING:
-    from .. import EyePicture, Picture
     from .mirror_window import Mirror
 
 LOST = "tracking lost"

@@ -207,7 +207,7 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "trace": case.recording,
         "scene": case.scene,
         "latency_ms": case.latency_ms,
-        "warp": "none",  # the loop's own; the combinations run beside it
+        "warp": "none",  # the loop's own; the combinations run alongside
         "fill": "none",
         "lens": "none",
         "size": case.size,

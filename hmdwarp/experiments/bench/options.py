@@ -70,15 +70,15 @@ class BenchOptions(RecordedOptions):
     warps: tuple[str, ...] = several(
         _RUN.warp,
         (),
-        f"Warp: {names_in('client/warps')}, or cv2.warpFrame; by default all that warp a late picture, and what other "
-        "systems do. Settings follow a colon, as in mesh:cut=slope.",
+        f"Warp: {names_in('client/warps')}, or cv2.warpFrame; by default all that warp a late picture, and the methods "
+        "of other systems. Settings follow a colon, as in mesh:cut=slope.",
         split=split_names,
     )
-    # Beside the warps that are named, or alone.
+    # In addition to the warps that are named, or alone.
     strategies: tuple[str, ...] = several(
         _RUN.strategy,
         (),
-        f"Strategy to compare, in place of all warps, or beside those of --warp: {names_in('client/strategies')}.",
+        f"Strategy to compare, instead of all warps or along with those of --warp: {names_in('client/strategies')}.",
         split=split_names,
     )
     fills: tuple[str, ...] = several(
@@ -99,12 +99,12 @@ class BenchOptions(RecordedOptions):
     # 0 for not at all.
     jod_s: float = same_as(
         _RUN.jod_s,
-        help="Also rate a clip of this many seconds that ends at each instant, by ColorVideoVDP "
+        help="Also rate a clip of this many seconds that ends at each instant, with ColorVideoVDP "
         "(pip install 'hmdwarp[jod]'); slow.",
     )
     # All combinations are measured; the front and the budget are for those that it can run.
     client: str = same_as(
-        _RUN.client, PICTURE_CLIENT, help="Client that the Pareto front and --budget are for; all is measured."
+        _RUN.client, PICTURE_CLIENT, help="Client for the Pareto front and --budget; everything is measured."
     )
     # Chooses the most accurate combination within it.
     budget_ms: float | None = same_as(

@@ -1,4 +1,4 @@
-"""Sections of a bench beside its rows: error against motion, and warps fused with the lens."""
+"""Sections of a bench besides its rows: error against motion, and warps fused with the lens."""
 
 from __future__ import annotations
 

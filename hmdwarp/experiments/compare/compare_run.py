@@ -96,7 +96,7 @@ def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
 def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
     """Return the options of every run, and which strategies are left out and why.
 
-    Those that nobody named are left out where the scene does not call for them, where they would do
+    Those not named are left out where the scene does not call for them, where they would do
     what another one does, and where recorded frames lack what they send.
     Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
     """
@@ -121,7 +121,7 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
         else:
             left_out.append({"strategy": text, "why": _DUPLICATE.format(scene=scene.name, alike=alike)})
     rate_hz = options.rate_hz or headset.refresh_hz
-    # From the same refresh on, whoever has to wait longest for the first frame.
+    # From the same refresh on: that of the longest wait for a first frame.
     latest = [_run_options(options, text, options.recordings[0], max(options.latencies_ms), 0.0) for text in chosen]
     start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
     cases = itertools.product(options.recordings, options.latencies_ms, chosen)
@@ -205,7 +205,7 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
 
 
 def run_part(case: SweepCase, step: Callable[[float], None]) -> Result:
-    """Run one strategy; its pictures are kept beside its row."""
+    """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
     result = measured(part.run)
     job = min(result.kept, key=lambda kept: kept.key).job
@@ -262,7 +262,7 @@ def decoded_mpx_s(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> fl
 
 
 def start_bytes(summary: Mapping[str, Any]) -> int:
-    """Return what the client must have got before the first picture, beside the first frame.
+    """Return the bytes that the client needs before the first picture, besides the first frame.
 
     Packed where a model says so. One that has not become a picture counts with all that came.
     """

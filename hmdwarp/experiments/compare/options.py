@@ -41,7 +41,7 @@ class CompareOptions(RecordedOptions):
     clients: tuple[str, ...] = several(
         _RUN.client,
         ("class-1", "class-2", "class-3"),
-        f"Whom the fronts are for: {names_in('client/classes', '*.toml')}, or a .toml file",
+        f"Clients to draw Pareto fronts for: {names_in('client/classes', '*.toml')}, or a .toml file",
     )
     scene: str = same_as(_RUN.scene)
     repair: str = same_as(_RUN.repair)

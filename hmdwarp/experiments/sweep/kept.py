@@ -59,7 +59,7 @@ class Failure:
 class KeptCases:
     """The folder of a run's cases: one JSON file for each that is done or failed.
 
-    The file is written last and at once, so that a case with files beside it is whole or not there.
+    The file is written last and at once, so that a case with further files is whole or not there.
     """
 
     folder: Path

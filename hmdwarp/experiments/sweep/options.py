@@ -52,7 +52,7 @@ class KeptOptions(ClusterOptions):
     """How a set of cases is run and kept."""
 
     heading = "Many cases"
-    resume: bool = option(False, "Go on with the run in this folder: only cases that are missing or failed are run.")
+    resume: bool = option(False, "Continue the run in this folder: run only the missing and failed cases.")
 
     @property
     def in_turn(self) -> bool:

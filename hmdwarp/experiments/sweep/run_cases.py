@@ -68,7 +68,7 @@ class ExperimentResult:
     report: Path
     # The cases that were run, and which failed. None if merged.
     swept: Swept | None = None
-    # Why nothing that was found fits what was asked for, else "".
+    # Why no result fits the options, else "".
     refused: str = ""
 
     def raise_failures(self) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 
 import attrs
 
-from ...registry import unknown_name
+from ...errors import unknown_name
 from .run_kinds import LATENCIES_MS, RATED_MS, FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun, motions, usual
 from .verdicts import Rule, number_of
 

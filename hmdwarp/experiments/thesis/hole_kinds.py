@@ -58,7 +58,7 @@ def holes_of(
 
 
 def seam(shown: Picture, truth: Picture, filled: NDArray[np.bool_], warped: NDArray[np.bool_]) -> float | None:
-    """Return the mean false step, 0..1, between filled pixels and warped ones beside them.
+    """Return the mean false step, 0..1, between filled pixels and the warped ones next to them.
 
     The step of the picture from one to the other, less that of the truth. shown, truth: (h, w, 3)
     sRGB bytes. None where a filled pixel has no such neighbour.

@@ -26,23 +26,25 @@ def _names(texts: list[str]) -> tuple[str, ...]:
 class ThesisOptions(ExperimentOptions):
     """Which experiments of the thesis to run again, and how large.
 
-    Errors: UnknownNameError for an experiment that there is not; InputError for a size beside
+    Errors: UnknownNameError for an unknown experiment; InputError for a size with
     `quick`.
     """
 
     out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and the folder cases.")
     only: tuple[str, ...] = option(
         (),
-        "Only these experiments, by their names on the page; repeat it, or put commas between.",
+        "Only these experiments, by their names on the page; for several, repeat it or use commas.",
         kind=list,
         default=None,
         metavar="NAME,..",
         parse=_names,
     )
-    quick: bool = option(False, "Small pictures and the middle speed only: whether everything runs, in two minutes.")
+    quick: bool = option(
+        False, "Small pictures and the middle speed only: a check that everything runs, in two minutes."
+    )
     size: tuple[int, int] | None = same_as(
         _RUN.size,
-        help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; those of streams are given by the thesis.",
+        help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; streams keep those of the thesis.",
     )
     sweep: KeptOptions = group(KeptOptions)
 

@@ -123,7 +123,7 @@ def _frames(run: Run) -> Any:
 class ThesisWork:
     """Runs the cases of the thesis."""
 
-    # All that are wanted: those on the same frames are looked at together.
+    # All that are chosen: those on the same frames are looked at together.
     runs: tuple[Run, ...]
     ratings: Ratings
 

@@ -168,7 +168,7 @@ def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
 
 
 def _together(texts: Sequence[str]) -> str:
-    """Join texts like "a 1 m" and "a 2 m" to "a 1, 2 m": what neighbours share is said once."""
+    """Join texts like "a 1 m" and "a 2 m" to "a 1, 2 m": what neighbours share is written once."""
     groups: list[tuple[str, str, list[str]]] = []
     for text in texts:
         words = text.split(" ")

@@ -126,7 +126,7 @@ class Layer:
 
     @classmethod
     def numbers(cls, data: Any) -> NDArray[Any] | None:
-        """Return what its data hold beside textures, as rows of float64; None for nothing."""
+        """Return what its data hold besides textures, as rows of float64; None for nothing."""
         return None
 
     @classmethod

@@ -35,5 +35,5 @@ class Wide(Layer):
 
     @classmethod
     def sent(cls, data: EyeImage) -> Iterable[moderngl.Texture]:
-        """Return the picture; nobody reads what head-locked content was drawn into beside it."""
+        """Return the picture alone: what head-locked content was drawn into is not read."""
         return data.colour, data.inverse_depth

@@ -75,7 +75,7 @@ def codes_of(inverse_depth: NDArray[np.float32], least: int) -> tuple[NDArray[np
     # A power of 2: nothing is rounded.
     codes = np.ceil(np.maximum(values, 0) * np.float32(2.0**-exponent)).astype(np.uint16)
     if exponent > least:
-        # A value too small for float32 beside an extremely near one.
+        # A value too small for float32 next to an extremely near one.
         codes[(values > 0) & (codes == 0)] = 1
     codes[values < 0] = NO_DEPTH
     return codes, exponent

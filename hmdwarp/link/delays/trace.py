@@ -6,12 +6,15 @@ import itertools
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import attrs
-import numpy as np
 
 from ...errors import InputError
 from . import LONGEST_MS, DelayModel, delay_models
+
+if TYPE_CHECKING:
+    import numpy as np  # help does not wait for it
 
 _MOST_LINES = 10_000_000  # 80 MB; a day of frames at 90 Hz is 7.8 million
 

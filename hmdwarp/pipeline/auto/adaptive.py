@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from ...client.compensator import Compensator, EyeResult, Stages
+from ...client.inputs import PassInputs
+from ...client.plan import Plan
+from ...gpu.context import Gpu
 from .governor import Change, Governor
-
-if TYPE_CHECKING:
-    from ...client.inputs import PassInputs
-    from ...client.plan import Plan
-    from ...gpu.context import Gpu
-    from .levels import QualityLevel
+from .levels import QualityLevel
 
 
 class AdaptiveCompensator:

@@ -12,12 +12,16 @@ import numpy as np
 from ...errors import InputError, TraceError
 from ...registry import Registry
 from ..assumptions import Assumption, By
-from ..options import TraceOptions, parse_euler
+from ..options import AXIS_ANGLE, INVERSE, VECTOR, Euler, TraceOptions, parse_euler
+from ..reading.assumed import AXES, CLOCK, COLUMNS, DIRECTION, LENGTH, ORIENTATION, POSE
 from ..reading.axes import OPENXR, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
-from ..reading.columns import UNRANKED, Columns, find_columns, head_rank
+from ..reading.columns import UNRANKED, Columns, direction_of, find_columns, head_rank
 from ..reading.file_head import Head, is_number
+from ..reading.matrix_cells import Matrix, matrix_in, read_matrix
+from ..reading.matrix_names import named_matrices
 from ..reading.rows import RowReader
+from ..reading.times import UNIT_NAMES
 from ..stated import Defect, Layout
 from ..track import PoseTrack
 
@@ -39,9 +43,12 @@ class TraceFormat:
 
     name = ""  # the name of the format
     summary = ""  # one line for people
+    kind: str = ""  # of the table that such files are made into, see `reading.made`
     header: tuple[str, ...] = ()  # names of columns that every such file has
     likelihood = 90  # of a file with that header, see `sniff`
     facts: Mapping[str, Any] = {}  # what the format states: fields of Layout
+    order = ""  # of an orientation's numbers, in words; "": as the names of its columns say
+    order_by = By.FILE
     bare_order = ""  # of quaternions in files without a header: xyzw or wxyz; "" where there are none
     writes = False  # whether `write` works
     binary = False  # whether `write` takes a stream of bytes
@@ -49,6 +56,8 @@ class TraceFormat:
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         """Return how likely the file is of this format, 0 to 100 (certainly); the highest wins."""
+        if self.kind:
+            return 100 if head.source.kind == self.kind else 0
         return self.likelihood if self.header and has(head, *self.header) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
@@ -56,7 +65,25 @@ class TraceFormat:
         if head.names is None and self.bare_order:
             unit = self.facts.get("unit") if options.format else None
             return unnamed_layout(head, options, self.name, self.bare_order, unit)
-        return named_layout(head, options, **self.facts)
+        return named_layout(head, options, **{**self.facts, **head.source.made.facts})
+
+    def assumes(self) -> tuple[Assumption, ...]:
+        """Return what is taken where neither a file nor the user says it, and who says so."""
+        facts, axes = self.facts, parse_axes(self.facts.get("axes", OPENXR))
+        axes_by = facts.get("axes_by", By.NOBODY)
+        unit, scale = facts.get("unit"), facts.get("scale", axes.metres_per_unit or 1.0)
+        scale_by = facts.get("scale_by", axes_by if axes.metres_per_unit else By.NOBODY)
+        bare = f", {self.bare_order} without a header" if self.bare_order else ""
+        order = self.order or f"as the names say{bare}"
+        return (
+            Assumption(
+                CLOCK, UNIT_NAMES[unit] if unit else "what makes a tracker's rate", By.FORMAT if unit else By.NOBODY
+            ),
+            Assumption(LENGTH, f"{scale:g} m per unit", scale_by, "--scale"),
+            Assumption(AXES, axes.label(), axes_by, "--axes"),
+            Assumption(ORIENTATION, order, facts.get("order_by", self.order_by), "--quat-order"),
+            Assumption(POSE, DIRECTION[bool(facts.get("inverse"))], facts.get("direction_by", By.NOBODY), "--pose"),
+        )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
@@ -73,11 +100,11 @@ class TraceFormat:
             layout = attrs.evolve(layout, time=None, clock_ignored=layout.time is not None)
         reader = RowReader(head, layout, options.lost_rows)
         rows = reader.read()
-        layout = attrs.evolve(layout, caveats=(*head.source.defects, *layout.caveats, *reader.defects))
+        layout = attrs.evolve(layout, caveats=(*head.source.made.defects, *layout.caveats, *reader.defects))
         cleaner = Cleaner(head, rows, layout, options, reader.ends_with_newline)
         loaded = cleaner.clean(self.origin(head))
         columns = _columns_read(head, layout, loaded.device)
-        read = Assumption("columns", columns, layout.columns_by, "--columns")
+        read = Assumption(COLUMNS, columns, layout.columns_by, "--columns")
         return attrs.evolve(loaded, format=self.name, columns=columns, assumptions=(read, *loaded.assumptions))
 
     def origin(self, head: Head) -> str:
@@ -134,37 +161,65 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
     if head.names is None:
         raise TraceError(f"{head.path} has no header ({head.describe()}): its columns cannot be told apart")
     found = find_columns(head.names)
-    orientation: tuple[int, ...] | None = found.orientation
-    euler = None
-    if orientation is None and options.euler is not None and found.angles is not None:
-        euler = parse_euler(options.euler)
-        orientation = tuple(found.angles["xyz".index(axis)] for axis in euler.order)
-        known["order_by"] = By.USER
-    elif orientation is None and found.matrix is not None:
-        orientation = found.matrix
-    elif orientation is None:
-        raise _no_quaternion(head, found)
-    elif found.numbered:
-        orientation = ordered(head, orientation, options.quat_order)
-        known["order_by"] = By.USER
-    elif options.quat_order is not None:
-        known["caveats"] = (*known.get("caveats", ()), _order_ignored(options.quat_order))
     time, unit = _finest(head, found.clocks)
     facts = {
         "time": time,
         "unit": unit,
         "unit_by": By.FORMAT if "unit" in known else By.FILE,
         "nanoseconds": found.nanoseconds,
-        "orientation": orientation,
-        "euler": euler,
-        "matrix": orientation is found.matrix,
         "position": found.position,
         "device": column_of_devices(head),
         "scale": found.length_m or 1.0,
         "scale_by": By.FILE if found.length_m else By.NOBODY,
         "gravity_down": _mean_of(head, found.gravity),
+        **_direction(head.names),
     }
-    return Layout(**(facts | known))
+    turn = _turn(head, found, options, known)
+    caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
+    return Layout(**(facts | turn | known), caveats=caveats)
+
+
+def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
+    """Return how the orientation is read: fields of Layout. Errors: TraceError."""
+    euler = known.pop("euler", None) if options.euler is None else parse_euler(options.euler)
+    if found.orientation is not None:
+        return _quaternion(head, found, options)
+    candidates = named_matrices(head.names or [])
+    if (matrix := matrix_in(head, candidates, options.matrix)) is not None:
+        return of_matrix(matrix, found.position)
+    if found.vector is not None and (euler is None or euler.order in (VECTOR, AXIS_ANGLE)):
+        order = VECTOR if len(found.vector.columns) == 3 else AXIS_ANGLE
+        by = By.USER if options.euler else By.FILE if found.vector.stated else By.NOBODY
+        stated = euler or Euler(order, found.vector.degrees)
+        return {"orientation": found.vector.columns, "euler": stated, "order_by": by}
+    if euler is not None and found.angles is not None:
+        order = "xyz" if euler.order == VECTOR else euler.order
+        columns = tuple(found.angles["xyz".index(axis)] for axis in order)
+        return {"orientation": columns, "euler": euler, "order_by": By.USER if options.euler else By.FORMAT}
+    if candidates:
+        read_matrix(head, candidates[0], options.matrix)
+    raise _no_quaternion(head, found)
+
+
+def _quaternion(head: Head, found: Columns, options: TraceOptions) -> dict[str, Any]:
+    columns, stated = found.orientation or (), options.quat_order
+    if not found.numbered:
+        return {"orientation": columns, "caveats": (_order_ignored(stated),) if stated else ()}
+    if stated is None and head.source.kind == "vectors":
+        return {"orientation": columns, "order_by": By.NOBODY, "caveats": (_ORDER_ASSUMED,)}
+    return {"orientation": ordered(head, columns, stated), "order_by": By.USER}
+
+
+def of_matrix(matrix: Matrix, position: tuple[int, int, int] | None) -> dict[str, Any]:
+    """Return the fields of Layout of a matrix. position: columns of one beside it."""
+    place = matrix.position or position
+    return {"orientation": matrix.turn, "position": place, "matrix": matrix.words, "order_by": matrix.by}
+
+
+def _direction(names: list[str]) -> dict[str, Any]:
+    """Return which way poses go where names say it: world_device or world_to_camera."""
+    said = direction_of(names)
+    return {} if said is None else {"inverse": said == INVERSE, "direction_by": By.FILE}
 
 
 def unnamed_layout(head: Head, options: TraceOptions, name: str, order: str, unit: str | None) -> Layout:
@@ -214,7 +269,7 @@ def _columns_read(head: Head, layout: Layout, device: str) -> str:
     device: whose rows were taken; "" where the file does not say.
     """
     names = head.names or []
-    parts = {
+    parts: dict[str, tuple[int | None, ...]] = {
         "time": (layout.time, layout.nanoseconds),
         "device": (layout.device,),
         "position": layout.position or (),
@@ -258,7 +313,8 @@ def _no_quaternion(head: Head, found: Columns) -> TraceError:
         names = ", ".join(found.euler[:4])
         return TraceError(
             f"{head.path} gives Euler angles only ({names}): their order and signs differ "
-            "from device to device, and the file does not state them; --euler does (ZXY,deg is Unity's)"
+            "from device to device, and the file does not state them; --euler does (ZXY,deg is Unity's; vector,rad a "
+            "rotation vector)"
         )
     return TraceError(
         f"{head.path} has no head orientation as a quaternion among {head.describe()}; see 'hmdwarp list formats'"

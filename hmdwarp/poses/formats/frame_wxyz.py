@@ -28,6 +28,10 @@ class FrameWxyz(TraceFormat):
     name = "frame_wxyz"
     summary = "t[s] frame w x y z; no header, blank-separated, rotation only, z up, x forward"
 
+    order = "quaternion wxyz"
+    order_by = By.FORMAT
+    facts = {"unit": "s", "axes": AXES}
+
     def sniff(self, head: Head, options: TraceOptions) -> int:
         if head.names is not None or head.separator is not None or head.width != 6:
             return 0
@@ -48,9 +52,8 @@ class FrameWxyz(TraceFormat):
             orientation=ordered(head, (2, 3, 4, 5), options.quat_order or "wxyz"),
             columns_by=By.FORMAT,
             order_by=By.USER if options.quat_order else By.FORMAT,
-            unit="s",
             unit_by=By.FORMAT,
-            axes=AXES,
+            **self.facts,
         )
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:

@@ -1,4 +1,4 @@
-"""Poses as matrices: 12 or 16 numbers a row, row by row, perhaps after a time."""
+"""Poses as matrices without a header: 9, 12 or 16 numbers somewhere in each row."""
 
 from __future__ import annotations
 
@@ -7,48 +7,60 @@ import numpy as np
 from ...errors import TraceError
 from ..assumptions import By
 from ..options import TraceOptions
-from ..reading.file_head import Head
+from ..reading.file_head import Head, is_number
+from ..reading.matrix_cells import bare_matrices, read_matrix
+from ..reading.matrix_names import Cells
 from ..stated import Layout
-from ._base import TraceFormat, formats, numbers_alone
+from ._base import TraceFormat, formats, of_matrix
 
-_WIDTHS = (12, 13, 16, 17)
-_OFF = 0.01
+_CLOCKED = 0.9  # share of the steps in which a clock rises
 
 
 class Matrices(TraceFormat):
-    """World-from-head matrices of 3x4 or 4x4, as KITTI's odometry has them.
+    """Matrices of 3x4 or 4x4, by rows as KITTI's odometry, or by columns as WebXR, glm and ARKit.
 
+    Where 0,0,0,1 or the rotation lies decides. The first column before them that rises is the time.
     Source: Geiger et al. 2012, Are we ready for autonomous driving? (the data set's poses).
     """
 
     name = "matrices"
-    summary = "3x4 or 4x4 matrices, 12 or 16 numbers a row, perhaps after a time; world from head, metres"
+    order = "where 0,0,0,1 or the rotation lies"
+    summary = "3x4 or 4x4 matrices, 12 or 16 numbers by rows or columns, perhaps beside others; metres"
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
-        if not numbers_alone(head, head.separator, *_WIDTHS):
-            return 0
-        first = np.array([float(f.replace(",", ".")) for f in head.rows[0]])[list(_columns(head.width)[0])]
-        turn = first.reshape(3, 3)
-        return 50 if np.abs(turn @ turn.T - np.eye(3)).max() < _OFF else 0
+        alone = head.names is None and head.width >= 12 and sum(map(is_number, head.rows[0])) >= 12
+        return 50 if alone and any(len(cells) > 9 for cells in bare_matrices(head)) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        if head.width not in _WIDTHS:
-            raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
-        orientation, position = _columns(head.width)
+        found = next((cells for cells in bare_matrices(head) if len(cells) > 9), _by_width(head))
+        matrix = read_matrix(head, found, options.matrix)
+        before = [c for c in range(found[0]) if _rises(head, c)]
         return Layout(
-            time=0 if head.width % 2 else None,
-            orientation=orientation,
-            position=position,
-            matrix=True,
+            time=max(before, key=lambda c: _fineness(head, c), default=None),
             columns_by=By.NOBODY,
+            **of_matrix(matrix, None),
         )
 
 
-def _columns(width: int) -> tuple[tuple[int, ...], tuple[int, int, int]]:
-    """Return the columns of the nine numbers of the rotation, and of the position."""
-    at = width % 2
-    turn = tuple(at + 4 * row + column for row in range(3) for column in range(3))
-    return turn, (at + 3, at + 7, at + 11)
+def _by_width(head: Head) -> Cells:
+    """Return the last 16 or 12 columns, as a file of matrices alone has them."""
+    count = 16 if head.width >= 16 else 12
+    if head.width < count:
+        raise TraceError(f"{head.path}: {head.width} columns, expected 12 or 16, or one more with a time first")
+    return tuple(range(head.width - count, head.width))
+
+
+def _fineness(head: Head, column: int) -> tuple[int, bool, float]:
+    """Return how likely a rising column is the clock, and no number of the frame."""
+    numbers = head.numbers((column,))[:, 0]
+    step = float(np.median(np.diff(numbers))) if len(numbers) > 1 else 0.0
+    return len(set(numbers.tolist())), bool((numbers % 1).any()), step
+
+
+def _rises(head: Head, column: int) -> bool:
+    numbers = head.numbers((column,))[:, 0]
+    steps = numbers[1:] - numbers[:-1]
+    return len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED
 
 
 formats.register(Matrices())

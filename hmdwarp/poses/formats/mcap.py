@@ -11,7 +11,8 @@ from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
-from ..reading.record_files import COLUMNS, EXTRA, METADATA
+from ..reading.mcap_messages import EXTRA, METADATA
+from ..reading.pose_messages import COLUMNS
 from ..stated import Defect, Layout
 from ..track import PoseTrack
 from ._base import TraceFormat, clock_offset_ns, formats
@@ -51,32 +52,30 @@ class Mcap(TraceFormat):
     schemas; ROS REP 103 and REP 105.
     """
 
-    name = "mcap"
+    name = kind = "mcap"
     summary = "MCAP of ROS 2 or Foxglove: poses, transforms, odometry; ROS axes (pip install 'hmdwarp[mcap]')"
+    file = "MCAP file"  # for messages
     writes = True
     binary = True
     axes_written = AXES
-
-    def sniff(self, head: Head, options: TraceOptions) -> int:
-        return 100 if head.source.kind == self.name else 0
+    order = "quaternion xyzw"
+    facts = {
+        **{"unit": "ns", "axes": AXES, "axes_by": By.FORMAT, "scale_by": By.FORMAT},
+        **{"order_by": By.FORMAT, "direction_by": By.FORMAT},
+    }
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        if head.source.kind != self.name:
-            raise TraceError(f"{head.path} is no MCAP file ({head.describe()}): leave --format out, or name its own")
+        if head.source.kind != self.kind:
+            raise TraceError(f"{head.path} is no {self.file} ({head.describe()}): leave --format out, or name its own")
         stamped = any(int(row[0]) for row in head.rows)
         return Layout(
             time=COLUMNS.index("stamp_ns" if stamped else "log_time_ns"),
-            unit="ns",
             unit_by=By.FORMAT,
             columns_by=By.FORMAT,
-            order_by=By.FORMAT,
-            scale_by=By.FORMAT,
-            direction_by=By.FORMAT,
+            **self.facts,
             device=COLUMNS.index("topic"),
             position=(3, 4, 5),
             orientation=(6, 7, 8, 9),
-            axes=AXES,
-            axes_by=By.FORMAT,
             caveats=() if stamped else (_UNSTAMPED,),
         )
 

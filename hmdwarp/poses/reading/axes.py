@@ -11,9 +11,8 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...options.tables import Table
-from ...registry import unknown_name
 from .. import quaternions
 
 OPENXR = "openxr"
@@ -155,7 +154,7 @@ def parse_up(text: str) -> Axes:
         direction = np.array([float(f) for f in fields])
     except ValueError:
         return parse_axes(",".join(fields))
-    return Axes(np.eye(3), np.eye(3), tilt=_upright(direction))
+    return Axes(np.eye(3), np.eye(3), tilt=upright(direction))
 
 
 def tilted(axes: Axes, text: str) -> Axes:
@@ -199,7 +198,8 @@ def _no_up(text: str) -> InputError:
     )
 
 
-def _upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
+def upright(up: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the smallest turn, xyzw, that carries a direction (3,) to +y. Errors: InputError."""
     length = float(np.linalg.norm(up))
     if not (math.isfinite(length) and length > 1e-6):
         raise InputError(f"--up {up.tolist()}: expected a direction that is not zero")

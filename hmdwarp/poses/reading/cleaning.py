@@ -15,15 +15,17 @@ from numpy.typing import NDArray
 from ...errors import InputError, TraceError, counted
 from .. import quaternions
 from ..assumptions import Assumption, By
-from ..options import TraceOptions
+from ..options import DIRECT, INVERSE, TraceOptions
 from ..stated import AXES_BY, Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
-from .assumed import assumptions_of
-from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted
+from .assumed import WRAP, assumptions_of, is_inverse
+from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted, upright
+from .clocks import Wraps, absurd_rows, midnights, wraps_of
 from .columns import head_rank
 from .file_head import Head
 from .plausibility import (
     CLEAR,
+    SURE,
     Evidence,
     Verdict,
     best_points,
@@ -31,6 +33,8 @@ from .plausibility import (
     find_jumps,
     gravity_axis,
     height_fault,
+    inverse_gain,
+    inverted,
     judge,
     place_fault,
     rate_fault,
@@ -50,8 +54,16 @@ _LEAST_STEPS = 10
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
-_DAY_S = 86400
 _TILT_SHOWN_DEG = 10.0
+_TILT_STATED_DEG = 0.5  # by gravity columns
+# How an order that nobody states was read, the other one, and the options that state them.
+_ORDERS = {
+    "matrix": ("by rows, its matrices", "by columns", "--matrix columns, or rows"),
+    "quaternion": (
+        *("with w last, as in TUM files, its quaternions", "with w first"),
+        "--quat-order wxyz, or xyzw",
+    ),
+}
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
 
 
@@ -104,7 +116,7 @@ class Cleaner:
     def __init__(self, head: Head, rows: Rows, layout: Layout, options: TraceOptions, ends_with_newline: bool) -> None:
         self.path, self.where = head.path, str(head.path)
         self.rows, self.layout, self.options = rows, layout, options
-        self._defects_of_devices = head.source.defects_of_devices
+        self._defects_of_devices = head.source.made.nested
         self._may_be_cut = not ends_with_newline
         self.defects: list[Defect] = list(layout.caveats)
         self.segments: list[Segment] = []
@@ -114,6 +126,8 @@ class Cleaner:
         self._axes_wrong = False
         self._tilt_deg = 0.0
         self.leaves_open = ""
+        self.upright, self.upright_by = "", By.MOTION  # the direction that --axes auto sets upright
+        self.wrap = ""  # where the clock begins again, in words
         self.epoch_ns = 0
         self.device = ""
 
@@ -126,6 +140,7 @@ class Cleaner:
         self.count_by_rate()
         self.take_one_segment()
         self.read_times()
+        self.invert()
         self.trim_default_start()
         self.drop_duplicate_stamps()
         self.join_pairs()
@@ -158,10 +173,16 @@ class Cleaner:
             "",
             self.axes_by is By.NOBODY,
             self.device,
-            assumptions_of(
-                self.layout, self.options, self.axes, self.axes_by, self.time_unit, self.rows.position is not None
-            ),
+            self._assumptions(),
         )
+
+    def _assumptions(self) -> tuple[Assumption, ...]:
+        facts = assumptions_of(
+            self.layout, self.options, self.axes, self.axes_by, self.time_unit, self.rows.position is not None
+        )
+        wrap = (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
+        up = attrs.evolve(facts[-2], value=self.upright, by=self.upright_by) if self.upright else facts[-2]
+        return (*facts[:-2], up, facts[-1], *wrap)
 
     def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
         """Record a defect and its repair. at: the rows concerned; count: of what else."""
@@ -276,7 +297,7 @@ class Cleaner:
 
     def take_one_segment(self) -> None:
         """Split where time decreases, never sorting; keep the longest recording or the chosen."""
-        self.rows.stamps = self._midnights(self._stamps)
+        self._mend_clock()
         self._judge_order()
         stamps = self._stamps
         falls = np.flatnonzero(stamps.steps() < 0) + 1
@@ -315,18 +336,26 @@ class Cleaner:
                 "recordings; sort them by time, or name the clock with --time-column"
             )
 
-    def _midnights(self, stamps: Stamps) -> Stamps:
-        """Unwrap a time-of-day clock at midnight, where it falls by a day in one recording."""
-        if not stamps.clock:
-            return stamps
-        over = np.diff(stamps.whole) < -_DAY_S // 2
-        over &= (stamps.whole[1:] < _DAY_S) & (stamps.whole[:-1] < _DAY_S)
-        if not over.any():
-            return stamps
-        what = f"the clock passes midnight {counted(int(over.sum()), 'time')}"
-        self._note("midnight", what, "counted on", np.flatnonzero(over) + 1)
-        days = np.concatenate([[0], np.cumsum(over)])
-        return Stamps(stamps.whole + days * _DAY_S, stamps.billionths, True)
+    def _mend_clock(self) -> None:
+        """Count on where the clock wraps or passes midnight, and drop stamps that are none."""
+        found = midnights(self._stamps)
+        if found is not None:
+            self._count_on(found, "midnight", f"the clock passes midnight {counted(len(found.rows), 'time')}")
+        bad = absurd_rows(self._stamps)
+        if len(bad):
+            stamp = self._stamps[bad[:1]]
+            what = f"{counted(len(bad), 'row')} with a time out of line with the others, the first {stamp.text()}"
+            self._note("stamp-absurd", what, "dropped", bad)
+            self.rows.keep(_without(bad, len(self.rows)))
+        found = wraps_of(self._stamps, self.rows.orientation)
+        if found is not None:
+            what = f"the clock wraps at {found.what} {counted(len(found.rows), 'time')}"
+            self._count_on(found, "clock-wrap", what)
+
+    def _count_on(self, found: Wraps, kind: str, what: str) -> None:
+        self._note(kind, what, "counted on", found.rows)
+        self.rows.stamps = found.stamps
+        self.wrap = what
 
     def _unit(self, stamps: Stamps) -> str:
         if stamps.clock:
@@ -375,6 +404,11 @@ class Cleaner:
         if remedy := rate_fault(step_ns, unit) if step_ns else "":
             what = f"its clock, read as {UNIT_NAMES[unit]}, makes {BILLION / step_ns:.4g} Hz, which no tracker has"
             self._note("rate-implausible", what, f"kept; {remedy}")
+
+    def invert(self) -> None:
+        """Turn poses that are head from world around."""
+        if is_inverse(self.layout, self.options):
+            self.rows.orientation, self.rows.position = inverted(self.rows.orientation, self.rows.position)
 
     def trim_default_start(self) -> None:
         """Drop the default pose that some recorders write until tracking starts."""
@@ -485,9 +519,9 @@ class Cleaner:
 
     def _weigh_axes(self) -> None:
         """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
-        p = self.rows.position
+        p, gravity = self.rows.position, np.array(self.layout.gravity_down)
         metres = None if p is None else p * self._scale()
-        evidence = evidence_of(self.time_ns, self.rows.orientation, metres, np.array(self.layout.gravity_down))
+        evidence = evidence_of(self.time_ns, self.rows.orientation, metres, gravity)
         what, remedy = place_fault(self.time_ns, metres) if metres is not None else ("", "")
         if self.layout.order_by is By.NOBODY:
             self._check_order(evidence)
@@ -498,7 +532,10 @@ class Cleaner:
             self._note("place-implausible", what, f"kept; {remedy}")
         self.leaves_open = verdict.leaves_open
         auto = self.options.axes == AUTO
+        if self._is_inverse(evidence, metres, bool(verdict.faults)):
+            return
         if verdict.world_alone and self._is_tilted():
+            self._set_upright(gravity)
             return
         if auto and verdict.better is not None and verdict.clear:
             self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict))
@@ -507,16 +544,58 @@ class Cleaner:
             what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
             self._note("axes-contradicted", what, _advice(verdict, auto))
             self._axes_wrong = True
+        if not self._axes_wrong:
+            self._set_upright(gravity)
+
+    def _is_inverse(self, evidence: Evidence, metres: NDArray[np.float64] | None, contradicted: bool) -> bool:
+        """Suggest the other direction of the poses where only that one makes a person's motion."""
+        if self.options.pose is not None:
+            return False
+        other = evidence_of(self.time_ns, *inverted(self.rows.orientation, metres), evidence.gravity)
+        gain = inverse_gain(evidence, other)
+        if gain <= (CLEAR if contradicted else SURE):
+            return False
+        ways = ("head from world", "world from head")
+        here, there = ways if is_inverse(self.layout, self.options) else ways[::-1]
+        verdict = judge(other, self.axes)
+        axes = f" --axes '{verdict.better.name or verdict.better.words()}'" if verdict.better is not None else ""
+        word = DIRECT if here == ways[0] else INVERSE
+        what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
+        self._note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
+        self._axes_wrong = True
+        return True
+
+    def _set_upright(self, gravity_down: NDArray[np.float64]) -> None:
+        """Turn the world as the file's gravity or the head says, where --axes auto asks for it."""
+        if self.options.axes != AUTO or self.axes.tilt is not None:
+            return
+        stated = bool(gravity_down.any())
+        axis = -self.axes.world @ gravity_down if stated else gravity_axis(self.axes.in_openxr(self.rows.orientation))
+        if axis is None:
+            return
+        axis = axis / np.linalg.norm(axis)
+        tilt = _tilt_of(axis)
+        if tilt <= (_TILT_STATED_DEG if stated else _TILT_SHOWN_DEG):
+            return
+        shown = ",".join(f"{a:.2f}" for a in axis)
+        what = f"by the {'gravity columns' if stated else 'head'}, up is ({shown}), {tilt:.0f} degrees from +y"
+        self._note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
+        self.axes = attrs.evolve(self.axes, tilt=upright(axis))
+        self.upright, self.upright_by = f"({shown})", By.FILE if stated else By.MOTION
 
     def _check_order(self, evidence: Evidence) -> None:
-        """Refuse an assumed order of quaternions if only the other one shows a person."""
-        turned = np.roll(self.rows.orientation, -1, axis=1)
+        """Refuse an assumed order of quaternions or matrices if only the other shows a person."""
+        if self.layout.euler is not None:
+            return
+        q = self.rows.orientation
+        turned = quaternions.conjugate(q) if self.layout.matrix else np.roll(q, -1, axis=1)
         other = evidence_of(self.time_ns, turned, self.rows.position, evidence.gravity)
-        if best_points(other) > best_points(evidence) + CLEAR:
-            raise TraceError(
-                f"{self.where}: read with w last, as in TUM files, its quaternions make no person's motion; "
-                "with w first they do: say --quat-order wxyz, or xyzw if it is right as it is"
-            )
+        if best_points(other) <= best_points(evidence) + CLEAR:
+            return
+        what, right, wrong = _ORDERS["matrix" if self.layout.matrix else "quaternion"]
+        raise TraceError(
+            f"{self.where}: read {what} make no person's motion; {right} they do: say {wrong} if it is right as it is"
+        )
 
     def _is_tilted(self) -> bool:
         """Return whether up lies between the file's axes: `report_tilt` then says by how much."""
@@ -527,11 +606,15 @@ class Cleaner:
         words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
         if self._axes_wrong:
             return f"{words}; the motion contradicts them"
+        if self.upright:
+            return f"{words}; {self.upright} set upright by --axes auto"
         if self._tilt_deg:
             return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
         if self.axes_by is not By.NOBODY:
             return words
-        return f"{words}; the motion {'does not show ' + self.leaves_open if self.leaves_open else 'agrees'}"
+        if self.leaves_open:
+            return f"{words}; the motion does not show {self.leaves_open}; --axes or --up states it"
+        return f"{words}; the motion agrees"
 
     def join_hemispheres(self) -> None:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
@@ -580,7 +663,7 @@ class Cleaner:
         axis = None if self._axes_wrong else gravity_axis(self.rows.orientation)
         if axis is None:
             return
-        tilt = float(np.degrees(np.arccos(np.clip(axis[1], -1, 1))))
+        tilt = _tilt_of(axis)
         if tilt > _TILT_SHOWN_DEG:
             shown = ",".join(f"{a:.2f}" for a in axis)
             what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
@@ -595,9 +678,14 @@ def _without(rows: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
     return keep
 
 
+def _tilt_of(up: NDArray[np.float64]) -> float:
+    """Return the angle of a direction (3,) from +y, in degrees."""
+    return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))
+
+
 def _advice(verdict: Verdict, auto: bool) -> str:
     if verdict.better is None:
-        return "kept; nothing else fits better: look at the head with 'trace info --plot', and say --axes"
+        return "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
     sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
     also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
     kept = "kept, as --axes auto takes only what is clear" if auto else "kept"

@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from .made import Made, rows_text
 
-MARK = "Image list with two lines of data per image"  # in the comment above the images
+MARK = b"Image list with two lines of data per image"  # in the comment above the images
+COLUMNS = ("qw", "qx", "qy", "qz", "tx", "ty", "tz")
 # Name and number of parameters of each camera model, by its number in binary files.
 _MODELS = (
     ("SIMPLE_PINHOLE", 3),
@@ -41,8 +43,13 @@ class ColmapImage:
     where: str
     name: str
     camera_id: int
-    position: NDArray[np.float64]  # (3,) of the camera in the world
+    pose: tuple[float, ...]  # as the file has it, camera from world: qw qx qy qz tx ty tz
     rotation: NDArray[np.float64]  # (3, 3) world from camera
+
+    @property
+    def position(self) -> NDArray[np.float64]:
+        """(3,) of the camera in the world."""
+        return np.asarray(-self.rotation @ np.array(self.pose[4:]))
 
 
 @attrs.frozen
@@ -59,6 +66,12 @@ def read_images(path: Path) -> list[ColmapImage]:
     """Return the images of images.txt or images.bin, by name. Errors: TraceError."""
     rows = _images_in_binary(path) if path.suffix == ".bin" else images_in_text(path, _bytes(path))
     return sorted(rows, key=lambda image: image.name)
+
+
+def table_of_colmap(path: Path, raw: bytes) -> Made:
+    """Return the poses of images.txt in the order of the names. Errors: TraceError."""
+    images = sorted(images_in_text(path, raw), key=lambda image: image.name)
+    return Made("colmap", rows_text(map(repr, image.pose) for image in images), COLUMNS)
 
 
 def read_cameras(path: Path) -> dict[int, ColmapCamera]:
@@ -93,8 +106,7 @@ def _image(where: str, name: str, camera_id: int, pose: list[float]) -> ColmapIm
     length = float(np.linalg.norm((w, x, y, z)))
     if not abs(length - 1) <= 1e-2 or not np.isfinite(moved).all():
         raise TraceError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, w x y z")
-    world_from_camera = Rotation.from_quat((x, y, z, w)).as_matrix().T
-    return ColmapImage(where, name, camera_id, -world_from_camera @ np.array(moved), world_from_camera)
+    return ColmapImage(where, name, camera_id, tuple(pose), Rotation.from_quat((x, y, z, w)).as_matrix().T)
 
 
 def _cameras_in_text(path: Path) -> Iterator[tuple[int, ColmapCamera]]:

@@ -11,9 +11,15 @@ from collections import defaultdict
 
 import attrs
 
+from ..options import DIRECT, INVERSE
+
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
-_CELL = re.compile(r"(.*?)[._]([0-3])[._]([0-3])$")
+_BODY = "(?:head|hmd|headset|device|camera|cam|eye|c|body|imu)"
+_TO_WORLD = re.compile(rf"(?:^|[ _])(?:{_BODY}_(?:to|2)_(?:world|w)|world_(?:from_)?{_BODY}|twc)(?=[ _]|$)")
+_FROM_WORLD = re.compile(
+    rf"(?:^|[ _])(?:(?:world|w)_(?:to|2)_{_BODY}|{_BODY}_(?:from_)?world|extrinsics?|tcw)(?=[ _]|$)"
+)
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
 
 
@@ -22,7 +28,10 @@ def _set(words: str) -> frozenset[str]:
 
 
 _ROTATION = _set("q quat quaternion quaternions orientation orient rot rotation attitude")
-_POSITION = _set("p pos position t trans translation loc location")
+_POSITION = _set("p pos position t trans translation tvec loc location")
+_VECTOR = _set("rvec rotvec rotationvector axisangle angleaxis rodrigues")
+_ANGLE = _set("angle theta")
+_DEGREES, _RADIANS = _set("deg degree degrees"), _set("rad radian radians")
 _EULER = _set("yaw pitch roll euler azimuth elevation heading")
 _ELSEWHERE = _set(
     "left right hand hands touch controller gaze eye eyes gyro acc accel acceleration vel velocity v angular omega b "
@@ -47,6 +56,15 @@ _DEVICES = _set("viewindex device deviceid devicename deviceindex eye eyeindex t
 
 
 @attrs.frozen
+class Vector:
+    """Columns of a rotation vector (three), or of an axis and an angle about it (four)."""
+
+    columns: tuple[int, ...]
+    degrees: bool
+    stated: bool  # the names say degrees or radians
+
+
+@attrs.frozen
 class Columns:
     """Indices of the columns of one head."""
 
@@ -60,8 +78,7 @@ class Columns:
     length_m: float | None = None  # metres per unit if the name says it
     device: int | None = None
     euler: tuple[str, ...] = ()
-    # Nine numbers of a rotation row by row, where names number a matrix (m.0.0 .. m.2.3).
-    matrix: tuple[int, ...] | None = None
+    vector: Vector | None = None
     angles: tuple[int, int, int] | None = None  # columns of the angles about x, y and z
     gravity: tuple[int, int, int] | None = None  # columns of the direction down, in the file's world
 
@@ -72,6 +89,14 @@ def head_rank(name: str) -> int:
     if found & (_ELSEWHERE - {"eye"} if "camera" in found else _ELSEWHERE):  # "Camera (eye)" is SteamVR's head
         return UNRANKED + 1
     return next((rank for rank, word in enumerate(_HEAD) if word in found), UNRANKED)
+
+
+def direction_of(names: list[str]) -> str | None:
+    """Return `direct` or `inverse` where names of poses say which way they go, else None."""
+    text = " ".join("_".join(words(name)) for name in names)
+    if _TO_WORLD.search(text):
+        return DIRECT
+    return INVERSE if _FROM_WORLD.search(text) else None
 
 
 def names_rotation(name: str) -> bool:
@@ -101,6 +126,8 @@ def find_columns(names: list[str]) -> Columns:
         unit = found[-1] if len(found) > 1 and found[-1] in _LENGTHS else None
         parts = found[:-1] if unit else found
         axis = next((k for k in reversed(range(len(parts))) if parts[k] in "xyzw" and len(parts[k]) == 1), None)
+        if axis is None and set(parts) & _VECTOR and parts[-1] in ("0", "1", "2"):
+            axis, parts = len(parts) - 1, [*parts[:-1], "xyz"[int(parts[-1])]]
         if axis is None:
             continue
         key = tuple(parts[:axis] + parts[axis + 1 :])
@@ -126,13 +153,10 @@ def find_columns(names: list[str]) -> Columns:
             order = orders[order_key]
             orientation, numbered = (order["0"], order["1"], order["2"], order["3"]), True
     clocks, nanoseconds = _find_clocks(split)
-    matrix, translation = _find_matrix(names)
     position = None
     if position_key is not None:
         place = groups[position_key]
         position = place["x"], place["y"], place["z"]
-    elif translation is not None:
-        position = translation
     return Columns(
         clocks=clocks,
         nanoseconds=nanoseconds,
@@ -143,7 +167,7 @@ def find_columns(names: list[str]) -> Columns:
         device=next((i for i, n in enumerate(names) if re.sub(r"[^a-z]", "", n.lower()) in _DEVICES), None),
         euler=_find_euler(names, split, groups),
         angles=_find_angles(split, groups),
-        matrix=matrix,
+        vector=_find_vector(groups, split),
         gravity=_find_gravity(groups),
     )
 
@@ -183,17 +207,23 @@ def _find_clocks(split: list[list[str]]) -> tuple[tuple[tuple[int, str | None], 
     return tuple((i, unit) for _, i, unit in sorted(candidates, key=lambda c: c[:2])), None
 
 
-def _find_matrix(names: list[str]) -> tuple[tuple[int, ...] | None, tuple[int, int, int] | None]:
-    """Return the columns of a rotation and of a translation among the numbered ones of a matrix."""
-    cells: dict[str, dict[tuple[int, int], int]] = defaultdict(dict)
-    for i, name in enumerate(names):
-        found = _CELL.match(name)
-        if found:
-            cells[found[1]][int(found[2]), int(found[3])] = i
-    one = next((c for c in cells.values() if {(r, k) for r in range(3) for k in range(4)} <= set(c)), None)
-    if one is None:
-        return None, None
-    return tuple(one[r, k] for r in range(3) for k in range(3)), (one[0, 3], one[1, 3], one[2, 3])
+def _find_vector(groups: dict[tuple[str, ...], dict[str, int]], split: list[list[str]]) -> Vector | None:
+    """Return the columns of a rotation vector, or of an axis and its angle."""
+    keys = [key for key, axes in groups.items() if {"x", "y", "z"} <= set(axes) and "w" not in axes]
+    free = (i for i, parts in enumerate(split) if set(parts) & _ANGLE and not set(parts) & (_ELSEWHERE | {*"xyz"}))
+    angle = next(free, None)
+    about = None if angle is None else _best([key for key in keys if "axis" in key])
+    key = about if about is not None else _best([key for key in keys if _is_vector(set(key))])
+    if key is None:
+        return None
+    at = groups[key]
+    columns = (at["x"], at["y"], at["z"], *([angle] if about is not None and angle is not None else []))
+    named = {word for column in columns for word in split[column]}
+    return Vector(columns, bool(named & _DEGREES), bool(named & (_DEGREES | _RADIANS)))
+
+
+def _is_vector(key: set[str]) -> bool:
+    return bool(key & _VECTOR) or {"axis", "angle"} <= key or bool(key & _ROTATION and key & {"vector", "vec"})
 
 
 def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]) -> tuple[int, int, int] | None:

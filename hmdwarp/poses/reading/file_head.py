@@ -14,10 +14,18 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import TraceError
-from ..stated import Defect
-from .record_files import MAGIC, table_of_json, table_of_mcap
+from .bags import MAGICS as BAGS
+from .bags import table_of_bag
+from .cells import holds_vectors, table_of_cells
+from .colmap import MARK, table_of_colmap
+from .json_records import table_of_json
+from .made import Made
+from .mcap_messages import MAGIC, table_of_mcap
+from .motion_capture import export_reader
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64
@@ -33,16 +41,18 @@ COMMENT_SIGNS = ("#", "%", "//")
 class Source:
     """What the text of a file's rows comes from."""
 
-    kind: str  # "text", or "json" or "mcap" where the rows are made of its records
     packed: bool = False  # by gzip
-    table: bytes | None = None  # the rows that were made
-    defects: tuple[Defect, ...] = ()  # found while they were made
-    defects_of_devices: dict[str, Defect] = attrs.field(factory=dict)  # those of one device's rows
+    made: Made = Made("text", b"")  # the rows that were made of what is no rows
+
+    @property
+    def kind(self) -> str:
+        """Return "text", or what rows were made of, for instance "json"."""
+        return self.made.kind
 
     def open(self, path: Path) -> BinaryIO:
         """Open the text of the rows. Errors: OSError."""
-        if self.table is not None:
-            return io.BytesIO(self.table)
+        if self.kind != "text":
+            return io.BytesIO(self.made.text)
         return cast("BinaryIO", gzip.open(path, "rb")) if self.packed else path.open("rb")
 
 
@@ -72,6 +82,12 @@ class Head:
         """Fields in the first row."""
         return len(self.rows[0])
 
+    def numbers(self, columns: tuple[int, ...]) -> NDArray[np.float64]:
+        """Return these columns of the first rows, (n, columns), of those with a number in each."""
+        rows = [[row[c].replace(",", ".") for c in columns] for row in self.rows if len(row) > max(columns)]
+        good = [row for row in rows if all(is_number(field) for field in row)]
+        return np.array(good, dtype=np.float64).reshape(-1, len(columns))
+
     def column(self, name: str) -> int | None:
         """Return the index of the column called exactly `name`."""
         return self.names.index(name) if self.names and name in self.names else None
@@ -99,14 +115,16 @@ def read_head(path: Path) -> Head:
     _refuse_binary(path, raw)
     newline = b"\n" if b"\n" in raw or b"\r" not in raw else b"\r"
     lines = _whole_lines(path, raw, more, newline)
-    comments, header, first = _preamble(path, lines)
+    comments, header, first = _preamble(path, lines, bool(source.made.names))
     offset, line, text = first
     separator, comma = _separator(text, header)
     texts = (t for _, _, t in lines if t.strip() and not t.lstrip().startswith(COMMENT_SIGNS))
     first_row = 1 if header else 0
     rows = [split(t, separator) for t in itertools.islice(texts, first_row, first_row + _SAMPLE_ROWS)]
-    names, header_line, header_text = None, None, ""
-    if header:
+    names, header_line, header_text = list(source.made.names) or None, None, ""
+    if names:
+        pass
+    elif header:
         header_line, header_text = header
         names = split(header_text, separator)
     else:
@@ -122,25 +140,40 @@ def read_head(path: Path) -> Head:
 
 
 def _source(path: Path) -> Source:
-    """Unpack what is no text of rows: gzip as it is read, JSON and MCAP at once.
+    """Unpack what is no text of rows: gzip as it is read, the rest at once.
 
-    Errors: OSError; TraceError and MachineError as `table_of_mcap`.
+    Errors: OSError; TraceError and MachineError as `table_of_mcap`; TraceError for an export that
+    holds no poses.
     """
     with path.open("rb") as file:
-        text = Source("text", packed=file.read(2) == _GZIP)
+        text = Source(packed=file.read(2) == _GZIP)
     with text.open(path) as file:
-        start = file.read(64)
+        start = file.read(LOOK_BYTES)
         file.seek(0)
-        if start.startswith(MAGIC):
-            whole = io.BytesIO(file.read()) if text.packed else file
-            size = whole.seek(0, os.SEEK_END)
-            whole.seek(0)
-            made = table_of_mcap(path, whole, size)
-            return Source("mcap", text.packed, made.text, made.defects, made.nested)
-        if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] not in (b"{", b"["):
-            return text
-        table = table_of_json(file.read())
-    return text if table is None else Source("json", text.packed, table)
+        made = _made(path, start, file, text.packed)
+    return text if made is None else Source(text.packed, made)
+
+
+def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None:
+    """Return the table that a file's rows are made into, None where they are rows as they are."""
+    if start.startswith(MAGIC):
+        whole = io.BytesIO(file.read()) if packed else file
+        size = whole.seek(0, os.SEEK_END)
+        whole.seek(0)
+        return table_of_mcap(path, whole, size)
+    return table_of_bag(path) if start.startswith(BAGS) else _made_of_text(path, start, file)
+
+
+def _made_of_text(path: Path, start: bytes, file: BinaryIO) -> Made | None:
+    if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
+        return table_of_json(file.read())
+    if MARK in start[:200]:
+        return table_of_colmap(path, file.read())
+    if (export := export_reader(path, start)) is not None:
+        return export(path, file.read().decode("utf-8-sig", "replace"))
+    if holds_vectors(start.decode("utf-8", "replace").splitlines()):
+        return table_of_cells(file.read().decode("utf-8-sig", "replace"))
+    return None
 
 
 def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
@@ -170,7 +203,7 @@ def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
 
 def _inside(path: Path) -> str:
     try:
-        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap"))
+        found = sorted(p.name for p in path.iterdir() if p.suffix in (".csv", ".txt", ".tum", ".mcap", ".bag", ".db3"))
     except OSError:
         return ""
     return f", for instance {found[0]} in it" if found else ""
@@ -207,9 +240,12 @@ def _whole_lines(path: Path, raw: bytes, more: bool, newline: bytes) -> list[tup
 
 
 def _preamble(
-    path: Path, lines: list[tuple[int, int, str]]
+    path: Path, lines: list[tuple[int, int, str]], named: bool
 ) -> tuple[list[tuple[int, str]], tuple[int, str] | None, tuple[int, int, str]]:
-    """Return comments, the header line if there is one, and the first row."""
+    """Return comments, the header line if there is one, and the first row.
+
+    named: the columns have names, so that no line is a header.
+    """
     comments: list[tuple[int, str]] = []
     header: tuple[int, str] | None = None
     for offset, number, text in lines:
@@ -219,7 +255,7 @@ def _preamble(
         sign = next((s for s in COMMENT_SIGNS if bare.startswith(s)), None)
         if sign:
             comments.append((number, bare[len(sign) :].strip()))
-        elif header is None and _looks_like_names(bare):
+        elif header is None and not named and _looks_like_names(bare):
             header = (number, bare)
         else:
             return comments, header, (offset, number, bare)

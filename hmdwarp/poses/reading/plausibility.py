@@ -6,6 +6,7 @@ Nothing here changes a pose. What contradicts the reading is named, with the rea
 from __future__ import annotations
 
 import itertools
+import math
 import operator
 from collections.abc import Sequence
 
@@ -46,6 +47,7 @@ _LEAST_STEPS = 8
 # Heights of eyes over a floor, sitting children to standing adults.
 _HEIGHTS_M = (0.4, 2.4)
 CLEAR = 0.4  # of points: what one criterion alone is worth at half strength
+SURE = 0.8  # where nothing else contradicts a reading
 # The fastest recorded head turns reach about 800 deg/s and 6 m/s; a jump is far beyond that and too
 # large to be noise.
 JUMP_SPEED_RAD_S = np.radians(2000)
@@ -69,6 +71,7 @@ class Evidence:
     neck: Array  # (3,), unit vector from the neck to the tracked point, in the head's axes; zeros: unknown
     height_m: Array  # (3,), mean position where it is steady along an axis, else 0
     gravity: Array  # (3,), up by the file's gravity columns; zeros: none
+    path_m: float = 0.0  # the way that the head goes; 0 without positions
 
     def score(self, reading: Reading) -> float:
         """Return points of a reading; one a criterion, gravity two."""
@@ -176,6 +179,17 @@ def best_points(evidence: Evidence) -> float:
     return max(map(evidence.score, _READINGS))
 
 
+def inverse_gain(evidence: Evidence, inverse: Evidence) -> float:
+    """Return by how many points the inverse poses fit a person better than the poses as they are.
+
+    Axes aside. A head that turns on the spot hardly moves, while its inverse swings about the
+    origin: each halving of the way is worth a point. Measured over 15 recordings: the inverse way
+    is 1.2 to 19 times as long.
+    """
+    shorter = math.log2(evidence.path_m / inverse.path_m) if evidence.path_m and inverse.path_m else 0.0
+    return best_points(inverse) - best_points(evidence) + min(max(shorter, -1.5), 1.5)
+
+
 def _open(evidence: Evidence, here: Reading, points: float, ranked: list[tuple[float, Reading]]) -> str:
     """Return what differs between a reading and others that fit nearly as well."""
     near = [r for score, r in ranked if score > points - CLEAR and not r.same(here) and not evidence.faults(r)]
@@ -253,7 +267,7 @@ def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Arra
     q, t = orientation[at], time_ns[at] * 1e-9
     axes = np.stack([quaternions.rotate(q, unit) for unit in np.eye(3)], axis=2)  # (n, 3, 3) matrices
     near = np.diff(t) < 5e-9 * _STEP_NS
-    upright = axes.mean(axis=0)
+    upright, path = axes.mean(axis=0), 0.0
     world_turns = head_turns = travel = climb = height = neck = np.zeros(3)
     turn = quaternions.multiply(q[1:], quaternions.conjugate(q[:-1]))[near]
     vectors = quaternions.to_rotation_vector(turn)
@@ -266,6 +280,7 @@ def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Arra
         p = position_m[at]
         velocity = np.diff(p, axis=0)[near] / np.diff(t)[near][:, None]
         speed = np.linalg.norm(velocity, axis=1)
+        path = float((speed * np.diff(t)[near]).sum())
         walks = (speed > WALKING_M_S) & (speed < _FASTEST_M_S)
         if np.count_nonzero(walks) * 1e-9 * _STEP_NS > WALKED_S:
             unit = velocity[walks] / speed[walks][:, None]
@@ -276,7 +291,15 @@ def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Arra
         height = np.where(steady, p.mean(axis=0), 0.0)
     down = float(np.linalg.norm(gravity))
     up = -gravity / down if down else gravity
-    return Evidence(upright, (axes**2).mean(axis=0), world_turns, head_turns, travel, climb, neck, height, up)
+    return Evidence(upright, (axes**2).mean(axis=0), world_turns, head_turns, travel, climb, neck, height, up, path)
+
+
+def inverted(orientation: Array, position_m: Array | None) -> tuple[Array, Array | None]:
+    """Return (n, 4) quaternions of any length and (n, 3) positions of the inverse poses."""
+    turned = quaternions.conjugate(orientation)
+    if position_m is None:
+        return turned, None
+    return turned, -quaternions.rotate(turned / np.linalg.norm(turned, axis=1, keepdims=True), position_m)
 
 
 def _neck(axes: Array, position_m: Array, near: NDArray[np.bool_]) -> Array:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
-from ..options import Euler
+from ..options import AXIS_ANGLE, VECTOR, Euler
 from ..stated import Defect, Layout
 from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, Stamps, parse_fields, parse_one
@@ -329,9 +329,19 @@ class RowReader:
             return
         unit, other = ("degrees", "rad") if euler.degrees else ("radians", "deg")
         what = f"its angles, read as {unit}, reach {largest:.3g}"
-        self.defects.append(
-            Defect("angles-implausible", what, f"kept; --euler {euler.order.upper()},{other} takes the other unit")
-        )
+        remedy = f"kept; --euler {attrs.evolve(euler, degrees=other == 'deg').words()} takes the other unit"
+        self.defects.append(Defect("angles-implausible", what, remedy))
+
+
+def _of_angles(numbers: NDArray[np.float64], euler: Euler) -> NDArray[np.float64]:
+    from scipy.spatial.transform import Rotation
+
+    if euler.order == AXIS_ANGLE:
+        length = np.linalg.norm(numbers[:, :3], axis=1, keepdims=True)
+        numbers = numbers[:, 3:] * numbers[:, :3] / np.where(length > 0, length, 1)
+    if euler.order in (VECTOR, AXIS_ANGLE):
+        return np.asarray(Rotation.from_rotvec(numbers, degrees=euler.degrees).as_quat())
+    return np.asarray(Rotation.from_euler(euler.order, numbers * euler.signs, degrees=euler.degrees).as_quat())
 
 
 def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> NDArray[np.float64]:
@@ -341,7 +351,7 @@ def _quaternions(numbers: NDArray[np.float64], layout: Layout, head: Head) -> ND
     from scipy.spatial.transform import Rotation
 
     if layout.euler is not None:
-        return np.asarray(Rotation.from_euler(layout.euler.order, numbers, degrees=layout.euler.degrees).as_quat())
+        return _of_angles(numbers, layout.euler)
     matrices = numbers.reshape(-1, 3, 3)
     off = np.abs(matrices @ matrices.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     if np.median(off) > _MATRIX_OFF or np.median(np.linalg.det(matrices)) < 0:

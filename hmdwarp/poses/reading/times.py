@@ -48,6 +48,11 @@ class Stamps:
     def __len__(self) -> int:
         return len(self.whole)
 
+    def text(self) -> str:
+        """Return the first stamp as a decimal number."""
+        parts = f"{int(self.billionths[0]):09d}".rstrip("0")
+        return f"{int(self.whole[0])}{'.' if parts else ''}{parts}"
+
     def steps(self) -> NDArray[np.float64]:
         """(n - 1,) differences in the file's unit; exact wherever they are small."""
         return np.diff(self.whole) + np.diff(self.billionths) * 1e-9

@@ -130,7 +130,7 @@ def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:
 def marked_how(rows: Iterable[Row], mark: str = MARK) -> str:
     """Return what the mark says, or why no row has one."""
     if all(row["quality"][PRIMARY].get("interval") is None for row in rows):
-        return f"no {mark}: intervals take {LEAST_INSTANTS} instants"
+        return f"no {mark}: intervals need {LEAST_INSTANTS} instants"
     return f"{mark}: no other is both quicker and better, for sure (95 %)"
 
 

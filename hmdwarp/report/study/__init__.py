@@ -1,8 +1,26 @@
-"""The page, tables and charts of a study, and the chart of a power simulation.
+"""The page, tables and charts of a study, and the chart of a power simulation."""
 
-Names are in __init__.pyi; each loads its module at first use.
-"""
+from .charts import PowerLine, power_chart
+from .page import render_study_report
+from .results import (
+    comparison_lines,
+    condition_lines,
+    csv_tables,
+    pairs_text,
+    prediction_lines,
+    preference_lines,
+    score_lines,
+)
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ = [
+    "PowerLine",
+    "comparison_lines",
+    "condition_lines",
+    "csv_tables",
+    "pairs_text",
+    "power_chart",
+    "prediction_lines",
+    "preference_lines",
+    "render_study_report",
+    "score_lines",
+]

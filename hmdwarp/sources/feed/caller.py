@@ -136,7 +136,7 @@ class Caller:
                     data = orders.recv()
                     if not data:
                         return
-                    # Nobody is there, or it takes nothing.
+                    # No server is there, or it takes nothing.
                     with contextlib.suppress(self._zmq.Again):
                         socket.send(data, self._zmq.NOBLOCK)
         finally:

@@ -40,7 +40,7 @@ class Viewer:
         while (now_ns := time.monotonic_ns()) < until_ns:
             self._number += 1
             self._caller.ask(Ask(self._number, 0, time_ns, time_ns, 0, size, head, (view,)))
-            # Asked again after a while: the connection may not have been there.
+            # Requested again after a while: the connection may not have been there.
             again_ns = min(until_ns, now_ns + _AGAIN_NS)
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)

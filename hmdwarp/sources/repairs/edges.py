@@ -14,7 +14,7 @@ _MOST_JUMPS, _FEWEST_JUMPS = 4000, 50
 _CONTRAST = 0.3  # of colour, summed over its channels: more than that is an edge, and counts no more
 _BESIDE_THE_BEST = 9  # offsets around the best one that blurred edges raise too
 _REACH = 2  # pixels between mixed depth and the surfaces that it is mixed of, at most
-# Each with its opposite: beside, above, and the two diagonals.
+# Each with its opposite: left and right, above and below, and the two diagonals.
 _WAYS = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 

@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 
 from ...errors import InputError
 from ...options import DISPLAY, Declared, Number, names_in, one_of, option, option_of
-
-if TYPE_CHECKING:
-    from .camera import Camera
+from .. import sequences
 
 HOLE, FAR = "hole", "far"  # what a pixel without depth is
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
-def _camera(text: str) -> Camera:
-    from .camera import parse_intrinsics
-
-    return parse_intrinsics(text)
+def _camera(text: str) -> sequences.Camera:
+    return sequences.parse_intrinsics(text)
 
 
 HEADING = "Recorded frames"  # of these options in help
@@ -49,7 +45,7 @@ class SequenceOptions(Declared):
         f"Layout of the recorded frames: {names_in('sources/sequences/readers')}; by default it is detected.",
         study=DISPLAY,
     )
-    intrinsics: Camera | None = option(
+    intrinsics: sequences.Camera | None = option(
         None,
         "Intrinsics of the recorded frames, FX,FY,CX,CY in pixels; a negative FY where the camera's y points up.",
         kind=str,
@@ -78,6 +74,17 @@ class SequenceOptions(Declared):
         unit="Hz",
         name="frames_rate",
         valid=Number(least=1e-3, most=1e4),
+        study=DISPLAY,
+    )
+    # See `poses.reading.axes.parse_axes`.
+    frames_axes: str | None = option(
+        None,
+        "Axes of the poses of recorded frames: a preset (hmdwarp list axes), or world=right,up,forward head=..",
+        study=DISPLAY,
+    )
+    frames_topics: str | None = option(
+        None,
+        "Topics of a bag of recorded frames, where it holds several: colour=TOPIC,depth=TOPIC,info=TOPIC,pose=TOPIC.",
         study=DISPLAY,
     )
     # On each side.

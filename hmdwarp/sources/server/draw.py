@@ -7,12 +7,11 @@ from typing import Any
 
 import moderngl
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import layers
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
-from ...registry import unknown_name
 from ...scenes import Scene
 from .lighting import Lighting
 from .moving import moving_parts

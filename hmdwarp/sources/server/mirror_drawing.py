@@ -62,7 +62,7 @@ def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds 
 
 
 def _ball_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
-    """Return the bounds of the cube around a ball; of one beside the eye, the whole picture."""
+    """Return the bounds of the cube around a ball; near the eye, those of the picture."""
     signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
     corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
     corners = corners @ view.pose.rotation_matrix

@@ -278,7 +278,7 @@ _FIRST = "(nothing)"
 def order_effects(rows: Sequence[Rating]) -> dict[str, Any]:
     """Estimate the effect of a trial's place (a slope per trial) and of the condition before it.
 
-    Type II F tests by ordinary least squares, beside participants and conditions. rows: of one part
+    Type II F tests by ordinary least squares, with participants and conditions. rows: of one part
     on one scale. Where the two effects are confounded, each is estimated without the other and
     names it ("or"). An effect that cannot be estimated is {"why_not": sentence}: nothing was rated,
     the order is not recorded, or it is the same for all participants.

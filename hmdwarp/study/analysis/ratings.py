@@ -41,7 +41,7 @@ class Preference:
     first: str  # name of the condition shown first
     second: str
     answer: float | None  # FIRST, SECOND or NEITHER of study.scales
-    allows_ties: bool = False  # whether NEITHER could be said
+    allows_ties: bool = False  # whether NEITHER could be chosen
     reference: str = ""  # name of the part's hidden reference, "" for none
     why_missing: str = ""
     repeat: int = 1
@@ -59,7 +59,7 @@ class ScaleInfo:
     least: float | None = None  # None where not known, as `most`
     most: float | None = None
     unit: str = "points"  # or "grades"
-    mean_name: str = "mean"  # of a condition's ratings: "DMOS" where they are beside a reference
+    mean_name: str = "mean"  # of a condition's ratings: "DMOS" where they are relative to a reference
 
     @classmethod
     def of(cls, scale: Scale) -> ScaleInfo:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol, Self
+from typing import Protocol, Self
 
 import attrs
 
-if TYPE_CHECKING:
-    from ...display import Command
+from ...display import Command
 
 KINDS = (AUTO, TERMINAL, BROWSER, LINES, NONE) = ("auto", "terminal", "browser", "lines", "none")
 

@@ -46,7 +46,7 @@ class BrowserConsole(ProgramConsole):
 
     def __init__(self, title: str) -> None:
         super().__init__(title)
-        self._journal: deque[tuple[str, float]] = deque(maxlen=LINES_KEPT)  # lines, and when they were said
+        self._journal: deque[tuple[str, float]] = deque(maxlen=LINES_KEPT)  # lines, and when they were printed
         self._page: MessageSocket | None = None
         self.address = ""
 

@@ -30,7 +30,7 @@ class LineConsole:
         self._quiet = quiet  # whether only the answers to commands are written
         self._state = ConsoleState(heading=title)
         self._shown = ConsoleState()
-        self._why = why  # said first
+        self._why = why  # printed first
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None ends the thread
         self._thread = threading.Thread(target=self._write_on, name="console", daemon=True)
         self._input = -1

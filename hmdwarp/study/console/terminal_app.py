@@ -104,7 +104,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         unicode = (sys.stdout.encoding or "").lower().replace("-", "") == "utf8"
         super().__init__(driver_class=None if unicode else AsciiDriver, ansi_color=True)
         self.theme = "ansi-dark"
-        self.left_well = False  # whether the session told it to leave
+        self.left_well = False  # whether the session ended it
         self._messages = messages
         self._state, self._entry = ConsoleState(), KeyEntry()
         self._state_s = 0.0  # when the newest state came
@@ -188,7 +188,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
         self.exit(return_code=status)
 
     def _note(self, text: str, at_s: float | None = None) -> None:
-        """Add a line to the journal. at_s: when it was said; None for now."""
+        """Add a line to the journal. at_s: when it was printed; None for now."""
         when = clock(self._state.elapsed_s if at_s is None else at_s)
         self.query_one("#journal", RichLog).write(Text(f"{when:>7}  {plain(text)}"))
 

@@ -9,10 +9,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path, PurePath
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...options import KeyFault, Table, as_keys, quoted
 from ...pipeline import SceneKey, Source
-from ...registry import unknown_name
 from ...scenes import with_targets
 from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import (

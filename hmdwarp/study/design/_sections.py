@@ -1,4 +1,4 @@
-"""Sections of a study file beside its parts: scales, trials, practice, pages and the like."""
+"""Sections of a study file besides its parts: scales, trials, practice, pages and the like."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 
 
 def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
-    """Load a shipped scale, or a .toml file beside the study's. Errors: KeyFault."""
+    """Load a shipped scale, or a .toml file next to the study's. Errors: KeyFault."""
     try:
         return load_scale(str(folder / name) if name.endswith(".toml") else name)
     except InputError as error:
@@ -188,7 +188,7 @@ def questionnaires_of(data: Table, folder: Path) -> tuple[tuple[Scale, ...], tup
 
 
 def consent_of(data: Table, folder: Path) -> Consent | None:
-    """Return the consent, None without [consent]; its text is there or in a file beside."""
+    """Return the consent, None without [consent]; its text is there or in a file next to it."""
     if "consent" not in data:
         return None
     table = data.table("consent")

@@ -74,7 +74,7 @@ class Page:
 
 @attrs.frozen
 class Task:
-    """Targets to find and to select in a trial: an objective score beside the rating."""
+    """Targets to find and to select in a trial: an objective score in addition to the rating."""
 
     count: int  # targets in a trial
     size_deg: float  # of each, as seen from the scene's viewpoint

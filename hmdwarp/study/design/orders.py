@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from .. import statistics
 from ..scales import FIRST, NEITHER
 from .definitions import ADAPTIVE, FIXED, PAIR, RANDOM, WILLIAMS, Design
 
@@ -87,12 +88,10 @@ def adaptive_order(
     Source: Li, Mantiuk, Wang, Le Callet and Le Callet 2018, Hybrid-MST: A hybrid active sampling
     strategy for pairwise preference aggregation, NeurIPS; here from the first session on.
     """
-    from ..statistics import expected_information, with_expected
-
     wins, shown_first = wins.copy(), shown_first.copy()
     order: list[tuple[str, ...]] = []
     for repeat in range(repeats):
-        tree = _widest_tree(expected_information(wins, ties), partial(draw, 2**32, "tree", repeat))
+        tree = _widest_tree(statistics.expected_information(wins, ties), partial(draw, 2**32, "tree", repeat))
         pairs: list[tuple[int, str]] = []
         for a, b in tree:
             ahead = shown_first[a, b] - shown_first[b, a]
@@ -101,7 +100,7 @@ def adaptive_order(
             shown_first[i, j] += 1
             pairs.append((draw(2**32, "place", repeat, a, b), pair_name(names[i], names[j])))
         order.append(tuple(name for _, name in sorted(pairs)))
-        wins = with_expected(wins, ties, tree)
+        wins = statistics.with_expected(wins, ties, tree)
     return tuple(order)
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 from ...options import Table, parsed, quoted, text_of
-from ...registry import unknown_name
 from ...report import refuse_existing, write_text
 from ..scales import Scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of

@@ -180,7 +180,7 @@ class QuestionPanel:
         return canvas.ink()
 
     def value_at(self, u: float, v: float) -> float | None:
-        """Return the value at (u, v), origin bottom left; None beside or without the scale."""
+        """Return the value at (u, v), origin bottom left; None outside or without the scale."""
         x, y = u * WIDTH, (1 - v) * self.height() - self._scale_top()
         return None if self.skipping else self.layout.value_at(x, y)
 

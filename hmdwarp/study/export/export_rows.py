@@ -47,7 +47,7 @@ EVENTS = (
     Column("trial_type", TEXT, "Condition shown, or practice"),
     *map(column_of, ("trial", "block", "repeat", "presentation")),
 )
-# Beside one recording of head motion, which begins with the first picture.
+# Next to one recording of head motion, which begins with the first picture.
 RUN_EVENTS = (Column("onset", NUMBER, "From the first pose of the recording", "s"), *EVENTS[1:])
 
 

@@ -170,7 +170,7 @@ _SETTING_COLUMNS = tuple(
 COLUMNS = (*_WHO, *_WHAT, *_SETTING_COLUMNS, *_SHOWN, *ACTUAL_COLUMNS, *MEASURED_COLUMNS)
 LONG_COLUMNS = tuple(column.name for column in COLUMNS)
 
-# Settings beside SETTINGS: columns of studies that use them.
+# Settings besides SETTINGS: columns of studies that use them.
 OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
 # Only in tables of a store that was merged.
 _SITE = Column("site", TEXT, "Site that the session comes from")

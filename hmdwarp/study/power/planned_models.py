@@ -91,7 +91,7 @@ def _means(part: Part, comparisons: list[Comparison], difference: float, middle:
 UNIT = "JOD"
 MOST_COUNTS = 9  # numbers of people from a range: so many columns fit a terminal
 TIE_JOD = 0.5  # a smaller difference is called none: 26 % of answers where there is none at all
-# Of a person's own taste, where it is not said: half of the variance of a judgement, as of ratings.
+# Of a person's own taste, where it is not set: half of the variance of a judgement, as of ratings.
 TASTE_JOD = JOD_SPREAD / math.sqrt(2)
 
 

@@ -1,8 +1,15 @@
-"""Which measure of the pictures predicts their ratings best, and how certain that is.
+"""Which measure of the pictures predicts their ratings best, and how certain that is."""
 
-Names are in __init__.pyi; each loads its module at first use.
-"""
+from .measure_results import LEAST_PEOPLE, MEASURES, MeasureResult, Prediction, predict
+from .prediction_text import pooled, prediction_data, sentences
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__ = [
+    "LEAST_PEOPLE",
+    "MEASURES",
+    "MeasureResult",
+    "Prediction",
+    "pooled",
+    "predict",
+    "prediction_data",
+    "sentences",
+]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from ...errors import unknown_name
 from ...options import Table, parsed, text_of
-from ...registry import unknown_name
 from .response_model import Model, OtherRatings, RatingModel, SicknessModel
 
 SCHEMA = 1

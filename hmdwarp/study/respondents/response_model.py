@@ -46,7 +46,7 @@ def _uniform(seed: int, study: int, part: str, person: int, thing: int, count: i
 Floats = NDArray[np.float64]
 # Half the least step of a double from [0, 1): a draw of exactly 0 gives the normal -8.3, not -inf.
 TINY = 2.0**-54
-PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where a preference is asked for instead
+PREFERENCE_JOD = 5.0  # from the best of a scale to its worst, where the question is for a preference
 
 
 @attrs.frozen
@@ -66,7 +66,7 @@ class RatingModel:
     # Share of (mean of the condition before - mean of this one) that is added; negative: contrast.
     carry_over: float = 0.0
     missing: float = 0.0  # share of trials answered with "cannot say"
-    threshold: float = 0.0  # of a preference: a smaller difference is called none, where that may be said
+    threshold: float = 0.0  # of a preference: a smaller difference is called none, where that is allowed
     # Latent ratings of conditions that `means` leaves out, and of hidden references among them;
     # None: an error.
     mean: float | None = None

@@ -8,8 +8,8 @@ from typing import Any
 
 import attrs
 
+from ...errors import unknown_name
 from ...options import Table, parsed, quoted, text_of
-from ...registry import unknown_name
 from ._scale_model import CHOICE, KINDS, NUMBER, OF, OWN_ANSWERS, PREFERENCE, QUESTIONNAIRE, SUMS, Item, Scale, Score
 
 FOLDER = Path(__file__).parent

@@ -7,8 +7,7 @@ from typing import Protocol, Self
 
 import attrs
 
-from ...errors import InputError
-from ...registry import unknown_name
+from ...errors import InputError, unknown_name
 
 KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
 # Answers to a preference, and so the numbers of its choices.

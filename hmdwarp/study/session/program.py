@@ -58,7 +58,7 @@ def run_session(
     if options.lsl:
         load_lsl()  # refuses a machine without it, before there is a store
     with ExitStack() as stack:
-        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program after all is said
+        ending = stack.enter_context(Ending(None, None))  # outermost: a signal ends the program last
         folder = store_folder(design, options.store, options.origin)
         store = stack.enter_context(Store(folder, create=True, study=design.name, say=say))
         part, design = _planned(options, design, store)

@@ -50,7 +50,7 @@ def store_error(error: sqlite3.Error, path: Path) -> HmdwarpError:
     """Translate an error; a violated constraint and unknown errors are internal errors."""
     name = getattr(error, "sqlite_errorname", None) or ""
     if name.startswith("SQLITE_IOERR") and _is_full(path.parent):
-        name = "SQLITE_FULL"  # the shared memory beside the log reports it so
+        name = "SQLITE_FULL"  # the shared memory of the log reports it so
     for begins, kind, words in _TEXTS:
         if name.startswith(begins):
             return kind(f"{path}: {words.format(error=error)}")
@@ -218,7 +218,7 @@ def _make(db: sqlite3.Connection, path: Path, study: str, made_by: str) -> None:
 
 
 def open_to_read(folder: Path) -> sqlite3.Connection | None:
-    """Open the database for reading, beside a writer too; None where there is none yet.
+    """Open the database for reading, even while it is written; None where there is none yet.
 
     Errors: as open_to_write.
     """

@@ -129,7 +129,7 @@ def _overwrite(path: Path) -> None:
 
 
 def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
-    """Rewrite the file without the deleted rows, and empty the log beside it.
+    """Rewrite the file without the deleted rows, and empty its log.
 
     secure_delete has overwritten the rows, but not copies in pages that were split, nor the log.
     """

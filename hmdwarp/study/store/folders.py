@@ -1,4 +1,4 @@
-"""Folder of a study's data, beside its file: the database, the lock and the traces."""
+"""Folder of a study's data, next to its file: the database, the lock and the traces."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ _PACKAGE = Path(__file__).resolve().parents[2]
 
 
 def store_folder(design: Design, folder: Path | None, origin: str = PERSON) -> Path:
-    """Return `folder`; without it `<stem>-data` beside the study's file.
+    """Return `folder`; without it `<stem>-data` next to the study's file.
 
     Pilots lie in `<stem>-pilot-data` and simulated participants in `<stem>-simulated-data`: no
     rehearsal stands in the way of the study. The data of a shipped study lie in the current folder.

@@ -84,7 +84,7 @@ def _opened(folder: Path) -> sqlite3.Connection:
     if db is None:
         raise InputError(f"{folder}: holds no data of a study (no {DATABASE})")
     db.row_factory = sqlite3.Row
-    db.execute("BEGIN")  # one state of it, beside a writer too
+    db.execute("BEGIN")  # one state of it, even while another process writes
     return db
 
 

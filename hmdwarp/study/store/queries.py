@@ -8,8 +8,8 @@ from typing import Any
 
 from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json
 
-# Whoever refused the consent and did not agree to it later, in a resumed run, took no part; nor did
-# who never agreed to the text that the session began with.
+# A person took no part who refused the consent and did not agree later, in a resumed run, or who
+# never agreed to the text that the session began with.
 _AGREED = """SELECT 1 FROM event agreed
       WHERE agreed.session = s.id AND agreed.kind = 'finished' AND agreed.key = 'consent'"""
 _REFUSED = f"""EXISTS (SELECT 1 FROM event refused WHERE refused.session = s.id AND refused.kind = 'refused')
@@ -98,7 +98,7 @@ def done(db: sqlite3.Connection, session_id: int) -> set[str]:
 
 def contents(db: sqlite3.Connection, folder: Path, pilot: bool) -> Contents:
     """Return all data of one moment: of people and simulated participants, or of pilots."""
-    db.execute("BEGIN")  # one state for all queries, beside a writer too
+    db.execute("BEGIN")  # one state for all queries, even while another process writes
     try:
         where = f"NOT p.withdrawing AND p.origin {'=' if pilot else '<>'} '{PILOT}'"
         sessions = tuple(_session_of(row) for row in db.execute(f"{_SESSION} WHERE {where} ORDER BY s.id"))

@@ -51,7 +51,7 @@ STATUSES = (RUNNING, INTERRUPTED, COMPLETE, STOPPED, SICK, DECLINED, UNCONSENTED
 )
 # RUNNING: now, or its program died. INTERRUPTED: may be resumed. STOPPED: by the participant or the
 # experimenter, without a reason. SICK: by the stop rule. DECLINED: the consent was refused;
-# UNCONSENTED: stopped before it was given. Of both nobody took part: they count nowhere. The last
+# UNCONSENTED: stopped before it was given. Neither took part: they count nowhere. The last
 # five are over.
 
 

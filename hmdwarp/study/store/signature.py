@@ -70,7 +70,7 @@ def _scale(scale: Scale) -> dict[str, Any]:
 
 
 def _own(item: Item) -> list[Any]:
-    """Return the answers of a question that has its own, or its own words beside some."""
+    """Return the answers of a question that has its own, or its own words for some."""
     if item.anchors:
         return [{f"{value:g}": words for value, words in item.anchors.items()}]
     return [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []

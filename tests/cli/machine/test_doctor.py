@@ -258,7 +258,7 @@ def test_every_extra_says_what_it_is_for():
     assert set(EXTRAS) == set(DECLARED) - {"test", "docs"}
 
 
-def test_what_an_extra_lacks_is_told_with_what_it_is_for(monkeypatch):
+def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
     there = {"pyarrow": "26.0.1"}
 
     def version(name: str) -> str:

@@ -26,7 +26,7 @@ BY_ITSELF = re.compile(r"\batomic\w+\(|\bimageAtomic\w+\(|\bshared\b|\bbarrier\(
 
 
 @pytest.mark.parametrize("name", client_names())
-def test_what_is_shipped_says_what_it_is(name):
+def test_shipped_clients_describe_themselves(name):
     client = load_client(name)
     assert client.name == name
     assert len(client.summary) > 10
@@ -75,7 +75,7 @@ def plan_warp(warp: str) -> str:
 
 
 @pytest.mark.parametrize(("warp", "fill"), list(product(warps.names(), fills.names())))
-def test_whoever_has_everything_is_refused_nothing(warp, fill):
+def test_a_client_with_everything_can_run_everything(warp, fill):
     assert _plan("class-3", warp, fill).steps == _plan("", warp, fill).steps
 
 
@@ -122,7 +122,7 @@ def test_larger_kernels_run_over_a_list_so_they_take_compute_shaders(fill):
     [each for each in (*warps, *fills) if not each.needs_compute and getattr(each, "kind", "") != "draw"],
     ids=lambda e: e.name,
 )
-def test_what_does_without_compute_shaders_shares_nothing_between_pixels(gpu: Gpu, entry):
+def test_passes_without_compute_shaders_share_nothing_between_pixels(gpu: Gpu, entry):
     before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
     try:
         entry(gpu, (9, 7), (8, 6)).close()

@@ -211,7 +211,7 @@ def test_a_picture_of_holes_alone(codec):
     assert (Decoder(codec, (70, 70)).decode(Encoder(codec, (70, 70), 60).encode(nothing)) == 0).all()
 
 
-def test_what_follows_a_lost_frame_is_undecodable_until_a_key_frame(codec):
+def test_frames_after_a_lost_one_are_undecodable_until_a_key_frame(codec):
     """And from there on it is, bit for bit, what a client sees that lost nothing."""
     encoder = Encoder(codec, (160, 120), 60)
     packets = []
@@ -267,7 +267,7 @@ def turned_over(data: bytes, place: int) -> bytes:
     return data[:place] + bytes([data[place] ^ 255]) + data[place + 1 :]
 
 
-def test_what_follows_damage_is_undecodable_too(codec):
+def test_frames_after_damage_are_undecodable_too(codec):
     encoder, decoder = Encoder(codec, (160, 120), 60), Decoder(codec, (160, 120))
     packets = [encoder.encode(picture) for picture in frames()[:5]]
     decoder.decode(packets[0])
@@ -301,7 +301,7 @@ def test_quality_can_be_asked_for(codec):
     assert coarse.size_bytes * 2 < fine.size_bytes
 
 
-def test_nothing_is_printed(codec, capfd):
+def test_coding_prints_nothing(codec, capfd):
     encoder, decoder = Encoder(codec, (160, 120), 60), Decoder(codec, (160, 120))
     for picture in frames()[:2]:
         decoder.decode(encoder.encode(picture))

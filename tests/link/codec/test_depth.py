@@ -88,7 +88,7 @@ def test_coding_a_second_time_changes_nothing():
 @pytest.mark.parametrize(
     ("nearest", "factor"), [(63.99, 1), (64.0, 2), (1000.0, 16), (1e30, 2.0**94), (3.4e38, 2.0**122)]
 )
-def test_what_is_nearer_than_the_code_reaches_makes_its_steps_larger(nearest, factor):
+def test_depths_nearer_than_the_code_reaches_enlarge_its_steps(nearest, factor):
     inverse = np.array([[nearest, 1.0, 0.0, -1.0, 1e-40]], np.float32)
     check(inverse, STEP * factor)
 

@@ -115,14 +115,14 @@ def test_a_video_of_moving_planes_is_near_and_light():
     assert sum(p.size_bytes for p in packets[1:]) < 0.7 * sum(len(alone.encode(p)) for p in pictures[1:])
 
 
-def test_what_comes_nearer_in_a_video_is_coded_without_a_key_frame():
+def test_approaching_depths_are_coded_without_a_key_frame():
     pictures = [np.full((48, 64), depth, np.float32) for depth in (0.5, 9.0, 0.5)]
     encoder, decoder = DepthVideoEncoder((64, 48), 60, STEP), DepthVideoDecoder((64, 48))
     for picture in pictures:
         assert decoder.decode(encoder.encode(picture)) == pytest.approx(picture, rel=0.02)
 
 
-def test_what_follows_a_lost_depth_is_undecodable_until_a_key_frame():
+def test_depths_after_a_lost_one_are_undecodable_until_a_key_frame():
     encoder, packets = DepthVideoEncoder((64, 48), 60, STEP), []
     for number, picture in enumerate(planes(64, 48, 6)):
         if number == 4:

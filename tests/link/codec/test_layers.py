@@ -22,7 +22,7 @@ VECTORS = hnp.arrays(
 
 @settings(max_examples=100)
 @given(st.sampled_from(TYPES).flatmap(lambda kind: hnp.arrays(kind, SHAPES)))
-def test_what_is_packed_comes_back_to_the_bit(layer):
+def test_packed_layers_come_back_to_the_bit(layer):
     got = unpack(pack(layer))
     assert got.dtype == layer.dtype and got.shape == layer.shape
     assert got.tobytes() == layer.tobytes()

@@ -123,7 +123,7 @@ def test_files_whose_lines_are_known(tables):
 
 @settings(max_examples=300)
 @given(st.text("[]{}=\"'#\n ,.ab\\", max_size=40))
-def test_what_is_no_toml_is_no_reason_to_fall_over(text):
+def test_texts_that_are_no_toml_are_survived(text):
     assert LineFinder(text).line(("a", 0, "b")) >= 1
 
 

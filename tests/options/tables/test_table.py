@@ -61,14 +61,14 @@ DATA = {
         (lambda t: t.tables("tables")[1].number("a"), "tables.a is 'x': expected a finite number", ("tables", 1, "a")),
     ],
 )
-def test_what_is_wrong_is_named(ask, says, path):
+def test_faults_are_named(ask, says, path):
     with pytest.raises(KeyFault) as caught:
         ask(Table(DATA, example="some.toml"))
     assert says in str(caught.value) and "\n" not in str(caught.value)
     assert caught.value.path == path
 
 
-def test_what_is_left_out_may_have_a_default():
+def test_omitted_keys_may_have_a_default():
     table = Table({})
     assert table.text("a", "b") == "b" and table.flag("c", False) is False and table.number("d", None) is None
     assert (

@@ -76,7 +76,7 @@ def test_figures_are_means_over_the_cases_all_have():
     assert (second.warp, second.total_ms, second.error) == ("b", 8.0, pytest.approx(0.15))
 
 
-def test_of_several_sizes_the_largest_counts():
+def test_the_largest_of_several_sizes_counts():
     rows = [row("a", "none", 5.0, 0.2), row("a", "none", 20.0, 0.21, size=[1280, 800])]
     assert [level.total_ms for level in levels_from(rows)] == [20.0]
     more = [
@@ -118,7 +118,7 @@ def test_the_choice_and_the_next_step_up():
     assert choose(ROWS, 8.0)["warp"] == "forward"  # a budget is met by what takes exactly that long
 
 
-def test_nothing_fits():
+def test_a_budget_below_every_level_is_refused():
     with pytest.raises(
         InputError, match=r"budget 0\.5 ms: nothing is that fast here; the cheapest, none, takes 1\.00 ms"
     ):

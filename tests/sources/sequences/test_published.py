@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
-from recorded_folders import FX, STATED, fov_of, taken
+from recorded_folders import FX, SIZE, STATED, fov_of, taken
+from ros_bags import BAGS, HAS_ROSBAGS
 
-from hmdwarp import WarpMap
+from hmdwarp import View, Warper, WarpMap
 from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
@@ -51,7 +52,25 @@ WRONG = [
     ("colmap", "sparse/0/cameras.txt", "1 OPENCV_FISHEYE 36 24 1 1 1 1 0 0 0 0\n", ("camera model OPENCV_FISHEYE",)),
     ("colmap_dense", "sparse/images.bin", "cut", ("images.bin", "ends in the middle")),
     ("colmap_dense", "stereo/depth_maps/0001.png.geometric.bin", "36&24&1&cut", ("geometric.bin", "as many floats")),
+    ("traced", "trajectory.txt", None, ("no file of poses; expected one head trace",)),
+    (
+        "traced",
+        "trajectory.txt",
+        "# timestamp tx ty tz qx qy qz qw\nno row\n",
+        ("trajectory.txt", "no rows of numbers"),
+    ),
+    ("traced", "groundtruth.csv", "t\n", ("groundtruth.csv, trajectory.txt; expected one head trace",)),
+    ("traced", "intrinsics.txt", "40 0 17\n0 42 11\n", ("intrinsics.txt: 6 numbers; expected fx fy cx cy",)),
+    ("traced_matrices", "poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n" * 2, ("2 poses in poses.txt for 3 pictures",)),
 ]
+
+
+ALL = PUBLISHED | BAGS
+
+
+def need(form: str) -> None:
+    if form in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
 
 
 @pytest.fixture
@@ -62,7 +81,7 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize(("form", "file", "content", "words"), WRONG)
-def test_what_is_wrong_is_named_in_one_line(form, file, content, words, folder):
+def test_faults_are_named_in_one_line(form, file, content, words, folder):
     PUBLISHED[form].write(folder, taken(3))
     if content is None:
         (folder / file).unlink()
@@ -85,7 +104,7 @@ def test_a_layout_by_name_refuses_an_empty_folder(form, tmp_path):
 
 
 @pytest.mark.parametrize("form", PUBLISHED)
-def test_what_the_folder_does_not_state_is_an_entry(form, folder):
+def test_assumptions_about_a_folder_are_entries(form, folder):
     """Intrinsics, the depth's unit, axes and the clock, each with who says so."""
     PUBLISHED[form].write(folder, taken(2))
     entries = sequences.open(folder, PUBLISHED[form].options).assumptions
@@ -110,6 +129,28 @@ def test_a_pixel_is_seen_where_the_truth_sees_it(form, folder):
         for (one, two), depth in zip(((first.view, last.view), (view, other)), inverse, strict=True)
     )
     assert np.abs(found - expected).max() < 0.02 and np.abs(expected - at - 0.5).max() > 1
+
+
+@pytest.fixture(scope="module")
+def warper():
+    with Warper(SIZE, fill="none") as warper:
+        yield warper
+
+
+@pytest.mark.parametrize("form", ALL)
+def test_a_warp_of_what_is_read_is_the_warp_of_the_truth(form, folder, warper):
+    """From the first frame to the last: within what a JPEG and half a step of depth change."""
+    frames = taken(3, step_m=0.05, step_deg=3)
+    need(form)
+    ALL[form].write(folder, frames)
+    first, *_, last = sequences.open(folder, ALL[form].options).frames
+    rendered, shown = (View(one.pose, fov_of()) for one in (frames[0], frames[-1]))
+    true = warper.warp(frames[0].colour, frames[0].depth_m, rendered=rendered, shown=shown)
+    found = warper.warp(*first.read(), rendered=first.view, shown=last.view)
+    both = (true.coverage > 0.999) & (found.coverage > 0.999)
+    assert both.mean() > 0.7 and (both == (true.coverage > 0.999)).mean() > 0.97
+    assert np.abs(found.colour.astype(int) - true.colour)[both].mean() < 1.5
+    assert np.abs(true.colour.astype(int) - frames[0].colour)[both].mean() > 10
 
 
 @pytest.mark.parametrize(("form", "bad"), [("seven_scenes", "nan"), ("scannet", "-inf")])
@@ -189,6 +230,19 @@ def test_depth_of_a_telephone_has_fewer_pixels_than_its_video(folder):
     assert np.array_equal(found, np.repeat(np.repeat(found[::2, ::2], 2, 0), 2, 1)) and found.shape == (24, 36)
 
 
+def test_a_focus_that_breathes_is_taken_in_the_middle(folder):
+    """Within 0.5 % of the width at the border, and beyond it each frame has its own."""
+    write_stray_scanner(folder, taken(3), focus=(1.0, 1.002, 1.004))
+    sequence = sequences.open(folder)
+    left, right, _, _ = sequence.frames[0].fov.tangents
+    assert right - left == pytest.approx(36 / FX / 1.002)
+    assert len({frame.fov for frame in sequence.frames}) == 1
+    assert "differ from frame to frame, by up to" in sequence.notes[0]
+    write_stray_scanner(folder, taken(3), focus=(1.0, 1.1, 1.2))
+    wide = [frame.fov.tangents[1] - frame.fov.tangents[0] for frame in sequences.open(folder).frames]
+    assert wide == pytest.approx([36 / FX, 36 / FX / 1.1, 36 / FX / 1.2])
+
+
 def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):
     """Its own stereo is in the unit of its poses; that of a depth camera is not."""
     PUBLISHED["colmap"].write(folder, taken(1))
@@ -205,3 +259,34 @@ def test_an_image_of_colmap_without_depth_is_left_out(folder):
     sequence = sequences.open(folder, PUBLISHED["colmap"].options)
     assert [frame.name for frame in sequence.frames] == ["0000.png", "0002.png"]
     assert sequence.notes == ("1 frames were left out: no picture or no depth.",)
+
+
+def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_axes(folder):
+    PUBLISHED["traced"].write(folder, taken(3))
+    sequence = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(sequence.track) == 5
+    said = {entry.what: (entry.value, entry.by) for entry in sequence.assumptions}
+    assert said["camera axes"] == ("x right, y down, z forward, of world and camera", By.NOBODY)
+    assert said["frame clock"] == ("pictures are named by the trace's clock, in s", By.FILE)
+    file = folder / "trajectory.txt"
+    file.write_text("# axes: opencv\n" + file.read_text())
+    again = sequences.open(folder, PUBLISHED["traced"].options)
+    assert next(entry.by for entry in again.assumptions if entry.what == "camera axes") is By.FILE
+    assert again.frames[2].pose.isclose(sequence.frames[2].pose, 1e-12)
+
+
+def test_pictures_beyond_the_trace_are_left_out(folder):
+    PUBLISHED["traced"].write(folder, taken(4))
+    file = folder / "trajectory.txt"
+    file.write_text("\n".join(file.read_text().splitlines()[:6]) + "\n")
+    sequence = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(sequence.frames) == 3
+    assert "1 frames were left out: the trace has no pose at their instants." in sequence.notes
+
+
+@pytest.mark.parametrize(("option", "takes"), [("frames_axes", "traced"), ("frames_topics", "rosbag")])
+def test_an_option_that_a_layout_does_not_take_is_refused(option, takes, folder):
+    PUBLISHED["replica"].write(folder, taken(1))
+    flag = f"--{option.replace('_', '-')}"
+    with pytest.raises(InputError, match=f"{flag}: layout replica does not take it; expected {takes}"):
+        sequences.open(folder, SequenceOptions(**{option: "openxr"}))

@@ -25,6 +25,7 @@ from recorded_folders import (
     write_redwood,
     write_tum,
 )
+from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp import WarpMap
 from hmdwarp.errors import InputError, UnknownNameError
@@ -38,13 +39,15 @@ REAL_CAMERAS = {"camera": ("518,519,325.5,253.5", 1 / 1000, 0.41), "icl": ("481.
 DEPTH_WITHIN_M = 0.5e-3 + 1e-6
 
 
-FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED
+FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
 
 
 @pytest.fixture(params=FORMS)
 def layout(request):
     if request.param == "exr" and not HAS_EXR:
         pytest.skip("OpenEXR is not installed (pip install 'hmdwarp[exr]')")
+    if request.param in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
     return FORMS[request.param]
 
 

@@ -32,7 +32,7 @@ def test_the_plan_is_accepted_as_it_is(tmp_path, monkeypatch):
     assert all("odd number" in note for note in notes(design)), notes(design)
 
 
-def test_nothing_is_overwritten_unless_forced(tmp_path, monkeypatch):
+def test_files_are_overwritten_only_by_force(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "mine.toml").write_text("mine", encoding="utf-8")
     with pytest.raises(InputError, match="mine.toml exists already: .*--force"):

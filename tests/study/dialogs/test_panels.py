@@ -77,7 +77,7 @@ def test_pointing_finds_what_is_drawn(scale):
 
 @BOTH_HINTS
 @EVERY
-def test_nothing_is_cut_off_and_nothing_jumps(scale, hints):
+def test_panels_cut_nothing_off_and_do_not_jump(scale, hints):
     shapes = set()
     for value in (None, scale.least, scale.most):
         ink = panel_of(scale, value, hints).ink()

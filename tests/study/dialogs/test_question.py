@@ -43,7 +43,7 @@ def test_any_input_gives_an_answer_of_the_scale_or_none(scale, commands):
 
 
 @pytest.mark.parametrize("scale", SHIPPED, ids=lambda one: one.name)
-def test_nothing_is_chosen_beforehand_and_nothing_cannot_be_confirmed(scale):
+def test_no_answer_is_preselected_and_an_empty_one_is_not_confirmed(scale):
     asked = asked_of(scale)
     assert asked.value is None and asked.panel().value is None
     asked.handle(said("confirm"))

@@ -116,7 +116,7 @@ def dialog(hints=None):
     return TextDialog(ask) if hints is None else TextDialog(ask, hints)
 
 
-def test_nothing_is_confirmed_by_itself_and_no_answer_is_a_choice():
+def test_an_empty_answer_is_not_confirmed_and_no_answer_is_a_choice():
     asked = dialog()
     asked.handle([Command("confirm"), *letters("  "), Command("confirm")])
     assert not asked.over and "no answer" in asked.panel().note

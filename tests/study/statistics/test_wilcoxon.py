@@ -97,7 +97,7 @@ def test_many_ties_of_many_people_agree_with_the_normal_curve():
     assert wilcoxon_exact(differences).p == pytest.approx(approximate, rel=0.03)
 
 
-def test_nothing_differs():
+def test_zero_differences_have_p_1():
     found = wilcoxon_exact([0.0, 0.0])
     assert found == (0.0, 0.0, 1.0, 0)
     assert rank_biserial([0.0, 0.0]) == 0.0

@@ -135,7 +135,7 @@ def test_the_file_itself_refuses_a_doubled_rating(store):
 
 
 @pytest.mark.parametrize("status", [COMPLETE, STOPPED, SICK, INTERRUPTED])
-def test_nothing_is_stored_after_the_end(store, status):
+def test_storing_after_the_end_is_refused(store, status):
     session = begun(store)
     store.finish_step(session, "consent")
     ended = store.end(session, status, "because")

@@ -10,9 +10,9 @@ import moderngl
 
 from ....resources import install_line
 from ...controls import CONTROLS, Control
+from ..window_system import WindowHandle
 
 if TYPE_CHECKING:
-    from ..window_system import WindowHandle
     from .panel import ControlPanel
 
 PANEL_REMEDY = install_line("panel")

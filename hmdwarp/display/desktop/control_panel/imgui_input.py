@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import glfw
 from imgui_bundle import imgui
 
 from ..window_input import label
-
-if TYPE_CHECKING:
-    from ..window_system import WindowHandle
+from ..window_system import WindowHandle
 
 NOWHERE = (-3.4e38, -3.4e38)  # Dear ImGui's value for an absent mouse
 BUTTONS = 3  # left, right, middle
@@ -118,7 +116,7 @@ class ImGuiInput:
     def _moved(self, x: float, y: float) -> None:
         place = None if self.captured else self._in_pixels(x, y)
         self._place = place or self._place
-        # A position beside the panel counts too: a slider must follow a mouse that slips off.
+        # A position outside the panel counts too: a slider must follow a mouse that slips off.
         self._note(lambda io: io.add_mouse_pos_event(*((place[0] - self.left, place[1]) if place else NOWHERE)))
 
     def _entered(self, entered: int) -> None:

@@ -1,4 +1,4 @@
-"""The controls of a run as widgets, each with its key beside it."""
+"""The controls of a run as widgets, each with its key next to it."""
 
 from __future__ import annotations
 

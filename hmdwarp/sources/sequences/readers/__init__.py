@@ -26,16 +26,22 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     if not place.exists():
         raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
     if options.layout is not None:
-        return _treated(readers.get(options.layout).read(place, options), options)
+        return _read(readers.get(options.layout), place, options)
     chances = {reader.name: reader.fits(place) for reader in readers}
     best = max(chances, key=lambda name: chances[name])
     if not chances[best]:
         known = "; ".join(f"{reader.name}: {reader.summary}" for reader in readers)
         raise InputError(f"{place} ({_content(place)}): no layout of recorded frames that is known. Known are: {known}")
-    return _treated(readers.get(best).read(place, options), options)
+    return _read(readers.get(best), place, options)
 
 
-def _treated(sequence: Sequence, options: SequenceOptions) -> Sequence:
+def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequence:
+    """Return the sequence as the options want it. Errors: InputError, also for an unused option."""
+    for name in ("frames_axes", "frames_topics"):
+        if getattr(options, name) is not None and name not in reader.takes:
+            known = ", ".join(known.name for known in readers if name in known.takes)
+            raise InputError(f"--{name.replace('_', '-')}: layout {reader.name} does not take it; expected {known}")
+    sequence = reader.read(place, options)
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
 
 

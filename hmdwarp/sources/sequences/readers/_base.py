@@ -52,6 +52,8 @@ class SequenceReader:
 
     name = ""  # for --layout
     summary = ""  # its files, in one line
+    # Of the options that few layouts take (frames_axes, frames_topics), those that this one does.
+    takes: tuple[str, ...] = ()
     # What is taken for each of FACTS where files and options do not say it, and who says that.
     assumes: tuple[Assumption, ...] = ()
 
@@ -359,6 +361,10 @@ class Row:
         if len(values) != count or not np.isfinite(values).all():
             raise self.wrong(f"{count} finite numbers")
         return values
+
+    def first(self, count: int) -> list[float]:
+        """Return its first numbers, whatever follows. Errors: as floats."""
+        return attrs.evolve(self, words=self.words[:count]).floats(count)
 
     def wrong(self, expected: str) -> InputError:
         """Return the error for another content than expected."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from collections.abc import Sequence as Rows
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,9 +16,12 @@ from ....errors import InputError
 from ....geometry import Pose
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import Axes
+from ..camera import Camera, Size
 from ..options import RATE_HZ, SequenceOptions
 from ..recorded import AXES, CLOCK
 from ._base import Row, poses_of, rows_of
+
+_BREATHES = 0.005  # of the width: telephones focus within it
 
 
 def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
@@ -54,7 +59,8 @@ def inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     """Return the files of a folder by the first number in their names."""
-    numbers = ((re.search(r"\d+", path.name), path) for path in sorted(folder.glob(pattern)))
+    files = (path for path in sorted(folder.glob(pattern)) if not path.name.startswith("."))
+    numbers = ((re.search(r"\d+", path.name), path) for path in files)
     return {int(number.group()): path for number, path in numbers if number}
 
 
@@ -64,6 +70,23 @@ def instant_ns(row: Row, column: int = 0) -> int:
         return int(Decimal(row.words[column]) * 10**9)
     except (InvalidOperation, ValueError, OverflowError):
         raise row.wrong("seconds") from None
+
+
+def shared_camera(cameras: Rows[Camera], size: Size) -> tuple[Camera | None, list[str]]:
+    """Return one camera for frames whose focus breathes, and the note on it; None for none or many.
+
+    It is the median, where no pixel moves by more than 0.5 % of the width; a replay takes one.
+    """
+    if not cameras:
+        return None, []
+    numbers = np.array([(camera.fx, camera.fy, camera.cx, camera.cy) for camera in cameras])
+    fx, fy, cx, cy = middle = np.median(numbers, axis=0)
+    apart = np.abs(numbers - middle)
+    moved = (apart[:, :2] / (fx, fy) * size / 2 + apart[:, 2:]).max()
+    if moved > _BREATHES * size[0]:
+        return None, []
+    note = f"Intrinsics differ from frame to frame, by up to {moved:.2g} px at the border: their median is taken."
+    return attrs.evolve(cameras[0], fx=fx, fy=fy, cx=cx, cy=cy), [note] if moved > 0 else []
 
 
 def left_out(count: int, why: str) -> list[str]:

@@ -102,7 +102,7 @@ def _with_depth(images: list[ColmapImage], pictures: Path, depths: Path) -> Iter
     for at, image in enumerate(images):
         names = [depths / f"{image.name}{ending}" for ending in _OWN]
         names += [(depths / image.name).with_suffix(ending) for ending in DEPTHS]
-        depth = next((one for one in names if one.is_file()), None)
+        depth = next((file for file in names if file.is_file()), None)
         if depth is not None and (pictures / image.name).is_file():
             yield at, image, depth
 

@@ -43,7 +43,9 @@ class NumberedReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 80 if _poses(path).is_file() and (path / "depth").is_dir() else 0
+        if not _poses(path).is_file() or not (path / "depth").is_dir():
+            return 0
+        return 80 if all(len(row.words) == 7 for row in rows_of(_poses(path))[:1]) else 20  # others are traces
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         facts, file = facts_of(path, options, None, None), _poses(path)

@@ -65,11 +65,11 @@ class Open3DReader(SequenceReader):
         if not isinstance(cameras, list) or len(cameras) != len(files):
             count = len(cameras) if isinstance(cameras, list) else "no list of"
             raise InputError(f"{file}: {count} parameters for {len(files)} pictures; expected one for each")
-        own = [_camera(f"{file}, parameters {at}", one) for at, one in enumerate(cameras)]
+        own = [_camera(f"{file}, parameters {at}", parameters) for at, parameters in enumerate(cameras)]
         facts = facts_of(path, options, None, _UNIT, own=own[0], by=By.NOBODY)
         axes = facts.axes()
         places = [f"{file}, parameters {at}" for at in range(len(cameras))]
-        views, order = by_rows(str(file), [square_of(*one) for one in zip(places, _extrinsics(cameras), strict=True)])
+        views, order = by_rows(str(file), [square_of(*pair) for pair in zip(places, _extrinsics(cameras), strict=True)])
         poses, _ = poses_of(axes, list(zip(places, map(inverse_of, places, views), strict=True)))
         stated = own if options.intrinsics is None else [None] * len(own)
         pairs = [
@@ -81,14 +81,14 @@ class Open3DReader(SequenceReader):
 
 
 def _extrinsics(cameras: list[Any]) -> list[Any]:
-    return [one.get("extrinsic") for one in cameras]
+    return [parameters.get("extrinsic") for parameters in cameras]
 
 
 def _trajectory(path: Path) -> Path | None:
     """Return the trajectory by its usual names, else the only JSON file of its class."""
     found = sorted(path.glob("*.json")) if path.is_dir() else []
-    fitting = [one for one in found if _CLASS.encode() in _head_and_tail(one)]
-    named = [one for one in fitting if one.name in _NAMES]
+    fitting = [candidate for candidate in found if _CLASS.encode() in _head_and_tail(candidate)]
+    named = [candidate for candidate in fitting if candidate.name in _NAMES]
     return named[0] if named else fitting[0] if len(fitting) == 1 else None
 
 
@@ -99,8 +99,8 @@ def _head_and_tail(file: Path) -> bytes:
         return head + stream.read()
 
 
-def _camera(where: str, one: Any) -> Camera:
-    intrinsic = one.get("intrinsic") if isinstance(one, dict) else None
+def _camera(where: str, parameters: Any) -> Camera:
+    intrinsic = parameters.get("intrinsic") if isinstance(parameters, dict) else None
     camera = camera_of(where, intrinsic) if isinstance(intrinsic, dict) else None
     if camera is None:
         raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")

@@ -28,7 +28,7 @@ from ._base import (
     scale_fact,
     sequence_of,
 )
-from ._dataset import axes_of, clock_of, instant_ns, left_out
+from ._dataset import axes_of, clock_of, instant_ns, left_out, shared_camera
 
 # The world is that of ROS, x forward and z up; the camera is optical.
 _AXES = "world=-y,z,x head=x,-y,z"
@@ -62,7 +62,9 @@ class RtabMapReader(SequenceReader):
         file = _poses(path)
         if file is None:
             raise InputError(f"{path}: no NAME_camera_poses.txt and no NAME_poses.txt; expected {self.summary}")
-        colours, depths = ({one.stem: one for one in pictures_in(_folder(path, side))} for side in ("rgb", "depth"))
+        colours, depths = (
+            {picture.stem: picture for picture in pictures_in(_folder(path, side))} for side in ("rgb", "depth")
+        )
         rows, axes = rows_of(file), parse_axes(_AXES)
         pairs, calibrations = [], []
         for at, row in enumerate(rows):
@@ -74,20 +76,25 @@ class RtabMapReader(SequenceReader):
             matrix = _matrix(row.where, pose)
             matrix = matrix if file.stem.endswith("_camera_poses") else matrix @ calibration.local
             time_ns = instant_ns(row) if options.frames_rate_hz is None else at_rate(options, at)
-            own = calibration.camera if options.intrinsics is None else None
             turned = pose_of_matrix(axes, row.where, matrix)
-            pairs.append(Pair(colours[stem], depths[stem], time_ns, turned, own))
+            pairs.append(Pair(colours[stem], depths[stem], time_ns, turned))
             calibrations.append(calibration)
-        facts = facts_of(path, options, None, _UNIT, own=calibrations[0].camera if calibrations else None)
+        cameras = [calibration.camera for calibration in calibrations]
+        if not cameras:
+            raise InputError(f"{path}: no row of {file.name} has a picture and depth; expected {self.summary}")
+        shared, notes = shared_camera(cameras, cameras[0].size or (1, 1))
+        facts = facts_of(path, options, None, _UNIT, own=shared or cameras[0])
+        if shared is None and options.intrinsics is None:
+            pairs = [attrs.evolve(pair, camera=camera) for pair, camera in zip(pairs, cameras, strict=True)]
         more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
-        notes = left_out(len(colours) - len(pairs), "no depth or no pose")
+        notes += left_out(len(colours) - len(pairs), "no depth or no pose")
         return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 
 
 def _poses(path: Path) -> Path | None:
     """Return the poses of the camera, else those of the robot."""
     found = [*path.glob("*_camera_poses.txt"), *path.glob("*_poses.txt")] if path.is_dir() else []
-    return next((one for one in found if not one.name.endswith("_scan_poses.txt")), None)
+    return next((file for file in found if not file.name.endswith("_scan_poses.txt")), None)
 
 
 def _folder(path: Path, side: str) -> Path:

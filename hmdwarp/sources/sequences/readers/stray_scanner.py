@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Pictures, RecordedFram
 from ..video_pictures import VideoPictures
 from . import readers
 from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of, scale_fact
-from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in
+from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in, shared_camera
 
 VIDEO, CAMERA, ODOMETRY = "rgb.mp4", "camera_matrix.csv", "odometry.csv"
 # The world is ARKit's, y up; the camera was turned to x right, y down, z forward.
@@ -26,8 +26,9 @@ _HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
 
 class StrayScannerReader(SequenceReader):
-    """Recordings of Stray Scanner; depth has fewer pixels than colour, of the same field of view.
+    """Recordings of Stray Scanner, whose depth has fewer pixels and the same field of view.
 
+    Later ones have intrinsics in each row, which hold before those of the file.
     Source: Stray Robots documentation, data specification; for the axes, the app's OdometryEncoder.
     """
 
@@ -47,23 +48,35 @@ class StrayScannerReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         rows, matrix = _rows(path / ODOMETRY), matrix_in(path / CAMERA, 3)
-        camera = Camera(matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2])
-        facts, axes = facts_of(path, options, None, _UNIT, own=camera), parse_axes(_AXES)
-        video = VideoPictures(path / VIDEO)
-        fov = facts.camera.fov(video.size, str(path / CAMERA))
-        depths = {int(one.stem): one for one in pictures_in(path / "depth", (".png", NPY)) if one.stem.isdigit()}
+        video, axes = VideoPictures(path / VIDEO), parse_axes(_AXES)
+        cameras = [_camera(row.first(13)[9:]) for row in rows if len(row.words) >= 13]
+        shared, notes = shared_camera(cameras, video.size)
+        facts = facts_of(path, options, None, _UNIT, own=shared or _camera(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
+        if shared is not None or len(cameras) < len(rows) or options.intrinsics is not None:
+            cameras = [facts.camera] * len(rows)
+        fovs = [camera.fov(video.size, str(path / CAMERA)) for camera in cameras]
+        depths = {int(file.stem): file for file in pictures_in(path / "depth", (".png", NPY)) if file.stem.isdigit()}
         frames = []
         for at, row in enumerate(rows):
-            _, number, *pose = row.floats(len(row.words))[: len(_HEADER)]
+            number, *pose = row.first(9)[1:]
             if int(number) in depths:
                 time_ns = instant_ns(row) if options.frames_rate_hz is None else at_rate(options, at)
-                read = _reading(video, at, depths[int(number)], facts.depth_scale)
-                raw = partial(read_depth, depths[int(number)])
+                depth = depths[int(number)]
+                read = _reading(video, at, depth, facts.depth_scale)
                 turned = pose_of_numbers(axes, row.where, pose)
-                frames.append(RecordedFrame(f"{VIDEO} {at}", time_ns, turned, fov, video.size, read, raw))
+                frames.append(
+                    RecordedFrame(
+                        f"{VIDEO} {at}", time_ns, turned, fovs[at], video.size, read, partial(read_depth, depth)
+                    )
+                )
         more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
-        notes = left_out(len(rows) - len(frames), "no depth")
+        notes += left_out(len(rows) - len(frames), "no depth")
         return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
+
+
+def _camera(numbers: Iterable[float]) -> Camera:
+    fx, fy, cx, cy = map(float, numbers)
+    return Camera(fx, fy, cx, cy)
 
 
 def _rows(file: Path) -> list[Row]:
@@ -71,9 +84,6 @@ def _rows(file: Path) -> list[Row]:
     head, *rows = rows_of(file) or [Row(str(file), ["nothing"])]
     if head.words[: len(_HEADER)] != _HEADER:
         raise head.wrong(f"the header {', '.join(_HEADER)}")
-    short = next((row for row in rows if len(row.words) != len(head.words)), None)
-    if short is not None:
-        raise short.wrong(f"{len(head.words)} finite numbers")
     return rows
 
 

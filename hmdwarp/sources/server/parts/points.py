@@ -85,7 +85,7 @@ class _Sender:
     def __init__(self, cells: PointCells, cloud: Cloud) -> None:
         self._cells, self._cloud = cells, cloud
         self.book = PointSender(cells.count, cloud.room)
-        # When each cell was last wanted, by number of update.
+        # When each cell was last requested, by number of update.
         self._wanted_at = np.zeros(cells.count, np.int64)
         self._updates = 0
         # Whether nothing that may be seen waits to be sent.
@@ -121,7 +121,7 @@ class _Sender:
         return PointUpdate(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
 
     def _send(self, wanted: Array, looks: Array, left: int, *, may_forget: bool) -> tuple[list[Sent], int]:
-        """Enter blocks of cells with fewer points than wanted as sent; return them, and bytes left.
+        """Enter blocks of cells that lack points as sent; return them, and bytes left.
 
         looks: how large each cell looks; first go those whose points lie farthest apart.
         """

@@ -1,0 +1,21 @@
+"""Bags of ROS 1 (.bag) and of ROS 2 in SQLite (.db3): poses, transforms, odometry."""
+
+from __future__ import annotations
+
+from ._base import formats
+from .mcap import Mcap
+
+
+class RosBag(Mcap):
+    """Recordings of ROS; those of ROS 2 in MCAP are of format mcap.
+
+    Source: ROS REP 103 and REP 105; the format of bags, as rosbags reads it.
+    """
+
+    name = kind = "rosbag"
+    summary = "bag of ROS 1 (.bag) or ROS 2 (.db3): poses, transforms, odometry; ROS axes (pip install 'hmdwarp[bags]')"
+    file = "bag of ROS"
+    writes = binary = False
+
+
+formats.register(RosBag())

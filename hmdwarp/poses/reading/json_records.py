@@ -1,0 +1,164 @@
+"""Records of JSON files as the rows of a table, to be read like any other trace."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+from ...errors import counted
+from ..stated import Defect
+from .columns import find_columns, names_rotation
+from .made import Made, rows_text
+from .matrix_names import named_matrices
+
+_LEAST_RECORDS = 2
+_NAMES = ("columns", "header", "headers", "fields", "names", "keys")
+# IWER's frames hold time, position, quaternion, then a list for each input.
+_IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
+
+
+def table_of_json(raw: bytes) -> Made | None:
+    """Return comma-separated rows for JSON lines, or for a document with a list of records.
+
+    Names of nested objects are joined by a dot; three numbers in a list become x, y and z, four of
+    a rotation its q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
+    poses (a header, a schema, events) are left out. None where the bytes are no JSON with records.
+    """
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return None
+    document = _parsed(text)
+    if isinstance(document, dict) and "schema" in document and isinstance(document.get("frames"), list):
+        frames = [f[: len(_IWER)] for f in document["frames"] if isinstance(f, list)]
+        if len(frames) >= _LEAST_RECORDS and all(isinstance(v, int | float) for v in frames[0]):
+            return Made("iwer", _text([dict(zip(_IWER, f, strict=False)) for f in frames], _IWER), _IWER)
+    records = _records(document)
+    if len(records) < _LEAST_RECORDS:
+        return None
+    rows, defects = _of_poses([_flat(record) for record in records])
+    names = tuple(dict.fromkeys(name for row in rows[:100] for name in row))
+    named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
+    return Made("json", _text(rows, names), names if named else (), defects)
+
+
+def _text(rows: list[dict[str, Any]], names: tuple[str, ...]) -> bytes:
+    return rows_text((str(row.get(name, "")) for name in names) for row in rows)
+
+
+def _parsed(text: str) -> Any:
+    """Return a document, or the list of the records of JSON lines; None for neither."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        pass
+    try:
+        return [json.loads(line) for line in text.splitlines() if line.strip()]
+    except ValueError:
+        return None
+
+
+def _records(document: Any) -> list[Any]:
+    """Return the longest list of objects or of lists in a document, named if it has names."""
+    found = max(_lists(document), key=_likelihood, default=[])
+    if found and isinstance(found[0], list) and _are_names(found[0]):
+        return [dict(zip(found[0], record, strict=False)) for record in found[1:] if isinstance(record, list)]
+    return found
+
+
+def _likelihood(records: list[Any]) -> tuple[bool, int, int]:
+    first = _flat(records[-1])  # the first may be a header
+    return _has_pose(first), len(records), len(first)
+
+
+def _lists(document: Any) -> Iterator[list[Any]]:
+    if isinstance(document, list):
+        if len(document) == 1:
+            yield from _lists(document[0])
+        kinds = [isinstance(item, dict | list) for item in document]
+        if kinds and sum(kinds) >= _LEAST_RECORDS and sum(kinds) >= len(kinds) - 1:
+            yield [item for item, kind in zip(document, kinds, strict=True) if kind]
+    elif isinstance(document, dict):
+        names = next((document[key] for key in _NAMES if _are_names(document.get(key))), None)
+        for value in document.values():
+            if names is not None and _is_table(value, len(names)):
+                yield [names, *value]
+            else:
+                yield from _lists(value)
+        yield from _columns_of(document)
+
+
+def _columns_of(document: dict[str, Any]) -> Iterator[list[Any]]:
+    """Yield the rows of an object that holds a list for each column, if they are poses."""
+    lengths = Counter(len(value) for value in document.values() if isinstance(value, list))
+    count = max(lengths, key=lambda n: (lengths[n], n), default=0)
+    columns = {key: value for key, value in document.items() if isinstance(value, list) and len(value) == count}
+    if count < _LEAST_RECORDS:
+        return
+    rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+    if _has_pose(_flat(rows[0])):
+        yield rows
+
+
+def _are_names(value: Any) -> bool:
+    return isinstance(value, list) and len(value) > 4 and all(isinstance(name, str) for name in value)
+
+
+def _is_table(value: Any, width: int) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(r, list) and len(r) == width for r in value)
+
+
+def _has_pose(row: dict[str, Any]) -> bool:
+    found = find_columns(list(row))
+    return found.orientation is not None or found.vector is not None or bool(named_matrices(list(row)))
+
+
+def _of_poses(rows: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], tuple[Defect, ...]]:
+    """Return the records that are like those of poses, and what was left out."""
+    kinds = Counter(tuple(row) for row in rows)
+    likely = max(
+        kinds, key=lambda kind: (kinds[kind] >= _LEAST_RECORDS and _has_pose(dict.fromkeys(kind)), kinds[kind])
+    )
+    wanted = set(likely)
+    same = [2 * len(wanted & set(row)) >= len(wanted) for row in rows]
+    if all(same):
+        return rows, ()
+    first = same.index(False)
+    shown = ", ".join(list(rows[first])[:3]) or "nothing"
+    count = len(rows) - sum(same)
+    what = f"{counted(count, 'record')} of another kind than the poses (the first holds {shown})"
+    return [row for row, one in zip(rows, same, strict=True) if one], (
+        Defect("record-of-another-kind", what, "left out", count),
+    )
+
+
+def _flat(value: Any, name: str = "") -> dict[str, Any]:
+    if isinstance(value, dict):
+        parts = [(f"{name}.{key}" if name else str(key), part) for key, part in value.items()]
+    elif isinstance(value, list):
+        parts = [(one, part) for one, part in zip(_names_in(value, name), value, strict=True)]
+    else:
+        return {name: "" if value is None else str(value).replace(",", " ").replace("\n", " ")}
+    if _is_grid(value):
+        return {f"{name}.{r}.{c}": str(cell) for r, row in enumerate(value) for c, cell in enumerate(row)}
+    return {key: number for one, part in parts for key, number in _flat(part, one).items()}
+
+
+def _is_grid(value: Any) -> bool:
+    """Return whether a list is a matrix of 3 or 4 rows."""
+    lists = isinstance(value, list) and len(value) in (3, 4) and all(isinstance(row, list) for row in value)
+    return (
+        lists
+        and {len(row) for row in value} <= {3, 4}
+        and not any(isinstance(v, dict | list) for r in value for v in r)
+    )
+
+
+def _names_in(values: list[Any], name: str) -> list[str]:
+    if len(values) == 3 and not any(isinstance(value, list) for value in values):
+        return [f"{name}.{axis}" for axis in "xyz"]
+    if len(values) == 4 and names_rotation(name):
+        return [f"{name}.q{i}" for i in range(4)]
+    return [f"{name}.{i}" for i in range(len(values))]

@@ -1,0 +1,126 @@
+"""Motion of the Brain Imaging Data Structure: a table without header, described by files beside it.
+
+Source: BIDS specification 1.9, "Motion".
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....errors import TraceError
+from ...assumptions import By
+from ...options import Euler
+from ..axes import parse_axes
+from ..made import Made, rows_text
+
+KIND = "bids"
+_ENDING = "_motion.tsv"
+_LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
+_TURNING = {f"ORNT.{part}" for part in ("x", "y", "z", *_QUATERNION[:3])}
+# SpatialAxes: right or left, anterior or posterior, superior or inferior.
+_DIRECTIONS = {
+    **{"R": ("right", ""), "S": ("up", ""), "A": ("ahead", "")},
+    **{"L": ("right", "-"), "I": ("up", "-"), "P": ("ahead", "-")},
+}
+
+
+def fits(path: Path, start: bytes) -> bool:
+    """Return whether a file is such a table, by its name as the specification has it."""
+    return path.name.endswith(_ENDING)
+
+
+def made(path: Path, text: str) -> Made:
+    """Return a row for each tracked point in each sample. Errors: TraceError."""
+    stem = str(path).removesuffix(_ENDING)
+    channels = _channels(Path(f"{stem}_channels.tsv"), path)
+    points: dict[str, dict[str, int]] = {}
+    for i, channel in enumerate(channels):
+        kind, part = channel.get("type", "").upper(), channel.get("component", "")
+        if kind in ("POS", "ORNT"):
+            points.setdefault(channel.get("tracked_point", "n/a"), {})[f"{kind}.{part}"] = i
+    turned = {name: at for name, at in points.items() if any(part.startswith("ORNT") for part in at)}
+    if not turned:
+        raise TraceError(f"{path}: its channels hold no orientation (type ORNT): expected quat_x .. quat_w or angles")
+    at = next(iter(turned.values()))
+    clock = next((i for i, channel in enumerate(channels) if channel.get("type", "").upper() == "LATENCY"), None)
+    rate = _json(Path(f"{stem}_motion.json")).get("SamplingFrequency") if clock is None else None
+    lines = [line.split("\t") for line in text.splitlines() if line.strip()]
+    if any(len(line) != len(channels) for line in lines[:1]):
+        raise TraceError(
+            f"{path}: {len(lines[0])} columns, but its channels.tsv has {len(channels)} rows: they must agree"
+        )
+    parts = [part for part in at if part.startswith("POS")] + _turn_parts(at)
+    facts = _facts(stem, channels, at)
+    against = facts.pop("against", False)  # turns go against the hand of the axes
+    rows = []
+    for i, line in enumerate(lines):
+        time = [line[clock]] if clock is not None else [repr(i / rate)] if rate else []
+        for name, columns in turned.items():
+            if set(parts) <= set(columns):
+                numbers = [line[columns[part]] for part in parts]
+                if against:
+                    numbers = [_negated(n) if p in _TURNING else n for n, p in zip(numbers, parts, strict=True)]
+                rows.append([*time, name.replace(",", " "), *numbers])
+    named = [
+        part.replace("POS.", "position.").replace("ORNT.quat_", "q").replace("ORNT.", "rotation.") for part in parts
+    ]
+    names = (*(["time_s"] if clock is not None or rate else []), "device", *named)
+    return Made(KIND, rows_text(rows), names, facts=facts)
+
+
+def _turn_parts(at: dict[str, int]) -> list[str]:
+    quaternion = [f"ORNT.{part}" for part in _QUATERNION]
+    return quaternion if set(quaternion) <= set(at) else [f"ORNT.{axis}" for axis in "xyz" if f"ORNT.{axis}" in at]
+
+
+def _channels(path: Path, table: Path) -> list[dict[str, str]]:
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            return list(csv.DictReader(file, delimiter="\t"))
+    except FileNotFoundError:
+        raise TraceError(f"{table}: BIDS describes its columns in {path.name}, which is not beside it") from None
+
+
+def _json(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        return {}
+    except ValueError as error:
+        raise TraceError(f"{path} is no JSON: {error}") from None
+    return found if isinstance(found, dict) else {}
+
+
+def _facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -> dict[str, Any]:
+    facts: dict[str, Any] = {}
+    place = next((channels[i] for part, i in at.items() if part.startswith("POS")), {})
+    if place.get("units") in _LENGTHS:
+        facts = {"scale": _LENGTHS[place["units"]], "scale_by": By.FILE}
+    turn = next(channels[i] for part, i in at.items() if part.startswith("ORNT"))
+    levels = _json(Path(f"{stem}_channels.json")).get("reference_frame", {}).get("Levels", {})
+    frame = levels.get(turn.get("reference_frame", ""), {}) if isinstance(levels, dict) else {}
+    if axes := _axes(str(frame.get("SpatialAxes", ""))):
+        hand = "right-hand" if np.linalg.det(parse_axes(axes).world) > 0 else "left-hand"
+        against = str(frame.get("RotationRule", hand)) != hand
+        facts |= {"axes": axes, "axes_by": By.FILE, "against": against}
+    order = str(frame.get("RotationOrder", "")).lower()
+    if sorted(order) == ["x", "y", "z"] and turn.get("units") in ("deg", "rad"):
+        facts |= {"euler": Euler(order, turn["units"] == "deg"), "order_by": By.FILE}
+    return facts
+
+
+def _negated(number: str) -> str:
+    return number.removeprefix("-") if number.startswith("-") else f"-{number.removeprefix('+')}"
+
+
+def _axes(letters: str) -> str:
+    """Return axes for world and head of, for instance, "ARS" (x ahead, y right, z up)."""
+    known = ((_DIRECTIONS[s], axis) for s, axis in zip(letters, "xyz", strict=False) if s in _DIRECTIONS)
+    found = {way: f"{sign}{axis}" for (way, sign), axis in known}
+    return ",".join(found[way] for way in ("right", "up", "ahead")) if len(found) == 3 else ""

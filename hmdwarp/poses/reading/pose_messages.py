@@ -1,0 +1,112 @@
+"""Poses in messages of ROS and Foxglove, and the table of all poses of a recording."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from ...errors import TraceError
+from ..stated import Defect
+from .made import Made
+
+COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
+# Where messages have their time, the frame they are in, the frame they move, and their pose.
+_STAMPED = ("header.stamp", "header.frame_id")
+_FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
+    "foxglove.PoseInFrame": ("timestamp", "frame_id", None, "pose.position", "pose.orientation"),
+    "foxglove.FrameTransform": ("timestamp", "parent_frame_id", "child_frame_id", "translation", "rotation"),
+    "geometry_msgs/PoseStamped": (*_STAMPED, None, "pose.position", "pose.orientation"),
+    "geometry_msgs/PoseWithCovarianceStamped": (*_STAMPED, None, "pose.pose.position", "pose.pose.orientation"),
+    "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
+    "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
+}
+_LISTS = {"foxglove.FrameTransforms": "foxglove.FrameTransform", "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped"}
+_STATIC = "tf_static"  # topic of transforms that never change: no head
+_XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
+_PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
+
+
+@attrs.frozen
+class StampedPose:
+    """A pose of a message."""
+
+    stamp_ns: int  # 0 where the message has none
+    parent: str
+    child: str
+    numbers: tuple[float, ...]  # position, then quaternion xyzw
+
+
+def has_poses(name: str) -> bool:
+    """Return whether messages of a type have a pose, such as nav_msgs/Odometry."""
+    return name in _FIELDS or name in _LISTS
+
+
+def poses_in(name: str, message: Any) -> Iterator[StampedPose]:
+    """Yield the poses of a message of a type that has them."""
+    if name in _LISTS:
+        for transform in message.transforms:
+            yield from poses_in(_LISTS[name], transform)
+        return
+    stamp, parent, child, position, orientation = (
+        "" if path is None else operator.attrgetter(path)(message) for path in _FIELDS[name]
+    )
+    numbers = tuple(map(float, (*_XYZ(position), *_XYZW(orientation))))
+    yield StampedPose(_nanoseconds(stamp), parent, child, numbers)
+
+
+def _nanoseconds(stamp: Any) -> int:
+    whole, rest = next(pair for pair in _PARTS_OF_STAMPS if all(hasattr(stamp, part) for part in pair))
+    return int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
+
+
+class PoseMessages:
+    """The poses of a recording of messages, as rows of COLUMNS."""
+
+    kind = ""  # of the table
+    file = ""  # what it is, in words
+    wanted = ""  # how messages may be written
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.comments: list[str] = []
+        self.defects: list[Defect] = []
+        self.held: dict[str, str] = {}  # what the other topics hold, in words
+        self._frames: dict[str, str] = {}  # by topic of a transform: its parent
+        self._children: dict[str, str] = {}  # by frame: the frame it is in
+
+    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
+        """Yield topic, time of logging in ns and pose. Errors: TraceError."""
+        raise NotImplementedError
+
+    def table(self) -> Made:
+        """Return every pose in the order of logging. Errors: TraceError without any."""
+        rows = []
+        for topic, logged_ns, pose in self.poses():
+            if pose.child:
+                self._children.setdefault(pose.child, pose.parent)
+            if topic.rpartition("/")[2] == _STATIC:
+                continue
+            name = " ".join(f"{topic} {pose.child}".replace(",", " ").replace('"', " ").split())
+            self._frames.setdefault(name, pose.parent)
+            rows.append(",".join((str(pose.stamp_ns), str(logged_ns), name, *map(repr, pose.numbers))))
+        if not rows:
+            types = ", ".join([*_FIELDS, *_LISTS])
+            raise TraceError(
+                f"{self.path} is {self.file} without poses{self._others()}: expected messages of {types}, {self.wanted}"
+            )
+        text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()
+        return Made(self.kind, text, defects=tuple(self.defects), nested=dict(self._nested()))
+
+    def _nested(self) -> Iterator[tuple[str, Defect]]:
+        for name, parent in self._frames.items():
+            if parent in self._children:
+                what = f"its poses are in frame '{parent}', which is itself in frame '{self._children[parent]}'"
+                yield name, Defect("frame-nested", what, "taken as they are; transforms are not chained")
+
+    def _others(self) -> str:
+        held = [f"{topic} ({what})" for topic, what in self.held.items()]
+        return f" that can be read; it holds {', '.join(held[:8])}" if held else ""

@@ -1,0 +1,77 @@
+"""Head traces in bags of ROS and in COLMAP's images.txt."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from published_folders import write_colmap
+from recorded_folders import taken
+from ros_bags import BEGINS_NS, HAS_ROSBAGS, Messages, logged, write_bag
+
+from hmdwarp.errors import TraceError
+from hmdwarp.poses import TraceOptions, load_trace
+from hmdwarp.poses.assumptions import By
+
+needs_rosbags = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install 'hmdwarp[bags]')")
+FRAMES = taken(6)
+
+
+def bag(folder, version: int, ending: str, motion: str):
+    messages = Messages(version)
+    write_bag(folder, ending, logged(messages, FRAMES, motion), messages)
+    return next(folder.glob(f"*{ending}"))
+
+
+@needs_rosbags
+@pytest.mark.parametrize(("version", "ending"), [(1, ".bag"), (2, ".db3")])
+@pytest.mark.parametrize("motion", ["tf", "odometry"])
+def test_a_bag_is_a_head_trace(version, ending, motion, tmp_path):
+    """The robot's frame, whose camera looks along its x, 0.1 m ahead, 0.02 left and 0.3 up."""
+    loaded = load_trace(bag(tmp_path, version, ending, motion))
+    assert (loaded.format, loaded.track.epoch_ns) == ("rosbag", BEGINS_NS)
+    assert [int(time_ns) for time_ns in loaded.track.time_ns] == [frame.time_ns for frame in FRAMES]
+    for found, frame in zip(map(loaded.track.pose, range(6)), FRAMES, strict=True):
+        assert np.allclose(found.rotation_matrix, frame.pose.rotation_matrix, atol=1e-9)
+        camera = found.position_m + found.rotation_matrix @ (-0.02, 0.3, -0.1)
+        assert np.allclose(camera, frame.pose.position_m, atol=1e-9)
+    assert next(entry.by for entry in loaded.assumptions if entry.what == "axes") is By.FORMAT
+
+
+@needs_rosbags
+def test_a_bag_without_poses_says_what_it_holds(tmp_path):
+    messages = Messages(2)
+    write_bag(tmp_path, ".db3", (row for row in logged(messages, FRAMES) if "tf" not in row[0]), messages)
+    with pytest.raises(TraceError, match="is a bag without poses that can be read; it holds /camera/color/camera_info"):
+        load_trace(next(tmp_path.glob("*.db3")))
+
+
+@needs_rosbags
+@pytest.mark.parametrize("magic", [b"#ROSBAG V2.0\n", b"SQLite format 3\x00"])
+def test_a_damaged_bag_is_refused_in_one_line(magic, tmp_path):
+    path = tmp_path / "taken.bag"
+    path.write_bytes(magic + b"cut off")
+    with pytest.raises(TraceError, match="cannot be read as a bag") as caught:
+        load_trace(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_images_of_colmap_are_inverted_in_the_order_of_their_names(tmp_path):
+    """A model has no clock; its world is that of the first camera here."""
+    write_colmap(tmp_path, FRAMES)
+    path = tmp_path / "sparse/0/images.txt"
+    with pytest.raises(TraceError, match="has no time .*--trace-rate"):
+        load_trace(path)
+    loaded = load_trace(path, TraceOptions(rate=30.0))
+    assert loaded.format == "colmap"
+    for found, frame in zip(map(loaded.track.pose, range(6)), FRAMES, strict=True):
+        assert found.isclose(frame.pose, 1e-9)
+    said = {entry.what: entry.by for entry in loaded.assumptions}
+    assert (said["pose"], said["axes"], said["length"]) == (By.FORMAT, By.FORMAT, By.NOBODY)
+
+
+def test_a_broken_line_of_colmap_is_named(tmp_path):
+    write_colmap(tmp_path, FRAMES)
+    path = tmp_path / "sparse/0/images.txt"
+    path.write_text(path.read_text().replace(" 1 0003.png", " x 0003.png"))
+    with pytest.raises(TraceError, match=r"images.txt, line 6: .*expected IMAGE_ID QW QX QY QZ"):
+        load_trace(path, TraceOptions(rate=30.0))

@@ -1,0 +1,166 @@
+"""Bags of ROS: which topics are taken, in which frame the camera is, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from recorded_folders import taken
+from ros_bags import BEGINS_NS, HAS_ROSBAGS, Logged, Messages, logged, write_bag, write_ros1, write_ros2
+
+from hmdwarp.errors import InputError
+from hmdwarp.poses.assumptions import By
+from hmdwarp.sources import sequences
+from hmdwarp.sources.sequences import Sequence, SequenceOptions, parse_intrinsics
+
+pytestmark = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install 'hmdwarp[bags]')")
+COLOUR, DEPTH = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw"
+
+
+def changed(folder: Path, change: Callable[[Messages, Logged], Iterator[Logged]], motion: str = "tf") -> Path:
+    """A bag of ROS 2 whose messages are changed one by one."""
+    messages = Messages(2)
+    rows = (new for row in logged(messages, taken(3), motion) for new in change(messages, row))
+    write_bag(folder, ".db3", rows, messages)
+    return folder
+
+
+def refused(folder: Path, *words: str, options: SequenceOptions | None = None) -> None:
+    with pytest.raises(InputError) as caught:
+        sequences.open(folder, options)
+    assert all(word in str(caught.value) for word in words) and "\n" not in str(caught.value), str(caught.value)
+
+
+def entry(sequence: Sequence, what: str) -> tuple[str, By]:
+    found = next(one for one in sequence.assumptions if one.what == what)
+    return found.value, found.by
+
+
+def without(*topics: str) -> Callable[[Messages, Logged], Iterator[Logged]]:
+    return lambda _, row: iter([] if row[0] in topics else [row])
+
+
+def test_a_file_is_read_as_its_folder_is(tmp_path):
+    """Also a single .db3 beside its metadata."""
+    write_ros2(tmp_path, taken(2))
+    found = [sequences.open(path).frames[1] for path in (tmp_path, next(tmp_path.glob("*.db3")))]
+    assert found[0].pose.isclose(found[1].pose, 0) and np.array_equal(found[0].colour, found[1].colour)
+
+
+def test_what_was_taken_is_said(tmp_path):
+    write_ros1(tmp_path, taken(2))
+    sequence = sequences.open(tmp_path)
+    topics, by = entry(sequence, "topics")
+    assert by is By.NOBODY and f"colour {COLOUR}, depth {DEPTH}, info /camera/color/camera_info" in topics
+    assert entry(sequence, "camera pose") == ("'map' from 'camera_color_optical_frame', by TF", By.FILE)
+    assert sequence.track.epoch_ns == BEGINS_NS
+
+
+def test_of_several_cameras_the_user_names_one(tmp_path):
+    def second(messages: Messages, row: Logged) -> Iterator[Logged]:
+        yield row
+        if row[0] == COLOUR:
+            yield "/other/image_raw", row[1], row[2], messages.image(row[2], np.zeros((24, 36, 3), np.uint8), "rgb8")
+
+    changed(tmp_path, second)
+    refused(tmp_path, f"several topics of colour ({COLOUR}, /other/image_raw)", "--frames-topics")
+    sequence = sequences.open(tmp_path, SequenceOptions(frames_topics="colour=/other/image_raw"))
+    assert not sequence.frames[0].colour.any() and entry(sequence, "topics")[1] is By.USER
+    refused(tmp_path, "no topic '/third'", COLOUR, options=SequenceOptions(frames_topics="colour=/third"))
+    refused(tmp_path, "expected colour=TOPIC", options=SequenceOptions(frames_topics="left=/other"))
+
+
+def test_depth_of_another_frame_is_refused(tmp_path):
+    def moved(messages: Messages, row: Logged) -> Iterator[Logged]:
+        depth = np.ones((24, 36), np.uint16)
+        yield (*row[:3], messages.image(row[2], depth, "16UC1", "depth_frame")) if row[0] == DEPTH else row
+
+    refused(changed(tmp_path, moved), f"{DEPTH} is in frame 'depth_frame'", "registered")
+
+
+def test_depth_of_floats_is_in_metres(tmp_path):
+    def floats(messages: Messages, row: Logged) -> Iterator[Logged]:
+        depth = np.full((24, 36), 2.5, np.float32)
+        depth[0, 0] = np.nan
+        yield (*row[:3], messages.image(row[2], depth, "32FC1")) if row[0] == DEPTH else row
+
+    sequence = sequences.open(changed(tmp_path, floats))
+    depth_m = sequence.frames[0].depth_m
+    assert depth_m[5, 5] == 2.5 and not depth_m[0, 0] > 0
+    assert entry(sequence, "depth scale") == ("1 m per unit", By.FORMAT)
+
+
+def test_a_lens_that_distorts_is_refused_unless_its_picture_is_rectified(tmp_path):
+    def distorted(messages: Messages, row: Logged) -> Iterator[Logged]:
+        yield (*row[:3], messages.info(row[2], (36, 24), 0.1)) if row[0].endswith("camera_info") else row
+
+    def rectified(messages: Messages, row: Logged) -> Iterator[Logged]:
+        for topic, *rest in distorted(messages, row):
+            yield topic.replace("color/image_raw", "color/image_rect_color"), *rest
+
+    (tmp_path / "raw").mkdir()
+    (tmp_path / "rect").mkdir()
+    refused(changed(tmp_path / "raw", distorted), "distortion[0] is 0.1", "undistort")
+    assert len(sequences.open(changed(tmp_path / "rect", rectified)).frames) == 3
+
+
+def test_without_camera_info_the_user_states_intrinsics(tmp_path):
+    changed(tmp_path, without("/camera/color/camera_info"))
+    refused(tmp_path, "--intrinsics")
+    options = SequenceOptions(intrinsics=parse_intrinsics("40,42,17.3,11.1"))
+    assert entry(sequences.open(tmp_path, options), "intrinsics")[1] is By.USER
+
+
+def test_odometry_without_transforms_is_taken_at_the_camera_and_nobody_says_so(tmp_path):
+    """It looks along x, as REP 103 has a body."""
+    found = sequences.open(changed(tmp_path, without("/tf_static"), "odometry"))
+    value, by = entry(found, "camera pose")
+    assert by is By.NOBODY and value == "/odom of 'base_link', which looks along x, at the camera's place"
+    apart = found.frames[2].pose.position_m - taken(3)[2].pose.position_m
+    assert np.linalg.norm(apart) == pytest.approx(np.linalg.norm([0.1, 0.02, 0.3]), abs=1e-9)
+
+
+def test_frames_beyond_the_motion_are_left_out(tmp_path):
+    def shorter(_: Messages, row: Logged) -> Iterator[Logged]:
+        if row[0] != "/tf" or row[2] < BEGINS_NS + taken(3)[2].time_ns:
+            yield row
+
+    sequence = sequences.open(changed(tmp_path, shorter))
+    assert len(sequence.frames) == 2
+    assert sequence.notes == ("1 frames were left out: no depth within 20 ms, or no pose at their instants.",)
+
+
+@pytest.mark.parametrize(
+    ("topics", "words"),
+    [
+        ((COLOUR,), ("no topic of colour", DEPTH)),
+        ((DEPTH,), ("no topic of depth", COLOUR)),
+        (("/tf",), ("no topic of pose", COLOUR)),
+    ],
+)
+def test_what_a_bag_lacks_is_named_with_what_it_holds(topics, words, tmp_path):
+    refused(changed(tmp_path, without(*topics)), *words)
+
+
+def test_pictures_of_an_unknown_encoding_are_no_colour(tmp_path):
+    def bayer(messages: Messages, row: Logged) -> Iterator[Logged]:
+        mosaic = np.zeros((24, 36), np.uint8)
+        yield (*row[:3], messages.image(row[2], mosaic, "bayer_rggb8")) if row[0] == COLOUR else row
+
+    changed(tmp_path, bayer)
+    refused(tmp_path, "no topic of colour", f"{COLOUR} (unknown)")
+    refused(tmp_path, "bayer_rggb8", options=SequenceOptions(frames_topics=f"colour={COLOUR}"))
+
+
+@pytest.mark.parametrize("ending", [".bag", ".db3", ".mcap"])
+def test_what_is_no_bag_is_refused_in_one_line(ending, tmp_path):
+    (tmp_path / f"taken{ending}").write_bytes(b"no bag at all" * 20)
+    refused(tmp_path / f"taken{ending}", f"taken{ending}: cannot be read as a bag")
+
+
+def test_a_folder_of_two_bags_names_none(tmp_path):
+    for name in ("one.bag", "two.bag"):
+        (tmp_path / name).write_bytes(b"")
+    refused(tmp_path, "no bag, or several", options=SequenceOptions(layout="rosbag"))
