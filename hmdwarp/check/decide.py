@@ -205,7 +205,9 @@ def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidat
     for name, numbers in groups.items():
         if name in known or (name == CENTRE and PIXEL in known) or not set(numbers) <= set(search.steps(start)):
             continue
-        before = [(FACTOR, OFFSET)] if {ENCODING, PLANES} & set(known) else [(FACTOR,)] if SCALE in known else []
+        before: list[tuple[str, ...]] = (
+            [(FACTOR, OFFSET)] if {ENCODING, PLANES} & set(known) else [(FACTOR,)] if SCALE in known else []
+        )
         before += [(WIDE_X, WIDE_Y)] if WIDTH in known else []
         before += [(PIXEL_X, PIXEL_Y)] if {PIXEL, CENTRE} & set(known) else []
         extra = tuple(itertools.chain(*before, numbers))
