@@ -7,45 +7,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..client.effects import effects
-from ..client.lens import lenses
-from ..client.variants import parse_fills, parse_indirect, parse_warp
-from ..errors import unknown_name
 from ..frames import Needs
 from ..link import CHANGES
-from ..link.codec import check_codec
-from ..options import AUTO
 from ..pipeline.options import PipelineOptions
 from ..pipeline.requested import PoseRequest
 from ..poses import PoseSample, PoseSource, PoseTrack, jumps_between
 from ..poses.prediction import predict
-from ..poses.predictors import predictors
-from ..sources.server.draw import MIRRORS
 
 KEPT_NS = 1_000_000_000
-
-
-def check_names(options: PipelineOptions) -> None:
-    """Check warp, fills, lens, effects, predictor, codec, mirrors, indirect light and network.
-
-    It loads nothing, so that a misspelt name is reported before a scene is built.
-
-    Errors: UnknownNameError; InputError for an impossible network; MachineError for a codec that
-    cannot run here.
-    """
-    if options.warp != AUTO:
-        parse_warp(options.warp)
-    parse_fills(options.fill)
-    if options.lens != AUTO:
-        lenses.get(options.lens)
-    effects.forced(options.effects)
-    predictors.get(options.predict)
-    check_codec(options.coding.codec)
-    if options.mirrors not in MIRRORS:
-        raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
-    parse_indirect(options.indirect)
-    check_codec(options.proxy.codec)
-    options.client_link.check(round(options.latency_ms * 1e6))
 
 
 def pose_request(

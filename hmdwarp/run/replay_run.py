@@ -22,6 +22,7 @@ from ..options import AUTO
 from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.recorded_source import about_second_eye, second_eye
+from ..pipeline.source_choice import source_of
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
@@ -61,8 +62,9 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
-    options, choice = decided(options, say)
-    with set_up_replay(options, say=say, alone=True) as setup:
+    source = source_of(options)
+    options, choice = decided(options, source, say)
+    with set_up_replay(options, say=say, alone=True, source=source) as setup:
         setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
         with QualityPool(

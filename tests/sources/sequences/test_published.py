@@ -14,7 +14,7 @@ from hmdwarp import View, Warper, WarpMap
 from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import SequenceOptions
+from hmdwarp.sources.sequences import SequenceOptions, readers
 
 STRAY = "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
 # By form: a file, what takes its place (None: it is gone), and words of the error.
@@ -273,6 +273,35 @@ def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_
     again = sequences.open(folder, PUBLISHED["traced"].options)
     assert next(entry.by for entry in again.assumptions if entry.what == "camera axes") is By.FILE
     assert again.frames[2].pose.isclose(sequence.frames[2].pose, 1e-12)
+
+
+@pytest.mark.parametrize("per_second", [10**3, 10**6, 10**9])
+def test_whole_numbers_are_instants_of_the_trace_in_the_unit_that_fits(per_second, folder):
+    PUBLISHED["traced"].write(folder, taken(4))
+    for file in [*folder.glob("*/*.png")]:
+        file.rename(file.with_name(f"{round(float(file.stem) * per_second)}.png"))
+    found = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(found.frames) >= 3 and found.rate_hz == pytest.approx(30, rel=0.03)
+
+
+def test_a_bag_beside_pictures_is_their_trace(folder):
+    """Where a folder holds pictures, the bag in it is not where they are looked for."""
+    PUBLISHED["traced"].write(folder, taken(1))
+    (folder / "trajectory.txt").rename(folder / "trajectory.bag")
+    chances = {name: readers.get(name).fits(folder) for name in ("rosbag", "traced")}
+    assert 0 < chances["rosbag"] < chances["traced"]
+
+
+def test_a_count_is_no_clock(folder):
+    """Every fifth picture of a recording is not at second 0, 5 and 10 of its trace."""
+    PUBLISHED["traced"].write(folder, taken(4))
+    for i, file in enumerate(sorted(folder.glob("rgb/*.png"))):
+        file.rename(file.with_name(f"{5 * i:04}.png"))
+        (folder / "depth" / file.name).rename(folder / f"depth/{5 * i:04}.png")
+    rows = (f"{at:.3f} 0 0 {at / 10} 0 0 0 1" for at in np.arange(0, 30, 0.1))
+    (folder / "trajectory.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + "\n".join(rows))
+    with pytest.raises(InputError, match="300 poses in trajectory.txt for 4 pictures, whose names are no instants"):
+        sequences.open(folder, PUBLISHED["traced"].options)
 
 
 def test_pictures_beyond_the_trace_are_left_out(folder):

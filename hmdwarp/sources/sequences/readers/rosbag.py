@@ -70,7 +70,7 @@ class RosBagReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 75 if bag_at(path) is not None else 0
+        return 0 if (place := bag_at(path)) is None else 75 if place == path else 25
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         place = bag_at(path)
@@ -93,9 +93,9 @@ class RosBagReader(SequenceReader):
         size = _size(pixels_of(topics.colour, bag.message(topics.colour, colours[0].logged_ns, colours[0].number)))
         fov, axes = facts.camera.fov(size, f"{path}, {topics.info}"), parse_axes(_AXES)
         pose_at, said = _poses(bag, tree, topics, colours[0].frame)
-        frames = []
+        late, frames = np.array([picture.time_ns for picture in depths]), []
         for at, colour in enumerate(colours):
-            depth = min(depths, key=lambda picture: abs(picture.time_ns - colour.time_ns))
+            depth = depths[int(np.abs(late - colour.time_ns).argmin())]
             matrix = pose_at(colour.time_ns) if abs(depth.time_ns - colour.time_ns) <= _WITHIN_NS else None
             if matrix is not None:
                 time_ns = colour.time_ns if options.frames_rate_hz is None else at_rate(options, at)

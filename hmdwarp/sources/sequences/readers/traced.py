@@ -33,7 +33,9 @@ _INTRINSICS = (
     "intrinsic.json",
 )
 _MATRICES = ("intrinsics.txt", "intrinsic.txt", "camera_matrix.txt", "camera_matrix.csv", "K.txt")
-_UNITS = {"s": 10**9, "ns": 1, "us": 10**3, "ms": 10**6}
+_WHOLE = {"ns": 1, "us": 10**3, "ms": 10**6}
+_UNITS = {"s": 10**9, **_WHOLE}
+_COVERED = 0.05  # of the trace, at least
 _AXES_OPTION = "--frames-axes"
 
 
@@ -122,9 +124,12 @@ def _instants(path: Path, files: list[tuple[Path, Path]], trace: LoadedTrace) ->
     whole = [stem for stem in stems if stem is not None]
     counted = len(whole) == len(stems) and all(b - a == 1 for a, b in zip(whole, whole[1:], strict=False))
     if len(whole) == len(stems) and not counted:
-        for unit, size in _UNITS.items():
+        # Whole numbers are seconds of no clock but a count, and a count covers little of a trace.
+        units = _UNITS if any("." in colour.name.removesuffix(colour.suffix) for colour, _ in files) else _WHOLE
+        for unit, size in units.items():
             instants = [int(stem * size) for stem in whole]
-            if 2 * sum(first <= instant <= last for instant in instants) > len(instants):
+            inside = sum(first <= instant <= last for instant in instants)
+            if 2 * inside > len(instants) and max(instants) - min(instants) > _COVERED * (last - first):
                 return instants, f"pictures are named by the trace's clock, in {unit}"
     if len(track) == len(files):
         return (track.time_ns + track.epoch_ns).tolist(), "the trace's, a pose for each picture in order"
