@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ..client.inputs import PassInputs
 from ..geometry import View
 from ..gpu.textures import download
-
-if TYPE_CHECKING:
-    from ..client.inputs import PassInputs
-    from ..pipeline.loop import Refresh
+from ..pipeline.loop import Refresh
 
 Array = NDArray[np.float64]
 _POINTS = 17  # a row and a column of the late frame
