@@ -134,12 +134,12 @@ def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
     """A new format needs a sample here."""
     loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
     assert loaded.format == name
-    entries = {one.what: one for one in loaded.assumptions}
+    entries = {assumption.what: assumption for assumption in loaded.assumptions}
     known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}
     if any(defect.kind == "no-position" for defect in loaded.defects):
         known.remove("length")
     assert set(entries) == known
-    assert all(one.value and one.by in By for one in loaded.assumptions)
+    assert all(assumption.value and assumption.by in By for assumption in loaded.assumptions)
     for stated in formats.get(name).assumes():
         found = entries.get(stated.what)
         if stated.by is By.FORMAT and found is not None:

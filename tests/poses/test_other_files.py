@@ -43,12 +43,12 @@ def inverse(track: PoseTrack) -> PoseTrack:
 
 def by(loaded: LoadedTrace, what: str) -> By:
     """Who says a fact."""
-    return next(one.by for one in loaded.assumptions if one.what == what)
+    return next(assumption.by for assumption in loaded.assumptions if assumption.what == what)
 
 
 def value(loaded: LoadedTrace, what: str) -> str:
     """What a fact was taken as."""
-    return next(one.value for one in loaded.assumptions if one.what == what)
+    return next(assumption.value for assumption in loaded.assumptions if assumption.what == what)
 
 
 def fields(*columns: np.ndarray) -> list[list[str]]:
@@ -218,7 +218,7 @@ JSON_FORMS = {
         "rotation": [dict(zip("xyzw", row[4:], strict=True)) for row in FLAT],
     },
     "events between": [
-        one for i, r in enumerate(records()) for one in ([{"event": "click"}, r] if i % 7 == 3 else [r])
+        record for i, r in enumerate(records()) for record in ([{"event": "click"}, r] if i % 7 == 3 else [r])
     ],
     "one recording in a list": [{"name": "take 1", "samples": records()}],
 }

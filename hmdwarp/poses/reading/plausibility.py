@@ -156,8 +156,8 @@ class Verdict:
 def judge(evidence: Evidence, axes: Axes) -> Verdict:
     """Compare axes with all others: 6 ups of the world, 24 directions of the head.
 
-    The hand of a file and the directions on the ground cannot be told from motion: a mirror image
-    of a walk is a walk.
+    Motion does not determine the hand of a file and the directions on the ground: a mirror image of
+    a walk is a walk.
     """
     here = reading_of(axes)
     faults = evidence.faults(here)
