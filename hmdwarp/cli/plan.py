@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import typer
 
-from .. import client, headsets, scenes
+from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, DEFAULT_GUARD, Option
 from ..pipeline.options import PipelineOptions
@@ -31,20 +31,16 @@ def plan(said: Said) -> None:
 
     Tells what makes the scene slow to draw, and what to do about it.
     """
-    from ..pipeline import source_of
-    from ..run import check_names
-
     source = said["source"]
     headsets.load_headset(said["headset"])
     kind, told = _driver(source)
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
-    check_names(options)
-    frames = source_of(options)
-    options, headset, scene = frames.fitted(options), frames.headset, frames.scene
-    slow, noted = list(scenes.slow_in(scene)), [*frames.notes, *scene.notes]
-    about = (_auto if options.warp == AUTO else _passes)(options, headset, scene, told)
+    frames = pipeline.source_of(options)
+    options = frames.fitted(options)
+    slow, noted = list(scenes.slow_in(frames.scene)), [*frames.notes, *frames.scene.notes]
+    about = (_auto if options.warp == AUTO else _passes)(options, frames, told)
     if said["json"]:
         names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
@@ -67,12 +63,12 @@ class _About:
     notes: list[str] = attrs.field(factory=list)
 
 
-def _passes(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]) -> _About:
+def _passes(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for, proxy_plan_for
 
-    built = build_plan_for(options, headset, scene, **told)
-    proxy = proxy_plan_for(options, scene) if options.source_kind is PROXY else None
-    frame = _frame(options, headset, [built])
+    built = build_plan_for(options, source.headset, source.scene, **told)
+    proxy = proxy_plan_for(options, source.scene) if options.source_kind is PROXY else None
+    frame = _frame(options, source.headset, [built])
     notes = _guard_notes(options, frame)
 
     def show() -> None:
@@ -119,13 +115,13 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]) -> _About:
+def _auto(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
 
     if options.bench is not None:
-        return _auto_from_file(options.bench, options, headset, scene, told)
-    pairs = [(c.warp, c.fill if c.plan.fills else "none") for c in candidates(options)]
+        return _auto_from_file(options.bench, options, source, told)
+    pairs = [(c.warp, c.fill if c.plan.fills else "none") for c in candidates(options, source)]
 
     def show() -> None:
         names = ", ".join(warp if fill == "none" else f"{warp} + {fill}" for warp, fill in pairs)
@@ -139,9 +135,7 @@ def _auto(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Sce
     return _About({"budget_ms": options.budget_ms, "instants": INSTANTS, "tries": tried}, show)
 
 
-def _auto_from_file(
-    bench: Path, options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]
-) -> _About:
+def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.auto.levels import best_within
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
@@ -149,7 +143,7 @@ def _auto_from_file(
     found = levels_from_file(bench, options, None)
     first = best_within(found.levels, options.budget_ms)
     chosen = attrs.evolve(options, levels=found.levels)
-    frame = _frame(options, headset, plans_for(chosen, headset, scene, **told))
+    frame = _frame(options, source.headset, plans_for(chosen, source.headset, source.scene, **told))
 
     def show() -> None:
         typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")
