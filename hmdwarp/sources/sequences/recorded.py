@@ -172,9 +172,7 @@ def is_largest(depth: NDArray[Any]) -> NDArray[np.bool_]:
     if depth.dtype.kind not in "iu" or not depth.size:
         return np.zeros(depth.shape, bool)
     most = int(depth.max())
-    return (
-        np.asarray(depth == most) if most in (np.iinfo(depth.dtype).max, _OF_16_BITS) else np.zeros(depth.shape, bool)
-    )
+    return np.asarray((depth == most) & (most in {np.iinfo(depth.dtype).max, _OF_16_BITS}))
 
 
 def in_metres(depth: NDArray[Any], scale: float) -> NDArray[np.float32]:
