@@ -65,6 +65,12 @@ def test_an_assumption_says_who_says_it(who, said):
     assert assumption_rows([one]) == [{"what": "length", "value": "1 m per unit", "by": who.value, "option": "--scale"}]
 
 
+def test_notes_name_what_nobody_says(tmp_path):
+    notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes()
+    assert any("as nobody says it" in note and "length 1 m per unit (--scale states it)" in note for note in notes)
+    assert load_trace("walk").notes() == []
+
+
 def test_the_first_that_states_a_fact_is_believed():
     assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
     assert first_stated(None, None, None) == (None, By.NOBODY)
@@ -105,11 +111,11 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
         folder / "a.txt", files.fields(files.SECONDS[:100], files.poses(TRACK).reshape(-1, 16)), ""
     ),
     "mcap": lambda folder: save(TRACK, folder / "a.mcap", "mcap"),
-    "motive": lambda folder: (files.motive(folder / "a.csv"), folder / "a.csv")[1],
+    "motive": lambda folder: files.lined(folder / "a.csv", files.motive()),
     "multiviewpoint": lambda folder: write(folder / "a.txt", TURNED, "timestamp viewpoint w x y z", " "),
     "named": _table(f"time,{_TIMED}"),
     "native": lambda folder: save(TRACK, folder / "a.csv", "native"),
-    "qualisys": lambda folder: files.qualisys(folder / "a.tsv"),
+    "qualisys": lambda folder: files.lined(folder / "a.tsv", files.qualisys()),
     "questset": _table(f"LeftTouchPosX,time,{_HEAD}", "wxyz", "0"),
     "rosbag": lambda folder: (write_ros1(folder, taken(3)), folder / "taken.bag")[1],
     "ros2_csv": lambda folder: write(
@@ -121,7 +127,7 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
         folder / "a.csv", rows(TRACK, stamp=lambda ns: str(638 * 10**15 + ns // 100)), f"timestamp,{_TIMED}"
     ),
     "tum": lambda folder: save(TRACK, folder / "a.tum", "tum"),
-    "unreal": lambda folder: files.unreal(folder / "a.csv"),
+    "unreal": lambda folder: files.lined(folder / "a.csv", files.unreal()),
     "vectors": _text(files.VECTORS["NumPy"]),
 }
 _MARKS = {param.values[0]: param.marks for param in WRITERS}

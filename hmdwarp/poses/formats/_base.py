@@ -172,9 +172,9 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         "scale": found.length_m or 1.0,
         "scale_by": By.FILE if found.length_m else By.NOBODY,
         "gravity_down": _mean_of(head, found.gravity),
-        **_direction(head.names),
     }
     turn = _turn(head, found, options, known)
+    facts |= _direction([head.names[c] for c in turn["orientation"]])
     caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
     return Layout(**(facts | turn | known), caveats=caveats)
 

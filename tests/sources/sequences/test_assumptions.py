@@ -31,6 +31,7 @@ from recorded_folders import (
     write_redwood,
     write_tum,
 )
+from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import Assumption, By
@@ -38,7 +39,7 @@ from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import FACTS, Sequence, SequenceOptions, parse_intrinsics, readers
 
 DEFAULTS = SequenceOptions()
-FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED
+FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
 
 
 def fact(sequence: Sequence, what: str) -> Assumption:
@@ -57,6 +58,8 @@ def test_every_recording_says_who_states_each_fact(name, tmp_path):
     """Each fact is one entry; what an option states is the user's, and the others are not."""
     if name == "exr" and not HAS_EXR:
         pytest.skip("OpenEXR is not installed (pip install 'hmdwarp[exr]')")
+    if name in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
     write, options = FORMS[name].write, FORMS[name].options
     write(tmp_path, taken(2))
     found = sequences.open(tmp_path, options)
