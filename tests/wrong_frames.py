@@ -173,6 +173,28 @@ def half_a_pixel(frames: Frames, rng: np.random.Generator) -> Frames:
     return [attrs.evolve(frame, view=change(frame)) for frame in frames]
 
 
+def another_lens(frames: Frames, rng: np.random.Generator) -> Frames:
+    """Return frames whose focal lengths are wrong, as often as not by the same factor."""
+    wider = np.exp(rng.choice([-1, 1]) * rng.uniform(0.04, 0.25))
+    x, y = [(wider, wider), (wider, 1.0), (1.0, wider), (wider, wider)][rng.integers(4)]
+    factors = np.array([x, x, y, y])
+    return [
+        attrs.evolve(one, view=View(one.view.pose, Fov.from_tangents(factors * one.view.fov.tangents)))
+        for one in frames
+    ]
+
+
+def off_centre(frames: Frames, rng: np.random.Generator) -> Frames:
+    """Return frames whose principal point is wrong by 3 to 10 % of the width."""
+    left, right = frames[0].view.fov.tangents[:2]
+    way, far = rng.uniform(0, 2 * np.pi), (right - left) * rng.uniform(0.03, 0.1)
+    x, y = far * np.cos(way), far * np.sin(way)
+    off = np.array([x, x, y, y])
+    return [
+        attrs.evolve(one, view=View(one.view.pose, Fov.from_tangents(one.view.fov.tangents + off))) for one in frames
+    ]
+
+
 def eyes_swapped(frames: Frames, rng: np.random.Generator) -> Frames:
     return [attrs.evolve(one, view=frames[k ^ 1].view) for k, one in enumerate(frames)]
 
@@ -195,6 +217,8 @@ MISREADINGS = {
     "half a pixel": (half_a_pixel, "pixel"),
     "eyes swapped": (eyes_swapped, "eyes"),
     "late": (None, "time"),
+    "another lens": (another_lens, "width"),
+    "off centre": (off_centre, "centre"),
 }
 
 
@@ -206,6 +230,23 @@ def wrong_frames(recording: Recording, name: str, rng: np.random.Generator) -> F
     frames = right_frames(recording, camera, rng, stereo=name == "eyes swapped" or rng.random() < 0.2)
     misread = MISREADINGS[name][0]
     return misread(frames, rng) if misread else _late(recording, frames, rng)
+
+
+# Those of which any two of different kinds are together what somebody may have misread.
+_TOGETHER = ({"w first", "world to eye", "OpenCV", "Unity", "ROS"}, {"rows up"}, {"along the ray", "scale", "buffer"},
+             {"another lens", "off centre"})  # fmt: skip
+
+
+def doubly_wrong_frames(recording: Recording, rng: np.random.Generator) -> tuple[Frames, set[str | None]]:
+    """Return frames of which two conventions are misread, and their names."""
+    kinds = [_TOGETHER[k] for k in sorted(rng.choice(len(_TOGETHER), 2, replace=False))]
+    names = [sorted(kind)[rng.integers(len(kind))] for kind in kinds]
+    if "rows up" in names and names[0] in ("OpenCV", "Unity"):
+        names[0] = "ROS"  # with the bottom row first, axes of the other hand are the same reading
+    frames = right_frames(recording, DepthCamera(noise=0.002, far_m=8.0, near_m=0.2, edge_gaps=0.5), rng)
+    for name in reversed(names):  # depth along the ray is along that of the right lens
+        frames = MISREADINGS[name][0](frames, rng)
+    return frames, {MISREADINGS[name][1] for name in names}
 
 
 def _late(recording: Recording, frames: Frames, rng: np.random.Generator) -> Frames:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import listed
 from .conventions import (
+    CENTRE,
     CONVENTIONS,
     ENCODING,
     EYES,
@@ -20,6 +21,7 @@ from .conventions import (
     ROWS,
     SCALE,
     TIME,
+    WIDTH,
     code,
     differences,
     restored,
@@ -28,10 +30,11 @@ from .conventions import (
 from .decide import ALIKE, WELL, Decision, agreement, decide, likeness
 from .frame_reading import Reading
 from .overlap import LATE, OFFSET
-from .search import SURE, Search, standard_errors
+from .search import SURE, Search, margin, standard_errors
 from .stated_frames import Stated
 
 _AGREE = 0.5  # share of the depths: below it, frames do not agree
+_MOST_NAMED = 2  # conventions that are likely to be wrong at once: more numbers stand in for others
 _STILL_PX = 0.5  # median shift between two readings: below it they show the same
 
 
@@ -78,10 +81,21 @@ class Answer:
 
     @property
     def verdict(self) -> str:
-        """Return "right", "wrong" (and the findings say what), or "no agreement"."""
+        """Return "right", "wrong" (the findings say what), "unclear", or "no agreement".
+
+        unclear: what fits best differs from what is stated by something that cannot be told, or by
+        more than is likely.
+        """
         if not self.agree:
             return "no agreement"
-        return "wrong" if differences(self.reading) else "right"
+        if not self._changed:
+            return "right"
+        is_sure = len(self._changed) <= _MOST_NAMED and all(finding.told for finding in self._changed)
+        return "wrong" if is_sure else "unclear"
+
+    @property
+    def _changed(self) -> list[Finding]:
+        return [finding for finding in self.findings if not finding.as_stated]
 
     def headline(self) -> str:
         """Return the verdict in one sentence."""
@@ -89,11 +103,17 @@ class Answer:
         share = f"{100 * self.agreement:.0f} %"
         if self.verdict == "right":
             return f"right: {frames} agree as they are stated, in {share} of the depths that two of them show"
-        if self.verdict == "wrong":
-            changed = listed([finding.label for finding in self.findings if not finding.as_stated])
+        changed = listed([finding.label for finding in self._changed])
+        if self.verdict == "unclear":
             return (
-                f"wrong: {changed}. Of the depths that two frames show, {100 * self.agreement_stated:.0f} % agree as "
-                f"stated, {share} as found ({frames})"
+                f"unclear: {frames} fit a little better with another {changed}, which cannot be told from them. Of the "
+                f"depths that two frames show, {100 * self.agreement_stated:.0f} % agree as stated, {share} so"
+            )
+        if self.verdict == "wrong":
+            several = ", or something else that fits as well" if self.as_good else ""
+            stated = f"{100 * self.agreement_stated:.0f} % agree as stated"
+            return (
+                f"wrong: {changed}{several}. Of the depths that two frames show, {stated}, {share} as found ({frames})"
             )
         if self.agreement >= WELL:
             return (
@@ -115,7 +135,7 @@ class Answer:
             "likeness": self.likeness,
             "conventions": [attrs.asdict(finding) for finding in self.findings] if self.agree else [],
             "as_good": list(self.as_good),
-            "code": list(self.code) if self.agree else [],
+            "code": list(self.code),
         }
 
 
@@ -125,7 +145,11 @@ def check(stated: Stated) -> Answer:
     decision = decide(search)
     best = decision.best.reading
     findings = tuple(_finding(decision, name) for name in CONVENTIONS)
-    rivals = [other for other in decision.others if other.changes and abs(_margin(decision, other.reading)) < SURE]
+    rivals = [
+        other
+        for other in decision.others
+        if other.changes and max(margin(other, decision.best), abs(_margin(decision, other.reading))) < SURE
+    ]
     rivals = [rival for rival in rivals if differences(rival.reading) != differences(best)]
     as_good = dict.fromkeys(
         listed(
@@ -133,32 +157,40 @@ def check(stated: Stated) -> Answer:
         )
         for rival in (rivals if differences(best) else ())
     )
-    return Answer(
+    answer = Answer(
         decision,
         findings,
         agreement(search, Reading()),
         agreement(search, best),
         likeness(search, best),
         tuple(as_good),
-        tuple(code(best, stated)),
+        (),
     )
+    # Code to paste is for what is certain.
+    is_sure = answer.verdict == "wrong" and not as_good
+    return attrs.evolve(answer, code=tuple(code(best, stated))) if is_sure else answer
 
 
 def _finding(decision: Decision, name: str) -> Finding:
     search, best = decision.search, decision.best.reading
-    changed = name in differences(best)
+    known = set(differences(best))
+    changed = name in known
     finding = Finding(name, CONVENTIONS[name].label, value(best, search.stated, name), not changed, True)
     if name == EYES and search.stated.other_eye is None:
         return _unknown(finding, "these are not of both eyes")
+    if {PIXEL: CENTRE, CENTRE: PIXEL, SCALE: ENCODING, PLANES: ENCODING}.get(name) in known:
+        return finding  # another name of the same numbers
     if CONVENTIONS[name].numbers and not (changed and name != RAY):
-        if name in (SCALE, PLANES) and {ENCODING} & set(differences(best)):
-            return finding  # part of the encoding
         why = _vague(search, best, name)
         return _unknown(finding, why) if why else finding
     others = list(_others(search, best, name))
     if not others:
         return finding
     margins = [_margin(decision, rival) for rival in others]
+    if CONVENTIONS[name].numbers and changed:
+        # Small numbers show on the fine pictures.
+        closely = (search.candidate(rival, decision.noise, 0) for rival in others)
+        margins = [max(pair) for pair in zip(margins, (margin(one, decision.best) for one in closely), strict=True)]
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
@@ -180,7 +212,7 @@ def _unknown(finding: Finding, why: str) -> Finding:
 
 def _others(search: Search, best: Reading, name: str) -> Iterator[Reading]:
     """Yield the readings in which one convention is another one."""
-    if name in (ENCODING, PLANES, SCALE, TIME, PIXEL):
+    if name in (ENCODING, PLANES, SCALE, TIME, PIXEL, CENTRE, WIDTH):
         if name in differences(best):
             yield restored(best, name)
         return

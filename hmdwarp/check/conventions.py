@@ -9,11 +9,13 @@ import attrs
 import numpy as np
 
 from .frame_reading import BUFFER, METRES, Reading, eye_axes
-from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y
+from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y
 from .stated_frames import Array, Stated
 
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
-RAY, ENCODING, PLANES, SCALE, PIXEL, TIME = "ray", "encoding", "planes", "scale", "pixel", "time"
+RAY, ENCODING, PLANES, SCALE, TIME = "ray", "encoding", "planes", "scale", "time"
+PIXEL, CENTRE, WIDTH = "pixel", "centre", "width"
+HALF_PIXEL = 0.25  # within this of half a pixel, in both directions alike, it is where pixels begin
 _SAME_UNIT = 0.06  # difference of the logarithms within which a scale is that of a unit
 # Metres per unit that are common: of depth, and of positions.
 _SCALES = {
@@ -51,11 +53,15 @@ def differences(reading: Reading) -> tuple[str, ...]:
     """Return the names of the conventions in which a reading differs from what is stated."""
     is_encoded = reading.kind == BUFFER or reading.factor < 0
     depth = ENCODING if is_encoded else PLANES if reading.offset else SCALE
-    return tuple(
-        name
-        for name, one in CONVENTIONS.items()
-        if (name == depth or name not in (ENCODING, PLANES, SCALE)) and restored(reading, name) != reading
-    )
+    centre = PIXEL if is_half_a_pixel(reading) else CENTRE
+    others = {ENCODING, PLANES, SCALE, PIXEL, CENTRE} - {depth, centre}
+    return tuple(name for name in CONVENTIONS if name not in others and restored(reading, name) != reading)
+
+
+def is_half_a_pixel(reading: Reading) -> bool:
+    """Return whether the pixels' middles are off by half a pixel, in both directions alike."""
+    x, y = reading.pixel_x, reading.pixel_y
+    return HALF_PIXEL < abs(x + y) / 2 < 3 * HALF_PIXEL and abs(x - y) < 2 * HALF_PIXEL
 
 
 def restored(reading: Reading, name: str) -> Reading:
@@ -160,6 +166,28 @@ CONVENTIONS = {
         (PIXEL_X, PIXEL_Y),
         0.15,
     ),
+    WIDTH: Convention(
+        "field of view",
+        "frames that turn, and see things near and far",
+        ("wide_x", "wide_y"),
+        lambda reading, stated: "fx, fy of {:.5g}, {:.5g}, for {:.5g}, {:.5g}".format(
+            *intrinsics(reading, stated)[:2], *intrinsics(Reading(), stated)[:2]
+        ),
+        "as stated",
+        (WIDE_X, WIDE_Y),
+        0.05,
+    ),
+    CENTRE: Convention(
+        "principal point",
+        "frames that roll or approach",
+        ("pixel_x", "pixel_y"),
+        lambda reading, stated: "cx, cy of {:.5g}, {:.5g}, for {:.5g}, {:.5g}".format(
+            *intrinsics(reading, stated)[2:], *intrinsics(Reading(), stated)[2:]
+        ),
+        "as stated",
+        (PIXEL_X, PIXEL_Y),
+        2.0,
+    ),
     TIME: Convention(
         "time of the pose",
         "five or more frames with times, close together, while the head changes its speed",
@@ -170,6 +198,14 @@ CONVENTIONS = {
         0.15,
     ),
 }
+
+
+def intrinsics(reading: Reading, stated: Stated) -> tuple[float, float, float, float]:
+    """Return fx, fy, cx, cy in pixels, with the middle of the first pixel at 0, 0."""
+    frame = stated.frames[0]
+    fx, fy, cx, cy = frame.view.fov.intrinsics(frame.depth.shape[1::-1])
+    x, y = math.exp(-reading.wide_x), math.exp(-reading.wide_y)
+    return fx * x, fy * y, cx - reading.pixel_x, cy - reading.pixel_y
 
 
 def code(reading: Reading, stated: Stated) -> Iterator[str]:
@@ -201,6 +237,9 @@ def code(reading: Reading, stated: Stated) -> Iterator[str]:
     if RAY in wrong:
         yield "rays = View(pose, fov).rays((width, height))[::-1]"
         yield "depth_m = depth_m / np.linalg.norm(rays, axis=-1)  # it was along them"
+    if WIDTH in wrong or CENTRE in wrong:
+        fx, fy, cx, cy = intrinsics(reading, stated)
+        yield f"fov = Fov.from_intrinsics({fx:.5g}, {fy:.5g}, {cx:.5g}, {cy:.5g}, width, height)"
     if PIXEL in wrong:
         was, now = (0, 0.5) if reading.pixel_x > 0 else (0.5, 0)
         yield f"fx, fy, cx, cy = fov.intrinsics((width, height), centre={was})  # half a pixel"

@@ -9,24 +9,39 @@ from collections.abc import Iterator, Sequence
 import attrs
 import numpy as np
 
-from .conventions import ENCODING, PIXEL, PLANES, RAY, ROWS, SCALE, TIME, differences
+from .conventions import (
+    CENTRE,
+    ENCODING,
+    PIXEL,
+    PLANES,
+    RAY,
+    ROWS,
+    SCALE,
+    TIME,
+    WIDTH,
+    differences,
+    is_half_a_pixel,
+)
 from .frame_reading import Reading
-from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Noise
+from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 
 CLOSE = 0.05  # share of the depth within which two depths agree
 # Of the depths agree: what is left are small numbers; one convention explains the frames.
 WELL, _ENOUGH = 0.85, 0.6
 ALIKE = 0.3  # correlation of the brightness: frames with less do not agree
-_KEPT = 4  # readings of the coarse pictures that are looked at closely
+_KEPT = 6  # readings of the coarse pictures that are looked at closely
 _NEAR_BEST = 0.7  # of the best agreement: what has less is not looked at
 _AS_GOOD = 0.8  # of the best agreement: what has less is not as good
 _SECOND = 4  # times as sure: a second number may stand in for what the first leaves
 _NO_WORSE = 2.0  # standard errors of the cost, which says less than the fitted number itself
 # Below these a number is as stated.
-_SCALE, _OFFSET, _LATE, _PIXEL = 0.05, 0.05, 0.1, 0.25
+_SCALE, _OFFSET, _LATE, _WIDTH = 0.05, 0.05, 0.1, 0.015
+_CENTRE = 0.01  # of the width, and a pixel at least
 _MOST = 0.95  # of the inverse depth of what is farthest: a far plane beyond it moves it by less
-_OF_NUMBER = {FACTOR: SCALE, OFFSET: PLANES, ALONG: RAY, PIXEL_X: PIXEL, PIXEL_Y: PIXEL, LATE: TIME}
+_OF_NUMBER = {FACTOR: SCALE, OFFSET: PLANES, ALONG: RAY, LATE: TIME}
+# Of these one number may be right; the others are of one kind, or none of it.
+_EITHER = {PIXEL_X: CENTRE, PIXEL_Y: CENTRE, WIDE_X: WIDTH, WIDE_Y: WIDTH}
 
 
 @attrs.frozen(eq=False)
@@ -77,7 +92,8 @@ def decide(search: Search) -> Decision:
             found += [search.fitted(reading, (FACTOR, OFFSET)).reading for reading in encoded]
         if not explains(search, search.best(found)):
             found += _two(search, plain)
-    close = _close(search, [*found, *search.late(plain)])
+    lens = [search.best(way) for way in search.lens(plain)]
+    close = _close(search, [*found, *lens, *search.late(plain)])
     noise = Noise.of(search.fine.residuals(close[0].reading))
     candidates = [
         search.candidate(fitted.reading, noise, len(differences(fitted.reading)), fitted)
@@ -110,6 +126,8 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
         names = [FACTOR] if {ENCODING, PLANES, SCALE} & set(differences(reading)) else []
         names += [OFFSET] if reading.offset or reading.end else []
         names += [LATE] if reading.late_s else []
+        names += [WIDE_X, WIDE_Y] if reading.wide_x or reading.wide_y else []
+        names += [PIXEL_X, PIXEL_Y] if reading.pixel_x or reading.pixel_y else []
         fitted = search.fitted(reading, names) if names else _fixed(reading)
         if _possible(search, fitted.reading):
             least = least or _NEAR_BEST * search.score(reading)
@@ -120,7 +138,7 @@ def _close(search: Search, found: Sequence[Reading]) -> list[Fitted]:
 def _possible(search: Search, reading: Reading) -> bool:
     """Return whether depth stays in front of the eye, and differs from what is stated."""
     known = differences(reading)
-    return all(_matters(search, name, Reading(), reading) for name in (PLANES, SCALE) if name in known)
+    return all(_matters(search, name, Reading(), reading) for name in (PLANES, SCALE, WIDTH, CENTRE) if name in known)
 
 
 def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
@@ -160,23 +178,44 @@ def _two(search: Search, plain: Reading) -> list[Reading]:
 def _is_finer(one: Candidate, leader: Candidate, needed: float) -> bool:
     """Return whether the new number is known to differ, and frames agree better with it."""
     assert one.fitted is not None
-    new = [name not in differences(leader.reading) for name in map(_OF_NUMBER.get, one.fitted.names)]
-    known = np.abs(one.fitted.change) > needed * one.fitted.error
+    before = {CENTRE if name == PIXEL else name for name in differences(leader.reading)}
+    before |= {SCALE, PLANES} if ENCODING in before else {SCALE} if PLANES in before else set()
+    sure = np.abs(one.fitted.change) > needed * one.fitted.error
+    known = dict(zip(one.fitted.names, sure.tolist(), strict=True))
+    new = {name: is_known for name, is_known in known.items() if {**_OF_NUMBER, **_EITHER}[name] not in before}
+    either = [is_known for name, is_known in new.items() if name in _EITHER]
+    is_sure = all(is_known for name, is_known in new.items() if name not in _EITHER)
+    if either:
+        is_sure = is_sure and (all(either) if PIXEL in differences(one.reading) else any(either))
     least = -_NO_WORSE if not leader.changes else needed / 4
-    return bool(known[new].all()) and margin(leader, one) > least
+    return is_sure and margin(leader, one) > least
 
 
 def _finer(search: Search, leader: Candidate, noise: Noise) -> Iterator[Candidate]:
     """Yield readings with one more number that differs enough to be named."""
     start, known = leader.reading, differences(leader.reading)
-    groups: dict[str, tuple[str, ...]] = {RAY: (ALONG,), PIXEL: (PIXEL_X, PIXEL_Y), TIME: (LATE,)}
+    groups: dict[str, tuple[str, ...]] = {
+        RAY: (ALONG,),
+        CENTRE: (PIXEL_X, PIXEL_Y),
+        WIDTH: (WIDE_X, WIDE_Y),
+        TIME: (LATE,),
+    }
     if not {ENCODING, PLANES} & set(known):
         groups |= {SCALE: (FACTOR,), PLANES: (FACTOR, OFFSET)}
     for name, numbers in groups.items():
-        if name in known or not set(numbers) <= set(search.steps(start)):
+        if name in known or (name == CENTRE and PIXEL in known) or not set(numbers) <= set(search.steps(start)):
             continue
-        extra = tuple(itertools.chain((FACTOR, OFFSET) if ENCODING in known else (), numbers))
-        fitted = search.fitted(start, tuple(dict.fromkeys(extra)))
+        before: list[tuple[str, ...]] = (
+            [(FACTOR, OFFSET)] if {ENCODING, PLANES} & set(known) else [(FACTOR,)] if SCALE in known else []
+        )
+        before += [(WIDE_X, WIDE_Y)] if WIDTH in known else []
+        before += [(PIXEL_X, PIXEL_Y)] if {PIXEL, CENTRE} & set(known) else []
+        extra = tuple(itertools.chain(*before, numbers))
+        # A scale may be far off, where no slope leads.
+        near = search.best([start, *_best_of(search, search.usual_numbers(start)[:1])]) if name == SCALE else start
+        fitted = search.fitted(near, tuple(dict.fromkeys(extra)))
+        if near != start:
+            fitted = attrs.evolve(fitted, change=fitted.change + math.log(near.factor / start.factor))
         if _matters(search, name, start, fitted.reading):
             yield search.candidate(fitted.reading, noise, len(differences(fitted.reading)), fitted)
 
@@ -185,9 +224,11 @@ def _matters(search: Search, name: str, start: Reading, found: Reading) -> bool:
     """Return whether a number differs so much that it has a name."""
     if name == RAY:
         return found.along - start.along > 0.5
-    if name == PIXEL:
-        x, y = found.pixel_x, found.pixel_y
-        return _PIXEL < abs(x + y) / 2 < 3 * _PIXEL and abs(x - y) < 2 * _PIXEL
+    if name == CENTRE:
+        least = max(1.0, _CENTRE * search.stated.frames[0].depth.shape[1])
+        return is_half_a_pixel(found) or math.hypot(found.pixel_x, found.pixel_y) > least
+    if name == WIDTH:
+        return max(abs(found.wide_x), abs(found.wide_y)) > _WIDTH
     if name == TIME:
         assert search.stated.interval_s is not None
         return abs(found.late_s) > _LATE * search.stated.interval_s

@@ -49,6 +49,9 @@ class Reading:
     # in pixels of the full resolution.
     pixel_x: float = 0.0
     pixel_y: float = 0.0
+    # Logarithms of how much wider the picture is than its field of view, about the camera's axis.
+    wide_x: float = 0.0
+    wide_y: float = 0.0
     # The instant of the picture after that of its pose, seconds.
     late_s: float = 0.0
 

@@ -15,7 +15,8 @@ from .stated_frames import Array, Sheet, Stated
 
 Indices = NDArray[np.int64]
 TILES = 3  # a side: parts of a picture that err together
-FACTOR, OFFSET, ALONG, PIXEL_X, PIXEL_Y, LATE = "factor", "offset", "along", "pixel_x", "pixel_y", "late_s"
+FACTOR, OFFSET, ALONG, LATE = "factor", "offset", "along", "late_s"
+PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y = "pixel_x", "pixel_y", "wide_x", "wide_y"
 _ROUNDS = 5
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
 _CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
@@ -117,10 +118,11 @@ class Overlap:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
         x = left + (column + 0.5 + reading.pixel_x / self._per_pixel) / self._width * (right - left)
         y = up - (row + 0.5 + reading.pixel_y / self._per_pixel) / self._height * (up - down)
-        return x, y
+        return math.exp(reading.wide_x) * x, math.exp(reading.wide_y) * y
 
     def _pixel(self, x: Array, y: Array, frame: Indices, reading: Reading) -> tuple[Array, Array]:
         left, right, down, up = self.stated.tangents[frame].transpose(2, 0, 1)
+        x, y = math.exp(-reading.wide_x) * x, math.exp(-reading.wide_y) * y
         column: Array = (x - left) / (right - left) * self._width - 0.5 - reading.pixel_x / self._per_pixel
         line: Array = (up - y) / (up - down) * self._height - 0.5 - reading.pixel_y / self._per_pixel
         return column, line

@@ -10,7 +10,22 @@ import attrs
 import numpy as np
 
 from .frame_reading import AXES, BUFFER, METRES, Reading
-from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, Fitted, Indices, Noise, Overlap, cost, fit
+from .overlap import (
+    ALONG,
+    FACTOR,
+    LATE,
+    OFFSET,
+    PIXEL_X,
+    PIXEL_Y,
+    WIDE_X,
+    WIDE_Y,
+    Fitted,
+    Indices,
+    Noise,
+    Overlap,
+    cost,
+    fit,
+)
 from .stated_frames import Array, Stated
 
 PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
@@ -22,6 +37,8 @@ _PARALLAX_PX = (0.3, 100.0)  # in pictures of COARSE_PX: less says nothing, more
 # Inverse depth of the far plane, and of the farthest pixel, over what the median pixel has more.
 _FARTHEST, _FARTHEST_SEEN = (0.0, 0.1, 0.3), (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
 _LATE = (-0.8, -0.4, 0.4, 0.8)  # instants of the picture after the pose's, in frames
+# Of intrinsics, on each axis: logarithms of the width, and the principal point in widths.
+_WIDTHS, _CENTRES = (-0.4, -0.2, -0.1, 0.0, 0.1, 0.2, 0.4), (-0.1, -0.05, -0.025, 0.0, 0.025, 0.05, 0.1)
 _OFFSETS = (-0.6, -0.3, -0.15, 0.15, 0.3, 0.6)  # of the inverse depth, in its median
 
 
@@ -121,6 +138,18 @@ class Search:
             else []
         )
 
+    def lens(self, start: Reading) -> list[list[Reading]]:
+        """Return the reading with other fields of view, and with other principal points."""
+        width = self.stated.frames[0].depth.shape[1]
+        return [
+            [attrs.evolve(start, wide_x=x, wide_y=y) for x, y in itertools.product(_WIDTHS, repeat=2) if x or y],
+            [
+                attrs.evolve(start, pixel_x=x * width, pixel_y=y * width)
+                for x, y in itertools.product(_CENTRES, repeat=2)
+                if x or y
+            ],
+        ]
+
     def _factors(self, start: Reading, middle: float) -> list[float]:
         """Return factors that give `middle` an inverse depth at which pictures shift visibly."""
         moved = self.moved_m(start)
@@ -157,6 +186,7 @@ class Search:
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
         steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
+        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3}
         if self.stated.interval_s is not None:
             steps[LATE] = 0.05 * self.stated.interval_s
         return steps

@@ -66,6 +66,10 @@ class RecordedRenderer(Renderer):
             at = max(0, bisect_right(self._times, moment.since_ns) - 1)
         return self._sequence.frames[at]
 
+    def content(self, time_ns: int) -> object:
+        """Return which frame has been taken by then."""
+        return self.taken_by(self._moment_of(time_ns)).time_ns
+
     def nearest_to(self, time_ns: int) -> RecordedFrame:
         """Return the frame nearest to an instant, the earlier of two."""
         before = bisect_right(self._times, time_ns) - 1

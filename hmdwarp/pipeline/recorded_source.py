@@ -17,6 +17,7 @@ from ..geometry import Fov, GuardBand, Pose
 from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, PoseTrack
+from ..poses.assumptions import Assumption, unstated
 from ..poses.pose_source import Moment
 from ..poses.quaternions import multiply, rotate
 from ..sources import sequences
@@ -73,8 +74,17 @@ class RecordingSource(Source):
 
     @property
     def notes(self) -> list[str]:
-        """What takes the place of a renderer, how much of it is shown, and to which eyes."""
-        return [self.about, *_about_rim(self.sequence)]
+        """What takes the place of a renderer, what is assumed of it, what its frames suggest."""
+        return [self.about, *unstated(self.assumptions), *self._suggested]
+
+    @cached_property
+    def _suggested(self) -> list[str]:
+        return [*_about_rim(self.sequence), *sequences.depth_notes(self.sequence)]
+
+    @property
+    def assumptions(self) -> tuple[Assumption, ...]:
+        """Facts by which its frames are read, with who says so."""
+        return self.sequence.assumptions
 
     @property
     def entry(self) -> dict[str, Any]:

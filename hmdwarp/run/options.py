@@ -73,7 +73,9 @@ class RunOptions(PipelineOptions):
         "Warps to compare with, each alone or with its fills: none,forward+interpolate. none: the late picture as it "
         "is; '' for no comparison.",
     )
-    metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1), heading=MEASURING)
+    metrics_every: int = option(
+        10, "Measure one of every n refreshes, in step with no period.", valid=Number(least=1), heading=MEASURING
+    )
     # 0 for not at all.
     jod_s: float = option(
         0.0,

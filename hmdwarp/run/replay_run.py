@@ -278,12 +278,11 @@ def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
 
 
 def _keep_every(setup: ReplaySetup) -> int | None:
-    """Return n to keep every n-th picture, for about options.images measured ones."""
+    """Return n to keep every n-th measured picture, for about options.images of them."""
     if not setup.options.images:
         return None
-    every = setup.options.metrics_every
-    measured = -(-setup.schedule.count // every)
-    return every * max(1, -(-measured // setup.options.images))
+    measured = -(-setup.schedule.count // setup.options.metrics_every)
+    return max(1, -(-measured // setup.options.images))
 
 
 def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:

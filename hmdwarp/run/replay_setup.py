@@ -151,7 +151,9 @@ def set_up_replay(
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
     with ExitStack() as stack:
         stack.callback(source.close)
-        run = run.measured(track.at(track.start_ns), holds=True, keeps=True, say=_both(say, notes.append))
+        run = run.measured(
+            track.at(track.start_ns), holds=True, keeps=True, all_pictures=not alone, say=_both(say, notes.append)
+        )
         options = run.options
         schedule = schedule or schedule_of(trace.track, options, rate_hz)
         name = track.name or trace.path.stem

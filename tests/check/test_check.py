@@ -12,7 +12,16 @@ import pytest
 from check_rates import missed_of, recorded_for, results, resumed
 from depth_camera import DepthCamera
 from scipy.spatial.transform import Rotation
-from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, recordings, right_frames, wrong_frames
+from wrong_frames import (
+    INTERVAL_NS,
+    MISREADINGS,
+    Recording,
+    doubly_wrong_frames,
+    off_centre,
+    recordings,
+    right_frames,
+    wrong_frames,
+)
 
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch
 from hmdwarp.errors import InputError
@@ -21,7 +30,7 @@ from hmdwarp.scenes import scenes
 from hmdwarp.sources.server import Server
 
 # Random cases; docs/check.md has the figures of 1000.
-CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "32"))
+CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "36"))
 CAMERA = DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5)
 
 
@@ -56,6 +65,57 @@ def test_counting_that_was_interrupted_goes_on(recorded, tmp_path):
     assert list(results(recorded, 3, [trial.case for trial in found])) == [whole[1]]
     with pytest.raises(SystemExit, match="results of 3 cases, 4 are wanted"):
         resumed(out, 4)
+
+
+TWICE = int(os.environ.get("HMDWARP_CHECK_TWICE", "8"))
+
+
+def test_two_wrong_conventions_are_both_named_or_what_is_wrong_cannot_be_told(recorded):
+    """One alone is never named with code, where there are two."""
+    wrong = []
+    for case in range(TWICE):
+        rng = np.random.default_rng([3, case])
+        frames, expected = doubly_wrong_frames(recorded[rng.integers(len(recorded))], rng)
+        answer = check(Stated(frames))
+        found = {finding.name for finding in answer.findings if not finding.as_stated}
+        if answer.verdict == "right" or (answer.verdict == "wrong" and answer.code and found != expected):
+            wrong.append((case, expected, answer.headline(), answer.code))
+    print(f"{len(wrong)} of {TWICE} with one name for two faults: {wrong}")
+    assert len(wrong) <= 0.01 * TWICE
+
+
+def shown(answer) -> tuple[list[str], list[str]]:
+    """Labels of what the headline calls wrong, and of what is said to be untold."""
+    return (
+        [finding.label for finding in answer.findings if finding.label in answer.headline().split(". ")[0]],
+        [finding.label for finding in answer.findings if not finding.told],
+    )
+
+
+@pytest.mark.parametrize("name", MISREADINGS)
+def test_headline_reasons_and_code_are_one_decision(name, in_the_room):
+    """ "Wrong: near and far", then that it cannot be told, then code for it."""
+    answer = check(Stated(wrong_frames(in_the_room, name, np.random.default_rng(31))))
+    wrong, untold = shown(answer)
+    if answer.verdict == "wrong":
+        assert wrong and not set(wrong) & set(untold) and bool(answer.code) != bool(answer.as_good)
+    else:
+        assert not answer.code
+
+
+def test_a_number_that_is_not_sure_is_unclear_and_has_no_code(in_the_room):
+    """Few frames that hardly move, with noise: what fits best is no finding."""
+    verdicts = set()
+    for seed in range(6):
+        rng = np.random.default_rng([7, seed])
+        camera = DepthCamera(noise=0.02, near_m=0.2, far_m=8.0, edge_gaps=1.0)
+        frames = right_frames(in_the_room, camera, rng)[seed : seed + 3]
+        answer = check(Stated(off_centre(frames, rng)))
+        wrong, untold = shown(answer)
+        verdicts.add(answer.verdict)
+        assert not (set(wrong) & set(untold) and answer.verdict == "wrong")
+        assert not answer.code or answer.verdict == "wrong"
+    assert verdicts <= {"right", "wrong", "unclear", "no agreement"}
 
 
 CODED = [name for name in MISREADINGS if name not in ("right", "eyes swapped", "late", "not reversed")]

@@ -8,12 +8,14 @@ from __future__ import annotations
 import itertools
 import math
 import operator
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import quaternions
+from ..track import PoseSample
 from .axes import Axes, axis_word, load_preset, parse_axes, preset_names
 from .times import BILLION, UNITS_NS
 
@@ -360,6 +362,15 @@ def find_jumps(
             jump |= (distance > JUMP_DISTANCE_M) & (distance > JUMP_SPEED_M_S * seconds)
         found.append(np.flatnonzero(jump) + a)
     return np.concatenate(found) if found else np.empty(0, np.int64)
+
+
+def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
+    """Return indices i whose step to sample i + 1 is one of `find_jumps`, or to another space."""
+    times = np.array([sample.time_ns for sample in samples], np.int64)
+    turned = np.array([sample.pose.orientation_xyzw for sample in samples])
+    found = find_jumps(times, turned, np.array([sample.pose.position_m for sample in samples]))
+    changed = np.flatnonzero(np.diff([sample.space for sample in samples]))
+    return [int(i) for i in np.union1d(found, changed)]
 
 
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
-from recorded_folders import FX, SIZE, STATED, fov_of, taken
+from recorded_folders import FX, MIRRORED, SIZE, STATED, fov_of, taken
 from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp import View, Warper, WarpMap
@@ -208,6 +208,13 @@ def test_colour_that_was_shrunk_to_its_depth_has_the_camera_of_the_depth(folder)
         sequences.open(folder)
 
 
+@pytest.mark.parametrize("form", ["tartanair", "stray_scanner", "rtabmap"])
+def test_a_camera_with_y_up_is_refused_where_the_layout_has_it_down(form, folder):
+    PUBLISHED[form].write(folder, taken(1))
+    with pytest.raises(InputError, match="fy is -42; expected above 0"):
+        sequences.open(folder, MIRRORED)
+
+
 def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
     write_tartanair(folder, taken(1))
     (folder / "depth_left/000000_left_depth.npy").unlink()
@@ -302,6 +309,12 @@ def test_a_count_is_no_clock(folder):
     (folder / "trajectory.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + "\n".join(rows))
     with pytest.raises(InputError, match="300 poses in trajectory.txt for 4 pictures, whose names are no instants"):
         sequences.open(folder, PUBLISHED["traced"].options)
+
+
+def test_a_stated_rate_takes_the_place_of_the_trace_s_clock(folder):
+    PUBLISHED["traced"].write(folder, taken(3))
+    sequence = sequences.open(folder, attrs.evolve(PUBLISHED["traced"].options, frames_rate_hz=10.0))
+    assert sequence.rate_hz == pytest.approx(10) and sequence.frames[2].pose.isclose(taken(3)[2].pose, 1e-9)
 
 
 def test_pictures_beyond_the_trace_are_left_out(folder):

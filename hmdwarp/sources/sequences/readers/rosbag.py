@@ -33,7 +33,7 @@ from ..ros_pictures import COLOURS, DEPTHS, encoding_of, pixels_of
 from ..ros_transforms import Matrix, Motion, Transforms
 from . import readers
 from ._base import SequenceReader, at_rate, facts_of, made, pose_of_matrix
-from ._dataset import axes_of, clock_of, left_out
+from ._dataset import axes_of, clock_of, left_out, refuse_y_up
 
 # The world is x forward, y left, z up; the frame of a picture is optical, x right, y down.
 _AXES = "world=-y,z,x head=x,-y,z"
@@ -88,8 +88,7 @@ class RosBagReader(SequenceReader):
         camera = _camera(path, bag, topics)
         scale = DEPTHS[encoding_of(bag.message(topics.depth, depths[0].logged_ns, depths[0].number))][1]
         facts = facts_of(path if path.is_dir() else path.parent, options, None, scale, own=camera)
-        if facts.camera.is_y_up:
-            raise InputError(f"{path}: fy is {facts.camera.fy:g}; expected above 0, as ROS has it")
+        refuse_y_up(path, facts.camera)
         size = _size(pixels_of(topics.colour, bag.message(topics.colour, colours[0].logged_ns, colours[0].number)))
         fov, axes = facts.camera.fov(size, f"{path}, {topics.info}"), parse_axes(_AXES)
         pose_at, said = _poses(bag, tree, topics, colours[0].frame)

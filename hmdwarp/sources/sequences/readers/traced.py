@@ -18,8 +18,8 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY
 from ..recorded import AXES, CLOCK, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import CAMERA, OPTICAL, Pair, SequenceReader, facts_of, folder_named, paired, rows_of, sequence_of
-from ._dataset import left_out
+from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of, sequence_of
+from ._dataset import clock_of, left_out
 
 _COLOURS = ("color", "colour", "rgb", "images", "image")
 _DEPTHS = ("depth", "depths", "depth_maps")
@@ -68,19 +68,20 @@ class TracedReader(SequenceReader):
             raise InputError(str(error)) from error
         track, epoch_ns = trace.track, trace.track.epoch_ns
         instants, clock = _instants(path, files, trace)
-        pairs = []
-        for (colour, depth), time_ns in zip(files, instants, strict=True):
+        pairs, stated = [], options.frames_rate_hz is not None
+        for at, ((colour, depth), time_ns) in enumerate(zip(files, instants, strict=True)):
             sample = track.at(time_ns - epoch_ns)
             if sample.origin is not Origin.HELD:
-                pairs.append(Pair(colour, depth, sample.time_ns, sample.pose))
+                pairs.append(Pair(colour, depth, at_rate(options, at) if stated else sample.time_ns, sample.pose))
         notes = [
             *map(str, trace.defects),
             *left_out(len(files) - len(pairs), "the trace has no pose at their instants"),
         ]
         direction = next((fact for fact in trace.assumptions if fact.what == "pose"), None)
-        more = [axes, Assumption(CLOCK, clock, By.FILE if "named" in clock else By.NOBODY)]
+        by = By.FILE if "named" in clock else By.NOBODY
+        more = [axes, clock_of(options, by) if stated else Assumption(CLOCK, clock, by)]
         more += [] if direction is None else [attrs.evolve(direction, what=POSE)]
-        return sequence_of(self, path, pairs, facts, track=track, notes=notes, more=more)
+        return sequence_of(self, path, pairs, facts, track=None if stated else track, notes=notes, more=more)
 
 
 def _traces(path: Path) -> list[Path]:
