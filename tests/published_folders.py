@@ -124,8 +124,8 @@ def write_video(path: Path, frames: list[Taken]) -> None:
         stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0", "g": "10"})
         stream.pix_fmt = "rgb24"
         stream.height, stream.width = frames[0].colour.shape[:2]
-        for one in frames:
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(one.colour, format="rgb24")))
+        for frame in frames:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(frame.colour, format="rgb24")))
         container.mux(stream.encode())
 
 

@@ -144,7 +144,7 @@ def test_a_warp_of_what_is_read_is_the_warp_of_the_truth(form, folder, warper):
     need(form)
     ALL[form].write(folder, frames)
     first, *_, last = sequences.open(folder, ALL[form].options).frames
-    rendered, shown = (View(one.pose, fov_of()) for one in (frames[0], frames[-1]))
+    rendered, shown = (View(frame.pose, fov_of()) for frame in (frames[0], frames[-1]))
     true = warper.warp(frames[0].colour, frames[0].depth_m, rendered=rendered, shown=shown)
     found = warper.warp(*first.read(), rendered=first.view, shown=last.view)
     both = (true.coverage > 0.999) & (found.coverage > 0.999)
