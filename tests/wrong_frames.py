@@ -179,8 +179,8 @@ def another_lens(frames: Frames, rng: np.random.Generator) -> Frames:
     x, y = [(wider, wider), (wider, 1.0), (1.0, wider), (wider, wider)][rng.integers(4)]
     factors = np.array([x, x, y, y])
     return [
-        attrs.evolve(one, view=View(one.view.pose, Fov.from_tangents(factors * one.view.fov.tangents)))
-        for one in frames
+        attrs.evolve(frame, view=View(frame.view.pose, Fov.from_tangents(factors * frame.view.fov.tangents)))
+        for frame in frames
     ]
 
 
@@ -191,7 +191,8 @@ def off_centre(frames: Frames, rng: np.random.Generator) -> Frames:
     x, y = far * np.cos(way), far * np.sin(way)
     off = np.array([x, x, y, y])
     return [
-        attrs.evolve(one, view=View(one.view.pose, Fov.from_tangents(one.view.fov.tangents + off))) for one in frames
+        attrs.evolve(frame, view=View(frame.view.pose, Fov.from_tangents(frame.view.fov.tangents + off)))
+        for frame in frames
     ]
 
 

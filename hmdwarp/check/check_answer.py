@@ -44,13 +44,13 @@ class Finding:
 
     name: str
     label: str
-    # What was found, or what is stated where it cannot be told.
+    # What was found, or what is stated where it cannot be determined.
     value: str
     as_stated: bool
     told: bool
     # Standard errors by which the nearest other reading is worse; None for numbers.
     margin: float | None = None
-    # Why it cannot be told; "" where it can.
+    # Why it cannot be determined; "" where it can.
     why: str = ""
 
 
@@ -243,7 +243,7 @@ def _shift(search: Search, one: Reading, other: Reading) -> float:
 
 
 def _vague(search: Search, best: Reading, name: str) -> str:
-    """Return why a number cannot be told, "" where it can."""
+    """Return why a number cannot be determined, "" where it can."""
     numbers = CONVENTIONS[name].numbers
     steps = search.steps(best)
     if not set(numbers) <= set(steps):

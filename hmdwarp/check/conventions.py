@@ -1,4 +1,4 @@
-"""The conventions that frames may break: how each is named, told apart, and put right in code."""
+"""The conventions that frames may break: their names, differences and corrections in code."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class Overlap:
         )
 
     def score(self, reading: Reading) -> Array:
-        """Return the agreement of each point, 0 to 1; NaN where nothing can be said."""
+        """Return the agreement of each point, 0 to 1; NaN where it is unknown."""
         found = self.residuals(reading)
         with np.errstate(invalid="ignore"):
             score = 1 / ((1 + (found.depth / _DEPTH) ** 2) * (1 + (found.colour / _COLOUR) ** 2))
@@ -181,7 +181,7 @@ class Noise:
 
 
 def cost(found: Residuals, noise: Noise) -> Array:
-    """Return the disagreement of each point, NaN where nothing can be said."""
+    """Return the disagreement of each point, NaN where it is unknown."""
     with np.errstate(invalid="ignore"):
         each = [
             np.log1p(np.minimum(one / deviation, _CUT) ** 2)

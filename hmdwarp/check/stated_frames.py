@@ -24,7 +24,7 @@ MOST = 24  # frames that are compared
 _APART_NS = 10**8  # between two of them, where there are more
 _FILES = (".npz", ".exr", ".png")
 _TRACK, _UNSTEADY = 5, 0.15  # fewest frames with a curve; how far they may lie off it, in their motion
-COARSE_PX = 96  # width of the pictures on which the conventions are told apart
+COARSE_PX = 96  # width of the pictures on which the conventions are compared
 _FINE_BLUR, _COARSE_BLUR = (0.7, 6.0), (0.8, 8.0)  # pixels: detail below is noise, shade above is exposure
 _EDGE = 0.1  # neighbours that differ by more than this share lie at an edge
 

@@ -15,8 +15,7 @@ from ..colour import linear_from_srgb, srgb_from_linear
 from ..errors import InputError
 from ..geometry import Fov, Pose, View, inverse_depth_from_metres
 from ..sources.repairs import RepairChain
-from ..sources.sequences import about_largest
-from ..sources.sequences.recorded import is_largest
+from ..sources.sequences import about_largest, is_largest
 
 NO_DEPTH = -1.0
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.

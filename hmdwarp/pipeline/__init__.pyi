@@ -2,6 +2,7 @@ from .auto.levels import QualityLevel as QualityLevel
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
 from .channel import Channel as Channel
+from .channel import ChannelSetup as ChannelSetup
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames

@@ -1,4 +1,4 @@
-"""Recorded frames as a source: their display, their head, and what is to be said of them."""
+"""Recorded frames as a source: their display, their head, and notes on them."""
 
 from __future__ import annotations
 
@@ -211,7 +211,7 @@ def _about_rim(sequence: Sequence) -> list[str]:
     # A rim is where it is in all frames; what is wider is more likely a background.
     if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
         return []
-    # The line beside it is blended with it.
+    # The adjacent line is blended with it.
     return [
         f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. If "
         f"that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were."
@@ -224,7 +224,7 @@ def _degrees(fov: Fov) -> tuple[float, float]:
 
 
 def second_eye(rows: Several[Mapping[str, Any]], holes: Mapping[int, float]) -> dict[str, float]:
-    """Return the mean share of holes of the camera's eye and of the one beside it.
+    """Return the mean share of holes of the camera's eye and of the other one.
 
     rows: as of frames.csv. holes: of the other eye, by refresh.
     """
@@ -236,7 +236,7 @@ def second_eye(rows: Several[Mapping[str, Any]], holes: Mapping[int, float]) -> 
 
 
 def about_second_eye(found: Mapping[str, float]) -> str:
-    """Return how much more the eye beside the camera lacks."""
+    """Return how much more the other eye lacks."""
     return (
         "Nothing was recorded where the right eye is: it has times and holes, and all other figures are the camera's "
         f"eye's. The warp leaves {found['hole_share']:.2%} of the right eye's pixels empty, "

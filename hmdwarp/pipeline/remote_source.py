@@ -164,9 +164,9 @@ def _empty(target: Target) -> None:
 
 
 class RemoteRenderer(Renderer):
-    """A renderer whose pictures are drawn elsewhere, each when it is asked for.
+    """A renderer whose pictures are drawn elsewhere, each on request.
 
-    It is a client beside the one that the frames are for, so that neither passes the other over.
+    It is another client than the one for the frames, so that neither replaces the other's requests.
     Errors: as Viewer.
     """
 
@@ -243,7 +243,7 @@ class RemoteFrames:
         return found.size if asked.pictures else guarded_eyes([view], asked.guard, asked.size)[1]
 
     def has_more(self, now_ns: int) -> bool:
-        """Return False: nobody here knows."""
+        """Return False: it is not known here."""
         return False
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
@@ -275,7 +275,7 @@ class RemoteChannel(Channel):
             yield self._measured_ns
 
     def due(self, now_ns: int) -> list[int]:
-        """Return the instants at which a frame is asked for, up to now."""
+        """Return the instants at which a frame is requested, up to now."""
         self._remote.pace(now_ns)
         return super().due(now_ns)
 

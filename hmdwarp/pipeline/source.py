@@ -34,7 +34,7 @@ Options = TypeVar("Options", bound=PipelineOptions)
 
 @attrs.frozen(eq=False, kw_only=True)
 class FirstRequest:
-    """What a server elsewhere is asked for first, to measure the way to it."""
+    """The first request to a server elsewhere, to measure the way to it."""
 
     # Of one instant.
     head: PoseSample

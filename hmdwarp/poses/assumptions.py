@@ -48,9 +48,9 @@ def assumption_rows(assumptions: Iterable[Assumption]) -> list[dict[str, str]]:
 def unstated(assumptions: Iterable[Assumption]) -> list[str]:
     """Return a note on the facts that nobody says; none where there are none."""
     found = [
-        f"{one.what} {one.value}{one.option and f' ({one.option} states it)'}"
-        for one in assumptions
-        if one.by is By.NOBODY
+        f"{assumption.what} {assumption.value}{assumption.option and f' ({assumption.option} states it)'}"
+        for assumption in assumptions
+        if assumption.by is By.NOBODY
     ]
     return [f"Assumed, as nobody says it: {'; '.join(found)}."] if found else []
 

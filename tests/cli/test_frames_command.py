@@ -29,7 +29,10 @@ def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
     command(*run, "--out", tmp_path / "out").refused("pictures of 36x24", remedy)
     stated = ("--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.0002, "--layout", "tum")
     command(*run, *stated, "--out", tmp_path / "out").done()
-    kept = {one["what"]: one for one in json.loads((tmp_path / "out" / "summary.json").read_text())["assumptions"]}
+    kept = {
+        assumption["what"]: assumption
+        for assumption in json.loads((tmp_path / "out" / "summary.json").read_text())["assumptions"]
+    }
     assert kept["intrinsics"] == {
         "what": "intrinsics",
         "value": "40,42,17.3,11.1 px",

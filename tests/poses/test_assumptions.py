@@ -12,6 +12,7 @@ from published_folders import write_colmap
 from recorded_folders import taken
 from ros_bags import HAS_ROSBAGS, write_ros1
 
+from hmdwarp.cli.catalogue import entries
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import Assumption, By, assumption_rows, first_stated
 from hmdwarp.poses.formats import formats
@@ -140,12 +141,12 @@ def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
     """A new format needs a sample here."""
     loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
     assert loaded.format == name
-    entries = {one.what: one for one in loaded.assumptions}
+    entries = {assumption.what: assumption for assumption in loaded.assumptions}
     known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}
     if any(defect.kind == "no-position" for defect in loaded.defects):
         known.remove("length")
     assert set(entries) == known
-    assert all(one.value and one.by in By for one in loaded.assumptions)
+    assert all(assumption.value and assumption.by in By for assumption in loaded.assumptions)
     for stated in formats.get(name).assumes():
         found = entries.get(stated.what)
         if stated.by is By.FORMAT and found is not None:
@@ -153,3 +154,10 @@ def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
             assert found.by is By.FILE or np.isin(stated.value.split()[0], found.value.split())
         if found is not None and found.by is By.FORMAT:
             assert stated.by in (By.FORMAT, By.FILE), f"{found}, but the format says nothing of it"
+
+
+def test_the_page_has_what_each_format_assumes():
+    """`make docs OPTIONS=trace-formats` writes the table."""
+    page = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
+    for row in entries("formats"):
+        assert f"| `{row['name']}` | {' | '.join(list(row.values())[1:])} |" in page

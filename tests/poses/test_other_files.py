@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
+from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synthesise
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.study.export import motion_text
@@ -43,12 +43,12 @@ def inverse(track: PoseTrack) -> PoseTrack:
 
 def by(loaded: LoadedTrace, what: str) -> By:
     """Who says a fact."""
-    return next(one.by for one in loaded.assumptions if one.what == what)
+    return next(assumption.by for assumption in loaded.assumptions if assumption.what == what)
 
 
 def value(loaded: LoadedTrace, what: str) -> str:
     """What a fact was taken as."""
-    return next(one.value for one in loaded.assumptions if one.what == what)
+    return next(assumption.value for assumption in loaded.assumptions if assumption.what == what)
 
 
 def fields(*columns: np.ndarray) -> list[list[str]]:
@@ -243,7 +243,7 @@ JSON_FORMS = {
         "rotation": [dict(zip("xyzw", row[4:], strict=True)) for row in FLAT],
     },
     "events between": [
-        one for i, r in enumerate(records()) for one in ([{"event": "click"}, r] if i % 7 == 3 else [r])
+        record for i, r in enumerate(records()) for record in ([{"event": "click"}, r] if i % 7 == 3 else [r])
     ],
     "names under schema": {"schema": NAMES, "frames": FLAT},
     "one recording in a list": [{"name": "take 1", "samples": records()}],
@@ -596,6 +596,23 @@ def test_gravity_columns_set_a_tilted_world_upright(tmp_path):
     assert by(loaded, "up") is By.FILE
     height = loaded.track.position_m[:, 1]
     assert np.abs(height - truth.position_m[:, 1]).max() < EXACT
+
+
+@pytest.mark.parametrize("gravity", [True, False])
+@pytest.mark.parametrize("name", ["aria", "tum-rgbd", "ros", "unreal"])
+def test_auto_sets_a_head_upright_though_its_gaze_is_unclear(tmp_path, name, gravity):
+    """A person who stands still: 92 degrees on its side, where the file has gravity columns."""
+    truth = synthesise("still")
+    places, turns = in_axes(truth, name)
+    down = np.tile(parse_axes(name).world.T @ [0, -9.81, 0], (len(truth), 1))
+    names = "time_s,x,y,z,qx,qy,qz,qw,gravity_x_world,gravity_y_world,gravity_z_world"
+    columns = [truth.time_ns / 1e9, places, turns, down][: None if gravity else 3]
+    path = write(tmp_path / "g.csv", fields(*columns), ",".join(names.split(",")[: 11 if gravity else 8]))
+    loaded = load_trace(path, TraceOptions(axes="auto"))
+    crown = Rotation.from_quat(loaded.track.orientation_xyzw).apply([0, 1, 0])
+    assert crown[:, 1].min() > 0.9
+    undecided = not gravity and name in ("ros", "unreal")  # world and head alike stand on another axis
+    assert ("--axes or --up states it" if undecided else "which way it looks is not clear") in loaded.axes
 
 
 def test_a_file_that_shows_nothing_names_an_option_that_helps(tmp_path):

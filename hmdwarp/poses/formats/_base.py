@@ -211,7 +211,7 @@ def _quaternion(head: Head, found: Columns, options: TraceOptions) -> dict[str, 
 
 
 def of_matrix(matrix: Matrix, position: tuple[int, int, int] | None) -> dict[str, Any]:
-    """Return the fields of Layout of a matrix. position: columns of one beside it."""
+    """Return the fields of Layout of a matrix. position: columns of one in addition."""
     place = matrix.position or position
     return {"orientation": matrix.turn, "position": place, "matrix": matrix.words, "order_by": matrix.by}
 

@@ -40,7 +40,7 @@ def holds_vectors(lines: list[str]) -> bool:
 
 
 def table_of_cells(text: str) -> Made | None:
-    """Return one column for each number of the cells; None where cells cannot be told apart."""
+    """Return one column for each number of the cells; None where cells cannot be separated."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     begin = next((i for i, line in enumerate(lines) if _is_row(line)), None)
     if begin is None:

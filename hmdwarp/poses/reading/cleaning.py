@@ -75,7 +75,7 @@ class LoadedTrace:
     def notes(self) -> list[str]:
         """Return a line for each defect, and of the facts that are only assumed."""
         assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
-        others = (one for one in self.assumptions if one.what not in (AXES, UP))
+        others = (assumption for assumption in self.assumptions if assumption.what not in (AXES, UP))
         return [*assumed, *(f"The trace: {note}" for note in unstated(others)), *map(str, self.defects)]
 
     @property

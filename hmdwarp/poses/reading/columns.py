@@ -74,7 +74,7 @@ class Columns:
     # Every clock, the likeliest first: its column, and its unit, a key of `times.UNITS_NS`, if the
     # name says it.
     clocks: tuple[tuple[int, str | None], ...] = ()
-    nanoseconds: int | None = None  # beside whole seconds
+    nanoseconds: int | None = None  # in addition to whole seconds
     orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
     numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None

@@ -32,6 +32,7 @@ from .plausibility import (
 )
 from .rows import Rows
 
+_GAZE = "which way it looks is not clear"
 _TILT_SHOWN_DEG = 10.0
 _TILT_STATED_DEG = 0.5  # by gravity columns
 # How an order that nobody states was read, the other one, and the options that state them.
@@ -54,6 +55,7 @@ class JudgedAxes:
         self._wrong = False
         self._tilt_deg = 0.0
         self._leaves_open = ""
+        self._gaze_unclear = False
         self._upright, self._upright_by = "", By.MOTION  # the direction that --axes auto sets upright
 
     def assumptions(self, layout: Layout, clock: str, has_position: bool) -> tuple[Assumption, ...]:
@@ -113,6 +115,13 @@ class JudgedAxes:
         if auto and verdict.better is not None and verdict.clear:
             self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict))
             self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), By.MOTION
+        elif auto and verdict.upright is not None:
+            done = (
+                f"--axes auto takes {verdict.upright.label()}, which sets the head upright; {_GAZE}: --axes states it"
+            )
+            self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", done)
+            self.axes, self.axes_by = attrs.evolve(verdict.upright, tilt=self.axes.tilt), By.MOTION
+            self._gaze_unclear = True
         elif verdict.faults:
             what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
             self._note("axes-contradicted", what, _advice(verdict, auto))
@@ -185,6 +194,8 @@ class JudgedAxes:
         words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
         if self._wrong:
             return f"{words}; the motion contradicts them"
+        if self._gaze_unclear:
+            words += f"; {_GAZE}"
         if self._upright:
             return f"{words}; {self._upright} set upright by --axes auto"
         if self._tilt_deg:

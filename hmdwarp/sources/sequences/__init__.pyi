@@ -17,3 +17,4 @@ from .readers import readers as readers
 from .recorded import FACTS as FACTS
 from .recorded import RecordedFrame as RecordedFrame
 from .recorded import Sequence as Sequence
+from .recorded import is_largest as is_largest

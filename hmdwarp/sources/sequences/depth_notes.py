@@ -31,7 +31,9 @@ def depth_notes(sequence: Sequence) -> list[str]:
     raw = [frame.raw_depth() for frame in looked if frame.raw_depth is not None]
     first = np.array([frame.pose.position_m for frame in sequence.frames])
     moved_m = float(np.linalg.norm(first - first[0], axis=1).max())
-    is_far = any(one.what == NO_DEPTH and one.value.startswith("infinitely") for one in sequence.assumptions)
+    is_far = any(
+        assumption.what == NO_DEPTH and assumption.value.startswith("infinitely") for assumption in sequence.assumptions
+    )
     sky = [] if is_far else about_sky(depths)
     return [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}")]
 
@@ -41,11 +43,12 @@ def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
     counts = [int(is_largest(depth).sum()) for depth in depths]
     if not any(counts):
         return []
-    most, pixels = np.iinfo(depths[0].dtype).max, sum(depth.size for depth in depths)
+    most, pixels = max(int(depth.max()) for depth in depths), sum(depth.size for depth in depths)
+    kind = str(depths[0].dtype) if most == np.iinfo(depths[0].dtype).max else "16 bits"
     pictures = "its depth" if len(depths) == 1 else f"the depth of {len(depths)} frames looked at"
     return [
         f"{sum(counts)} pixels ({100 * sum(counts) / pixels:.2g} %) of {pictures} are {most}, the largest value of "
-        f"{depths[0].dtype}: they are taken as no depth."
+        f"{kind}: they are taken as no depth."
     ]
 
 

@@ -1,4 +1,4 @@
-"""Motion of the Brain Imaging Data Structure: a table without header, described by files beside it.
+"""Motion of the Brain Imaging Data Structure: a table without header, with files that describe it.
 
 Source: BIDS specification 1.9, "Motion".
 """

@@ -1,4 +1,4 @@
-"""Open3D: a camera trajectory as JSON, beside the pictures that were taken with it."""
+"""Open3D: a camera trajectory as JSON, next to the pictures that were taken with it."""
 
 from __future__ import annotations
 

@@ -213,7 +213,7 @@ def _refuse_other_frame(path: Path, bag: Bag, colour: str, depth: str) -> None:
 
 
 def _camera(path: Path, bag: Bag, topics: _Topics) -> Camera | None:
-    """Return the camera of the colour, None where none is said. Errors: InputError: distortion."""
+    """Return the camera of the colour, None if none is stated. Errors: InputError: distortion."""
     info = next((message for _, _, message in bag.messages([topics.info])), None) if topics.info else None
     if info is None:
         return None
@@ -262,7 +262,7 @@ def _poses(
 
 
 def _motion(bag: Bag, topic: str) -> tuple[Motion, str]:
-    """Return the motion of a topic of poses, and its frame, "" where that is not said."""
+    """Return the motion of a topic of poses, and its frame, "" where that is not stated."""
     samples, body = [], ""
     for _, _, message in bag.messages([topic]):
         pose = message.pose

@@ -1,4 +1,4 @@
-"""Folders of colour and depth beside a head trace in any format that is read."""
+"""Folders of colour and depth with a head trace in any format that is read."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def _number(picture: Path) -> Decimal | None:
 
 
 def _camera(path: Path) -> Camera | None:
-    """Return the camera of a file beside, None where there is none. Errors: InputError."""
+    """Return the camera of a file next to it, None where there is none. Errors: InputError."""
     file = next((path / name for name in _INTRINSICS if (path / name).is_file()), None)
     if file is not None:
         return camera_of(file, read_json(file))
