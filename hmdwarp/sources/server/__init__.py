@@ -1,6 +1,6 @@
 """The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses."""
 
-from .display_bytes import BYTES_BINDING, display_bytes
+from .byte_table import BYTES_BINDING, display_bytes
 from .draw import MIRRORS, Server
 from .lighting import ArrivingLight, Indirect, Lighting
 from .moving import DeformingMesh, moving_parts

@@ -6,7 +6,7 @@ from ....frames import EyeImage
 from ....frames.layers.difference import Simplified
 from ....gpu.textures import COLOUR
 from ....scenes import partial_scene
-from ..display_bytes import BYTES_BINDING, display_bytes
+from ..byte_table import BYTES_BINDING, display_bytes
 from . import parts
 from ._base import DrawContext, Drawing, Part, Renderer
 
