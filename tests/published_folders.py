@@ -121,11 +121,11 @@ def write_tartanair_v2(folder: Path, frames: list[Taken]) -> None:
 def write_video(path: Path, frames: list[Taken]) -> None:
     """Write every colour as it is."""
     with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0"})
+        stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0", "g": "10"})
         stream.pix_fmt = "rgb24"
         stream.height, stream.width = frames[0].colour.shape[:2]
-        for one in frames:
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(one.colour, format="rgb24")))
+        for frame in frames:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(frame.colour, format="rgb24")))
         container.mux(stream.encode())
 
 
@@ -216,6 +216,15 @@ def write_open3d(folder: Path, frames: list[Taken]) -> None:
     _text(folder / "camera_trajectory.json", json.dumps(trajectory, indent=4))
 
 
+def write_open3d_first(folder: Path, frames: list[Taken]) -> None:
+    """Write the form of its first versions: one intrinsic, and a list of extrinsics."""
+    write_open3d(folder, frames)
+    file = folder / "camera_trajectory.json"
+    parameters = json.loads(file.read_text())["parameters"]
+    first = {"class_name": "PinholeCameraTrajectory", "extrinsic": [frame["extrinsic"] for frame in parameters]}
+    _text(file, json.dumps({**first, "intrinsic": parameters[0]["intrinsic"]}))
+
+
 def colmap_pose(one: Taken) -> list[float]:
     """Return QW QX QY QZ TX TY TZ of a camera: the world seen from it."""
     inverse = np.linalg.inv(camera_matrix(one, OPTICAL, y_down))
@@ -304,6 +313,7 @@ PUBLISHED = {
     "rtabmap": Form("rtabmap", write_rtabmap, colour_within=JPEG),
     "rtabmap_robot": Form("rtabmap", partial(write_rtabmap, robot=True), colour_within=JPEG),
     "open3d": Form("open3d", write_open3d),
+    "open3d_first": Form("open3d", write_open3d_first),
     "colmap": Form("colmap", write_colmap, SequenceOptions(depth_scale=0.001)),
     "colmap_dense": Form("colmap", write_colmap_dense),
     "traced": Form("traced", write_traced, SequenceOptions(depth_scale=0.001)),

@@ -23,6 +23,9 @@ SIZE = (36, 24)
 FX, FY, CX, CY = 40.0, 42.0, 17.3, 11.1
 RATE_HZ = 30.0
 WALL_M, STRIP_M = 3.0, 1.5
+# Real frames, not shipped: intrinsics, metres per unit, and the share of depths that agree.
+REAL = Path(__file__).resolve().parents[2] / "shared" / "rgbd"
+REAL_CAMERAS = {"camera": ("518,519,325.5,253.5", 1 / 1000, 0.41), "icl": ("481.2,-480,319.5,239.5", 1 / 5000, 0.95)}
 HAS_EXR = importlib.util.find_spec("OpenEXR") is not None
 Vectors = NDArray[np.float64]
 

@@ -107,25 +107,28 @@ def logged(messages: Messages, frames: list[Taken], motion: str = "tf", packed: 
     """Yield what a driver logs. motion: tf or odometry. packed: pictures as PNG."""
     local = np.vstack([ROBOT, [0, 0, 0, 1]])
     yield "/tf_static", "tf2_msgs/TFMessage", BEGINS_NS, messages.transform(0, "base_link", FRAME, local)
-    for one in frames:
-        at = BEGINS_NS + one.time_ns
+    for frame in frames:
+        at = BEGINS_NS + frame.time_ns
         late = at + DEPTH_LATE_NS
-        pose = robot_from_world(one)
+        pose = robot_from_world(frame)
         if motion == "tf":
             yield "/tf", "tf2_msgs/TFMessage", at, messages.transform(at, "map", "base_link", pose)
         else:
             yield "/odom", "nav_msgs/Odometry", at, messages.odometry(at, "base_link", pose)
-        size = one.colour.shape[1::-1]
+        size = frame.colour.shape[1::-1]
         yield "/camera/color/camera_info", "sensor_msgs/CameraInfo", at, messages.info(at, size)
-        millimetres = np.rint(one.depth_m * 1000).astype(np.uint16)
+        millimetres = np.rint(frame.depth_m * 1000).astype(np.uint16)
         if packed:
-            yield "/camera/color/image_raw/compressed", *_packed(messages, at, "rgb8; png compressed bgr8", one.colour)
+            yield (
+                "/camera/color/image_raw/compressed",
+                *_packed(messages, at, "rgb8; png compressed bgr8", frame.colour),
+            )
             yield (
                 "/camera/aligned_depth_to_color/image_raw/compressedDepth",
                 *_packed(messages, late, "16UC1; compressedDepth png", millimetres, b"\0" * 12),
             )
             continue
-        image = messages.image(at, one.colour[..., ::-1], "bgr8", pad=3)
+        image = messages.image(at, frame.colour[..., ::-1], "bgr8", pad=3)
         yield "/camera/color/image_raw", "sensor_msgs/Image", at, image
         image = messages.image(late, millimetres, "16UC1")
         yield "/camera/aligned_depth_to_color/image_raw", "sensor_msgs/Image", late, image

@@ -390,7 +390,7 @@ def late_imports(source: str, *, functions: bool = True) -> list[int]:
     nodes = list(ast.walk(ast.parse(source)))
     late = [node for node in nodes if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
     late += [node for node in nodes if functions and isinstance(node, ast.FunctionDef)]
-    return sorted({n.lineno for one in late for n in ast.walk(one) if isinstance(n, ast.ImportFrom) and n.level})
+    return sorted({n.lineno for block in late for n in ast.walk(block) if isinstance(n, ast.ImportFrom) and n.level})
 
 
 def test_only_a_face_loads_late():

@@ -205,9 +205,11 @@ def _formats() -> list[dict[str, str]]:
     from ..poses.formats import formats
 
     rows = []
-    for one in formats:
-        facts = {fact.what: f"{fact.value} ({_stated_by(fact)})" for fact in one.assumes()}
-        rows.append({"name": one.name, "summary": one.summary, "can_write": "yes" if one.writes else "no", **facts})
+    for entry in formats:
+        facts = {fact.what: f"{fact.value} ({_stated_by(fact)})" for fact in entry.assumes()}
+        rows.append(
+            {"name": entry.name, "summary": entry.summary, "can_write": "yes" if entry.writes else "no", **facts}
+        )
     return rows
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import attrs
 import typer
 
-from .. import client, headsets, scenes
+from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
-from ..options import AUTO, DEFAULT_GUARD, Option
+from ..options import AUTO, Option
 from ..pipeline.options import PipelineOptions
 from ..pipeline.source_kinds import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
@@ -19,9 +19,6 @@ from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
 
 REPLAY = "replay"
-# 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
-# mostly border.
-MOST_GUARD_PIXELS = 9
 _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
 
 
@@ -31,20 +28,16 @@ def plan(said: Said) -> None:
 
     Tells what makes the scene slow to draw, and what to do about it.
     """
-    from ..pipeline import source_of
-    from ..run import check_names
-
     source = said["source"]
     headsets.load_headset(said["headset"])
     kind, told = _driver(source)
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
-    check_names(options)
-    frames = source_of(options)
-    options, headset, scene = frames.fitted(options), frames.headset, frames.scene
-    slow, noted = list(scenes.slow_in(scene)), [*frames.notes, *scene.notes]
-    about = (_auto if options.warp == AUTO else _passes)(options, headset, scene, told)
+    frames = pipeline.source_of(options)
+    options = frames.fitted(options)
+    slow, noted = list(scenes.slow_in(frames.scene)), [*frames.notes, *frames.scene.notes]
+    about = (_auto if options.warp == AUTO else _passes)(options, frames, told)
     if said["json"]:
         names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
@@ -67,13 +60,13 @@ class _About:
     notes: list[str] = attrs.field(factory=list)
 
 
-def _passes(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]) -> _About:
+def _passes(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for, proxy_plan_for
 
-    built = build_plan_for(options, headset, scene, **told)
-    proxy = proxy_plan_for(options, scene) if options.source_kind is PROXY else None
-    frame = _frame(options, headset, [built])
-    notes = _guard_notes(options, frame)
+    built = build_plan_for(options, source.headset, source.scene, **told)
+    proxy = proxy_plan_for(options, source.scene) if options.source_kind is PROXY else None
+    frame = pipeline.frame_weight(options, source.headset, [built])
+    notes = pipeline.guard_notes(options, frame)
 
     def show() -> None:
         if proxy is not None:
@@ -119,13 +112,13 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
     ]
 
 
-def _auto(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]) -> _About:
+def _auto(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     """Return what warp auto would choose from, as far as that is known without running anything."""
     from ..run.short_bench import INSTANTS, candidates
 
     if options.bench is not None:
-        return _auto_from_file(options.bench, options, headset, scene, told)
-    pairs = [(c.warp, c.fill if c.plan.fills else "none") for c in candidates(options)]
+        return _auto_from_file(options.bench, options, source, told)
+    pairs = [(c.warp, c.fill if c.plan.fills else "none") for c in candidates(options, source)]
 
     def show() -> None:
         names = ", ".join(warp if fill == "none" else f"{warp} + {fill}" for warp, fill in pairs)
@@ -139,9 +132,7 @@ def _auto(options: PipelineOptions, headset: headsets.Headset, scene: scenes.Sce
     return _About({"budget_ms": options.budget_ms, "instants": INSTANTS, "tries": tried}, show)
 
 
-def _auto_from_file(
-    bench: Path, options: PipelineOptions, headset: headsets.Headset, scene: scenes.Scene, told: dict[str, Any]
-) -> _About:
+def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.auto.levels import best_within
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
@@ -149,7 +140,7 @@ def _auto_from_file(
     found = levels_from_file(bench, options, None)
     first = best_within(found.levels, options.budget_ms)
     chosen = attrs.evolve(options, levels=found.levels)
-    frame = _frame(options, headset, plans_for(chosen, headset, scene, **told))
+    frame = pipeline.frame_weight(options, source.headset, plans_for(chosen, source.headset, source.scene, **told))
 
     def show() -> None:
         typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")
@@ -171,38 +162,6 @@ def _auto_from_file(
     ]
     data = {"budget_ms": options.budget_ms, "levels": levels, "begins_with": first, "frame": frame}
     return _About(data, show, list(found.notes))
-
-
-def _frame(options: PipelineOptions, headset: headsets.Headset, plans: list[client.Plan]) -> dict[str, Any]:
-    """Return the bytes of frames that carry what all the plans read, and how many there are."""
-    from ..client.plan import needs_of
-    from ..frames import frame_bytes
-    from ..pipeline.link_times import frames_held
-    from ..pipeline.sizes import eye_sizes, rendered_entry
-
-    rate_hz = options.rate_hz or headset.refresh_hz
-    needs, sizes = needs_of(plans), eye_sizes(options.guard_band, headset, options.size or headset.eye_size_px)
-    pictures = options.source_kind.eyes
-    layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
-    return {
-        "eyes": pictures,
-        **rendered_entry(options.guard_band, sizes),
-        "layers": layers,
-        "bytes": sum(layers.values()),
-        "at_once": frames_held(options, rate_hz, needs),
-        "latency_ms": options.latency_ms,
-        "rate_hz": rate_hz,
-    }
-
-
-def _guard_notes(options: PipelineOptions, frame: dict[str, Any]) -> list[str]:
-    """Return a note on a guard band that is larger than head motion ever calls for."""
-    if frame["pixels"] <= MOST_GUARD_PIXELS:
-        return []
-    band = f"{options.guard_band} draws {frame['pixels']:.0f} times the pixels"
-    return [
-        f"{band}: --guard is a factor of the field of view in tangents, not degrees; the default is {DEFAULT_GUARD:g}"
-    ]
 
 
 def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:

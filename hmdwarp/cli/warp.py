@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
+from typing import Any
 
 import attrs
 import typer
 
+from .. import geometry
 from ..options import Declared, force_field, names_in, option, out_field, same_as
 from ..pipeline.options import PipelineOptions
-from ..sources.sequences.options import repair_field
+from ..sources import sequences
+from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import Said, takes
 
 # What reads more than a picture with depth: left out of the help, which does not load the others.
@@ -53,6 +57,7 @@ class WarpOptions(Declared):
         _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )
     repair: str = repair_field()
+    no_depth: str = same_as(attrs.fields(SequenceOptions).no_depth)
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth: Path | None = option(
         None, "Depth of a picture: 16-bit PNG, EXR, PGM or NPY; by default NAME.depth.png beside it.", kind=Path
@@ -94,25 +99,68 @@ def warp(said: Said) -> None:
     parse_repairs(options.repair)
     frame = read_frame(options.frame, options.depth, options.camera)
     shown = read_view(options.to, options.size or frame.size)
-    result = warp_image(
-        frame.colour,
-        frame.depth_m,
-        frame.view,
-        shown,
-        options.warp,
-        options.fill,
-        options.size,
-        repair=options.repair,
-        depth_scale=frame.depth_scale if options.depth_scale is None else options.depth_scale,
-        encoding=options.encoding or frame.encoding,
-        result="linear",
-        depth=depth,
-    )
+    scale = frame.depth_scale if options.depth_scale is None else options.depth_scale
+    depth_m, scale = _without_holes(frame, scale) if options.no_depth == FAR else (frame.depth_m, scale)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # notes say it
+        result = warp_image(
+            frame.colour,
+            depth_m,
+            frame.view,
+            shown,
+            options.warp,
+            options.fill,
+            options.size,
+            repair=options.repair,
+            depth_scale=scale,
+            encoding=options.encoding or frame.encoding,
+            result="linear",
+            depth=depth,
+        )
     write_image(options.out, result, shown)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
+    for note in _notes(frame, shown, options):
+        typer.echo(f"note: {note}")
     if result.hole_share > _NOTHING:
         typer.echo(
             f"note: {100 * result.hole_share:.1f} % of the picture is empty before the fill: the frame has no depth "
             "there, or the two views see little in common; check depth_m and position_m (metres) and the orientations"
         )
+
+
+def _without_holes(frame: sequences.FrameFile, scale: float | None) -> tuple[Any, float | None]:
+    """Return the depth of a frame, infinite where it has none, and its scale.
+
+    Depth of an unknown unit stays as it is.
+    """
+    import numpy as np
+
+    from ..sources.sequences.camera import scale_of
+    from ..sources.sequences.recorded import in_metres
+
+    raw = frame.depth_m
+    if scale is None and raw.dtype.kind != "f":
+        return raw, None
+    metres = in_metres(raw, 1.0 if scale is None else scale_of(frame.where, scale))
+    return np.where(metres <= 0, np.float32(np.inf), metres), None
+
+
+def _notes(frame: sequences.FrameFile, shown: geometry.View, options: WarpOptions) -> list[str]:
+    """Return what is assumed of a frame, and what its depth suggests."""
+    import numpy as np
+
+    from ..poses.assumptions import unstated
+    from ..sources.sequences import about_largest, about_sky, about_unit, assumptions_of
+    from ..sources.sequences.recorded import in_metres
+
+    raw, scale = frame.depth_m, options.depth_scale or frame.depth_scale or 1.0
+    metres = in_metres(raw, scale)
+    moved_m = float(np.linalg.norm(shown.pose.position_m - frame.view.pose.position_m))
+    return [
+        *unstated(assumptions_of(frame, scale=options.depth_scale)),
+        *frame.notes,
+        *about_largest([raw]),
+        *(about_sky([metres]) if options.no_depth != FAR else []),
+        *about_unit([metres], moved_m, "--depth-scale {:g}"),
+    ]

@@ -15,6 +15,7 @@ from ..colour import linear_from_srgb, srgb_from_linear
 from ..errors import InputError
 from ..geometry import Fov, Pose, View, inverse_depth_from_metres
 from ..sources.repairs import RepairChain
+from ..sources.sequences import about_largest, is_largest
 
 NO_DEPTH = -1.0
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.
@@ -39,6 +40,8 @@ class PictureArrays:
     inverse_depth: NDArray[np.float64]
     # (h, w) where there is no colour.
     hidden: NDArray[np.bool_]
+    # What a caller should know of its depth, one sentence each.
+    notes: tuple[str, ...] = ()
 
     @property
     def size(self) -> tuple[int, int]:
@@ -71,8 +74,9 @@ def checked_picture(
 ) -> PictureArrays:
     """Return the picture in linear light and inverse depth.
 
-    What a mask hides, in colour or in depth, has neither, nor has a pixel whose alpha is 0. Arrays
-    may be read-only and of any strides. Errors: InputError.
+    What a mask hides, in colour or in depth, has neither, nor has a pixel whose alpha is 0; the
+    largest of an integer type is no depth. Arrays may be read-only and of any strides. Errors:
+    InputError.
     """
     (colour, colour_mask), (depth_m, depth_mask) = _array("colour", colour), _array("depth_m", depth_m)
     if colour.ndim != 3 or colour.shape[2] not in (3, 4) or 0 in colour.shape:
@@ -95,13 +99,15 @@ def checked_picture(
         raise InputError(f"colour at row {y}, column {x} is not a finite number")
     light = _in_linear_light(colour, encoding)
     metres = _in_metres(depth_m, depth_scale)
-    unknown = np.logical_or(hidden, depth_mask)
+    largest = is_largest(depth_m)
+    unknown = hidden | depth_mask | largest
     known = metres[np.isfinite(metres) & (metres != 0) & ~unknown]
     if len(known) and (known < 0).all() or (metres < 0).all():
         raise InputError("depth_m is negative everywhere: expected metres along -z, which are above 0: negate it")
     inverse = np.where(unknown, np.nan, inverse_depth_from_metres(metres))
     found = SRGB8 if colour.dtype == np.uint8 else encoding or LINEAR
-    return PictureArrays(colour, found, light, inverse, hidden)
+    notes = about_largest([depth_m]) if (largest & ~depth_mask).any() else []
+    return PictureArrays(colour, found, light, inverse, hidden, tuple(notes))
 
 
 def checked_view(name: str, view: object) -> View:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import atexit
 import math
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from numbers import Real
 from types import MappingProxyType
@@ -26,11 +27,13 @@ from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu
 from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
 from ..sources.repairs import parse_repairs
+from ..sources.sequences import about_unit
 from .layer_arrays import CallerLayers
 from .picture_arrays import LINEAR, SRGB, SRGB8, PictureArrays, checked_picture, checked_size, checked_view
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
 from .usable import plan_of
 
+_LARGEST, _UNIT = "largest", "unit"  # what a Warper warns of once
 Other = tuple[ArrayLike, ArrayLike, View]
 _shared: Gpu | None = None
 # A thread that holds it may take it again.
@@ -59,7 +62,7 @@ class WarpedImage:
     # (h, w), 0 in holes, else 1; with a repair, the confidence of the depth that brought the pixel
     # there, so less than 1 where that was a guess. A fill sets 1.
     coverage: NDArray[np.float32]
-    # Milliseconds by stage name.
+    # Milliseconds by stage name; "fill" is that of all fills of a chain.
     time_ms: dict[str, float]
     # Share of pixels without coverage after the warp and before the fill.
     hole_share: float
@@ -110,6 +113,7 @@ class Warper:
         gpu: Gpu | None = None,
     ) -> None:
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
+        self._warned: set[str] = set()
         self.plan = plan_of(warp, fill, effects, depth=depth)
         self.repair = parse_repairs(repair)
         self.size = checked_size(size)
@@ -179,6 +183,7 @@ class Warper:
         """Return the view from a checked picture; the rest as warp."""
         result = _checked_result(result, picture.encoding)
         self._check_size("", picture)
+        self._warn_about(picture, views)
         further = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
         self._check_needs(len(further), client_depth_m is not None)
         self._layers.check(layers, self._named)
@@ -244,7 +249,7 @@ class Warper:
     def time_ms(self) -> dict[str, float]:
         """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
         with self._gpu() as gpu:
-            return dict(gpu.timer.collect())
+            return _summed(gpu.timer.collect())
 
     def close(self) -> None:
         """Free all textures and buffers; further calls do nothing."""
@@ -267,6 +272,19 @@ class Warper:
     def _next(self) -> int:
         self._count += 1
         return self._count
+
+    def _warn_about(self, picture: PictureArrays, views: tuple[View, View]) -> None:
+        """Warn of depth that is no measurement, or hardly in metres; of each once."""
+        found = {_LARGEST: picture.notes} if _LARGEST not in self._warned else {}
+        moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
+        if _UNIT not in self._warned and moved_m:
+            self._warned.add(_UNIT)
+            depth_m = metres_from_inverse_depth(picture.inverse_depth)
+            found[_UNIT] = tuple(about_unit([depth_m], moved_m, "depth_scale={:g}"))
+        for kind, notes in found.items():
+            for note in notes:
+                self._warned.add(kind)
+                warnings.warn(note, stacklevel=4)  # where warp or warp_image is called
 
     def _check_size(self, name: str, picture: PictureArrays) -> None:
         if picture.size != self.rendered_size:
@@ -341,7 +359,15 @@ class Warper:
         if self._confidence is not None:
             sure = np.clip(download(self._confidence.texture)[..., 0], 0, 1).astype(np.float32)
             coverage = np.where(download(made.warped.texture)[..., 3] > 0, sure, coverage)
-        return WarpedImage(colour, coverage, dict(gpu.timer.collect()), holes, encoding, depth)
+        return WarpedImage(colour, coverage, _summed(gpu.timer.collect()), holes, encoding, depth)
+
+
+def _summed(stages: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Return milliseconds by stage name: a chain of fills is one stage, and so are all pictures."""
+    total: dict[str, float] = {}
+    for name, milliseconds in stages:
+        total[name] = total.get(name, 0.0) + milliseconds
+    return total
 
 
 def _encoded(linear: NDArray[np.float16], encoding: str) -> NDArray[Any]:
@@ -410,7 +436,9 @@ def warp_image(
     metres in the shown view, for warps that read it. layers: further layers by name, for effects
     and warps that read them: velocity, ids, overlay, peeled, transparent; docs/rgbd.md says what
     each holds. age_s: seconds from drawing the picture to showing it, for what moves.
-    depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres.
+    depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres; the
+    largest of their type, such as 65535, is a hole. Warns of those, and of depth that is hardly in
+    metres: over 40 m everywhere, while the eye moves by less than a tenth of that.
     encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
     by default as `colour` is. depth: whether the result has the depth of what is shown.

@@ -2,10 +2,13 @@ from .auto.levels import QualityLevel as QualityLevel
 from .build import build_pipeline as build_pipeline
 from .changes import Changes as Changes
 from .channel import Channel as Channel
+from .channel import ChannelSetup as ChannelSetup
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames
 from .frame_source import Target as Target
+from .frame_weight import frame_weight as frame_weight
+from .frame_weight import guard_notes as guard_notes
 from .layers_read import Reads as Reads
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh

@@ -145,7 +145,7 @@ def build_pipeline(
             governor = Governor(options.levels, options.budget_ms)
             auto = AdaptiveCompensator(governor, dict(zip(options.levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
-        changes = Changes(source.scene) if options.network.send == CHANGES else None
+        changes = Changes(source.scene, server.content) if options.network.send == CHANGES else None
         loop = Loop(requested, frames, channel, history, compensator, target.eyes, changes)
         parts = (requested, sizes, options, source, target, server, geometry, channel, loop, auto)
         return Pipeline(compensator.plan, *parts, [compensator], stack.pop_all())

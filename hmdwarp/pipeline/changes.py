@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import product
 
 import attrs
@@ -38,10 +38,15 @@ class Changes:
 
     The head's motion is that of the warp map, for points infinitely far and as near as the nearest
     in the frame. To it comes the largest motion of a body or of a deforming mesh, wherever it is.
-    The light of a scene is baked: it does not change.
+    Whatever else changes the picture counts without bound: light of lamps that have moved, the
+    light that a body stops, another recorded frame.
+
+    content: tells what a renderer without a scene shows at an instant from what it shows at others.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, content: Callable[[int], object] = lambda time_ns: None) -> None:
+        self._scene, self._content = scene, content
+        self._stops_light = sorted({mesh.body for mesh in scene.meshes if mesh.light_uv is not None} - {0})
         moving = [mesh for mesh in scene.meshes if not mesh.material.head_locked]
         bodies = {mesh.body: [other for other in moving if other.body == mesh.body] for mesh in moving if mesh.body}
         self._movers: list[_Mover] = [_MovedBody(scene.bodies[n - 1], meshes) for n, meshes in bodies.items()]
@@ -59,9 +64,23 @@ class Changes:
         """
         if self._sent is None or len(views) != len(self._sent.eyes):
             return math.inf
+        then_ns = self._sent.drawn_ns
+        if self._content(then_ns) != self._content(now_ns) or self.light_at(then_ns) != self.light_at(now_ns):
+            return math.inf
         return max(
-            _by_head(eye, view, nearest) + self._by_movers(eye, view, self._sent.drawn_ns, now_ns)
+            _by_head(eye, view, nearest) + self._by_movers(eye, view, then_ns, now_ns)
             for (eye, nearest), view in zip(self._sent.eyes, views, strict=True)
+        )
+
+    def light_at(self, time_ns: int) -> object:
+        """Return what tells the light of an instant from that of others; None where it is baked."""
+        if not self._scene.lamps:
+            return None
+        lit_ns = self._scene.lit_ns(time_ns)
+        poses = (self._scene.bodies[number - 1].motion.state(lit_ns).pose for number in self._stops_light)
+        return (
+            tuple(tuple(lamp.place(lit_ns).tolist()) for lamp in self._scene.lamps),
+            tuple(pose.matrix().tobytes() for pose in poses),
         )
 
     def _by_movers(self, eye: EyeImage, view: View, then_ns: int, now_ns: int) -> float:

@@ -87,7 +87,7 @@ class Channel:
         self._reads = reads
 
     def read_beside(self, reads: Reads) -> None:
-        """Code this too from now on, without counting it: a plan beside the client's reads it."""
+        """Code this too from now on, without counting it: another plan reads it."""
         self._beside |= reads
 
     def due(self, now_ns: int) -> list[int]:

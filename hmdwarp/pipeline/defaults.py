@@ -1,4 +1,4 @@
-"""What a run does unless it is told otherwise, where that depends on its warp."""
+"""Defaults of a run that depend on its warp."""
 
 from __future__ import annotations
 

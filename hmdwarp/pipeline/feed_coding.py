@@ -75,7 +75,7 @@ def codec_of(colour: int) -> str:
 
 
 class FeedEncoder:
-    """Code the frames of one client, of one size, as it asked. Errors: as VideoEncoder."""
+    """Code the frames of one client, of one size, as it requests. Errors: as VideoEncoder."""
 
     def __init__(self, ask: Ask) -> None:
         self.wish, self.size, self._place = ask.wish, ask.size, 0

@@ -29,7 +29,7 @@ _LARGEST = 1e6
 
 
 def fed(needs: Needs) -> list[str]:
-    """Return the needed layers that a server sends; the client has the others, or nobody has."""
+    """Return the needed layers that a server sends; others are the client's or absent."""
     return [name for name in needs if layers.get(name).fed]
 
 
@@ -98,7 +98,7 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
 
 
 def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
-    """Return why a frame's layers are not those that were asked for, "" if they are."""
+    """Return why a frame's layers are not the requested ones, "" if they are."""
     if wanted is None:
         return ""
     sizes = sizes_of(wanted, frame.size)

@@ -119,7 +119,7 @@ class PipelineOptions(Declared):
         unit="ms",
         valid=Number(),
     )
-    # "" for a client that can do all that is asked of it; warp "auto" takes the client "picture".
+    # "" for a client that can run everything; warp "auto" takes the client "picture".
     client: str = option(
         "",
         f"What the client can do: {names_in('client/classes', '*.toml')}, or a .toml file; what it lacks is refused, "
@@ -458,7 +458,7 @@ def _beside(shared: Any, own: Any) -> Any:
 def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> dict[str, Any]:
     """Add the client's budget for warp auto and, for frames that are coded, its download.
 
-    What was said counts more.
+    Options that were set take precedence.
     """
     if not said.get("client"):
         return values

@@ -18,7 +18,7 @@ from ..options import AUTO, Choice
 from ..scenes import Scene
 from .options import PipelineOptions
 from .proxy_options import ProxyOptions
-from .source_kinds import PROXY
+from .source_kinds import PROXY, RECORDING
 
 
 def plans_for(
@@ -84,16 +84,17 @@ def _plan_of_all(
     options: PipelineOptions, scene: Scene | None, *, shares_frames: bool, distorts: str, takes_depth: str
 ) -> Plan:
     """Return the plan of who gets the server's frames."""
-    called_for = effects.of(scene) if scene is not None else ()
-    selected = effects.selected(options.effects, called_for, scene)
+    called_for, kind = effects.of(scene) if scene is not None else (), options.source_kind
+    # What recorded frames show is not known, so that what is forced is never without content.
+    selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
     try:
-        return build_plan(
+        plan = build_plan(
             selected,
             options.warp,
             options.fill,
             options.lens,
-            client_geometry=options.source_kind.has_geometry,
-            brings=options.source_kind.layers,
+            client_geometry=kind.has_geometry,
+            brings=kind.layers,
             fused=options.fused,
             scanout=options.scanout_ms > 0 and options.follow_scanout,
             named=selected if shares_frames else effects.forced(options.effects),
@@ -104,9 +105,15 @@ def _plan_of_all(
             indirect=options.indirect,
         )
     except PlanError as error:
-        if not options.source_kind.limits:
+        if not kind.limits:
             raise
-        raise PlanError(f"{error}{options.source_kind.limits}") from error
+        raise PlanError(f"{error}{kind.limits}") from error
+    for planned in plan.effect_passes:
+        if kind.eyes < 2 and planned.needs.others.other_eye:
+            raise PlanError(
+                f"--effects {planned.effects[0].name} looks into the other eye's picture{kind.limits}: leave it out"
+            )
+    return plan
 
 
 def proxy_plan_for(options: PipelineOptions, scene: Scene | None) -> Plan:

@@ -37,7 +37,7 @@ _KEPT = 1 << 15
 
 
 class KnownHead:
-    """A poses.PoseSource of one head: the one that the proxy was last asked for."""
+    """A poses.PoseSource of one head: the one of the proxy's last request."""
 
     def __init__(self) -> None:
         self.head: PoseSample | None = None
@@ -68,7 +68,7 @@ class GuardedEyes:
 
 
 class Proxy:
-    """A FrameSource that warps the server's newest frame to each head that it is asked for.
+    """A FrameSource that warps the server's newest frame to each requested head.
 
     It runs the loop that a client would, which ends in the link to the client instead of a display.
     Its frames are finished pictures without depth. There are none until the server's first frame
@@ -220,7 +220,7 @@ class ProxySource(Source):
         stack.callback(geometry.close)
         compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
         stack.callback(compensator.close)
-        # What it shows is for the head that it was asked for; what the server draws is seen later.
+        # What it shows is for the requested head; what the server draws is seen later.
         request = PoseRequest(
             known,
             requested.for_server,

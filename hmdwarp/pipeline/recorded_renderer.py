@@ -27,13 +27,13 @@ from ..sources.server import Renderer, Target
 
 Size = tuple[int, int]
 Box = tuple[float, float, float, float]
-# Decoded frames that are kept: those under way, and the truth beside them; fewer of large ones.
+# Decoded frames that are kept: those under way, and the truth next to them; fewer of large ones.
 _KEPT, _LEAST_KEPT, _KEPT_BYTES = 32, 4, 500_000_000
 _PIXEL_BYTES = 8 + 4
 _NONE = -1.0
 AS_RECORDED = RepairChain()
 _NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
-_ANOTHER = 1.0  # pixel that the truth may be off before a reader is told
+_ANOTHER = 1.0  # pixel that the truth may be off without a note
 
 
 MomentOf = Callable[[int], Moment]
@@ -42,7 +42,7 @@ MomentOf = Callable[[int], Moment]
 class RecordedRenderer(Renderer):
     """A renderer whose pictures are recorded, with the exact pose and field of view of each.
 
-    What it is asked to look at is ignored: a late frame is all that the camera took, for every eye
+    The requested view is ignored: a late frame is all that the camera took, for every eye
     the same picture, and the truth that part of it which the display shows. Pixels without depth
     keep their colour. The sequence's repair mends late frames, the truth stays as it was recorded.
     Another size than the recording's is made by averaging light and taking the nearest depth.
@@ -65,6 +65,10 @@ class RecordedRenderer(Renderer):
         else:
             at = max(0, bisect_right(self._times, moment.since_ns) - 1)
         return self._sequence.frames[at]
+
+    def content(self, time_ns: int) -> object:
+        """Return which frame has been taken by then."""
+        return self.taken_by(self._moment_of(time_ns)).time_ns
 
     def nearest_to(self, time_ns: int) -> RecordedFrame:
         """Return the frame nearest to an instant, the earlier of two."""

@@ -1,4 +1,4 @@
-"""Recorded frames as a source: their display, their head, and what is to be said of them."""
+"""Recorded frames as a source: their display, their head, and notes on them."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..geometry import Fov, GuardBand, Pose
 from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, PoseTrack
+from ..poses.assumptions import Assumption, unstated
 from ..poses.pose_source import Moment
 from ..poses.quaternions import multiply, rotate
 from ..sources import sequences
@@ -73,8 +74,17 @@ class RecordingSource(Source):
 
     @property
     def notes(self) -> list[str]:
-        """What takes the place of a renderer, how much of it is shown, and to which eyes."""
-        return [self.about, *_about_rim(self.sequence)]
+        """What takes the place of a renderer, what is assumed of it, what its frames suggest."""
+        return [self.about, *unstated(self.assumptions), *self._suggested]
+
+    @cached_property
+    def _suggested(self) -> list[str]:
+        return [*_about_rim(self.sequence), *sequences.depth_notes(self.sequence)]
+
+    @property
+    def assumptions(self) -> tuple[Assumption, ...]:
+        """Facts by which its frames are read, with who says so."""
+        return self.sequence.assumptions
 
     @property
     def entry(self) -> dict[str, Any]:
@@ -201,7 +211,7 @@ def _about_rim(sequence: Sequence) -> list[str]:
     # A rim is where it is in all frames; what is wider is more likely a background.
     if not min(rims) or max(rims) - min(rims) > 1 or max(rims) > _WIDEST_RIM * min(ends[0].size):
         return []
-    # The line beside it is blended with it.
+    # The adjacent line is blended with it.
     return [
         f"The outermost pixels of {ends[0].name} and {ends[1].name} hold one colour, up to {max(rims)} on a side. If "
         f"that is no picture, leave it out by --crop {max(rims) + 1}: it is warped and judged as if it were."
@@ -214,7 +224,7 @@ def _degrees(fov: Fov) -> tuple[float, float]:
 
 
 def second_eye(rows: Several[Mapping[str, Any]], holes: Mapping[int, float]) -> dict[str, float]:
-    """Return the mean share of holes of the camera's eye and of the one beside it.
+    """Return the mean share of holes of the camera's eye and of the other one.
 
     rows: as of frames.csv. holes: of the other eye, by refresh.
     """
@@ -226,7 +236,7 @@ def second_eye(rows: Several[Mapping[str, Any]], holes: Mapping[int, float]) -> 
 
 
 def about_second_eye(found: Mapping[str, float]) -> str:
-    """Return how much more the eye beside the camera lacks."""
+    """Return how much more the other eye lacks."""
     return (
         "Nothing was recorded where the right eye is: it has times and holes, and all other figures are the camera's "
         f"eye's. The warp leaves {found['hole_share']:.2%} of the right eye's pixels empty, "

@@ -87,10 +87,10 @@ class Remote:
         # What was wrong with the layers of the last frame that was left out.
         self._misfit = ""
         self._apart = ViewsApart()
-        # How frames are to be coded; raw until it is said.
+        # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
         self._paced: tuple[int, int] | None = None
-        # The last instant for which the loop was told what had arrived.
+        # The last instant for which the loop knows what had arrived.
         self._told_ns: int | None = None
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
         # Where it keeps them.
@@ -109,7 +109,7 @@ class Remote:
         fovs, grown = guarded_eyes(views, guard, size)
         wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
         self._number += 1
-        # Asked for once, and again only if that request will have no answer.
+        # Requested once, and again only if that request will have no answer.
         anew = self._decoder.wants_anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
@@ -147,7 +147,7 @@ class Remote:
         until_ns = time.monotonic_ns() + _ANSWER_NS
         while (now_ns := time.monotonic_ns()) < until_ns:
             self.ask(head, views, guard, size, head.time_ns, needs)
-            # Asked again after a while: the connection may not have been there.
+            # Requested again after a while: there may have been no connection.
             again_ns = min(until_ns, now_ns + 1_000_000_000)
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
@@ -248,7 +248,7 @@ class Remote:
     def _tell(self) -> None:
         for line in self._caller.lines():
             self._say(line)
-        # Nothing is missed before it was asked for: while a pipeline is built nothing is.
+        # No frame is missed before it is requested, so none while a pipeline is built.
         since_ns = max(self._heard_ns, next((request.sent_ns for request in self._pending.values()), 0))
         silent_ns = time.monotonic_ns() - since_ns
         if self._lost_ns is not None and self._heard_ns > self._lost_ns:
@@ -303,11 +303,11 @@ _SAME_DEG, _SAME_M, _SAME_SHARE = 1e-4, 1e-6, 1e-6
 
 @attrs.define
 class ViewsApart:
-    """The most that drawn views differed from asked ones."""
+    """The largest difference of drawn views from requested ones."""
 
     turned_deg: float = 0.0
     moved_m: float = 0.0
-    # The least share of the asked field of view that was drawn, by area in tangents.
+    # The least share of the requested field of view that was drawn, by area in tangents.
     field_share: float = 1.0
 
     def take(self, asked: View, drawn: View) -> None:

@@ -8,12 +8,13 @@ from contextlib import ExitStack
 from typing import Any
 
 import attrs
+import numpy as np
 
 from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import layers
-from ..geometry import Eyes, Pose, View
+from ..geometry import Eyes, Pose, View, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..link.codec import Coding
@@ -39,6 +40,7 @@ from .source import FirstRequest, Options, Source, nothing
 from .source_kinds import REMOTE, SERVER_SCENE
 
 _MS = 1e6
+NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
 class NoTruth(HmdwarpError):
@@ -99,7 +101,8 @@ class RemoteSource(Source):
         remote = self._remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
         wanted = (options.coding, first.rate_hz, first.views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
-        longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
+        size = options.size if first.pictures else NO_PICTURE
+        longest_ns = remote.measure(first.head, first.views, options.guard_band, size, first.needs)
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
@@ -154,10 +157,16 @@ def upload_eye(target: Target, frame: FrameMessage, eye: int) -> None:
     upload(target.inverse_depth, inverse_depth)
 
 
-class RemoteRenderer(Renderer):
-    """A renderer whose pictures are drawn elsewhere, each when it is asked for.
+def _empty(target: Target) -> None:
+    width, height = target.size
+    upload(target.colour, np.zeros((height, width, 4), np.float16))
+    upload(target.inverse_depth, np.full((height, width), -1, np.float32))
 
-    It is a client beside the one that the frames are for, so that neither passes the other over.
+
+class RemoteRenderer(Renderer):
+    """A renderer whose pictures are drawn elsewhere, each on request.
+
+    It is another client than the one for the frames, so that neither replaces the other's requests.
     Errors: as Viewer.
     """
 
@@ -208,23 +217,33 @@ class RemoteFrames:
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
         """Ask for a frame for that head."""
         asked = self.requested
-        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
+        size = asked.size if asked.pictures else NO_PICTURE
+        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, size, now_ns, asked.needs)
 
     def made(self, pending: Pending, arrival: Arrival) -> Frame:
         """Return the frame that arrived."""
         found, eyes = arrival.frame, []
         for eye, view in enumerate(found.views):
-            target = self.server.acquire(found.size)
-            upload_eye(target, found, eye)
+            target = self.server.acquire(self._size(found, view))
+            if self.requested.pictures:
+                upload_eye(target, found, eye)
+            else:
+                _empty(target)
             error = depth_error(found, self.remote.wish)
             further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
             textures = (target.colour, target.inverse_depth)
             eyes.append(EyeImage(view, *textures, further, drawn_ns=pending.drawn_ns, depth_error=error))
+            eyes[-1] = attrs.evolve(eyes[-1], is_drawn=self.requested.pictures)
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
 
+    def _size(self, found: FrameMessage, view: View) -> tuple[int, int]:
+        """Return the size of the eye's picture here: that of the request where none was sent."""
+        asked = self.requested
+        return found.size if asked.pictures else guarded_eyes([view], asked.guard, asked.size)[1]
+
     def has_more(self, now_ns: int) -> bool:
-        """Return False: nobody here knows."""
+        """Return False: it is not known here."""
         return False
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
@@ -256,7 +275,7 @@ class RemoteChannel(Channel):
             yield self._measured_ns
 
     def due(self, now_ns: int) -> list[int]:
-        """Return the instants at which a frame is asked for, up to now."""
+        """Return the instants at which a frame is requested, up to now."""
         self._remote.pace(now_ns)
         return super().due(now_ns)
 

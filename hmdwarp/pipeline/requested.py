@@ -1,4 +1,4 @@
-"""What a loop is asked to show: whose head, and pictures of which format."""
+"""A request to a loop: whose head, and pictures of which format."""
 
 from __future__ import annotations
 

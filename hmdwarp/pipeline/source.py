@@ -18,6 +18,7 @@ from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample
+from ..poses.assumptions import Assumption
 from ..poses.pose_source import Moment
 from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
@@ -33,13 +34,15 @@ Options = TypeVar("Options", bound=PipelineOptions)
 
 @attrs.frozen(eq=False, kw_only=True)
 class FirstRequest:
-    """What a server elsewhere is asked for first, to measure the way to it."""
+    """The first request to a server elsewhere, to measure the way to it."""
 
     # Of one instant.
     head: PoseSample
     views: Sequence[View]
     rate_hz: float
     needs: Needs
+    # Whether pictures of the eyes are read.
+    pictures: bool
     # See Remote.
     holds: bool
     keeps: bool
@@ -86,6 +89,11 @@ class Source:
     def notes(self) -> list[str]:
         """What a reader of the results must know of it before anything else."""
         return []
+
+    @property
+    def assumptions(self) -> tuple[Assumption, ...]:
+        """Facts by which its frames are read, with who says so."""
+        return ()
 
     @property
     def entry(self) -> dict[str, Any] | None:

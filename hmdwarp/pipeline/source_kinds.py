@@ -27,7 +27,7 @@ class SourceKind:
     eyes: int = 2
     # Controls of a live run that it sets by itself.
     sets: tuple[str, ...] = ()
-    # Said after the reason why a plan cannot run on its frames.
+    # Appended to the reason why a plan cannot run on its frames.
     limits: str = ""
 
     def refuse_change(self, name: str) -> None:

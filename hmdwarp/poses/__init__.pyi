@@ -17,6 +17,7 @@ from .quaternions import conjugate as conjugate
 from .quaternions import rotate as rotate
 from .quaternions import slerp as slerp
 from .reading.cleaning import LoadedTrace as LoadedTrace
+from .reading.plausibility import jumps_between as jumps_between
 from .stated import Defect as Defect
 from .synth import DECIMALS as DECIMALS
 from .synth import GLIDES as GLIDES

@@ -45,6 +45,16 @@ def assumption_rows(assumptions: Iterable[Assumption]) -> list[dict[str, str]]:
     return [attrs.asdict(assumption, value_serializer=lambda _, __, value: str(value)) for assumption in assumptions]
 
 
+def unstated(assumptions: Iterable[Assumption]) -> list[str]:
+    """Return a note on the facts that nobody says; none where there are none."""
+    found = [
+        f"{assumption.what} {assumption.value}{assumption.option and f' ({assumption.option} states it)'}"
+        for assumption in assumptions
+        if assumption.by is By.NOBODY
+    ]
+    return [f"Assumed, as nobody says it: {'; '.join(found)}."] if found else []
+
+
 def first_stated(*values: T | None) -> tuple[T | None, By]:
     """Return the first value that is there, of user, file and format, and who says it."""
     sources = (By.USER, By.FILE, By.FORMAT)

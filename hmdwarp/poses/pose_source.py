@@ -49,19 +49,22 @@ class LoopedSource:
 
     def __init__(self, track: PoseTrack, now_ns: Callable[[], int]) -> None:
         self.track, self._now_ns = track, now_ns
-        self._begun_ns = now_ns()
+        self._begun_ns, self._begun = now_ns(), 0
 
     def start(self) -> None:
         """Do nothing: a track is ready."""
 
     def restart(self) -> None:
         """Begin the track at this instant."""
-        self._begun_ns = self._now_ns()
+        self._begun_ns, self._begun = self._now_ns(), self._begun + 1
 
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the track's pose, before its beginning its first; read_ns: the clock now."""
+        """Return the track's pose, before its beginning its first; read_ns: the clock now.
+
+        space: how often it has begun again.
+        """
         sample = self.track.at(self.track.start_ns + self.moment(time_ns).since_ns)
-        return attrs.evolve(sample, time_ns=time_ns, read_ns=self._now_ns())
+        return attrs.evolve(sample, time_ns=time_ns, read_ns=self._now_ns(), space=self._begun)
 
     def moment(self, time_ns: int) -> Moment:
         """Return where the recording is at an instant of the clock."""

@@ -41,7 +41,7 @@ class Layout:
     orientation: tuple[int, ...]
     matrix: str = ""  # how its numbers were ordered, in words; "": none
     euler: Euler | None = None
-    nanoseconds: int | None = None  # column of whole nanoseconds beside one of whole seconds
+    nanoseconds: int | None = None  # column of whole nanoseconds in addition to one of whole seconds
     position: tuple[int, int, int] | None = None  # columns of x y z
     columns_by: By = By.FILE
     order_by: By = By.FILE  # of the numbers of an orientation

@@ -38,6 +38,9 @@ class PoseSample:
     pose: Pose
     origin: Origin
     read_ns: int | None = None  # when a live source read it from its device, on the same clock; None for recordings
+    # How often the space of a live source's poses has changed, by a recentre for instance. No head
+    # moves from one to the next.
+    space: int = 0
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:

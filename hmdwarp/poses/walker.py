@@ -100,7 +100,7 @@ class Walker:
 
     def __init__(self, time_ns: int, position_m: tuple[float, float, float] = (0.0, EYE_HEIGHT_M, 0.0)) -> None:
         self._begin = position_m
-        self._now_ns = time_ns
+        self._now_ns, self._recentred = time_ns, 0
         self._states: deque[_State] = deque()
         self._place(time_ns)
 
@@ -128,6 +128,7 @@ class Walker:
         """Jump back to the start, looking ahead; walking continues."""
         wish = self._states[-1].wish
         self._now_ns = max(time_ns, self._now_ns)
+        self._recentred += 1
         self._states.clear()
         self._place(self._now_ns)
         self._states[-1].wish = wish
@@ -162,7 +163,7 @@ class Walker:
                 self._known(time_ns).pose(),
                 Origin.MEASURED if time_ns == self._now_ns else Origin.INTERPOLATED,
             )
-        return PoseSample(time_ns, pose, origin, read_ns=self._now_ns)
+        return PoseSample(time_ns, pose, origin, read_ns=self._now_ns, space=self._recentred)
 
     def _known(self, time_ns: int) -> _State:
         return self._states[bisect_right(self._states, time_ns, key=lambda state: state.time_ns) - 1].after(time_ns)

@@ -34,7 +34,6 @@ from .options import SOURCES as SOURCES
 from .options import LiveOptions as LiveOptions
 from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions
-from .pose_request import check_names as check_names
 from .record_run import record as record
 from .recorder import Recorder as Recorder
 from .recorder import origin_of as origin_of

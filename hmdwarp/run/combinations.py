@@ -45,7 +45,7 @@ class Combination:
     fill: str
     # Of one of run.outside.OUTSIDE: a plan that reads what it reads.
     plan: Plan
-    # With its settings, if it was asked for as one.
+    # With its settings, if it was named as one.
     strategy: str = ""
 
     @property

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Fov, Pose
-from ..headsets import Headset, load_headset
+from ..headsets import Headset
 from ..options import AUTO
 from ..pipeline.link_times import expected_age_ns
 from ..poses import PoseSample, PoseTrack, load_trace
@@ -54,14 +54,14 @@ class Guard:
         return f"{told}; {MOST:g} is drawn, auto's most. A second wide view (--wide) reaches farther and costs less."
 
 
-def settled(options: RunOptions) -> tuple[RunOptions, tuple[str, ...]]:
+def settled(options: RunOptions, headset: Headset) -> tuple[RunOptions, tuple[str, ...]]:
     """Return the options with a number in place of guard `auto`, and notes on it.
 
-    Errors: as load_headset, load_trace and schedule_of.
+    Errors: as load_trace and schedule_of.
     """
     if options.guard != AUTO:
         return options, ()
-    headset, track = load_headset(options.headset), load_trace(options.trace, options.trace_options).track
+    track = load_trace(options.trace, options.trace_options).track
     schedule = schedule_of(track, options, options.rate_hz or headset.refresh_hz)
     found = guard_for(headset, track, schedule, options)
     return attrs.evolve(options, guard=found.factor), (str(found),)

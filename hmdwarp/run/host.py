@@ -7,7 +7,6 @@ from contextlib import ExitStack
 
 import attrs
 
-from ..client.lens import lenses
 from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..geometry import GuardBand, Pose
@@ -24,7 +23,7 @@ from ..poses import Origin, PoseSample
 from ..poses.pose_source import LoopedSource, Moment
 from .bench_levels import levels_from_file
 from .options import OFFSCREEN, LiveOptions
-from .pose_request import RecentPoses, check_names
+from .pose_request import RecentPoses
 from .setup import EmulatedScreen, RunSetup
 
 
@@ -33,9 +32,6 @@ def checked_source(options: LiveOptions, source: Source | None = None) -> Source
 
     source: if it is open already. Errors: InputError and its subclasses.
     """
-    check_names(options)
-    if options.lens != AUTO:
-        lenses.get(options.lens)
     source = source or source_of(options)
     if options.warp != AUTO:
         plans = plans_for(attrs.evolve(options, lens="none", fused=False), None, source.scene)

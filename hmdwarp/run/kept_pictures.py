@@ -1,4 +1,4 @@
-"""Pictures kept beside the log, exactly as submitted."""
+"""Pictures kept with the log, exactly as submitted."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,6 +14,8 @@ from ..pipeline.planning import build_plan_for
 from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
 from .replay_setup import ReplaySetup
+from .seen_offset import SeenOffset
+from .spread import is_measured
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
 
@@ -52,6 +53,7 @@ class LateClient:
         self._setup, self._misses = setup, misses
         self._period_ms = 1e3 / setup.schedule.rate_hz
         self._turner = _turner(setup) if misses.turns else None
+        self._offset = SeenOffset(turned=misses.turns)
         self._work: _Work | None = None
         self._made: Refresh | None = None
         self._took_ms = 0.0
@@ -107,7 +109,7 @@ class LateClient:
         return turner.run(PassInputs(picture, inputs.shown, inputs.eye, shown_ns=inputs.shown_ns))
 
     def _add(self, refresh: Refresh, made: Refresh, took_ms: float | None) -> None:
-        off = 0.0 if self._misses.turns else math.degrees(made.head.pose.angle_to(refresh.head.pose))
+        off = self._offset.off_deg(made, refresh)
         time_s = (refresh.shown_ns - self._setup.track.start_ns) * 1e-9
         self._rows.append((len(self._rows), time_s, took_ms is None, off, took_ms))
 
@@ -119,7 +121,8 @@ class LateClient:
     def entry(self) -> dict[str, Any]:
         """Return the `miss` of summary.json."""
         stale = [row[2] for row in self._rows]
-        measured = stale[:: self._setup.options.metrics_every]
+        every = self._setup.options.metrics_every
+        measured = [row[2] for row in self._rows if is_measured(row[0], every)]
         return {
             "budget_ms": self._misses.budget_ms or self._period_ms,
             "times": "given" if self._misses.times_ms else MEASURED,

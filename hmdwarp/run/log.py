@@ -51,7 +51,7 @@ class ReplayLog:
             row.update(figures.get((row["frame"], row["eye"]), _NOT_MEASURED))
 
     def compared(self, times: Mapping[tuple[int, int], Stages], figures: Mapping[tuple[int, int], Row]) -> list[Row]:
-        """Return rows of the comparison warp, which ran beside this one on some refreshes.
+        """Return rows of the comparison warp, which ran along with this one on some refreshes.
 
         They have its own times and figures, and the same head poses.
         """

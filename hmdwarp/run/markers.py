@@ -143,7 +143,7 @@ class MarkerStream:
 
 
 def marker_stream(display: Display, name: str, about: Mapping[str, str]) -> MarkerStream:
-    """Return a stream of markers stamped by a display's clock; about: facts beside those of it.
+    """Return a stream of markers stamped by a display's clock; about: further facts.
 
     Errors: as load_lsl.
     """

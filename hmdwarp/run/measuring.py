@@ -17,6 +17,7 @@ from ..pipeline.remote_source import NoTruth
 from .clip_rating import clips_of
 from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
+from .spread import is_measured
 from .truth import MOST_BANDS, draw_truth
 from .whole_pictures import WholePictures
 
@@ -65,21 +66,24 @@ class Probe:
         alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
         return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
 
+    def _measures(self, number: int) -> bool:
+        return is_measured(number, self._every)
+
     def wants(self, number: int) -> bool:
         """Return whether refresh `number` is measured, precedes a measured one, or is in a clip."""
-        return self.clips is not None or number % self._every == 0 or (number + 1) % self._every == 0
+        return self.clips is not None or self._measures(number) or self._measures(number + 1)
 
     def read(self, number: int, refresh: Refresh) -> None:
         """Read back the eyes of refresh `number`, and submit them if it is a measured one.
 
         An eye that nothing was recorded for has holes alone.
         """
-        if len(refresh.eyes) > self._setup.source.kind.eyes and number % self._every == 0:
+        if len(refresh.eyes) > self._setup.source.kind.eyes and self._measures(number):
             self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.source.kind.eyes)))
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
-            measured = number % self._every == 0
+            measured = self._measures(number)
             try:
                 truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
             except NoTruth:
@@ -164,7 +168,7 @@ class Probe:
             rendered_picture=_late_picture(rendered) if which == MAIN else None,
             regions=which == MAIN,
         )
-        keep = which == MAIN and self._keep_every is not None and number % self._keep_every == 0
+        keep = which == MAIN and self._keep_every is not None and number // self._every % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)
 
 

@@ -119,8 +119,8 @@ class MissTally:
     def add(self, stale: bool, off_deg: float) -> None:
         """Add the next refresh.
 
-        stale: whether it showed a picture again. off_deg: the angle between the head that the
-        picture was shown for and the head at that refresh.
+        stale: whether it showed a picture again. off_deg: the angle by which things were seen off
+        their place.
         """
         if self._refreshes:
             self._squares += (off_deg - self._last_deg) ** 2

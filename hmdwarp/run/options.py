@@ -34,7 +34,7 @@ from .misses import Misses
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
 VIEWS = (BOTH, FLAT) = ("both", "flat")
-MOST_COMPARED = 2  # what a chart shows beside the run
+MOST_COMPARED = 2  # what a chart shows besides the run
 _BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's settings
 _SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
@@ -73,7 +73,9 @@ class RunOptions(PipelineOptions):
         "Warps to compare with, each alone or with its fills: none,forward+interpolate. none: the late picture as it "
         "is; '' for no comparison.",
     )
-    metrics_every: int = option(10, "Measure every n-th refresh.", valid=Number(least=1), heading=MEASURING)
+    metrics_every: int = option(
+        10, "Measure one of every n refreshes, in step with no period.", valid=Number(least=1), heading=MEASURING
+    )
     # 0 for not at all.
     jod_s: float = option(
         0.0,

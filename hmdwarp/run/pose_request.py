@@ -2,50 +2,19 @@
 
 from __future__ import annotations
 
-from collections import deque
+from bisect import bisect_left
 from collections.abc import Callable
 
 import numpy as np
 
-from ..client.effects import effects
-from ..client.lens import lenses
-from ..client.variants import parse_fills, parse_indirect, parse_warp
-from ..errors import unknown_name
 from ..frames import Needs
 from ..link import CHANGES
-from ..link.codec import check_codec
-from ..options import AUTO
 from ..pipeline.options import PipelineOptions
 from ..pipeline.requested import PoseRequest
-from ..poses import PoseSample, PoseSource, PoseTrack
+from ..poses import PoseSample, PoseSource, PoseTrack, jumps_between
 from ..poses.prediction import predict
-from ..poses.predictors import predictors
-from ..sources.server.draw import MIRRORS
 
 KEPT_NS = 1_000_000_000
-
-
-def check_names(options: PipelineOptions) -> None:
-    """Check warp, fills, lens, effects, predictor, codec, mirrors, indirect light and network.
-
-    It loads nothing, so that a misspelt name is reported before a scene is built.
-
-    Errors: UnknownNameError; InputError for an impossible network; MachineError for a codec that
-    cannot run here.
-    """
-    if options.warp != AUTO:
-        parse_warp(options.warp)
-    parse_fills(options.fill)
-    if options.lens != AUTO:
-        lenses.get(options.lens)
-    effects.forced(options.effects)
-    predictors.get(options.predict)
-    check_codec(options.coding.codec)
-    if options.mirrors not in MIRRORS:
-        raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
-    parse_indirect(options.indirect)
-    check_codec(options.proxy.codec)
-    options.client_link.check(round(options.latency_ms * 1e6))
 
 
 def pose_request(
@@ -75,11 +44,14 @@ def pose_request(
 
 
 class RecentPoses:
-    """A pose source that keeps the last second of its answers."""
+    """A pose source that keeps the last second of its answers.
+
+    A recentre, a snap turn or a teleport is a jump of the track, as in a recording.
+    """
 
     def __init__(self, source: PoseSource) -> None:
         self._source = source
-        self._kept: deque[PoseSample] = deque()
+        self._kept: list[PoseSample] = []
 
     def start(self) -> None:
         """Start the source."""
@@ -88,20 +60,26 @@ class RecentPoses:
     def head_at(self, time_ns: int) -> PoseSample:
         """Return the source's pose, and keep it."""
         sample = self._source.head_at(time_ns)
-        if not self._kept or sample.time_ns > self._kept[-1].time_ns:
-            self._kept.append(sample)
-            while sample.time_ns - self._kept[0].time_ns > KEPT_NS:
-                self._kept.popleft()
+        kept = self._kept
+        # What was foretold before a jump, for the display, is of where the head is no more.
+        while kept and kept[-1].time_ns >= sample.time_ns and jumps_between([sample, kept[-1]]):
+            kept.pop()
+        at = bisect_left(kept, sample.time_ns, key=lambda pose: pose.time_ns)
+        # Within known motion nothing is added; between the sides of a jump it says which is now.
+        if at == len(kept) or (at and kept[at].time_ns > sample.time_ns and jumps_between([kept[at - 1], kept[at]])):
+            kept.insert(at, sample)
+            del kept[: bisect_left(kept, sample.time_ns - KEPT_NS, key=lambda pose: pose.time_ns)]
         return sample
 
     def track_until(self, now_ns: int) -> PoseTrack:
         """Return the last second of motion, including the current pose."""
         self.head_at(now_ns)
-        kept = list(self._kept)
+        kept = self._kept
         return PoseTrack(
             time_ns=np.array([pose.time_ns for pose in kept]),
             position_m=np.array([pose.pose.position_m for pose in kept]),
             orientation_xyzw=np.array([pose.pose.orientation_xyzw for pose in kept]),
+            jumps=jumps_between(kept),
         )
 
     def close(self) -> None:

@@ -16,7 +16,7 @@ _TRACE = Option("As an argument; repeat it for several.", list, name="trace", me
 
 
 def recordings_field() -> Any:
-    """Return the field; its class passes what was said through with_recordings()."""
+    """Return the field; its class passes the set options through with_recordings()."""
     return several(
         attrs.fields(RunOptions).trace,
         ("look-around", "walk"),
@@ -29,7 +29,7 @@ def recordings_field() -> Any:
 
 
 def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what was said, with the recordings of both ways together."""
+    """Return the set options, with the recordings of both ways together."""
     return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
 
 

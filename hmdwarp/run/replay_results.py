@@ -46,7 +46,8 @@ def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list
     rows: as of frames.csv; those of one frame may be several.
     """
     name = setup.track.name or setup.trace.path.stem
-    facts = Facts.of(setup.pipeline, name, setup.headset.name, setup.schedule.rate_hz, setup.track.axes)
+    rate_hz, trace = setup.schedule.rate_hz, setup.trace
+    facts = Facts.of(setup.pipeline, name, setup.headset.name, rate_hz, setup.track.axes, trace.assumptions)
     frames = len({row["frame"] for row in rows})
     return facts.summary(passes, frames, {**aggregate(rows), "notes": setup.notes})
 

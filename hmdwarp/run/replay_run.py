@@ -22,6 +22,7 @@ from ..options import AUTO
 from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
 from ..pipeline.recorded_source import about_second_eye, second_eye
+from ..pipeline.source_choice import source_of
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import Row
@@ -61,8 +62,9 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
-    options, choice = decided(options, say)
-    with set_up_replay(options, say=say, alone=True) as setup:
+    source = source_of(options)
+    options, choice = decided(options, source, say)
+    with set_up_replay(options, say=say, alone=True, source=source) as setup:
         setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
         with QualityPool(
@@ -276,12 +278,11 @@ def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
 
 
 def _keep_every(setup: ReplaySetup) -> int | None:
-    """Return n to keep every n-th picture, for about options.images measured ones."""
+    """Return n to keep every n-th measured picture, for about options.images of them."""
     if not setup.options.images:
         return None
-    every = setup.options.metrics_every
-    measured = -(-setup.schedule.count // every)
-    return every * max(1, -(-measured // setup.options.images))
+    measured = -(-setup.schedule.count // setup.options.metrics_every)
+    return max(1, -(-measured // setup.options.images))
 
 
 def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from collections.abc import Callable
 from contextlib import ExitStack
 
@@ -9,7 +11,7 @@ import attrs
 import numpy as np
 
 from ..client.compensator import Compensator
-from ..client.plan import Plan, needs_of
+from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
@@ -26,7 +28,6 @@ from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
 from .options import RunOptions
-from .pose_request import check_names
 from .schedule import Schedule, schedule_for, schedule_of
 from .setup import EmulatedScreen, RunSetup
 
@@ -124,20 +125,21 @@ def set_up_replay(
     say: Callable[[str], None] = lambda text: None,
     *,
     alone: bool = False,
+    source: Source | None = None,
 ) -> ReplaySetup:
     """Load, check, then start the GPU.
 
     options: decided, see short_bench.decided. also: layers that frames must carry for plans other
     than the run's. say: called with a sentence once all is checked, before what takes seconds.
     alone: whether other plans on these frames take their inputs from WholePictures; a picture that
-    the run's own plan does not read is not drawn then.
+    the run's own plan does not read is not drawn then. source: if it is open already; it is closed
+    with the set-up.
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
-    check_names(options)
-    source = source_of(options)
+    source = source or source_of(options)
     options, headset = source.fitted(options), source.headset
-    against = [plan_against(options, *pair) for pair in options.compared]
+    of_others = [also or Needs(), *(plan_against(options, *pair).needs for pair in options.compared)]
     trace = source.head(load_trace(options.trace, options.trace_options) if options.trace else None)
     assert trace is not None, "options without a trace have a source with a head"
     trace = _on_its_own_clock(trace) if options.as_recorded else trace
@@ -145,11 +147,13 @@ def set_up_replay(
     schedule = None if source.is_timed else schedule_for(options, source, trace, rate_hz)
     if options.scene == SERVER_SCENE and not source.is_timed:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
-    run = RunSetup.of(options, source, EmulatedScreen(headset, headset), needs_of(against) | (also or Needs()))
+    run = RunSetup.of(options, source, EmulatedScreen(headset, headset), functools.reduce(operator.or_, of_others))
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
     with ExitStack() as stack:
         stack.callback(source.close)
-        run = run.measured(track.at(track.start_ns), holds=True, keeps=True, say=_both(say, notes.append))
+        run = run.measured(
+            track.at(track.start_ns), holds=True, keeps=True, all_pictures=not alone, say=_both(say, notes.append)
+        )
         options = run.options
         schedule = schedule or schedule_of(trace.track, options, rate_hz)
         name = track.name or trace.path.stem

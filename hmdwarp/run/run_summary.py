@@ -20,6 +20,7 @@ from ..pipeline.auto.adaptive import AdaptiveCompensator
 from ..pipeline.build import Pipeline
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
+from ..poses.assumptions import Assumption, assumption_rows
 from ..report import SCHEMA
 from ..resources import __version__
 
@@ -66,10 +67,23 @@ class Facts:
     trace_axes: str = ""
     # Of recorded frames: folder, layout, frames, size, fov_deg and eye_distance_mm.
     recorded: dict[str, Any] | None = None
+    # Facts by which trace and frames were read, with who says so.
+    assumptions: tuple[Assumption, ...] = ()
 
     @classmethod
-    def of(cls, pipeline: Pipeline, trace: str, headset: str, rate_hz: float, trace_axes: str = "") -> Facts:
-        """Return the facts of a run through this pipeline. rate_hz: of the display."""
+    def of(
+        cls,
+        pipeline: Pipeline,
+        trace: str,
+        headset: str,
+        rate_hz: float,
+        trace_axes: str = "",
+        assumptions: tuple[Assumption, ...] = (),
+    ) -> Facts:
+        """Return the facts of a run through this pipeline.
+
+        rate_hz: of the display. assumptions: of its trace.
+        """
         gpu, shown, source = pipeline.gpu, pipeline.sizes.shown, pipeline.source
         (view, *_) = pipeline.target.eyes.views(Pose())
         return cls(
@@ -85,6 +99,7 @@ class Facts:
             clock=gpu.timer.clock,
             trace_axes=trace_axes,
             recorded=source.entry,
+            assumptions=(*assumptions, *source.assumptions),
         )
 
     def summary(self, passes: tuple[str, str, str], frames: int, figures: Mapping[str, Any]) -> dict[str, Any]:
@@ -101,6 +116,7 @@ class Facts:
             **({"trace_axes": self.trace_axes} if self.trace_axes else {}),
             "scene": self.scene,
             **({"recorded": self.recorded} if self.recorded is not None else {}),
+            **({"assumptions": assumption_rows(self.assumptions)} if self.assumptions else {}),
             "effects": self.effects,
             "latency_ms": options.latency_ms,
             **({"strategy": options.strategy} if options.strategy else {}),

@@ -1,4 +1,4 @@
-"""A renderer for others: draws a scene for whoever asks over the feed."""
+"""A renderer for others: draws a scene for clients of the feed."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def serve(
 
 
 class _Coders:
-    """The streams of the clients that asked for coded frames, as long as they are here."""
+    """The streams of the clients that request coded frames, as long as they are connected."""
 
     def __init__(self, listener: Listener) -> None:
         self._listener = listener

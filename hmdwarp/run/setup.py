@@ -93,15 +93,29 @@ class RunSetup(Generic[Options]):
         return self.options.rate_hz or self.screen.rate_hz
 
     def measured(
-        self, head: PoseSample, *, holds: bool, keeps: bool = False, say: Callable[[str], None]
+        self,
+        head: PoseSample,
+        *,
+        holds: bool,
+        keeps: bool = False,
+        all_pictures: bool = False,
+        say: Callable[[str], None],
     ) -> RunSetup[Options]:
         """Return the run with its real latency, where its frames come from elsewhere.
 
+        all_pictures: as of build.
         Errors: as Source.measured.
         """
         views = self.screen.eyes.views(head.pose)
         first = FirstRequest(
-            head=head, views=views, rate_hz=self.rate_hz, needs=self.needs, holds=holds, keeps=keeps, say=say
+            head=head,
+            views=views,
+            rate_hz=self.rate_hz,
+            needs=self.needs,
+            pictures=all_pictures or Reads.of(self.plans).pictures,
+            holds=holds,
+            keeps=keeps,
+            say=say,
         )
         return attrs.evolve(self, options=self.source.measured(self.options, first))
 

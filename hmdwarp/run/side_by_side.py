@@ -135,7 +135,7 @@ class SideBySide:
         return Truth(picture_from_linear(download(drawn.colour)), np.maximum(download(drawn.inverse_depth), 0))
 
     def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[Compared]:
-        """Run all for one eye, untimed; return each picture beside the truth."""
+        """Run all for one eye, untimed; return each picture with the truth."""
         shown = []
         for compensator in self.compensators:
             result = compensator.run(self.inputs(compensator, refresh)[eye])

@@ -14,7 +14,7 @@ from ..sources.server import Renderer
 
 
 class WholePictures:
-    """The inputs of plans that run beside others on the same frames.
+    """The inputs of plans that run along with others on the same frames.
 
     Frames for a plan with effects lack what its layers show by themselves (mirrors, glass, the
     HUD), and frames that no plan reads a picture of have none. A plan without such layers gets the

@@ -95,7 +95,7 @@ class GltfFile:
         return cls(path, header, tuple(found or [binary or b""]))
 
     def bytes_at(self, uri: object, user: str) -> bytes:
-        """Return the bytes of a data URI or of a file beside this one. Errors: SceneError."""
+        """Return the bytes of a data URI or of a file next to this one. Errors: SceneError."""
         if not isinstance(uri, str):
             raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
         if uri.startswith("data:"):
@@ -329,7 +329,7 @@ def unpack_draco(file: GltfFile, primitive: dict[str, Any], user: str, notes: No
     packed = (primitive.get("extensions") or {}).get(DRACO)
     if packed is None:
         return
-    if not _has_draco():  # not required, so there is a plain copy beside it
+    if not _has_draco():  # not required, so there is a plain copy too
         notes.add(f"{DRACO} is not unpacked ({install_line('draco')}); the plain copy in the file is used")
         return
     import DracoPy

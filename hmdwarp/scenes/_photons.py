@@ -203,7 +203,7 @@ def kernel(distance: Array, radius: float) -> Array:
 
 @lru_cache(maxsize=4)
 def kernel_factors(transport: Transport, radius: float) -> NDArray[np.float16]:
-    """Return the factor d that makes up for what a kernel gives beside surfaces, as a finer atlas.
+    """Return the factor d that makes up for what a kernel gives outside surfaces, as a finer atlas.
 
     (h, w, 4), bottom row first, of as many times ATLAS as the kernel asks for. A photon at p lights
     x with d(x) kernel d(p). Then each photon gives away all its power, and evenly lit surfaces are

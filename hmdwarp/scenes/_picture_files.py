@@ -22,7 +22,7 @@ def rgba_of(image: Any) -> NDArray[np.uint8]:
 
 
 def read_beside(folder: Path, uri: str) -> bytes:
-    """Return the bytes of the file that a URI names beside a scene file.
+    """Return the bytes of the file that a URI names next to a scene file.
 
     Exporters write backslashes, another case than the disk, and queries: they are followed.
     Errors: OSError with the reason in plain words.

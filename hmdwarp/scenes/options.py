@@ -41,7 +41,7 @@ class SceneOptions(Declared):
         numeric=True,
         metavar="PLACE",
     )
-    # None for the first one and those that can play beside it.
+    # None for the first one and those that can play with it.
     animation: str | None = option(
         None,
         "Animation of a scene file to play, by name or number (from 0), or none; by default the first, and those "

@@ -185,7 +185,7 @@ def mean_colour(texture: Texture) -> Array:
 class Met:
     """What rays meet."""
 
-    patch: NDArray[np.int64]  # (n,) of a patch; BLACK where light ends: behind a surface, or beside all patches
+    patch: NDArray[np.int64]  # (n,) of a patch; BLACK where light ends: behind a surface, or outside all patches
     places: Array  # (n, 3) metres
     texels: Array  # (n, 2) in the light atlas
     far: Array  # (n,) how many `ways`; inf where they meet nothing

@@ -10,6 +10,9 @@ uniform int count;
 // One program for both turns: two programs may round a key differently, and its point is not found.
 uniform int turn;
 uniform float largest;
+// A point that covers no middle of a pixel is drawn in its own pixel, but behind all that do: else
+// what is near grows by half a pixel, the more the denser its points are.
+const float BEHIND = 1.0 / 1024.0;
 // How much farther a disc's edge counts than its middle, in radii.
 const float RISE = 0.5;
 
@@ -38,6 +41,6 @@ void main() {
             if (found.y <= 1.0)
                 offer(ivec2(x, y), index, found.x * (1.0 - min(RISE * found.y * disc.radius * found.x, 0.5)));
             else if (ivec2(x, y) == own)
-                offer(own, index, 1.0 / (depth + RISE * disc.radius));
+                offer(own, index, BEHIND / (depth + RISE * disc.radius));
         }
 }

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from recorded_folders import taken, write_npz
+import json
+
+from recorded_folders import CX, CY, FX, FY, taken, write_npz, write_numbered, write_tum
+
+from hmdwarp.sources.sequences import FACTS
 
 
 def test_the_command_replays_a_folder(command, tmp_path):
@@ -14,3 +18,41 @@ def test_the_command_replays_a_folder(command, tmp_path):
     assert "One eye is shown" in done.out and "PSNR" in done.out
     command("replay", "--out", tmp_path / "other").refused("no TRACE")
     command("replay", "--frames", tmp_path / "nowhere", "--out", tmp_path / "other").refused("no such file or folder")
+
+
+def test_what_is_assumed_of_frames_is_printed_and_kept(command, tmp_path):
+    """Another camera in the form of TUM: its numbers are the user's, the layout's are refused."""
+    folder = tmp_path / "taken"
+    write_tum(folder, taken(6))
+    run = ("replay", "--frames", folder, "--latency", 100, "--metrics-every", 5, "--workers", 0, "--images", 0)
+    remedy = "--intrinsics FX,FY,CX,CY --depth-scale METRES"
+    command(*run, "--out", tmp_path / "out").refused("pictures of 36x24", remedy)
+    stated = ("--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.0002, "--layout", "tum")
+    command(*run, *stated, "--out", tmp_path / "out").done()
+    kept = {
+        assumption["what"]: assumption
+        for assumption in json.loads((tmp_path / "out" / "summary.json").read_text())["assumptions"]
+    }
+    assert kept["intrinsics"] == {
+        "what": "intrinsics",
+        "value": "40,42,17.3,11.1 px",
+        "by": "user",
+        "option": "--intrinsics",
+    }
+    assert kept["camera axes"]["by"] == "format" and set(FACTS) <= set(kept)
+
+    write_numbered(tmp_path / "numbered", taken(6))
+    run = ("plan", "--frames", tmp_path / "numbered", "--intrinsics", f"{FX},{FY},{CX},{CY}", "--depth-scale", 0.001)
+    found = command(*run).done()
+    assert "Assumed, as nobody says it" in found.out and "frame clock 30 frames per second" in " ".join(
+        found.out.split()
+    )
+
+
+def test_a_forced_effect_of_frames_is_never_ignored(command, tmp_path):
+    folder = tmp_path / "taken"
+    folder.mkdir()
+    write_npz(folder, taken(6))
+    forced = ("--frames", folder, "--effects", "reflections_from_pictures")
+    for one in (("replay", *forced, "--latency", 100, "--out", tmp_path / "out"), ("plan", *forced)):
+        command(*one).refused("--effects reflections_from_pictures looks into the other eye's picture", "one eye")

@@ -314,3 +314,38 @@ def test_depth_is_repaired_where_asked_for(warp, tmp_path):
     assert (np.asarray(Image.open(tmp_path / "out.png"))[..., 3] == 255).all()
     warp(None, None, "--force", "--repair", "compleet").refused("unknown repair 'compleet'", "did you mean 'complete'")
     warp(None, None, "--force", "--repair", "complete:least=7").refused("least is 7: expected 0 to 1")
+
+
+def test_depth_in_millimetres_is_noted_once(warp, tmp_path):
+    """Metres by the key of an .npz file; from an .npy file beside a picture nothing says so."""
+    done = warp({"depth_m": np.full((8, 10), 2000.0)}, {"position_m": [0.05, 0, 0]}).done()
+    assert done.out.count("The nearest surface is 2000 m away") == 1 and not done.err
+    assert "--depth-scale 0.001 takes it as millimetres: 2 m" in done.out and "Assumed" not in done.out
+    done = warp({"depth_m": np.full((8, 10), 2000.0)}, {"position_m": [0.05, 0, 0]}, "--depth-scale", 0.001, "--force")
+    assert "note:" not in done.done().out
+
+
+def test_what_nothing_states_of_a_picture_is_noted(command, tmp_path):
+    Image.fromarray(arrays()["colour"]).save(tmp_path / "a.png")
+    np.save(tmp_path / "a.depth.npy", np.full((8, 10), 2.0))
+    write_pose(tmp_path / "a.json", depth_offset=0.5)
+    done = command(
+        "warp", tmp_path / "a.png", "--to", write_pose(tmp_path / "to.json"), "--out", tmp_path / "o.png"
+    ).done()
+    assert "note: Assumed, as nobody says it: depth scale 1 m per unit (--depth-scale states it)" in done.out
+    assert "depth_offset is not read" in done.out
+
+
+def test_no_depth_is_far_where_it_is_stated(warp, tmp_path):
+    depth = np.full((8, 10), 2000, np.uint16)
+    depth[:3] = 0
+    depth[3, 3] = 65535
+    frame = {"depth_m": depth, "depth_scale": 0.001}
+    done = warp(frame, None, "--fill", "none").done()
+    assert "--no-depth far" in done.out and "1 pixels (1.2 %) of its depth are 65535" in done.out
+    assert np.load(tmp_path / "out.npz")["coverage"].sum() == 49
+    done = warp(frame, None, "--fill", "none", "--no-depth", "far", "--force").done()
+    assert "--no-depth" not in done.out and np.load(tmp_path / "out.npz")["coverage"].all()
+    warp(frame, None, "--no-depth", "sky", "--force").refused("--no-depth 'sky': expected hole or far")
+    warp(frame, None, "--no-depth", "far", "--depth-scale", -1, "--force").refused("depth_scale is -1")
+    warp({"depth_m": depth}, None, "--no-depth", "far", "--force").refused("of unknown unit")

@@ -139,6 +139,14 @@ def test_size_0_draws_a_pixel_for_each_point(gpu):
     assert 100 < few < many
 
 
+def test_a_denser_cloud_is_no_worse_at_rest(tmp_path):
+    """It was: what covers no middle of a pixel hid what does; finer texture was not averaged."""
+    said = {"trace": "still", "scene": "planes", "fill": "none", "latency_ms": 30.0, "seconds": 0.3, "size": (48, 40)}
+    warps = [f"points:spacing={spacing},budget=3000000" for spacing in (1.0, 0.5, 0.25)]
+    quality = [run(tmp_path / "out", warp=warp, metrics_every=1, **said).rows[-1]["psnr_db"] for warp in warps]
+    assert quality[0] < quality[1] < quality[2]
+
+
 @pytest.mark.parametrize(
     "network", [LinkOptions(), LinkOptions.of({"loss": "0.2", "jitter": "uniform:20", "link_seed": 4})], ids=["", "bad"]
 )

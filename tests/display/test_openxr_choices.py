@@ -5,6 +5,7 @@ How to draw, in which pictures, in which space.
 
 from __future__ import annotations
 
+import ctypes
 import math
 from types import SimpleNamespace
 
@@ -24,7 +25,7 @@ import xr
 
 from hmdwarp.display import DisplayOptions, Lost
 from hmdwarp.display.openxr.graphics import VARIABLE, check_requirements, kinds
-from hmdwarp.display.openxr.runtime import Calls
+from hmdwarp.display.openxr.runtime import Calls, Session
 from hmdwarp.display.openxr.swapchain import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
 from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, RuntimeEyes, _world
 from hmdwarp.poses import Origin
@@ -136,7 +137,7 @@ class Told:
         self.tracker = HeadTracker()
         self.flags, self.position, self.orientation = 0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)
         self.tracker._calls, self.tracker.offset_ns = self._answer, 0
-        self.tracker._spaces = SimpleNamespace(head=None, world=None)
+        self.tracker._spaces = SimpleNamespace(head=None, world=None, kind=xr.ReferenceSpaceType.STAGE)
 
     def _answer(self, *_: object) -> int:
         location = self.tracker._location
@@ -212,3 +213,35 @@ def test_eyes_that_are_not_valid_stay_as_they_were():
     said.update(flags=3)
     eyes.locate(calls, None, None, 1)
     assert [view.fov.left for view in eyes.views(Pose())] == pytest.approx([-0.5, -0.5])
+
+
+class Events:
+    """Calls of a runtime that has these events to tell of, and nothing else."""
+
+    def __init__(self, *events: xr.EventDataReferenceSpaceChangePending) -> None:
+        self._events = list(events)
+        self.name = "a runtime"
+
+    def call_once(self, function, *_: object) -> int:
+        return 1
+
+    def __call__(self, call: str, instance: object, buffer) -> int:
+        if not self._events:
+            return xr.Result.EVENT_UNAVAILABLE.value
+        event = self._events.pop(0)
+        ctypes.memmove(buffer, ctypes.byref(event), ctypes.sizeof(event))
+        return 0
+
+
+def test_a_recentre_of_the_runtime_changes_the_space_of_later_poses_alone():
+    told = Told()
+    tracked = ORIENTATION_VALID | ORIENTATION_TRACKED
+    assert told.at(90, tracked).space == told.at(200, tracked).space == 0
+    kinds = (xr.ReferenceSpaceType.LOCAL, 50), (xr.ReferenceSpaceType.STAGE, 100)
+    calls = Events(*(xr.EventDataReferenceSpaceChangePending(None, kind, at) for kind, at in kinds))
+    session = Session(calls, SimpleNamespace(handle=None, system=0), None)
+    session.on_world_change = told.tracker.world_changes
+    session.poll()
+    assert [told.at(at, tracked).space for at in (60, 99, 100, 200)] == [0, 0, 1, 1]
+    told.tracker.offset_ns = 50  # the runtime's clock is ahead
+    assert [told.at(at, tracked).space for at in (49, 50)] == [0, 1]

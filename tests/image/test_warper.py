@@ -74,6 +74,36 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     assert (remembered.coverage == 0).mean() < 0.02
 
 
+def test_times_are_sums_over_all_fills_and_pictures(gpu):
+    """What has taken as long before is counted, not replaced by the stage that comes after it."""
+    with Warper(SIZE, warp="iterative", fill="memory+pyramid", gpu=gpu) as warper:
+        found = warper.warp(*picture(0), view(), view((0.1, 0, 0)))
+        assert set(found.time_ms) == {"warp", "fill"}
+        colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
+        gpu.timer.add("fill", 1e6)
+        gpu.timer.add("warp", 1e6)
+        warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
+        assert min(warper.time_ms.values()) > 1e6 and warper.time_ms == {}
+        gpu.timer.lap()
+        warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
+        stages = gpu.timer.lap().read()
+        assert [name for name, _ in stages] == ["warp", "fill", "fill"]
+        for texture in (colour, depth):
+            texture.release()
+
+
+def test_a_warper_warns_once(gpu):
+    """Of depth in millimetres, and of the largest integer, at the first picture that has it."""
+    colour, depth = np.zeros((30, 40, 3), np.uint8), np.full((30, 40), 2000.0)
+    with Warper(SIZE, gpu=gpu) as warper:
+        with pytest.warns(UserWarning) as caught:
+            for _ in range(3):
+                warper.warp(colour, depth, view(), view((0.05, 0, 0)))
+                warper.warp(colour, np.full((30, 40), 65535, np.uint16), view(), view(), depth_scale=0.001)
+        assert [str(one.message)[:11] for one in caught] == ["The nearest", "1200 pixels"]
+        assert all(one.filename == __file__ for one in caught)
+
+
 def test_the_depth_of_the_shown_view_comes_on_request(gpu):
     """A plane at 4 m, seen from 1 m nearer, is 3 m away in every pixel that it covers."""
     colour = picture(0)[0]

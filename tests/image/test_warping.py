@@ -421,6 +421,34 @@ def test_depth_in_other_units_is_the_same_in_metres(unit, dtype):
     assert np.array_equal(found.coverage, wanted.coverage) and np.array_equal(found.colour, wanted.colour)
 
 
+@pytest.mark.parametrize("dtype", [np.uint16, np.int16, np.int32])
+def test_the_largest_integer_is_a_hole_and_said(dtype):
+    depth = np.full((12, 16), 2000, dtype)
+    depth[3:5, 6:9] = np.iinfo(dtype).max
+    colour = halves(np.random.default_rng(23), (16, 12))
+    with pytest.warns(UserWarning, match=f"6 pixels .3.1 %. of its depth are {np.iinfo(dtype).max}.* no depth"):
+        found = warp_image(colour, depth, view(), view(), depth_scale=0.001)
+    assert (found.coverage[3:5, 6:9] == 0).all() and (found.coverage == 0).sum() == 6
+    masked = np.ma.masked_array(depth, depth == np.iinfo(dtype).max)  # the caller knows
+    assert np.array_equal(warp_image(colour, masked, view(), view(), depth_scale=0.001).coverage, found.coverage)
+
+
+@pytest.mark.parametrize(("unit", "name"), [(1000, "millimetres"), (100, "centimetres")])
+def test_depth_that_is_hardly_in_metres_is_said(unit, name):
+    """Far everywhere, while the eye moves by 8 cm; not where it only turns, nor where it flies."""
+    colour, metres = halves(np.random.default_rng(24), (16, 12)), np.full((12, 16), 2.0)
+    metres[0] = np.inf
+    near = view(position=(0.08, 0, 0))
+    with pytest.warns(
+        UserWarning, match=f"{2 * unit} m away.*0.08 m.*depth_scale={1 / unit:g} takes it as {name}: 2 m"
+    ):
+        warp_image(colour, metres * unit, view(), near)
+    warp_image(colour, metres, view(), near)
+    warp_image(colour, metres * unit, view(), near, depth_scale=1 / unit)
+    warp_image(colour, metres * unit, view(), view())
+    warp_image(colour, metres * unit, view(), view(position=(0.2 * unit, 0, 0)))
+
+
 @pytest.mark.parametrize("dtype", [np.float32, np.uint8])
 def test_masked_pixels_are_holes(dtype):
     """In depth as in one channel of the colour, whatever value lies below the mask."""
@@ -473,7 +501,10 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
         ({"rendered": View(view().fov, view().pose)}, "rendered is a View of Fov, Pose: expected View"),
         ({"depth_m": -DEPTH}, "metres along -z, which are above 0: negate it"),
         *(({"depth_m": np.where(np.eye(4, 6) > 0, sky, -2.0)}, "negate it") for sky in (0.0, np.nan, np.inf)),
-        *(({"depth_m": DEPTH.astype(kind)}, "of unknown unit: give depth_scale") for kind in (np.uint8, np.int64)),
+        *(
+            ({"depth_m": DEPTH.astype(kind)}, "of unknown unit: give depth_scale")
+            for kind in (np.uint8, np.uint16, np.int32, np.int64)
+        ),
         *(
             ({"depth_scale": scale}, "depth_scale is .*: expected metres per unit")
             for scale in (0, -1, 5000, math.nan, math.inf, True, "0.001", (1,))
@@ -499,6 +530,9 @@ def test_names_are_checked():
         warp_image(COLOUR, DEPTH, view(), view(), "foreward")
     with pytest.raises(UnknownNameError, match="did you mean 'interpolate'"):
         warp_image(COLOUR, DEPTH, view(), view(), fill="interpolation")
+    with pytest.raises(InputError) as caught:
+        warp_image(COLOUR, DEPTH, view(), view(), "auto")
+    assert "did you mean" not in str(caught.value)
     with pytest.raises(InputError, match="backward.*client_depth_m"):
         warp_image(COLOUR, DEPTH, view(), view(), "backward")
     with pytest.raises(PlanError, match="warp environment needs layer 'cube' from the server.*single picture has none"):

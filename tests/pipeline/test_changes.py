@@ -1,4 +1,4 @@
-"""Frames are sent only where something moves: the head, a body, a deforming mesh."""
+"""Frames are sent only where something changes: head, body, deforming mesh, light, recording."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import json
 import math
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
+from recorded_folders import taken, write_npz
 from replays import rows_of, run
 
 from hmdwarp.frames import Frame
@@ -16,7 +18,7 @@ from hmdwarp.gpu import Gpu, download
 from hmdwarp.link import GilbertElliott, LinkOptions
 from hmdwarp.pipeline import Changes
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.scenes import load_scene
+from hmdwarp.scenes import Body, Spinning, Still, load_scene
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
@@ -131,6 +133,48 @@ def test_a_still_head_before_moving_bodies_sends_on(tmp_path):
         tmp_path / "out", trace=trace_of(tmp_path / "still.txt"), scene="workshop", network=CHANGES, latency_ms=50.0
     ).summary["link"]["frames"]
     assert frames["drawn"] > 10
+
+
+@pytest.mark.parametrize(("scene", "lights"), [("sunroom", 63), ("lantern", 63), ("room", 1)])
+def test_light_that_moves_counts(tmp_path, scene, lights):
+    """One frame of 54 was sent while a patch of sun crossed the floor."""
+    options = {"trace": trace_of(tmp_path / "still.txt"), "scene": scene, "latency_ms": 50.0, "seconds": 1.0}
+    assert run(tmp_path / "out", network=CHANGES, **options).summary["link"]["frames"]["drawn"] == lights
+
+
+def test_the_shadow_of_what_moves_counts_wherever_it_falls(gpu):
+    """A body that hardly moves near a lamp moves its shadow far, which no bound in pixels knows."""
+    scene = load_scene("lantern")
+    still = attrs.evolve(scene.lamps[0], motion=Still(Pose(scene.lamps[0].place(0)[:3])))
+    body = Body("slow", Spinning(Pose((0, 0, -50)), (0, 1, 0), 1e-6))
+    lit = next(mesh for mesh in scene.meshes if mesh.light_uv is not None)
+    moving = attrs.evolve(lit, body=1, positions=lit.positions * 1e-3)
+    rest = [attrs.evolve(mesh, body=0) for mesh in scene.meshes if mesh is not lit]
+    scene = attrs.evolve(scene, lamps=[still], bodies=[body], meshes=[*rest, moving])
+    changes, server = Changes(scene), Server(gpu, load_scene("planes"))
+    view = View(scene.viewpoint, FOV)
+    try:
+        changes.sent(frame_of(server, [view]))
+    finally:
+        server.close()
+    assert changes.moved_px([view], 0) < 1e-9
+    assert changes.moved_px([view], 10**9) == math.inf
+
+
+def test_light_that_stays_as_it_was_does_not_count(tmp_path):
+    scene = load_scene("sunroom")
+    assert Changes(attrs.evolve(scene, light_ns=0)).light_at(0) == Changes(attrs.evolve(scene, light_ns=0)).light_at(9)
+    assert Changes(scene).light_at(0) != Changes(scene).light_at(9 * 10**6)
+
+
+def test_a_camera_at_rest_before_what_moves_sends_each_of_its_frames(tmp_path):
+    """Recorded frames have no scene, and their head stands where the camera does."""
+    frames = [attrs.evolve(frame, pose=Pose((0, 1.6, 0))) for frame in taken(6)]
+    (tmp_path / "recorded").mkdir()
+    write_npz(tmp_path / "recorded", frames)
+    options = {"trace": None, "frames": str(tmp_path / "recorded"), "latency_ms": 50.0, "size": None, "headset": None}
+    found = run(tmp_path / "out", network=CHANGES, **options).summary["link"]["frames"]
+    assert found["drawn"] >= 5
 
 
 def test_a_lost_frame_is_sent_again_when_the_server_hears_of_it(tmp_path):

@@ -12,6 +12,7 @@ from published_folders import write_colmap
 from recorded_folders import taken
 from ros_bags import HAS_ROSBAGS, write_ros1
 
+from hmdwarp.cli.catalogue import entries
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import Assumption, By, assumption_rows, first_stated
 from hmdwarp.poses.formats import formats
@@ -65,6 +66,12 @@ def test_an_assumption_says_who_says_it(who, said):
     assert assumption_rows([one]) == [{"what": "length", "value": "1 m per unit", "by": who.value, "option": "--scale"}]
 
 
+def test_notes_name_what_nobody_says(tmp_path):
+    notes = load_trace(write(tmp_path / "a.csv", rows(TRACK), "time,x,y,z,qx,qy,qz,qw")).notes()
+    assert any("as nobody says it" in note and "length 1 m per unit (--scale states it)" in note for note in notes)
+    assert load_trace("walk").notes() == []
+
+
 def test_the_first_that_states_a_fact_is_believed():
     assert first_stated(None, 2.0, 3.0) == (2.0, By.FILE)
     assert first_stated(None, None, None) == (None, By.NOBODY)
@@ -105,11 +112,11 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
         folder / "a.txt", files.fields(files.SECONDS[:100], files.poses(TRACK).reshape(-1, 16)), ""
     ),
     "mcap": lambda folder: save(TRACK, folder / "a.mcap", "mcap"),
-    "motive": lambda folder: (files.motive(folder / "a.csv"), folder / "a.csv")[1],
+    "motive": lambda folder: files.lined(folder / "a.csv", files.motive()),
     "multiviewpoint": lambda folder: write(folder / "a.txt", TURNED, "timestamp viewpoint w x y z", " "),
     "named": _table(f"time,{_TIMED}"),
     "native": lambda folder: save(TRACK, folder / "a.csv", "native"),
-    "qualisys": lambda folder: files.qualisys(folder / "a.tsv"),
+    "qualisys": lambda folder: files.lined(folder / "a.tsv", files.qualisys()),
     "questset": _table(f"LeftTouchPosX,time,{_HEAD}", "wxyz", "0"),
     "rosbag": lambda folder: (write_ros1(folder, taken(3)), folder / "taken.bag")[1],
     "ros2_csv": lambda folder: write(
@@ -121,7 +128,7 @@ SAMPLES: dict[str, Callable[[Path], Path]] = {
         folder / "a.csv", rows(TRACK, stamp=lambda ns: str(638 * 10**15 + ns // 100)), f"timestamp,{_TIMED}"
     ),
     "tum": lambda folder: save(TRACK, folder / "a.tum", "tum"),
-    "unreal": lambda folder: files.unreal(folder / "a.csv"),
+    "unreal": lambda folder: files.lined(folder / "a.csv", files.unreal()),
     "vectors": _text(files.VECTORS["NumPy"]),
 }
 _MARKS = {param.values[0]: param.marks for param in WRITERS}
@@ -134,12 +141,12 @@ def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
     """A new format needs a sample here."""
     loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
     assert loaded.format == name
-    entries = {one.what: one for one in loaded.assumptions}
+    entries = {assumption.what: assumption for assumption in loaded.assumptions}
     known = {"columns", "orientation", "pose", "length", "axes", "up", "clock"}
     if any(defect.kind == "no-position" for defect in loaded.defects):
         known.remove("length")
     assert set(entries) == known
-    assert all(one.value and one.by in By for one in loaded.assumptions)
+    assert all(assumption.value and assumption.by in By for assumption in loaded.assumptions)
     for stated in formats.get(name).assumes():
         found = entries.get(stated.what)
         if stated.by is By.FORMAT and found is not None:
@@ -147,3 +154,10 @@ def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
             assert found.by is By.FILE or np.isin(stated.value.split()[0], found.value.split())
         if found is not None and found.by is By.FORMAT:
             assert stated.by in (By.FORMAT, By.FILE), f"{found}, but the format says nothing of it"
+
+
+def test_the_page_has_what_each_format_assumes():
+    """`make docs OPTIONS=trace-formats` writes the table."""
+    page = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
+    for row in entries("formats"):
+        assert f"| `{row['name']}` | {' | '.join(list(row.values())[1:])} |" in page

@@ -5,6 +5,7 @@ Never anything else, and it ends.
 
 from __future__ import annotations
 
+import json
 import string
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.poses import TraceOptions, analyse, load_trace
 from hmdwarp.poses.formats import formats
 
+from . import test_other_files as files
 from .traces import head, rows
 
 SETTINGS = settings(max_examples=150, suppress_health_check=ONE_FIXTURE_FOR_ALL)
@@ -32,6 +34,15 @@ SMALL_FILES = [
     "\n".join(" ".join([r[0], str(i), *r[4:]]) for i, r in enumerate(TABLE)) + "\n",
     "\n".join(["timestamp viewpoint w x y z"] + [" ".join([r[0], "0", *r[4:]]) for r in TABLE]) + "\n",
     "\n".join(",".join([str(638 * 10**15 + i * 166667), *r[1:]]) for i, r in enumerate(TABLE)) + "\n",
+]
+EXPORTS = [
+    files.VECTORS["Unity in quotes"],
+    files.VECTORS["JSON in quotes"],
+    json.dumps({"schema": [], "frames": files.iwer_frames(files.TRACK)}),
+    json.dumps(files.JSON_FORMS["columns and data"]),
+    "\n".join(files.motive()),
+    "\n".join(files.qualisys()),
+    "\n".join(files.unreal("rotator")),
 ]
 
 options = st.builds(
@@ -132,6 +143,12 @@ def mutations(draw, contents: list[bytes]) -> bytes:
 @given(data=st.data(), opts=st.one_of(st.just(TraceOptions()), options))
 def test_mutated_files_of_every_layout(tmp_path, data, opts):
     survives(tmp_path / "f.csv", data.draw(mutations([f.encode() for f in SMALL_FILES])), opts)
+
+
+@settings(SETTINGS, max_examples=60)
+@given(data=st.data(), opts=st.one_of(st.just(TraceOptions()), options))
+def test_mutated_exports(tmp_path, data, opts):
+    survives(tmp_path / "f.csv", data.draw(mutations([f.encode() for f in EXPORTS])), opts)
 
 
 @settings(SETTINGS, max_examples=60)

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import HmdwarpError
-from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace
+from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synthesise
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.study.export import motion_text
@@ -43,17 +43,23 @@ def inverse(track: PoseTrack) -> PoseTrack:
 
 def by(loaded: LoadedTrace, what: str) -> By:
     """Who says a fact."""
-    return next(one.by for one in loaded.assumptions if one.what == what)
+    return next(assumption.by for assumption in loaded.assumptions if assumption.what == what)
 
 
 def value(loaded: LoadedTrace, what: str) -> str:
     """What a fact was taken as."""
-    return next(one.value for one in loaded.assumptions if one.what == what)
+    return next(assumption.value for assumption in loaded.assumptions if assumption.what == what)
 
 
 def fields(*columns: np.ndarray) -> list[list[str]]:
     """Rows of numbers with every digit, side by side."""
     return [list(map(repr, row)) for row in np.column_stack(columns).tolist()]
+
+
+def lined(path: Path, lines: list[str], end: str = "\n") -> Path:
+    """A file of these lines."""
+    path.write_bytes(end.join([*lines, ""]).encode())
+    return path
 
 
 def refusal(path: Path, **stated) -> str:
@@ -160,7 +166,13 @@ def test_poses_the_other_way_round_are_suggested_by_the_motion_and_read_on_reque
     assert "pose-contradicted" not in kinds(load_trace(name))
 
 
-WAYS = {"c2w": "direct", "T_world_cam": "direct", "worldToCamera": "inverse", "extrinsic": "inverse", "pose": None}
+WAYS = {
+    **dict.fromkeys(("c2w", "T_world_cam", "matrixWorld"), "direct"),
+    **dict.fromkeys(
+        ("w2c", "T_head_world", "worldToCamera", "extrinsic", "viewMatrix", "matrixWorldInverse"), "inverse"
+    ),
+    **dict.fromkeys(("pose", "HeadWorldMatrix"), None),
+}
 
 
 @pytest.mark.parametrize(("name", "way"), WAYS.items())
@@ -171,6 +183,19 @@ def test_names_of_poses_say_which_way_they_go(tmp_path, name, way):
     loaded = load_trace(path)
     assert by(loaded, "pose") is (By.FILE if way else By.NOBODY)
     assert same_motion(loaded.track, TRACK, atol=1e-6)
+
+
+def test_of_several_matrices_the_one_of_the_pose_is_read(tmp_path):
+    """A camera of three.js, by columns: its view and its projection are no poses."""
+    names = {
+        "viewMatrix": np.linalg.inv(poses()),
+        "projectionMatrix": np.tile(np.eye(4), (120, 1, 1)),
+        "matrix": poses(),
+    }
+    flat = {name: m.transpose(0, 2, 1).reshape(-1, 16).tolist() for name, m in names.items()}
+    path = tmp_path / "m.json"
+    path.write_text(json.dumps([{"t": t} | {n: m[i] for n, m in flat.items()} for i, t in enumerate(SECONDS.tolist())]))
+    assert same_motion(load_trace(path).track, TRACK, atol=1e-6)
 
 
 # JSON
@@ -218,8 +243,9 @@ JSON_FORMS = {
         "rotation": [dict(zip("xyzw", row[4:], strict=True)) for row in FLAT],
     },
     "events between": [
-        one for i, r in enumerate(records()) for one in ([{"event": "click"}, r] if i % 7 == 3 else [r])
+        record for i, r in enumerate(records()) for record in ([{"event": "click"}, r] if i % 7 == 3 else [r])
     ],
+    "names under schema": {"schema": NAMES, "frames": FLAT},
     "one recording in a list": [{"name": "take 1", "samples": records()}],
 }
 
@@ -299,23 +325,25 @@ def unreal_rotator(q: np.ndarray) -> tuple[float, float, float]:
     return float(pitch), float(yaw), float(roll)
 
 
-def unreal(path: Path, form: str = "quaternion") -> Path:
-    """Write ToString of FVector, FQuat and FRotator: centimetres, left-handed, z up."""
+def unreal(form: str = "quaternion") -> list[str]:
+    """Lines with ToString of FVector, FQuat and FRotator: centimetres, left-handed, z up."""
     places, turns = in_axes(TRACK, "unreal")
     rows = ["Time,Location,Rotation"]
     for t, p, q in zip(SECONDS.tolist(), 100 * places, turns, strict=True):
         turn = "X={:.9f} Y={:.9f} Z={:.9f} W={:.9f}".format(*q)
         if form == "rotator":
             turn = "P={:.6f} Y={:.6f} R={:.6f}".format(*unreal_rotator(q))
-        rows.append("{:.6f},X={:.3f} Y={:.3f} Z={:.3f},{}".format(t, *p, turn))
-    path.write_text("\n".join(rows) + "\n")
-    return path
+        place = "X={:.3f} Y={:.3f} Z={:.3f}".format(*p)
+        if form == "exported":  # as ExportText and its configuration files have it
+            place = f'"({place.replace(" ", ",")})"'
+            turn = '"(Pitch={:.6f},Yaw={:.6f},Roll={:.6f})"'.format(*unreal_rotator(q))
+        rows.append(f"{t:.6f},{place},{turn}")
+    return rows
 
 
-@pytest.mark.parametrize("form", ["quaternion", "rotator"])
+@pytest.mark.parametrize("form", ["quaternion", "rotator", "exported"])
 def test_unreals_strings(tmp_path, form):
-    path = unreal(tmp_path / "u.csv", form)
-    loaded = load_trace(path)
+    loaded = load_trace(lined(tmp_path / "u.csv", unreal(form)))
     assert loaded.format == "unreal" and by(loaded, "axes") is By.FORMAT
     assert same_motion(loaded.track.evolve(time_ns=TRACK.time_ns), TRACK, atol=1e-5)
 
@@ -353,6 +381,9 @@ def test_an_axis_beside_its_angle(tmp_path):
 
 def test_three_bare_angles_may_be_a_vector_where_the_user_says_so(tmp_path):
     table = fields(SECONDS, TRACK.position_m, TURNS.as_rotvec())
+    bare = write(tmp_path / "b.csv", table, "time,x,y,z,rx,ry,rz")
+    assert "vector,rad" in refusal(bare)
+    assert same_motion(load_trace(bare, TraceOptions(euler="vector,rad")).track, TRACK, atol=1e-6)
     path = write(tmp_path / "v.csv", table, "time,x,y,z,rot_x,rot_y,rot_z")
     assert "vector,rad" in refusal(path)
     for stated in (TraceOptions(euler="vector,rad"), TraceOptions(columns="t=1,p=2+3+4,r=5+6+7")):
@@ -362,8 +393,8 @@ def test_three_bare_angles_may_be_a_vector_where_the_user_says_so(tmp_path):
 # Motion capture
 
 
-def motive(path: Path, lost: int = -1) -> list[str]:
-    """Write an export as OptiTrack's Data Export: CSV has it, and the data of pathviewr."""
+def motive(lost: int = -1) -> list[str]:
+    """Lines of an export as OptiTrack's Data Export: CSV has it, and the data of pathviewr."""
     about = "Format Version,1.23,Take Name,take,Take Notes,,Capture Frame Rate,60.000000,Export Frame Rate,60.000000,"
     about += "Capture Start Time,2019-09-18 04.30.02.695 PM,Total Frames in Take,120,Total Exported Frames,120,"
     about += "Rotation Type,Quaternion,Length Units,Millimeters,Coordinate Space,Global"
@@ -381,13 +412,12 @@ def motive(path: Path, lost: int = -1) -> list[str]:
     for i, (t, p, q) in enumerate(zip(SECONDS.tolist(), TRACK.position_m, TRACK.orientation_xyzw, strict=True)):
         hmd = [*map(repr, [*q.tolist(), *(1000 * p).tolist()]), "0.1"] if i != lost else [""] * 8
         lines.append(",".join([str(i), repr(t), *"0001", *"123", "0.1", *hmd, *"123"]))
-    path.write_text("\n".join(lines) + "\n")
     return lines
 
 
 def test_motive_exports(tmp_path):
-    path = tmp_path / "take.csv"
-    lines = motive(path, lost=50)
+    lines = motive(lost=50)
+    path = lined(tmp_path / "take.csv", lines)
     loaded = load_trace(path)
     assert (loaded.format, loaded.device, len(loaded.track)) == ("motive", "HMD", len(TRACK) - 1)
     kept = np.arange(len(TRACK)) != 50
@@ -398,8 +428,8 @@ def test_motive_exports(tmp_path):
     assert "without rigid bodies" in refusal(path)
 
 
-def qualisys(path: Path, clocked: bool = True) -> Path:
-    """Write an export as QTM's manual has it under 6DOF data (.tsv): mm, Rot[] by columns."""
+def qualisys(clocked: bool = True) -> list[str]:
+    """Lines of an export as QTM's manual has it under 6DOF data (.tsv): mm, Rot[] by columns."""
     keys = ["NO_OF_FRAMES\t120", "NO_OF_CAMERAS\t8", "NO_OF_BODIES\t2", "FREQUENCY\t60", "NO_OF_ANALOG\t0"]
     keys += ["ANALOG_FREQUENCY\t0", "DESCRIPTION\t--", "TIME_STAMP\t2020-01-22, 17:47:17\t22107.99179716"]
     keys += ["DATA_INCLUDED\t6D", "BODY_NAMES\tKnife\tHead"]
@@ -410,14 +440,18 @@ def qualisys(path: Path, clocked: bool = True) -> Path:
         numbers = [*(1000 * m[:3, 3]).tolist(), 1.0, 2.0, 3.0, 0.5, *m[:3, :3].T.ravel().tolist()]
         clock = [str(i + 1), f"{t:.5f}"] if clocked else []
         lines.append("\t".join([*clock, *["1.0"] * 7, *"100010001", *map(repr, numbers), ""]))
-    path.write_text("\r\n".join(lines) + "\r\n")
-    return path
+    return lines
+
+
+def test_qualisys_exports_without_the_lines_of_key_words(tmp_path):
+    loaded = load_trace(lined(tmp_path / "head_6D.tsv", qualisys()[10:]))
+    assert (loaded.format, loaded.device) == ("qualisys", "Head")
+    assert np.abs(loaded.track.position_m - TRACK.position_m).max() < EXACT
 
 
 def test_qualisys_exports(tmp_path):
     for clocked in (True, False):
-        path = qualisys(tmp_path / "head_6D.tsv", clocked)
-        loaded = load_trace(path)
+        loaded = load_trace(lined(tmp_path / "head_6D.tsv", qualisys(clocked), "\r\n"))
         assert (loaded.format, loaded.device) == ("qualisys", "Head")
         assert np.abs(loaded.track.position_m - TRACK.position_m).max() < EXACT
         turn = Rotation.from_quat(loaded.track.orientation_xyzw).inv() * TURNS
@@ -562,6 +596,23 @@ def test_gravity_columns_set_a_tilted_world_upright(tmp_path):
     assert by(loaded, "up") is By.FILE
     height = loaded.track.position_m[:, 1]
     assert np.abs(height - truth.position_m[:, 1]).max() < EXACT
+
+
+@pytest.mark.parametrize("gravity", [True, False])
+@pytest.mark.parametrize("name", ["aria", "tum-rgbd", "ros", "unreal"])
+def test_auto_sets_a_head_upright_though_its_gaze_is_unclear(tmp_path, name, gravity):
+    """A person who stands still: 92 degrees on its side, where the file has gravity columns."""
+    truth = synthesise("still")
+    places, turns = in_axes(truth, name)
+    down = np.tile(parse_axes(name).world.T @ [0, -9.81, 0], (len(truth), 1))
+    names = "time_s,x,y,z,qx,qy,qz,qw,gravity_x_world,gravity_y_world,gravity_z_world"
+    columns = [truth.time_ns / 1e9, places, turns, down][: None if gravity else 3]
+    path = write(tmp_path / "g.csv", fields(*columns), ",".join(names.split(",")[: 11 if gravity else 8]))
+    loaded = load_trace(path, TraceOptions(axes="auto"))
+    crown = Rotation.from_quat(loaded.track.orientation_xyzw).apply([0, 1, 0])
+    assert crown[:, 1].min() > 0.9
+    undecided = not gravity and name in ("ros", "unreal")  # world and head alike stand on another axis
+    assert ("--axes or --up states it" if undecided else "which way it looks is not clear") in loaded.axes
 
 
 def test_a_file_that_shows_nothing_names_an_option_that_helps(tmp_path):

@@ -133,7 +133,8 @@ def test_the_euler_twin_itself_is_refused(real_traces):
 
 
 def test_other_tables_of_the_sets_are_refused(real_traces):
-    with pytest.raises(TraceError, match="no head orientation"):
+    """A quaternion for each scene, in one cell, is no head over time."""
+    with pytest.raises(TraceError, match="has no time"):
         load_trace(real_traces / "eyenavgs_nthu" / "scene_setting.csv")
 
 

@@ -19,7 +19,7 @@ from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.pipeline import build_plan_for
+from hmdwarp.pipeline import build_plan_for, source_of
 from hmdwarp.pipeline.auto import QualityLevel
 from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, levels_by_short_bench, levels_from_file, set_up_replay
@@ -165,7 +165,8 @@ def test_the_lens_of_the_run_counts(tmp_path):
 
 
 def test_the_lens_is_timed_here():
-    assert 0 < lens_ms(small(lens="radial", headset="rift-dk1", warp="auto", budget_ms=1.0)) < AMPLE_MS
+    options = small(lens="radial", headset="rift-dk1", warp="auto", budget_ms=1.0)
+    assert 0 < lens_ms(options, source_of(options)) < AMPLE_MS
 
 
 def test_other_terms_are_told(tmp_path):
@@ -263,11 +264,11 @@ def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
 def test_it_would_try_all_that_the_run_can_have(monkeypatch):
     usual = small(warp="auto", budget_ms=AMPLE_MS)
     beyond_a_picture = {"backward", "environment", "layered"}
-    assert not {parse_warp(c.warp).entry.name for c in candidates(usual)} & beyond_a_picture
+    assert not {parse_warp(c.warp).entry.name for c in candidates(usual, source_of(usual))} & beyond_a_picture
     options = attrs.evolve(usual, client="class-3")
     suits = [spec for spec in every_warp() if parse_warp(spec).entry.name in suited(usual.scene)]
     every = set(itertools.product(suits, FILLS))
-    assert {(c.warp, c.fill) for c in candidates(options)} == every
+    assert {(c.warp, c.fill) for c in candidates(options, source_of(options))} == every
 
     def picky(one, *inputs, **more):
         if one.warp == "rotation":
@@ -275,7 +276,9 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
         return build_plan_for(one, *inputs, **more)
 
     monkeypatch.setattr("hmdwarp.run.short_bench.build_plan_for", picky)
-    assert {(c.warp, c.fill) for c in candidates(options)} == {pair for pair in every if pair[0] != "rotation"}
+    assert {(c.warp, c.fill) for c in candidates(options, source_of(options))} == {
+        pair for pair in every if pair[0] != "rotation"
+    }
 
 
 @pytest.fixture
@@ -283,13 +286,14 @@ def few(monkeypatch):
     """A trial of three warps: pictures of all would take FLIP half a minute on a busy machine."""
     monkeypatch.setattr(
         "hmdwarp.run.short_bench.candidates",
-        lambda options: [c for c in candidates(options) if c.warp in {w for w, _ in PAIRS}],
+        lambda options, source: [c for c in candidates(options, source) if c.warp in {w for w, _ in PAIRS}],
     )
 
 
 def test_a_trial_of_its_own(few):
     said: list[str] = []
-    found = levels_by_short_bench(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3), said.append)
+    options = small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3)
+    found = levels_by_short_bench(options, source_of(options), said.append)
     assert len(said) == 1 and said[0].startswith("trying 9 combinations")
     assert found.machine is None and found.notes[0].startswith("Warp 'auto' tried")
     times, errors = [level.total_ms for level in found.levels], [level.error for level in found.levels]
@@ -304,7 +308,7 @@ def test_a_run_with_a_trial_of_its_own(few, tmp_path):
 
 def test_a_trial_leaves_out_what_is_out_of_reach(few):
     options = small(warp="auto", budget_ms=1e-6, seconds=0.3)
-    found = levels_by_short_bench(options, lambda text: None)
+    found = levels_by_short_bench(options, source_of(options), lambda text: None)
     # The cheapest stays, to be told in the refusal.
     assert len({level.warp for level in found.levels}) == 1
     assert "took more than 2 times the budget" in found.notes[0]

@@ -165,7 +165,7 @@ def test_layouts_give_the_same_figures(run, tmp_path):
             file = other / "transforms.json"
             camera = {"fl_x": fx, "fl_y": fy, "cx": cx + centre, "cy": cy + centre}
             file.write_text(json.dumps(json.loads(file.read_text()) | camera))
-        said = {} if centre else {"intrinsics": f"{fx},{fy},{cx},{cy}"}
+        said = {} if centre else {"intrinsics": f"{fx},{fy},{cx},{cy}", "depth_scale": 0.0002}
         assert run(other, **said).summary["quality"]["psnr_db"]["mean"] == pytest.approx(expected, abs=0.3)
 
 
@@ -246,6 +246,7 @@ def test_layers_that_were_not_recorded_are_refused_by_the_plan(said, told, folde
 
 
 STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": "0.001", "frames_rate": "25", "crop": "4"}
+STATED |= {"no_depth": "far", "frames_axes": "openxr", "frames_topics": "depth=/depth"}
 
 
 @pytest.mark.parametrize("name", [option.name for option in options_of(SequenceOptions)])

@@ -148,6 +148,7 @@ def connect(
         actions = open_actions(calls, instance, session.handle, controls)
         spaces = Spaces(calls, instance, session.handle)
         tracker.attach(calls, instance, spaces)
+        session.on_world_change = tracker.world_changes
         frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])
         formats = [int(format_) for format_ in calls.call_once(xr.enumerate_swapchain_formats, session.handle)]
         recommended = (views[0].recommended_image_rect_width, views[0].recommended_image_rect_height)

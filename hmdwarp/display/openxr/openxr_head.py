@@ -65,6 +65,7 @@ class OpenXrHead(Connected):
         self._cleanup.callback(self._session.destroy)
         spaces = Spaces(self._calls, instance, self._session.handle)
         self._tracker.attach(self._calls, instance, spaces)
+        self._session.on_world_change = self._tracker.world_changes
         self._instance, self.about = instance, {**instance.about, "graphics": "none", "space": spaces.name}
         self._calls.stage = "running"
         self._until_running()

@@ -183,6 +183,7 @@ def _text(value: bytes | str) -> str:
 State = xr.SessionState
 _BUFFER = xr.StructureType.EVENT_DATA_BUFFER.value
 _STATE_CHANGED = xr.StructureType.EVENT_DATA_SESSION_STATE_CHANGED.value
+_WORLD_CHANGES = xr.StructureType.EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING.value
 _INSTANCE_LOSS = xr.StructureType.EVENT_DATA_INSTANCE_LOSS_PENDING.value
 _NO_EVENT = xr.Result.EVENT_UNAVAILABLE.value
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
@@ -204,10 +205,13 @@ class Session:
         self.handle = calls.call_once(
             xr.create_session, instance.handle, xr.SessionCreateInfo(system_id=instance.system, next=pointer)
         )
+        # Called with the kind of a reference space that gets another origin, and when it does.
+        self.on_world_change: Callable[[int, int], None] = lambda kind, time: None
         self._event = xr.EventDataBuffer()
-        self._changed = ctypes.cast(
-            ctypes.pointer(self._event), ctypes.POINTER(xr.EventDataSessionStateChanged)
-        ).contents
+        self._changed, self._moved = (
+            ctypes.cast(ctypes.pointer(self._event), ctypes.POINTER(kind)).contents
+            for kind in (xr.EventDataSessionStateChanged, xr.EventDataReferenceSpaceChangePending)
+        )
 
     def poll(self) -> None:
         """Process all events of the runtime. Errors: Closed; Lost."""
@@ -218,6 +222,8 @@ class Session:
                 return
             if event._type == _STATE_CHANGED:
                 self._enter(State(self._changed._state))
+            elif event._type == _WORLD_CHANGES:
+                self.on_world_change(self._moved._reference_space_type, self._moved.change_time)
             elif event._type == _INSTANCE_LOSS:
                 raise Lost(f"{self._calls.name} is about to end")
 

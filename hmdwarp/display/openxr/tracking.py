@@ -91,8 +91,8 @@ class Spaces:
 
     def __init__(self, calls: Calls, instance: Instance, session: xr.Session) -> None:
         offered = {int(kind) for kind in calls.call_once(xr.enumerate_reference_spaces, session)}
-        self.name, kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
-        self.world = self._made(calls, session, kind, -height)
+        self.name, self.kind, height = _world(offered, FLOOR_EXTENSION in instance.extensions)
+        self.world = self._made(calls, session, self.kind, -height)
         self.head = self._made(calls, session, _Space.VIEW, 0.0)
 
     def _made(self, calls: Calls, session: xr.Session, kind: xr.ReferenceSpaceType, y: float) -> xr.Space:
@@ -124,27 +124,35 @@ class HeadTracker:
         self._pointer = ctypes.byref(self._location)
         self._time = ctypes.c_int64()
         self._last = STANDING
+        self._sessions = 0  # each has a world of its own
+        self._changes: list[int] = []  # of the world, on the runtime's clock
         self.lost = False  # whether the orientation was untracked at the last reading
 
     def attach(self, calls: Calls, instance: Instance, spaces: Spaces) -> None:
         """Read from these spaces from now on."""
         self._calls, self._spaces = calls, spaces
+        self._sessions += 1
         self.offset_ns = instance.offset_ns()
 
     def start(self) -> None:
         """Do nothing: it is already running."""
 
+    def world_changes(self, kind: int, time: int) -> None:
+        """Take note that a reference space has another origin from an instant of the runtime on."""
+        if kind == self._spaces.kind.value:
+            self._changes.append(time)
+
     def head_at(self, time_ns: int) -> PoseSample:
-        """Return the head as PoseSource.head_at. Errors: Lost."""
+        """Return the head as PoseSource.head_at; space: its world changed. Errors: Lost."""
         read_ns = time.monotonic_ns()
         self._calls("xrLocateSpace", self._spaces.head, self._spaces.world, time_ns + self.offset_ns, self._pointer)
         flags = self._location._location_flags
         pose = self._located(flags) if flags & _TURN_VALID else None
         self._last = pose or self._last
         self.lost = pose is None or not flags & _TURN_TRACKED
-        if self.lost:
-            return PoseSample(time_ns, self._last, Origin.HELD, read_ns)
-        return PoseSample(time_ns, self._last, Origin.MEASURED if time_ns <= read_ns else Origin.PREDICTED, read_ns)
+        origin = Origin.HELD if self.lost else Origin.MEASURED if time_ns <= read_ns else Origin.PREDICTED
+        space = self._sessions + sum(time <= time_ns + self.offset_ns for time in self._changes)
+        return PoseSample(time_ns, self._last, origin, read_ns, space)
 
     def _located(self, flags: int) -> Pose | None:
         try:

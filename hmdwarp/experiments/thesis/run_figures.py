@@ -18,7 +18,7 @@ from ...colour import picture_from_linear
 from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
-from ...link.codec import EXACT, Coding
+from ...link.codec import Coding
 from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
 from ...pipeline.link_times import refreshes_of
 from ...pipeline.loop import Refresh
@@ -247,7 +247,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             rate_hz=RATE_HZ,
             start_s=2.0,
             seconds=seconds,
-            coding=Coding(run.codec, depth=EXACT),
+            coding=Coding(run.codec, depth=run.depth),
             network=network,
             against="",
             metrics_every=10**6,

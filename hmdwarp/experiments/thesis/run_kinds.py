@@ -6,6 +6,8 @@ from typing import Any
 
 import attrs
 
+from ...link.codec import EXACT
+
 # Of the head, in m/s; of its rotation, in deg/s. 30 and 113 are the median and the 95th percentile
 # of recorded heads.
 SPEEDS_M_S = (0.25, 0.5, 1.0)
@@ -83,6 +85,7 @@ class StreamRun:
 
     warp: str = "none"
     codec: str = "h264"
+    depth: str = EXACT  # the code of depth
     size: tuple[int, int] = FULL_SIZE
     latency_ms: float = 100.0
     trace: str = "walk"
@@ -91,7 +94,8 @@ class StreamRun:
 
     def __str__(self) -> str:
         link = "" if self.bandwidth_mbit is None else f" {self.bandwidth_mbit:g} Mbit/s,"
-        return f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}"
+        code = "" if self.depth == EXACT else f", depth as {self.depth}"
+        return f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}{code}"
 
     @property
     def caption(self) -> str:

@@ -65,6 +65,9 @@ def from_two_parts(header: struct.Struct, data: bytes, what: str) -> tuple[list[
 
 
 _BT709, _SRGB, _LIMITED = 1, 13, 1  # FFmpeg's numbers: matrix and primaries, transfer, range
+# Chroma lies in the middle of four pixels, as _to_yuv averages them. The stream says so: without a
+# word every decoder takes the left two.
+_CHROMA = "center"
 _SMALLEST = 64  # x265 rejects pictures smaller than a block
 # How many pictures' worth of bits the encoder may run ahead of its rate: this bounds the jitter.
 _VBV_FRAMES = 4
@@ -112,7 +115,7 @@ class VideoEncoder:
         context.thread_count = codec.threads
         context.color_range, context.color_trc = _LIMITED, _SRGB
         context.colorspace = context.color_primaries = _BT709
-        context.options = {**codec.options, **options}
+        context.options = {"chroma_sample_location": _CHROMA, **codec.options, **options}
         try:
             context.open()
         except (OSError, ValueError, av.FFmpegError) as error:

@@ -172,9 +172,9 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         "scale": found.length_m or 1.0,
         "scale_by": By.FILE if found.length_m else By.NOBODY,
         "gravity_down": _mean_of(head, found.gravity),
-        **_direction(head.names),
     }
     turn = _turn(head, found, options, known)
+    facts |= _direction([head.names[c] for c in turn["orientation"]])
     caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
     return Layout(**(facts | turn | known), caveats=caveats)
 
@@ -211,7 +211,7 @@ def _quaternion(head: Head, found: Columns, options: TraceOptions) -> dict[str, 
 
 
 def of_matrix(matrix: Matrix, position: tuple[int, int, int] | None) -> dict[str, Any]:
-    """Return the fields of Layout of a matrix. position: columns of one beside it."""
+    """Return the fields of Layout of a matrix. position: columns of one in addition."""
     place = matrix.position or position
     return {"orientation": matrix.turn, "position": place, "matrix": matrix.words, "order_by": matrix.by}
 

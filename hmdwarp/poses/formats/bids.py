@@ -1,4 +1,4 @@
-"""Motion of the Brain Imaging Data Structure: a table described by the files beside it."""
+"""Motion of the Brain Imaging Data Structure: a table described by files next to it."""
 
 from ..assumptions import By
 from ._base import TraceFormat, formats

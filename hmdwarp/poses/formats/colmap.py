@@ -16,7 +16,7 @@ class Colmap(TraceFormat):
     """
 
     name = kind = "colmap"
-    summary = "images.txt of COLMAP: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME; camera from world; --trace-rate"
+    summary = "images.txt of COLMAP: IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME; needs --trace-rate"
     order = "quaternion wxyz"
     order_by = By.FORMAT
     facts = {"axes": "opencv", "axes_by": By.FORMAT, "inverse": True, "direction_by": By.FORMAT, "order_by": By.FORMAT}

@@ -19,7 +19,7 @@ _CLOCKED = 0.9  # share of the steps in which a clock rises
 class Matrices(TraceFormat):
     """Matrices of 3x4 or 4x4, by rows as KITTI's odometry, or by columns as WebXR, glm and ARKit.
 
-    Where 0,0,0,1 or the rotation lies decides. The first column before them that rises is the time.
+    Where 0,0,0,1 or the rotation lies decides. A column beside them that rises is the time.
     Source: Geiger et al. 2012, Are we ready for autonomous driving? (the data set's poses).
     """
 
@@ -34,9 +34,9 @@ class Matrices(TraceFormat):
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         found = next((cells for cells in bare_matrices(head) if len(cells) > 9), _by_width(head))
         matrix = read_matrix(head, found, options.matrix)
-        before = [c for c in range(found[0]) if _rises(head, c)]
+        others = [c for c in range(head.width) if c not in found and _rises(head, c)]
         return Layout(
-            time=max(before, key=lambda c: _fineness(head, c), default=None),
+            time=max(others, key=lambda c: (c < found[0], *_fineness(head, c)), default=None),
             columns_by=By.NOBODY,
             **of_matrix(matrix, None),
         )

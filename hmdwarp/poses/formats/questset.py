@@ -1,4 +1,4 @@
-"""QuestSet: Quest 2 games, head beside hands and buttons, w first, time in the last column."""
+"""QuestSet: Quest 2 games, head with hands and buttons, w first, time in the last column."""
 
 from ..assumptions import By
 from ._base import TraceFormat, formats

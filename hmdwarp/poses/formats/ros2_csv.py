@@ -1,4 +1,4 @@
-"""ROS 2 messages as CSV: a column for each field, times as seconds beside nanoseconds."""
+"""ROS 2 messages as CSV: a column for each field, times as seconds and nanoseconds."""
 
 from __future__ import annotations
 

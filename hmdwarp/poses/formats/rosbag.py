@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ._base import formats
+from ._base import TraceFormat, formats
 from .mcap import Mcap
 
 
@@ -13,9 +13,10 @@ class RosBag(Mcap):
     """
 
     name = kind = "rosbag"
-    summary = "bag of ROS 1 (.bag) or ROS 2 (.db3): poses, transforms, odometry; ROS axes (pip install 'hmdwarp[bags]')"
+    summary = "bag of ROS 1 or 2 (.bag, .db3): poses, transforms, odometry (pip install 'hmdwarp[bags]')"
     file = "bag of ROS"
     writes = binary = False
+    write = TraceFormat.write
 
 
 formats.register(RosBag())

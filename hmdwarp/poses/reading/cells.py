@@ -16,7 +16,7 @@ from .made import Made, rows_text
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _PLAIN = re.compile(rf"(?:{_NUMBER}|[-+]?(?:nan|inf))$", re.IGNORECASE)
 _LABELLED = re.compile(rf"([A-Za-z]+)[\"']*\s*[=:]\s*({_NUMBER})")
-_UNREAL = re.compile(rf"[XP]={_NUMBER} Y={_NUMBER} [ZR]={_NUMBER}")
+_UNREAL = re.compile(rf"(?:X|P|Pitch)={_NUMBER},?\s*(?:Y|Yaw)={_NUMBER},?\s*(?:Z|R|Roll)={_NUMBER}")
 _COMMAS = re.compile(r"[-+]?\d+,\d+(?:[,;]\s+[-+]?\d+,\d+)+$")  # (0,1, 1,6): decimal commas
 # Brackets, quotes or labels about numbers, or numbers apart by another sign than the cells are.
 _SUSPECT = re.compile(
@@ -26,7 +26,7 @@ _SUSPECT = re.compile(
 _SAMPLE, _PREAMBLE, _LONGEST = 5, 200, 500  # rows, lines, characters that are looked at
 _LABELS = {3: "xyz", 7: ("x", "y", "z", "q0", "q1", "q2", "q3")}
 # FRotator::Quaternion of Unreal turns about x (roll) and y (pitch) against its axes.
-_ROTATOR = {"r": "x", "p": "y", "y": "z"}
+_ROTATOR = {"r": "x", "p": "y", "y": "z", "roll": "x", "pitch": "y", "yaw": "z"}
 _UNREAL_EULER = Euler("xyz", True, (-1, -1, 1))
 _NAMELESS = Defect(
     "cells-nameless", "no header names its vectors", "three numbers taken as the position, four as the rotation"
@@ -40,9 +40,11 @@ def holds_vectors(lines: list[str]) -> bool:
 
 
 def table_of_cells(text: str) -> Made | None:
-    """Return one column for each number of the cells; None where cells cannot be told apart."""
+    """Return one column for each number of the cells; None where cells cannot be separated."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    begin = next(i for i, line in enumerate(lines) if _is_row(line))
+    begin = next((i for i, line in enumerate(lines) if _is_row(line)), None)
+    if begin is None:
+        return None
     separator = _separator(lines[begin])
     first = [_parts(cell) for cell in _cells(lines[begin], separator)]
     header = [_header_name(cell) for cell in _cells(lines[begin - 1], separator)] if begin else []
@@ -56,7 +58,7 @@ def table_of_cells(text: str) -> Made | None:
     rows = [[text for cell in _cells(line, separator) for _, text in _parts(cell)] for line in lines[begin:]]
     unreal = _UNREAL.search(lines[begin]) is not None
     facts: dict[str, Any] = {} if named else {"columns_by": By.NOBODY}
-    if any({label for label, _ in parts} == set("pyr") for parts in first):
+    if unreal and any(_is_rotator([label for label, _ in parts]) for parts in first):
         facts |= {"euler": _UNREAL_EULER, "order_by": By.FORMAT}
     defects = () if named else (_NAMELESS,)
     return Made("unreal" if unreal else "vectors", rows_text(rows), tuple(names), defects, facts=facts)
@@ -120,11 +122,15 @@ def _shape_name(count: int, place: int) -> str:
     return {1: "time" if place == 0 else f"column {place + 1}", 3: "position", 4: "rotation"}.get(count, f"{place + 1}")
 
 
+def _is_rotator(labels: list[str]) -> bool:
+    return set(labels) in ({"p", "y", "r"}, {"pitch", "yaw", "roll"})
+
+
 def _names(name: str, letters: str, parts: list[tuple[str, str]]) -> list[str]:
     count, labels = len(parts), [label for label, _ in parts]
     if count == 1:
         return [name]
-    if set(labels) == set("pyr"):
+    if _is_rotator(labels):
         turned = name if names_rotation(name) else f"{name}.rotation"
         return [f"{turned}.{_ROTATOR[label]}" for label in labels]
     if not all(labels):

@@ -5,38 +5,26 @@ Each step looks for one kind of defect, repairs or refuses it, and records what 
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError, TraceError, counted
+from ...errors import TraceError, counted
 from .. import quaternions
-from ..assumptions import Assumption, By
-from ..options import DIRECT, INVERSE, TraceOptions
-from ..stated import AXES_BY, Defect, Layout
+from ..assumptions import Assumption, By, unstated
+from ..options import TraceOptions
+from ..stated import Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
-from .assumed import WRAP, assumptions_of, is_inverse
-from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted, upright
+from .assumed import AXES, UP, WRAP, is_inverse
 from .clocks import Wraps, absurd_rows, midnights, wraps_of
 from .columns import head_rank
 from .file_head import Head
+from .judged_axes import JudgedAxes
 from .plausibility import (
-    CLEAR,
-    SURE,
-    Evidence,
-    Verdict,
-    best_points,
-    evidence_of,
     find_jumps,
-    gravity_axis,
-    height_fault,
-    inverse_gain,
     inverted,
-    judge,
-    place_fault,
     rate_fault,
 )
 from .rows import Rows
@@ -54,16 +42,6 @@ _LEAST_STEPS = 10
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
-_TILT_SHOWN_DEG = 10.0
-_TILT_STATED_DEG = 0.5  # by gravity columns
-# How an order that nobody states was read, the other one, and the options that state them.
-_ORDERS = {
-    "matrix": ("by rows, its matrices", "by columns", "--matrix columns, or rows"),
-    "quaternion": (
-        *("with w last, as in TUM files, its quaternions", "with w first"),
-        "--quat-order wxyz, or xyzw",
-    ),
-}
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
 
 
@@ -95,9 +73,10 @@ class LoadedTrace:
     assumptions: tuple[Assumption, ...] = ()  # every fact by which the file was read, and who says it
 
     def notes(self) -> list[str]:
-        """Return a line for each defect, and one for axes that are only assumed."""
+        """Return a line for each defect, and of the facts that are only assumed."""
         assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
-        return [*assumed, *map(str, self.defects)]
+        others = (assumption for assumption in self.assumptions if assumption.what not in (AXES, UP))
+        return [*assumed, *(f"The trace: {note}" for note in unstated(others)), *map(str, self.defects)]
 
     @property
     def axes(self) -> str:
@@ -122,11 +101,7 @@ class Cleaner:
         self.segments: list[Segment] = []
         self.time_ns: NDArray[np.int64] = np.zeros(0, np.int64)  # of each row, once `read_times` has run
         self.time_unit = ""
-        self.axes, self.axes_by = self._stated_axes()
-        self._axes_wrong = False
-        self._tilt_deg = 0.0
-        self.leaves_open = ""
-        self.upright, self.upright_by = "", By.MOTION  # the direction that --axes auto sets upright
+        self.judged = JudgedAxes(layout, options, self.where, self._note)
         self.wrap = ""  # where the clock begins again, in words
         self.epoch_ns = 0
         self.device = ""
@@ -150,7 +125,7 @@ class Cleaner:
         self.report_repeats()
         self.report_gaps()
         jumps = self.find_jumps()
-        self.report_tilt()
+        self.judged.report_tilt(self.rows.orientation)
         self.need_two_rows()
         track = PoseTrack(
             self.time_ns - self.time_ns[0],
@@ -158,11 +133,12 @@ class Cleaner:
             self.rows.orientation,
             name=self.path.stem,
             origin=origin,
-            axes=self._axes_in_words(),
+            axes=self.judged.words(),
             notes=[str(d) for d in self.defects],
             epoch_ns=self.epoch_ns,
             jumps=jumps,
         )
+        wrap = (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
         return LoadedTrace(
             track,
             self.path,
@@ -171,18 +147,10 @@ class Cleaner:
             self.segments,
             self.time_unit,
             "",
-            self.axes_by is By.NOBODY,
+            self.judged.axes_by is By.NOBODY,
             self.device,
-            self._assumptions(),
+            (*self.judged.assumptions(self.layout, self.time_unit, self.rows.position is not None), *wrap),
         )
-
-    def _assumptions(self) -> tuple[Assumption, ...]:
-        facts = assumptions_of(
-            self.layout, self.options, self.axes, self.axes_by, self.time_unit, self.rows.position is not None
-        )
-        wrap = (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
-        up = attrs.evolve(facts[-2], value=self.upright, by=self.upright_by) if self.upright else facts[-2]
-        return (*facts[:-2], up, facts[-1], *wrap)
 
     def _note(self, kind: str, what: str, done: str, at: NDArray[np.intp] | None = None, count: int = 0) -> None:
         """Record a defect and its repair. at: the rows concerned; count: of what else."""
@@ -421,17 +389,13 @@ class Cleaner:
         if not run or not (default or run >= 3):
             return
         change = slice(run - 1, run + 1)
-        if not len(find_jumps(self.time_ns[change], q[change], None if p is None else p[change] * self._scale())):
+        metres = None if p is None else p[change] * self.judged.scale()
+        if not len(find_jumps(self.time_ns[change], q[change], metres)):
             return
         what = f"the first {run} rows hold one default pose, then the head jumps"
         self._note("default-start", what, "trimmed", np.arange(run))
         self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
         self._keep(slice(run, None))
-
-    def _scale(self) -> float:
-        if self.options.scale is not None:
-            return self.options.scale
-        return self.layout.scale if self.axes.metres_per_unit is None else self.axes.metres_per_unit
 
     def drop_duplicate_stamps(self) -> None:
         """Keep the last of several rows at one instant, which is the newest."""
@@ -489,132 +453,13 @@ class Cleaner:
 
     def turn_and_scale(self) -> None:
         """Convert to OpenXR's axes and to metres, and name what contradicts the axes."""
-        self._weigh_axes()
-        self.axes.apply(self.rows.position, self.rows.orientation)
-        scale = self._scale()
+        self.judged.weigh(self.time_ns, self.rows)
+        self.judged.axes.apply(self.rows.position, self.rows.orientation)
+        scale = self.judged.scale()
         if self.rows.position is None:
             self._note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
         elif scale != 1:
             self.rows.position *= scale
-
-    def _stated_axes(self) -> tuple[Axes, By]:
-        """Return the axes and who says so: --axes and --up before the file and its format.
-
-        `--up z` for a format whose z is up changes nothing.
-        """
-        own = parse_axes(self.layout.axes)
-        stated, up = self.options.axes, self.options.up
-        if up is not None and is_tilt(up):
-            axes, by = (parse_axes(stated), By.USER) if stated not in (None, AUTO) else (own, self.layout.axes_by)
-            return tilted(axes, up), by
-        if up is not None and stated is not None:
-            raise InputError(
-                "--axes and --up both name axes: say one; with --axes, --up may hold three numbers, a tilt"
-            )
-        if stated is not None and stated != AUTO:
-            return parse_axes(stated), By.USER
-        if up is None or own.up() == up.strip().lower().removeprefix("+"):
-            return own, self.layout.axes_by
-        return parse_up(up), By.USER
-
-    def _weigh_axes(self) -> None:
-        """Warn where the motion contradicts the axes; --axes auto takes better ones if clear."""
-        p, gravity = self.rows.position, np.array(self.layout.gravity_down)
-        metres = None if p is None else p * self._scale()
-        evidence = evidence_of(self.time_ns, self.rows.orientation, metres, gravity)
-        what, remedy = place_fault(self.time_ns, metres) if metres is not None else ("", "")
-        if self.layout.order_by is By.NOBODY:
-            self._check_order(evidence)
-        verdict = judge(evidence, self.axes)
-        if not what and not verdict.faults:
-            what, remedy = height_fault(float(self.axes.world[1] @ evidence.height_m))
-        if what:
-            self._note("place-implausible", what, f"kept; {remedy}")
-        self.leaves_open = verdict.leaves_open
-        auto = self.options.axes == AUTO
-        if self._is_inverse(evidence, metres, bool(verdict.faults)):
-            return
-        if verdict.world_alone and self._is_tilted():
-            self._set_upright(gravity)
-            return
-        if auto and verdict.better is not None and verdict.clear:
-            self._note("axes-chosen", f"as {self.axes.label()}: {', '.join(verdict.faults)}", _chosen(verdict))
-            self.axes, self.axes_by = attrs.evolve(verdict.better, tilt=self.axes.tilt), By.MOTION
-        elif verdict.faults:
-            what = f"read as {self.axes.label()}, {AXES_BY[self.axes_by]}: {', '.join(verdict.faults)}"
-            self._note("axes-contradicted", what, _advice(verdict, auto))
-            self._axes_wrong = True
-        if not self._axes_wrong:
-            self._set_upright(gravity)
-
-    def _is_inverse(self, evidence: Evidence, metres: NDArray[np.float64] | None, contradicted: bool) -> bool:
-        """Suggest the other direction of the poses where only that one makes a person's motion."""
-        if self.options.pose is not None:
-            return False
-        other = evidence_of(self.time_ns, *inverted(self.rows.orientation, metres), evidence.gravity)
-        gain = inverse_gain(evidence, other)
-        if gain <= (CLEAR if contradicted else SURE):
-            return False
-        ways = ("head from world", "world from head")
-        here, there = ways if is_inverse(self.layout, self.options) else ways[::-1]
-        verdict = judge(other, self.axes)
-        axes = f" --axes '{verdict.better.name or verdict.better.words()}'" if verdict.better is not None else ""
-        word = DIRECT if here == ways[0] else INVERSE
-        what = f"its poses, read as {here}, make a person's motion if they are {there}: {gain:.1f} points more"
-        self._note("pose-contradicted", what, f"kept; --pose {word}{axes} takes them so")
-        self._axes_wrong = True
-        return True
-
-    def _set_upright(self, gravity_down: NDArray[np.float64]) -> None:
-        """Turn the world as the file's gravity or the head says, where --axes auto asks for it."""
-        if self.options.axes != AUTO or self.axes.tilt is not None:
-            return
-        stated = bool(gravity_down.any())
-        axis = -self.axes.world @ gravity_down if stated else gravity_axis(self.axes.in_openxr(self.rows.orientation))
-        if axis is None:
-            return
-        axis = axis / np.linalg.norm(axis)
-        tilt = _tilt_of(axis)
-        if tilt <= (_TILT_STATED_DEG if stated else _TILT_SHOWN_DEG):
-            return
-        shown = ",".join(f"{a:.2f}" for a in axis)
-        what = f"by the {'gravity columns' if stated else 'head'}, up is ({shown}), {tilt:.0f} degrees from +y"
-        self._note("tilt-set", what, f"--axes auto sets the world upright, as --up={shown} does")
-        self.axes = attrs.evolve(self.axes, tilt=upright(axis))
-        self.upright, self.upright_by = f"({shown})", By.FILE if stated else By.MOTION
-
-    def _check_order(self, evidence: Evidence) -> None:
-        """Refuse an assumed order of quaternions or matrices if only the other shows a person."""
-        if self.layout.euler is not None:
-            return
-        q = self.rows.orientation
-        turned = quaternions.conjugate(q) if self.layout.matrix else np.roll(q, -1, axis=1)
-        other = evidence_of(self.time_ns, turned, self.rows.position, evidence.gravity)
-        if best_points(other) <= best_points(evidence) + CLEAR:
-            return
-        what, right, wrong = _ORDERS["matrix" if self.layout.matrix else "quaternion"]
-        raise TraceError(
-            f"{self.where}: read {what} make no person's motion; {right} they do: say {wrong} if it is right as it is"
-        )
-
-    def _is_tilted(self) -> bool:
-        """Return whether up lies between the file's axes: `report_tilt` then says by how much."""
-        axis = gravity_axis(self.axes.in_openxr(self.rows.orientation))
-        return axis is not None and float(np.abs(axis).max()) < math.cos(math.radians(_TILT_SHOWN_DEG))
-
-    def _axes_in_words(self) -> str:
-        words = f"{self.axes.label()}, {AXES_BY[self.axes_by]}"
-        if self._axes_wrong:
-            return f"{words}; the motion contradicts them"
-        if self.upright:
-            return f"{words}; {self.upright} set upright by --axes auto"
-        if self._tilt_deg:
-            return f"{words}; up is tilted by {self._tilt_deg:.0f} degrees"
-        if self.axes_by is not By.NOBODY:
-            return words
-        if self.leaves_open:
-            return f"{words}; the motion does not show {self.leaves_open}; --axes or --up states it"
-        return f"{words}; the motion agrees"
 
     def join_hemispheres(self) -> None:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""
@@ -655,50 +500,12 @@ class Cleaner:
             self._note("jump", what, "kept; nothing is interpolated or predicted across them", jumps + 1)
         return [int(i) for i in jumps]
 
-    def report_tilt(self) -> None:
-        """Report gravity that is not along +y, judged by how the head is held.
-
-        Wrong axes are another matter: turning the world alone would leave the head on its side.
-        """
-        axis = None if self._axes_wrong else gravity_axis(self.rows.orientation)
-        if axis is None:
-            return
-        tilt = _tilt_of(axis)
-        if tilt > _TILT_SHOWN_DEG:
-            shown = ",".join(f"{a:.2f}" for a in axis)
-            what = f"judging by the head, up is ({shown}), {tilt:.0f} degrees from +y"
-            self._tilt_deg = tilt
-            self._note("tilt", what, f"kept as it is; --up={shown} sets the world upright")
-
 
 def _without(rows: NDArray[np.intp], count: int) -> NDArray[np.bool_]:
     """Return which of `count` rows stay without these."""
     keep = np.ones(count, bool)
     keep[rows] = False
     return keep
-
-
-def _tilt_of(up: NDArray[np.float64]) -> float:
-    """Return the angle of a direction (3,) from +y, in degrees."""
-    return float(np.degrees(np.arccos(np.clip(up[1], -1, 1))))
-
-
-def _advice(verdict: Verdict, auto: bool) -> str:
-    if verdict.better is None:
-        return "kept; nothing else fits better: --axes or --up states them; 'trace info --plot' shows the head"
-    sure = "clearly fits" if verdict.clear else "fits better, though not clearly"
-    also = f" (so do {', '.join(verdict.also)}; motion cannot tell them apart)" if verdict.also else ""
-    kept = "kept, as --axes auto takes only what is clear" if auto else "kept"
-    own, better = verdict.points
-    named = verdict.better.name or verdict.better.words()
-    return f"{kept}; --axes '{named}' {sure}{also}: {better:.1f} points against {own:.1f}"
-
-
-def _chosen(verdict: Verdict) -> str:
-    assert verdict.better is not None
-    also = f"; {', '.join(verdict.also)} would fit as well" if verdict.also else ""
-    own, better = verdict.points
-    return f"--axes auto takes {verdict.better.label()}: {better:.1f} points against {own:.1f}{also}"
 
 
 def _is_index(text: str) -> bool:

@@ -106,7 +106,7 @@ def absurd_rows(stamps: Stamps) -> NDArray[np.intp]:
 
 
 def _out_of_line(stamps: Stamps, fall: int, step: float) -> set[int]:
-    """Return the rows beside a fall without which time goes on; empty where it begins anew."""
+    """Return the rows at a step back without which time goes on; empty where it starts anew."""
     for count in range(1, _MOST_ROWS + 1):
         for before, after in ((fall - count, fall + 1), (fall, fall + 1 + count)):
             if before >= 0 and after < len(stamps):

@@ -16,10 +16,12 @@ from ..options import DIRECT, INVERSE
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(r"(q|quat|p|t|pos|rot|orientation|position|quaternion|rotation)([xyzw])$")
 _BODY = "(?:head|hmd|headset|device|camera|cam|eye|c|body|imu)"
-_TO_WORLD = re.compile(rf"(?:^|[ _])(?:{_BODY}_(?:to|2)_(?:world|w)|world_(?:from_)?{_BODY}|twc)(?=[ _]|$)")
-_FROM_WORLD = re.compile(
-    rf"(?:^|[ _])(?:(?:world|w)_(?:to|2)_{_BODY}|{_BODY}_(?:from_)?world|extrinsics?|tcw)(?=[ _]|$)"
-)
+# HeadWorldPos is where the head is in the world; T_head_world carries the world into the head.
+_WAYS = {
+    INVERSE: rf"(?:world|w)_(?:to|2)_{_BODY}|t_{_BODY}_world|{_BODY}_from_world|view_matrix|world_inverse|"
+    "extrinsics?|tcw",
+    DIRECT: rf"{_BODY}_(?:to|2)_(?:world|w)|world_(?:from_)?{_BODY}|matrix_world|twc",
+}
 _NUMBERED = re.compile(r"(?:(.*)\.)?q_?([0-3])$", re.IGNORECASE)  # of records, after the name of their part
 
 
@@ -31,6 +33,7 @@ _ROTATION = _set("q quat quaternion quaternions orientation orient rot rotation 
 _POSITION = _set("p pos position t trans translation tvec loc location")
 _VECTOR = _set("rvec rotvec rotationvector axisangle angleaxis rodrigues")
 _ANGLE = _set("angle theta")
+_BARE_TURNS = ("rx", "ry", "rz")
 _DEGREES, _RADIANS = _set("deg degree degrees"), _set("rad radian radians")
 _EULER = _set("yaw pitch roll euler azimuth elevation heading")
 _ELSEWHERE = _set(
@@ -71,7 +74,7 @@ class Columns:
     # Every clock, the likeliest first: its column, and its unit, a key of `times.UNITS_NS`, if the
     # name says it.
     clocks: tuple[tuple[int, str | None], ...] = ()
-    nanoseconds: int | None = None  # beside whole seconds
+    nanoseconds: int | None = None  # in addition to whole seconds
     orientation: tuple[int, int, int, int] | None = None  # in the order x y z w, or as numbered
     numbered: bool = False  # the quaternion's columns are q0..q3, whose order the names leave open
     position: tuple[int, int, int] | None = None
@@ -94,9 +97,7 @@ def head_rank(name: str) -> int:
 def direction_of(names: list[str]) -> str | None:
     """Return `direct` or `inverse` where names of poses say which way they go, else None."""
     text = " ".join("_".join(words(name)) for name in names)
-    if _TO_WORLD.search(text):
-        return DIRECT
-    return INVERSE if _FROM_WORLD.search(text) else None
+    return next((way for way, form in _WAYS.items() if re.search(rf"(?:^|[ _])(?:{form})(?=[ _]|$)", text)), None)
 
 
 def names_rotation(name: str) -> bool:
@@ -236,6 +237,9 @@ def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str,
     }
     if len(found) == 3:
         return found["x"], found["y"], found["z"]
+    bare = {parts[0]: i for i, parts in enumerate(split) if parts and parts[0] in _BARE_TURNS}
+    if len(bare) == 3:
+        return bare["rx"], bare["ry"], bare["rz"]
     key = _best([k for k, g in groups.items() if set(k) & (_ROTATION | _EULER) and {"x", "y", "z"} <= set(g)])
     return None if key is None else (groups[key]["x"], groups[key]["y"], groups[key]["z"])
 
@@ -243,7 +247,7 @@ def _find_angles(split: list[list[str]], groups: dict[tuple[str, ...], dict[str,
 def _find_euler(
     names: list[str], split: list[list[str]], groups: dict[tuple[str, ...], dict[str, int]]
 ) -> tuple[str, ...]:
-    found = [names[i] for i, parts in enumerate(split) if set(parts) & _EULER]
+    found = [names[i] for i, parts in enumerate(split) if set(parts) & (_EULER | {*_BARE_TURNS})]
     for key, axes in groups.items():
         if set(key) & _ROTATION and "w" not in axes and not set(key) & _ELSEWHERE:
             found += [names[i] for i in axes.values()]

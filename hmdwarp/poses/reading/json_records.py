@@ -14,7 +14,7 @@ from .made import Made, rows_text
 from .matrix_names import named_matrices
 
 _LEAST_RECORDS = 2
-_NAMES = ("columns", "header", "headers", "fields", "names", "keys")
+_NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
 # IWER's frames hold time, position, quaternion, then a list for each input.
 _IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
 
@@ -31,10 +31,8 @@ def table_of_json(raw: bytes) -> Made | None:
     except UnicodeDecodeError:
         return None
     document = _parsed(text)
-    if isinstance(document, dict) and "schema" in document and isinstance(document.get("frames"), list):
-        frames = [f[: len(_IWER)] for f in document["frames"] if isinstance(f, list)]
-        if len(frames) >= _LEAST_RECORDS and all(isinstance(v, int | float) for v in frames[0]):
-            return Made("iwer", _text([dict(zip(_IWER, f, strict=False)) for f in frames], _IWER), _IWER)
+    if frames := _iwer_frames(document):
+        return Made("iwer", _text([dict(zip(_IWER, frame, strict=False)) for frame in frames], _IWER), _IWER)
     records = _records(document)
     if len(records) < _LEAST_RECORDS:
         return None
@@ -42,6 +40,19 @@ def table_of_json(raw: bytes) -> Made | None:
     names = tuple(dict.fromkeys(name for row in rows[:100] for name in row))
     named = any(name.strip(".0123456789") for name in names)  # not by places in a list alone
     return Made("json", _text(rows, names), names if named else (), defects)
+
+
+def _iwer_frames(document: Any) -> list[list[Any]]:
+    """Return the frames of a recording of IWER anywhere in a document, [] for any other."""
+    if not isinstance(document, dict):
+        return []
+    schema, frames = document.get("schema"), document.get("frames")
+    if not (isinstance(schema, list) and isinstance(frames, list)):
+        return next(filter(None, map(_iwer_frames, document.values())), [])
+    inputs = all(isinstance(one, list) and len(one) == 2 and isinstance(one[1], dict) for one in schema)
+    poses = [frame[: len(_IWER)] for frame in frames if isinstance(frame, list) and len(frame) >= len(_IWER)]
+    numbers = bool(poses) and all(isinstance(value, int | float) for value in poses[0])
+    return poses if inputs and numbers and len(poses) >= _LEAST_RECORDS else []
 
 
 def _text(rows: list[dict[str, Any]], names: tuple[str, ...]) -> bytes:

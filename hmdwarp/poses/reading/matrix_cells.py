@@ -54,7 +54,7 @@ def _arranged(head: Head, cells: Cells, order: str | None) -> Matrix | None:
     numbers = numbers[np.abs(numbers).max(axis=1, initial=0.0) > 0]  # lost tracking writes zeros
     if not len(numbers):
         return None
-    fits = [one for one in (ROWS, COLUMNS) if order in (None, one) and _holds(numbers, one)]
+    fits = [layout for layout in (ROWS, COLUMNS) if order in (None, layout) and _holds(numbers, layout)]
     if not fits:
         return None
     # A transposed rotation is a rotation: only the place of a translation or of 0,0,0,1 decides.

@@ -6,7 +6,7 @@ import re
 from collections import defaultdict
 from collections.abc import Iterator
 
-from .columns import head_rank
+from .columns import head_rank, words
 
 Cells = tuple[int, ...]  # columns of 9, 12 or 16 numbers in the order of the file
 SHAPES = {16: (4, 4), 12: (3, 4), 9: (3, 3)}
@@ -17,7 +17,12 @@ _PLACE = re.compile(r"(.*?)[._\[\s]*(\d{1,2})\]?$")
 def named_matrices(names: list[str]) -> list[Cells]:
     """Return the columns of every matrix that names number: m00 .. m33, r11 .. r33, T.0 .. T.15."""
     found = [*_by_row_and_column(names), *_by_place(names)]
-    return [cells for _, cells in sorted(found, key=lambda one: (head_rank(one[0]), -len(one[1])))]
+    return [cells for _, cells in sorted(found, key=lambda one: (_is_other(one[0]), head_rank(one[0]), -len(one[1])))]
+
+
+def _is_other(name: str) -> bool:
+    """Return whether a matrix is a projection, or the inverse of one that may be there as well."""
+    return bool(set(words(name)) & {"projection", "proj", "view", "inverse", "inv"})
 
 
 def _by_row_and_column(names: list[str]) -> Iterator[tuple[str, Cells]]:

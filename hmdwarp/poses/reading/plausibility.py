@@ -8,12 +8,14 @@ from __future__ import annotations
 import itertools
 import math
 import operator
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import quaternions
+from ..track import PoseSample
 from .axes import Axes, axis_word, load_preset, parse_axes, preset_names
 from .times import BILLION, UNITS_NS
 
@@ -82,6 +84,11 @@ class Evidence:
         height = float(up @ self.height_m)
         return points + (0.5 if _HEIGHTS_M[0] <= height <= _HEIGHTS_M[1] else -0.5 if height < -_HEIGHTS_M[0] else 0.0)
 
+    def stands(self, reading: Reading) -> bool:
+        """Return whether a reading sets the head upright, and as the file's gravity says."""
+        upright = float(reading.up @ self.upright @ reading.crown) >= UPRIGHT
+        return upright and not (self.gravity.any() and reading.up @ self.gravity < UPRIGHT)
+
     def faults(self, reading: Reading) -> list[str]:
         """Return what contradicts a reading, in words."""
         up, crown = reading.up, reading.crown
@@ -127,6 +134,10 @@ class Reading:
     # (3,) 1 for the axis of the head through its ears
     ears: Array = attrs.field(default=attrs.Factory(lambda r: np.abs(np.cross(r.crown, r.gaze)), takes_self=True))
 
+    def stands_as(self, other: Reading) -> bool:
+        """Return whether both have the same up, of the world and of the head."""
+        return np.array_equal(self.up, other.up) and np.array_equal(self.crown, other.crown)
+
     def same(self, other: Reading) -> bool:
         """Return whether both are one: right follows, directions on the ground are free."""
         return all(np.array_equal(a, b) for a, b in zip(self._parts(), other._parts(), strict=True))
@@ -151,13 +162,14 @@ class Verdict:
     points: tuple[float, float]  # of the axes and of the better ones
     world_alone: bool = False  # the better ones turn the world alone: the head's are right
     leaves_open: str = ""  # what the motion does not show, in words; empty: it confirms the axes
+    upright: Axes | None = None  # that set the head upright where only its gaze is unclear
 
 
 def judge(evidence: Evidence, axes: Axes) -> Verdict:
     """Compare axes with all others: 6 ups of the world, 24 directions of the head.
 
-    The hand of a file and the directions on the ground cannot be told from motion: a mirror image
-    of a walk is a walk.
+    Motion does not determine the hand of a file and the directions on the ground: a mirror image of
+    a walk is a walk.
     """
     here = reading_of(axes)
     faults = evidence.faults(here)
@@ -165,11 +177,17 @@ def judge(evidence: Evidence, axes: Axes) -> Verdict:
     own, (top, best) = evidence.score(here), ranked[0]
     if not faults or best.same(here) or top - own < CLEAR / 2:
         return Verdict(faults, None, [], False, (own, own), leaves_open=_open(evidence, here, own, ranked))
-    fitting = [p for p in (load_preset(name) for name in preset_names()) if reading_of(p.axes).same(best)]
+    presets = [load_preset(name) for name in preset_names()]
+    fitting = [p for p in presets if reading_of(p.axes).same(best)]
     better = fitting[0].axes if fitting else _right_handed(best)
     clear = top - ranked[1][0] > CLEAR and not evidence.faults(best)
     alone = np.array_equal(best.crown, here.crown) and np.array_equal(best.gaze, here.gaze)
-    return Verdict(faults, better, [p.name for p in fitting[1:]], clear, (own, top), alone)
+    near = [reading for score, reading in ranked if score > top - CLEAR]
+    standing = None
+    if evidence.stands(best) and all(map(best.stands_as, near)) and not best.stands_as(here):
+        known = (p.axes for p in presets if any(map(reading_of(p.axes).same, near)))
+        standing = next(known, better)
+    return Verdict(faults, better, [p.name for p in fitting[1:]], clear, (own, top), alone, upright=standing)
 
 
 def best_points(evidence: Evidence) -> float:
@@ -344,6 +362,15 @@ def find_jumps(
             jump |= (distance > JUMP_DISTANCE_M) & (distance > JUMP_SPEED_M_S * seconds)
         found.append(np.flatnonzero(jump) + a)
     return np.concatenate(found) if found else np.empty(0, np.int64)
+
+
+def jumps_between(samples: Sequence[PoseSample]) -> list[int]:
+    """Return indices i whose step to sample i + 1 is one of `find_jumps`, or to another space."""
+    times = np.array([sample.time_ns for sample in samples], np.int64)
+    turned = np.array([sample.pose.orientation_xyzw for sample in samples])
+    found = find_jumps(times, turned, np.array([sample.pose.position_m for sample in samples]))
+    changed = np.flatnonzero(np.diff([sample.space for sample in samples]))
+    return [int(i) for i in np.union1d(found, changed)]
 
 
 def gravity_axis(orientation: NDArray[np.float64]) -> NDArray[np.float64] | None:

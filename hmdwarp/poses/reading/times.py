@@ -112,7 +112,7 @@ def parse_one(text: str) -> tuple[int, int, bool]:
 def _days(day: str | None) -> int:
     """Return the days of a date before a clock; 0 without one.
 
-    Where the year comes last, day and month are told apart by which is over 12, and taken as day
+    Where the year comes last, day and month are distinguished by which is over 12, and taken as day
     and month where neither is: only a recording over midnight would notice.
     """
     if not day:

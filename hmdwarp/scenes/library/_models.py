@@ -1,4 +1,4 @@
-"""Models of the library's scenes: geometry with baked light in GLB files beside their modules.
+"""Models of the library's scenes: geometry with baked light in GLB files next to their modules.
 
 README.md in this folder says what the files hold and how to edit them.
 """

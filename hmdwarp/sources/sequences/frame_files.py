@@ -46,7 +46,7 @@ class FrameFile:
     """Files of one frame with depth, whose pixels are read later."""
 
     path: Path
-    # Says the facts: the frame itself, or the JSON beside it.
+    # What states the facts: the frame itself, or the JSON next to it.
     where: Path
     # Of the keys that a camera JSON has.
     facts: Mapping[str, Any]
@@ -198,7 +198,7 @@ def _depth_beside(path: Path) -> Path:
 
 
 def is_depth(path: Path) -> bool:
-    """Return whether the name of a file is that of the depth beside a picture."""
+    """Return whether the name of a file is that of the depth of a picture."""
     return path.stem.endswith(_DEPTH_MARKS)
 
 

@@ -23,6 +23,7 @@ _JPEG = 8  # of 255: as far as a JPEG is off in a plain area next to an edge
 INTRINSICS, DEPTH_SCALE, NO_DEPTH = "intrinsics", "depth scale", "no depth"
 AXES, POSE, CLOCK = "camera axes", "camera pose", "frame clock"
 FACTS = (INTRINSICS, DEPTH_SCALE, NO_DEPTH, AXES, POSE, CLOCK)
+_OF_16_BITS = 65535
 Pictures = tuple[NDArray[np.uint8], NDArray[np.float32]]
 
 
@@ -164,8 +165,14 @@ def replaced(facts: Iterable[Assumption], *by: Assumption) -> tuple[Assumption, 
 
 
 def is_largest(depth: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return where integers are the largest of their type, which no camera measures."""
-    return np.asarray(depth == np.iinfo(depth.dtype).max) if depth.dtype.kind in "iu" else np.zeros(depth.shape, bool)
+    """Return where integers are the largest of their type, which no camera measures.
+
+    In a wider type that holds nothing larger, the largest of 16 bits is one too.
+    """
+    if depth.dtype.kind not in "iu" or not depth.size:
+        return np.zeros(depth.shape, bool)
+    most = int(depth.max())
+    return np.asarray((depth == most) & (most in {np.iinfo(depth.dtype).max, _OF_16_BITS}))
 
 
 def in_metres(depth: NDArray[Any], scale: float) -> NDArray[np.float32]:

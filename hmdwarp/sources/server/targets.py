@@ -179,6 +179,10 @@ class Renderer:
         """
         return {}, ""
 
+    def content(self, time_ns: int) -> object:
+        """Return what tells frames of an instant from others where no scene says what moves."""
+        return None
+
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Take note of whether a frame arrived, which the server hears at that instant."""
 

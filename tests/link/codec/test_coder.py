@@ -365,3 +365,23 @@ def test_an_encoder_that_does_not_open(codec):
         MachineError, match=f"encoder '{codec.encoder}' does not take pictures of 1000000x1000000 at 60 Hz"
     ):
         Encoder(codec, (10**6, 10**6), 60)
+
+
+def _shift(before: np.ndarray, after: np.ndarray, axis: int, period: int = 24) -> float:
+    """By how many pixels a wave of that period, in blue, has moved along an axis."""
+    blue = (srgb_from_linear(picture[..., 2].astype(np.float64)) for picture in (before, after))
+    rows = [values.mean(axis=1 - axis)[24:-24] for values in blue]
+    length = len(rows[0]) // period * period
+    first, second = (np.fft.rfft(row[:length])[length // period] for row in rows)
+    return float(-np.angle(second / first) / (2 * np.pi) * period)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_chroma_stays_where_it_is(codec, axis):
+    """It lay half a pixel left: coded from between two pixels, decoded as from the left one."""
+    wave = 60 * np.sin(2 * np.pi * np.arange(192) / 24 + 0.7)
+    line = 120 + wave[:, None] * (0, -0.1873, 1.8556)  # one luma, waves of Cb
+    picture = opaque(np.broadcast_to(line[None] if axis else line[:, None], (192, 192, 3)).round().astype(np.uint8))
+    packet = Encoder(codec, (192, 192), 90, crf=2).encode(picture)
+    # Bytes and the codec blur a wave of 60 steps by about one: a sixtieth of a radian, 0.06 pixels.
+    assert abs(_shift(picture, Decoder(codec, (192, 192)).decode(packet), axis)) < 0.06

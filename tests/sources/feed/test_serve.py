@@ -127,6 +127,21 @@ def arrived(summary) -> int:
     return frames["drawn"] - frames["under_way"]
 
 
+@pytest.mark.parametrize("warp", ["model", "model:share=0.5,light=off"])
+def test_pictures_that_nothing_reads_do_not_cross(serving, tmp_path, monkeypatch, warp):
+    """54.7 Mbit/s of them came to a client that draws the scene itself."""
+    options = {"warp": warp, "against": "", "seconds": 0.3}
+    there, summary = pictures(
+        monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), **options)
+    )
+    here, alone = pictures(monkeypatch, small(tmp_path / "here", latency_ms=summary["latency_ms"], **options))
+    assert alone["link"]["mbit_s"] == 0 and summary["link"]["mbit_s"] < 0.05
+    assert there.keys() & here.keys()
+    for shown_ns in there.keys() & here.keys():
+        for one, other in zip(there[shown_ns][1], here[shown_ns][1], strict=True):
+            assert np.array_equal(one, other)
+
+
 def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, monkeypatch):
     _, summary = pictures(
         monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), latency_ms=900.0)

@@ -31,14 +31,15 @@ from recorded_folders import (
     write_redwood,
     write_tum,
 )
+from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import Assumption, By
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import FACTS, Sequence, SequenceOptions, parse_intrinsics, readers
+from hmdwarp.sources.sequences import FACTS, Sequence, SequenceOptions, is_largest, parse_intrinsics, readers
 
 DEFAULTS = SequenceOptions()
-FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED
+FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
 
 
 def fact(sequence: Sequence, what: str) -> Assumption:
@@ -57,6 +58,8 @@ def test_every_recording_says_who_states_each_fact(name, tmp_path):
     """Each fact is one entry; what an option states is the user's, and the others are not."""
     if name == "exr" and not HAS_EXR:
         pytest.skip("OpenEXR is not installed (pip install 'hmdwarp[exr]')")
+    if name in BAGS and not HAS_ROSBAGS:
+        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
     write, options = FORMS[name].write, FORMS[name].options
     write(tmp_path, taken(2))
     found = sequences.open(tmp_path, options)
@@ -297,6 +300,13 @@ def test_the_largest_integer_is_no_measurement(dtype, tmp_path):
     np.savez(tmp_path / "frame-0.npz", **{**content, "depth_m": depth, "depth_scale": 0.001})
     found = sequences.open(tmp_path).frames[0].depth_m
     assert (found[3:5, 4:9] == 0).all() and found[9, 9] > 30
+
+
+def test_the_largest_of_sixteen_bits_is_none_in_a_wider_type():
+    """Nor is it, where the type is used: 70 m in millimetres are measured."""
+    assert is_largest(np.array([1, 65535, 65534], np.int32)).tolist() == [False, True, False]
+    assert not is_largest(np.array([1, 65535, 70000], np.int64)).any()
+    assert not is_largest(np.array([1.0, 65535.0])).any()
 
 
 def test_the_largest_value_of_a_sixteen_bit_picture_is_no_measurement(tmp_path):

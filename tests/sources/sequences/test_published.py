@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 from PIL import Image
 from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
-from recorded_folders import FX, SIZE, STATED, fov_of, taken
+from recorded_folders import FX, MIRRORED, SIZE, STATED, fov_of, taken
 from ros_bags import BAGS, HAS_ROSBAGS
 
 from hmdwarp import View, Warper, WarpMap
 from hmdwarp.errors import InputError
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import SequenceOptions
+from hmdwarp.sources.sequences import SequenceOptions, readers
 
 STRAY = "timestamp, frame, x, y, z, qx, qy, qz, qw\n"
 # By form: a file, what takes its place (None: it is gone), and words of the error.
@@ -144,7 +144,7 @@ def test_a_warp_of_what_is_read_is_the_warp_of_the_truth(form, folder, warper):
     need(form)
     ALL[form].write(folder, frames)
     first, *_, last = sequences.open(folder, ALL[form].options).frames
-    rendered, shown = (View(one.pose, fov_of()) for one in (frames[0], frames[-1]))
+    rendered, shown = (View(frame.pose, fov_of()) for frame in (frames[0], frames[-1]))
     true = warper.warp(frames[0].colour, frames[0].depth_m, rendered=rendered, shown=shown)
     found = warper.warp(*first.read(), rendered=first.view, shown=last.view)
     both = (true.coverage > 0.999) & (found.coverage > 0.999)
@@ -208,6 +208,13 @@ def test_colour_that_was_shrunk_to_its_depth_has_the_camera_of_the_depth(folder)
         sequences.open(folder)
 
 
+@pytest.mark.parametrize("form", ["tartanair", "stray_scanner", "rtabmap"])
+def test_a_camera_with_y_up_is_refused_where_the_layout_has_it_down(form, folder):
+    PUBLISHED[form].write(folder, taken(1))
+    with pytest.raises(InputError, match="fy is -42; expected above 0"):
+        sequences.open(folder, MIRRORED)
+
+
 def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
     write_tartanair(folder, taken(1))
     (folder / "depth_left/000000_left_depth.npy").unlink()
@@ -217,10 +224,10 @@ def test_tartanair_depth_is_refused_where_it_is_no_float(folder):
 
 
 def test_pictures_of_a_video_are_read_in_any_order(folder):
-    PUBLISHED["stray_scanner"].write(folder, taken(4))
+    PUBLISHED["stray_scanner"].write(folder, taken(40))
     frames = sequences.open(folder).frames
-    for at in (3, 0, 2, 2, 1):
-        assert np.array_equal(frames[at].colour, taken(4)[at].colour)
+    for at in (3, 0, 39, 38, 37, 2, 2, 1, 20, 39):
+        assert np.array_equal(frames[at].colour, taken(40)[at].colour)
 
 
 def test_depth_of_a_telephone_has_fewer_pixels_than_its_video(folder):
@@ -273,6 +280,41 @@ def test_a_trace_beside_pictures_gives_the_motion_between_them_and_who_says_its_
     again = sequences.open(folder, PUBLISHED["traced"].options)
     assert next(entry.by for entry in again.assumptions if entry.what == "camera axes") is By.FILE
     assert again.frames[2].pose.isclose(sequence.frames[2].pose, 1e-12)
+
+
+@pytest.mark.parametrize("per_second", [10**3, 10**6, 10**9])
+def test_whole_numbers_are_instants_of_the_trace_in_the_unit_that_fits(per_second, folder):
+    PUBLISHED["traced"].write(folder, taken(4))
+    for file in [*folder.glob("*/*.png")]:
+        file.rename(file.with_name(f"{round(float(file.stem) * per_second)}.png"))
+    found = sequences.open(folder, PUBLISHED["traced"].options)
+    assert len(found.frames) >= 3 and found.rate_hz == pytest.approx(30, rel=0.03)
+
+
+def test_a_bag_beside_pictures_is_their_trace(folder):
+    """Where a folder holds pictures, the bag in it is not where they are looked for."""
+    PUBLISHED["traced"].write(folder, taken(1))
+    (folder / "trajectory.txt").rename(folder / "trajectory.bag")
+    chances = {name: readers.get(name).fits(folder) for name in ("rosbag", "traced")}
+    assert 0 < chances["rosbag"] < chances["traced"]
+
+
+def test_a_count_is_no_clock(folder):
+    """Every fifth picture of a recording is not at second 0, 5 and 10 of its trace."""
+    PUBLISHED["traced"].write(folder, taken(4))
+    for i, file in enumerate(sorted(folder.glob("rgb/*.png"))):
+        file.rename(file.with_name(f"{5 * i:04}.png"))
+        (folder / "depth" / file.name).rename(folder / f"depth/{5 * i:04}.png")
+    rows = (f"{at:.3f} 0 0 {at / 10} 0 0 0 1" for at in np.arange(0, 30, 0.1))
+    (folder / "trajectory.txt").write_text("# timestamp tx ty tz qx qy qz qw\n" + "\n".join(rows))
+    with pytest.raises(InputError, match="300 poses in trajectory.txt for 4 pictures, whose names are no instants"):
+        sequences.open(folder, PUBLISHED["traced"].options)
+
+
+def test_a_stated_rate_takes_the_place_of_the_trace_s_clock(folder):
+    PUBLISHED["traced"].write(folder, taken(3))
+    sequence = sequences.open(folder, attrs.evolve(PUBLISHED["traced"].options, frames_rate_hz=10.0))
+    assert sequence.rate_hz == pytest.approx(10) and sequence.frames[2].pose.isclose(taken(3)[2].pose, 1e-9)
 
 
 def test_pictures_beyond_the_trace_are_left_out(folder):

@@ -15,6 +15,8 @@ from recorded_folders import (
     HAS_EXR,
     LAYOUTS,
     MILLIMETRES,
+    REAL,
+    REAL_CAMERAS,
     SIZE,
     fov_of,
     taken,
@@ -33,8 +35,6 @@ from hmdwarp.poses import Origin
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import RecordedFrame, Sequence, SequenceOptions, parse_intrinsics, readers
 
-REAL = Path(__file__).resolve().parents[3].parent / "shared" / "rgbd"
-REAL_CAMERAS = {"camera": ("518,519,325.5,253.5", 1 / 1000, 0.41), "icl": ("481.2,-480,319.5,239.5", 1 / 5000, 0.95)}
 # Half a step of 16 bits in millimetres, the coarsest unit.
 DEPTH_WITHIN_M = 0.5e-3 + 1e-6
 

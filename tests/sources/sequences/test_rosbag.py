@@ -34,7 +34,7 @@ def refused(folder: Path, *words: str, options: SequenceOptions | None = None) -
 
 
 def entry(sequence: Sequence, what: str) -> tuple[str, By]:
-    found = next(one for one in sequence.assumptions if one.what == what)
+    found = next(assumption for assumption in sequence.assumptions if assumption.what == what)
     return found.value, found.by
 
 

@@ -1,4 +1,4 @@
-"""Motion of the Brain Imaging Data Structure: a table without header, described by files beside it.
+"""Motion of the Brain Imaging Data Structure: a table without header, with files that describe it.
 
 Source: BIDS specification 1.9, "Motion".
 """
@@ -16,10 +16,12 @@ from ....errors import TraceError
 from ...assumptions import By
 from ...options import Euler
 from ..axes import parse_axes
+from ..columns import head_rank
 from ..made import Made, rows_text
 
 KIND = "bids"
 _ENDING = "_motion.tsv"
+_COLUMNS = ("type", "component", "tracked_point", "units", "reference_frame")
 _LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
 _TURNING = {f"ORNT.{part}" for part in ("x", "y", "z", *_QUATERNION[:3])}
@@ -39,39 +41,48 @@ def made(path: Path, text: str) -> Made:
     """Return a row for each tracked point in each sample. Errors: TraceError."""
     stem = str(path).removesuffix(_ENDING)
     channels = _channels(Path(f"{stem}_channels.tsv"), path)
-    points: dict[str, dict[str, int]] = {}
-    for i, channel in enumerate(channels):
-        kind, part = channel.get("type", "").upper(), channel.get("component", "")
-        if kind in ("POS", "ORNT"):
-            points.setdefault(channel.get("tracked_point", "n/a"), {})[f"{kind}.{part}"] = i
-    turned = {name: at for name, at in points.items() if any(part.startswith("ORNT") for part in at)}
-    if not turned:
+    points = _points(channels)
+    if not points:
         raise TraceError(f"{path}: its channels hold no orientation (type ORNT): expected quat_x .. quat_w or angles")
-    at = next(iter(turned.values()))
-    clock = next((i for i, channel in enumerate(channels) if channel.get("type", "").upper() == "LATENCY"), None)
+    at = points[min(points, key=head_rank)]
+    clock = next((i for i, channel in enumerate(channels) if channel["type"].upper() == "LATENCY"), None)
     rate = _json(Path(f"{stem}_motion.json")).get("SamplingFrequency") if clock is None else None
+    rate = rate if isinstance(rate, int | float) and rate > 0 else None
     lines = [line.split("\t") for line in text.splitlines() if line.strip()]
-    if any(len(line) != len(channels) for line in lines[:1]):
+    if lines and len(lines[0]) != len(channels):
         raise TraceError(
-            f"{path}: {len(lines[0])} columns, but its channels.tsv has {len(channels)} rows: they must agree"
+            f"{path}: {len(lines[0])} columns, but {len(channels)} rows in its channels.tsv: they must agree"
         )
     parts = [part for part in at if part.startswith("POS")] + _turn_parts(at)
     facts = _facts(stem, channels, at)
     against = facts.pop("against", False)  # turns go against the hand of the axes
     rows = []
     for i, line in enumerate(lines):
+        if len(line) != len(channels):
+            rows.append(line[:1])  # too short, so that it is counted as a row without a pose
+            continue
         time = [line[clock]] if clock is not None else [repr(i / rate)] if rate else []
-        for name, columns in turned.items():
+        for name, columns in points.items():
             if set(parts) <= set(columns):
-                numbers = [line[columns[part]] for part in parts]
-                if against:
-                    numbers = [_negated(n) if p in _TURNING else n for n, p in zip(numbers, parts, strict=True)]
-                rows.append([*time, name.replace(",", " "), *numbers])
-    named = [
-        part.replace("POS.", "position.").replace("ORNT.quat_", "q").replace("ORNT.", "rotation.") for part in parts
-    ]
-    names = (*(["time_s"] if clock is not None or rate else []), "device", *named)
+                numbers = [(part, line[columns[part]]) for part in parts]
+                turned = (_negated(n) if against and part in _TURNING else n for part, n in numbers)
+                rows.append([*time, name.replace(",", " "), *turned])
+    names = (*(["time_s"] if clock is not None or rate else []), "device", *map(_name, parts))
     return Made(KIND, rows_text(rows), names, facts=facts)
+
+
+def _name(part: str) -> str:
+    return part.replace("POS.", "position.").replace("ORNT.quat_", "q").replace("ORNT.", "rotation.")
+
+
+def _points(channels: list[dict[str, str]]) -> dict[str, dict[str, int]]:
+    """Return the columns of each tracked point that has an orientation, by type and component."""
+    points: dict[str, dict[str, int]] = {}
+    for i, channel in enumerate(channels):
+        kind = channel["type"].upper()
+        if kind in ("POS", "ORNT"):
+            points.setdefault(channel["tracked_point"], {})[f"{kind}.{channel['component']}"] = i
+    return {name: at for name, at in points.items() if any(part.startswith("ORNT") for part in at)}
 
 
 def _turn_parts(at: dict[str, int]) -> list[str]:
@@ -82,7 +93,8 @@ def _turn_parts(at: dict[str, int]) -> list[str]:
 def _channels(path: Path, table: Path) -> list[dict[str, str]]:
     try:
         with path.open(encoding="utf-8-sig") as file:
-            return list(csv.DictReader(file, delimiter="\t"))
+            rows = csv.DictReader(file, delimiter="\t")
+            return [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in rows]
     except FileNotFoundError:
         raise TraceError(f"{table}: BIDS describes its columns in {path.name}, which is not beside it") from None
 
@@ -103,8 +115,10 @@ def _facts(stem: str, channels: list[dict[str, str]], at: dict[str, int]) -> dic
     if place.get("units") in _LENGTHS:
         facts = {"scale": _LENGTHS[place["units"]], "scale_by": By.FILE}
     turn = next(channels[i] for part, i in at.items() if part.startswith("ORNT"))
-    levels = _json(Path(f"{stem}_channels.json")).get("reference_frame", {}).get("Levels", {})
-    frame = levels.get(turn.get("reference_frame", ""), {}) if isinstance(levels, dict) else {}
+    described = _json(Path(f"{stem}_channels.json")).get("reference_frame")
+    levels = described.get("Levels") if isinstance(described, dict) else None
+    frame = levels.get(turn["reference_frame"]) if isinstance(levels, dict) else None
+    frame = frame if isinstance(frame, dict) else {}
     if axes := _axes(str(frame.get("SpatialAxes", ""))):
         hand = "right-hand" if np.linalg.det(parse_axes(axes).world) > 0 else "left-hand"
         against = str(frame.get("RotationRule", hand)) != hand

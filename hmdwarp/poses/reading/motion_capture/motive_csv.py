@@ -14,7 +14,7 @@ from ..made import Made, rows_text
 
 KIND = "motive"
 _LENGTHS = {"meters": 1.0, "centimeters": 0.01, "millimeters": 0.001, "inches": 0.0254, "feet": 0.3048}
-_BODIES = ("rigid body", "bone", "skeleton bone")
+_BODIES = ("rigidbody", "bone", "skeletonbone")
 
 
 def fits(path: Path, start: bytes) -> bool:
@@ -26,14 +26,15 @@ def made(path: Path, text: str) -> Made:
     """Return a row for each body that is tracked in a frame. Errors: TraceError."""
     lines = list(csv.reader(text.splitlines()))
     begin = next((i for i, row in enumerate(lines) if row[:1] == ["Frame"]), None)
-    if begin is None or begin < 3:
+    if begin is None or begin < 4:
         raise TraceError(f"{path}: a Motive export without its lines of names above 'Frame': export it with header")
     about = dict(zip(lines[0][::2], lines[0][1::2], strict=False))
     above = {row[1]: row for row in lines[1:begin] if len(row) > 2 and row[1]}
-    types, names, parts, axes = above.get("Type", []), above.get("Name", []), lines[begin - 1], lines[begin]
+    types, names = above.get("Type", lines[begin - 4]), above.get("Name", lines[begin - 3])
+    parts, axes = lines[begin - 1], lines[begin]
     bodies: dict[str, dict[str, int]] = {}
     for c in range(2, min(map(len, (types, names, parts, axes)), default=0)):
-        if types[c].lower() in _BODIES and parts[c] in ("Rotation", "Position"):
+        if types[c].replace(" ", "").lower() in _BODIES and parts[c] in ("Rotation", "Position"):
             bodies.setdefault(names[c], {}).setdefault(f"{parts[c]}.{axes[c].lower()}", c)
     if not bodies:
         raise TraceError(f"{path}: a Motive export without rigid bodies: tick 'Rigid Bodies' where it is exported")

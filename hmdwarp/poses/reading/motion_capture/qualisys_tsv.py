@@ -5,6 +5,7 @@ Source: QTM documentation, Motion data (.tsv) and 6DOF data (.tsv).
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from ....errors import TraceError
@@ -25,7 +26,8 @@ _FACTS = {
 
 def fits(path: Path, start: bytes) -> bool:
     """Return whether a file is such an export."""
-    return start.removeprefix(b"\xef\xbb\xbf").startswith((b"NO_OF_FRAMES\t", b"FILE_VERSION\t"))
+    first = start.removeprefix(b"\xef\xbb\xbf").split(b"\n", 1)[0]
+    return first.startswith((b"NO_OF_FRAMES\t", b"FILE_VERSION\t")) or b"\tResidual\tRot[0]\t" in first
 
 
 def made(path: Path, text: str) -> Made:
@@ -37,9 +39,10 @@ def made(path: Path, text: str) -> Made:
         held = " ".join(about.get("DATA_INCLUDED", ["no"]))
         raise TraceError(f"{path}: a Qualisys export of {held} data: export the bodies as 6D, with header")
     first = lines[begin].index("Rot[0]") - 7
-    bodies = about.get("BODY_NAMES") or [lines[begin][first].removesuffix(" X")]
+    bodies = about.get("BODY_NAMES") or [name.removesuffix(" X") for name in lines[begin][first::_EACH]]
     clock = lines[begin].index("Time") if "Time" in lines[begin][:first] else None
-    rate = float(about.get("FREQUENCY", ["0"])[0] or 0) if clock is None else 0.0
+    stated = "".join(about.get("FREQUENCY", [])[:1])
+    rate = float(stated) if clock is None and re.fullmatch(r"\d+(\.\d+)?", stated) else 0.0
     if clock is None and not rate:
         raise TraceError(f"{path}: a Qualisys export with neither a column Time nor a FREQUENCY: export it with them")
     rows = []

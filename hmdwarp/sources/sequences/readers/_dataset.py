@@ -64,6 +64,12 @@ def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     return {int(number.group()): path for number, path in numbers if number}
 
 
+def refuse_y_up(path: Path, camera: Camera) -> None:
+    """Raise InputError for a camera whose y points up, where the layout's points down."""
+    if camera.is_y_up:
+        raise InputError(f"{path}: fy is {camera.fy:g}; expected above 0, as its layout has it")
+
+
 def instant_ns(row: Row, column: int = 0) -> int:
     """Return the nanoseconds of seconds in a row, to the last digit. Errors: InputError."""
     try:

@@ -1,4 +1,4 @@
-"""Open3D: a camera trajectory as JSON, beside the pictures that were taken with it."""
+"""Open3D: a camera trajectory as JSON, next to the pictures that were taken with it."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Open3DReader(SequenceReader):
         file = _trajectory(path)
         if file is None:
             raise InputError(f"{path}: no JSON file of class {_CLASS}; expected {self.summary}")
-        cameras = read_json(file).get("parameters")
+        cameras = _parameters(read_json(file))
         files = paired(folder_named(path, "color", "colour", "rgb", "image"), path / "depth")
         if not isinstance(cameras, list) or len(cameras) != len(files):
             count = len(cameras) if isinstance(cameras, list) else "no list of"
@@ -78,6 +78,14 @@ class Open3DReader(SequenceReader):
         ]
         order = attrs.evolve(order, value=order.value.replace("world from camera", "camera from world, inverted"))
         return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options, By.NOBODY)))
+
+
+def _parameters(trajectory: dict[str, Any]) -> Any:
+    """Return the frames; the first Open3D wrote one intrinsic and all extrinsics."""
+    extrinsics, intrinsic = trajectory.get("extrinsic"), trajectory.get("intrinsic")
+    if "parameters" in trajectory or not isinstance(extrinsics, list):
+        return trajectory.get("parameters")
+    return [{"extrinsic": extrinsic, "intrinsic": intrinsic} for extrinsic in extrinsics]
 
 
 def _extrinsics(cameras: list[Any]) -> list[Any]:

@@ -13,7 +13,6 @@ from ..options import SequenceOptions
 from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
 from ._base import (
-    OPTICAL,
     Pair,
     SequenceReader,
     at_rate,
@@ -45,9 +44,9 @@ class ReplicaReader(SequenceReader):
         intrinsics_fact(RENDERER, By.FORMAT),
         scale_fact(_SCALE, By.FORMAT),
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
-        axes_of(parse_axes(OPTICAL)),
+        axes_of(parse_axes(f"world={_WORLD} head=x,-y,z")),
         Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
-        clock_of(SequenceOptions(), By.FORMAT),
+        clock_of(SequenceOptions(), By.NOBODY),
     )
 
     def fits(self, path: Path) -> int:
@@ -67,7 +66,7 @@ class ReplicaReader(SequenceReader):
         pairs = [
             Pair(colours[at], depths[at], at_rate(options, at), pose) for at, pose in zip(whole, poses, strict=True)
         ]
-        more = (axes_of(axes), way, clock_of(options, By.FORMAT))
+        more = (axes_of(axes), way, clock_of(options, By.NOBODY))
         notes = left_out(len(colours) - len(pairs), "no depth")
         return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 

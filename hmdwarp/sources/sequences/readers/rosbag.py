@@ -33,7 +33,7 @@ from ..ros_pictures import COLOURS, DEPTHS, encoding_of, pixels_of
 from ..ros_transforms import Matrix, Motion, Transforms
 from . import readers
 from ._base import SequenceReader, at_rate, facts_of, made, pose_of_matrix
-from ._dataset import axes_of, clock_of, left_out
+from ._dataset import axes_of, clock_of, left_out, refuse_y_up
 
 # The world is x forward, y left, z up; the frame of a picture is optical, x right, y down.
 _AXES = "world=-y,z,x head=x,-y,z"
@@ -70,7 +70,7 @@ class RosBagReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 75 if bag_at(path) is not None else 0
+        return 0 if (place := bag_at(path)) is None else 75 if place == path else 25
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         place = bag_at(path)
@@ -88,14 +88,13 @@ class RosBagReader(SequenceReader):
         camera = _camera(path, bag, topics)
         scale = DEPTHS[encoding_of(bag.message(topics.depth, depths[0].logged_ns, depths[0].number))][1]
         facts = facts_of(path if path.is_dir() else path.parent, options, None, scale, own=camera)
-        if facts.camera.is_y_up:
-            raise InputError(f"{path}: fy is {facts.camera.fy:g}; expected above 0, as ROS has it")
+        refuse_y_up(path, facts.camera)
         size = _size(pixels_of(topics.colour, bag.message(topics.colour, colours[0].logged_ns, colours[0].number)))
         fov, axes = facts.camera.fov(size, f"{path}, {topics.info}"), parse_axes(_AXES)
         pose_at, said = _poses(bag, tree, topics, colours[0].frame)
-        frames = []
+        late, frames = np.array([picture.time_ns for picture in depths]), []
         for at, colour in enumerate(colours):
-            depth = min(depths, key=lambda picture: abs(picture.time_ns - colour.time_ns))
+            depth = depths[int(np.abs(late - colour.time_ns).argmin())]
             matrix = pose_at(colour.time_ns) if abs(depth.time_ns - colour.time_ns) <= _WITHIN_NS else None
             if matrix is not None:
                 time_ns = colour.time_ns if options.frames_rate_hz is None else at_rate(options, at)
@@ -214,7 +213,7 @@ def _refuse_other_frame(path: Path, bag: Bag, colour: str, depth: str) -> None:
 
 
 def _camera(path: Path, bag: Bag, topics: _Topics) -> Camera | None:
-    """Return the camera of the colour, None where none is said. Errors: InputError: distortion."""
+    """Return the camera of the colour, None if none is stated. Errors: InputError: distortion."""
     info = next((message for _, _, message in bag.messages([topics.info])), None) if topics.info else None
     if info is None:
         return None
@@ -263,7 +262,7 @@ def _poses(
 
 
 def _motion(bag: Bag, topic: str) -> tuple[Motion, str]:
-    """Return the motion of a topic of poses, and its frame, "" where that is not said."""
+    """Return the motion of a topic of poses, and its frame, "" where that is not stated."""
     samples, body = [], ""
     for _, _, message in bag.messages([topic]):
         pose = message.pose

@@ -28,12 +28,12 @@ from ._base import (
     scale_fact,
     sequence_of,
 )
-from ._dataset import axes_of, clock_of, instant_ns, left_out, shared_camera
+from ._dataset import axes_of, clock_of, instant_ns, left_out, refuse_y_up, shared_camera
 
 # The world is that of ROS, x forward and z up; the camera is optical.
 _AXES = "world=-y,z,x head=x,-y,z"
 _UNIT = 0.001
-_LIST = re.compile(r"^(\w+):\s*(?:\n\s+(?:rows|cols):\s*\d+)*\s*\n\s+data:\s*\[([^\]]*)\]", re.MULTILINE)
+_LIST = re.compile(r"^(\w+):[^\n]*\n(?:\s+(?:rows|cols|dt):[^\n]*\n)*\s+data:\s*\[([^\]]*)\]", re.MULTILINE)
 _NUMBER = re.compile(r"^(image_width|image_height):\s*(\d+)\s*$", re.MULTILINE)
 
 
@@ -84,6 +84,7 @@ class RtabMapReader(SequenceReader):
             raise InputError(f"{path}: no row of {file.name} has a picture and depth; expected {self.summary}")
         shared, notes = shared_camera(cameras, cameras[0].size or (1, 1))
         facts = facts_of(path, options, None, _UNIT, own=shared or cameras[0])
+        refuse_y_up(path, facts.camera)
         if shared is None and options.intrinsics is None:
             pairs = [attrs.evolve(pair, camera=camera) for pair, camera in zip(pairs, cameras, strict=True)]
         more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)

@@ -17,7 +17,7 @@ from ..options import SequenceOptions
 from ..picture_files import fitted_depth, size_of
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
+from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
 from ._dataset import axes_of, by_number, clock_of, left_out, matrix_in, poses_in_files
 
 _WORLD = "x,z,y"  # z up
@@ -38,7 +38,7 @@ class ScanNetReader(SequenceReader):
         Assumption(INTRINSICS, "intrinsic/intrinsic_color.txt", By.FILE, "--intrinsics"),
         scale_fact(_UNIT, By.FORMAT),
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
-        axes_of(parse_axes(OPTICAL)),
+        axes_of(parse_axes(f"world={_WORLD} head=x,-y,z")),
         Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
         clock_of(SequenceOptions(), By.FORMAT),
     )

@@ -15,7 +15,7 @@ from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Pictures, RecordedFram
 from ..video_pictures import VideoPictures
 from . import readers
 from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of, scale_fact
-from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in, shared_camera
+from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in, refuse_y_up, shared_camera
 
 VIDEO, CAMERA, ODOMETRY = "rgb.mp4", "camera_matrix.csv", "odometry.csv"
 # The world is ARKit's, y up; the camera was turned to x right, y down, z forward.
@@ -52,6 +52,7 @@ class StrayScannerReader(SequenceReader):
         cameras = [_camera(row.first(13)[9:]) for row in rows if len(row.words) >= 13]
         shared, notes = shared_camera(cameras, video.size)
         facts = facts_of(path, options, None, _UNIT, own=shared or _camera(matrix[(0, 1, 0, 1), (0, 1, 2, 2)]))
+        refuse_y_up(path, facts.camera)
         if shared is not None or len(cameras) < len(rows) or options.intrinsics is not None:
             cameras = [facts.camera] * len(rows)
         fovs = [camera.fov(video.size, str(path / CAMERA)) for camera in cameras]

@@ -29,7 +29,7 @@ from ._base import (
     scale_fact,
     sequence_of,
 )
-from ._dataset import axes_of, by_number, clock_of
+from ._dataset import axes_of, by_number, clock_of, refuse_y_up
 
 # x forward, y right, z down, of the world and of the camera.
 NED = "world=y,-z,x head=y,-z,x"
@@ -54,7 +54,7 @@ class TartanAirReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         axes_of(parse_axes(NED)),
         Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
-        clock_of(SequenceOptions(), By.FORMAT),
+        clock_of(SequenceOptions(), By.NOBODY),
     )
 
     def fits(self, path: Path) -> int:
@@ -66,6 +66,7 @@ class TartanAirReader(SequenceReader):
             raise InputError(f"{path}: no camera with pictures, depth and poses; expected {self.summary}")
         camera, rate_hz = _CAMERAS[side]
         facts, axes = facts_of(path, options, camera, 1.0), parse_axes(NED)
+        refuse_y_up(path, facts.camera)
         rows = rows_of(path / f"pose_{side}.txt")
         colours = by_number(path / f"image_{side}", "*.png")
         depths = {int(picture.name.split("_")[0]): picture for picture in pictures_in(path / f"depth_{side}", DEPTHS)}
@@ -73,7 +74,7 @@ class TartanAirReader(SequenceReader):
         if whole and whole[-1] >= len(rows):
             raise InputError(f"{path}: {len(rows)} poses, and a picture {whole[-1]}; expected a line for each")
         poses = {at: pose_of_numbers(axes, rows[at].where, rows[at].floats(7)) for at in whole}
-        clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options, By.FORMAT)
+        clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options, By.NOBODY)
         pairs = [Pair(colours[at], depths[at], at_rate(options, at, rate_hz), poses[at]) for at in whole]
         return sequence_of(self, path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
 

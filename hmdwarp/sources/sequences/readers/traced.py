@@ -1,4 +1,4 @@
-"""Folders of colour and depth beside a head trace in any format that is read."""
+"""Folders of colour and depth with a head trace in any format that is read."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY
 from ..recorded import AXES, CLOCK, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import CAMERA, OPTICAL, Pair, SequenceReader, facts_of, folder_named, paired, rows_of, sequence_of
-from ._dataset import left_out
+from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of, sequence_of
+from ._dataset import clock_of, left_out
 
 _COLOURS = ("color", "colour", "rgb", "images", "image")
 _DEPTHS = ("depth", "depths", "depth_maps")
@@ -33,7 +33,9 @@ _INTRINSICS = (
     "intrinsic.json",
 )
 _MATRICES = ("intrinsics.txt", "intrinsic.txt", "camera_matrix.txt", "camera_matrix.csv", "K.txt")
-_UNITS = {"s": 10**9, "ns": 1, "us": 10**3, "ms": 10**6}
+_WHOLE = {"ns": 1, "us": 10**3, "ms": 10**6}
+_UNITS = {"s": 10**9, **_WHOLE}
+_COVERED = 0.05  # of the trace, at least
 _AXES_OPTION = "--frames-axes"
 
 
@@ -66,19 +68,20 @@ class TracedReader(SequenceReader):
             raise InputError(str(error)) from error
         track, epoch_ns = trace.track, trace.track.epoch_ns
         instants, clock = _instants(path, files, trace)
-        pairs = []
-        for (colour, depth), time_ns in zip(files, instants, strict=True):
+        pairs, stated = [], options.frames_rate_hz is not None
+        for at, ((colour, depth), time_ns) in enumerate(zip(files, instants, strict=True)):
             sample = track.at(time_ns - epoch_ns)
             if sample.origin is not Origin.HELD:
-                pairs.append(Pair(colour, depth, sample.time_ns, sample.pose))
+                pairs.append(Pair(colour, depth, at_rate(options, at) if stated else sample.time_ns, sample.pose))
         notes = [
             *map(str, trace.defects),
             *left_out(len(files) - len(pairs), "the trace has no pose at their instants"),
         ]
         direction = next((fact for fact in trace.assumptions if fact.what == "pose"), None)
-        more = [axes, Assumption(CLOCK, clock, By.FILE if "named" in clock else By.NOBODY)]
+        by = By.FILE if "named" in clock else By.NOBODY
+        more = [axes, clock_of(options, by) if stated else Assumption(CLOCK, clock, by)]
         more += [] if direction is None else [attrs.evolve(direction, what=POSE)]
-        return sequence_of(self, path, pairs, facts, track=track, notes=notes, more=more)
+        return sequence_of(self, path, pairs, facts, track=None if stated else track, notes=notes, more=more)
 
 
 def _traces(path: Path) -> list[Path]:
@@ -122,9 +125,12 @@ def _instants(path: Path, files: list[tuple[Path, Path]], trace: LoadedTrace) ->
     whole = [stem for stem in stems if stem is not None]
     counted = len(whole) == len(stems) and all(b - a == 1 for a, b in zip(whole, whole[1:], strict=False))
     if len(whole) == len(stems) and not counted:
-        for unit, size in _UNITS.items():
+        # Whole numbers are seconds of no clock but a count, and a count covers little of a trace.
+        units = _UNITS if any("." in colour.name.removesuffix(colour.suffix) for colour, _ in files) else _WHOLE
+        for unit, size in units.items():
             instants = [int(stem * size) for stem in whole]
-            if 2 * sum(first <= instant <= last for instant in instants) > len(instants):
+            inside = sum(first <= instant <= last for instant in instants)
+            if 2 * inside > len(instants) and max(instants) - min(instants) > _COVERED * (last - first):
                 return instants, f"pictures are named by the trace's clock, in {unit}"
     if len(track) == len(files):
         return (track.time_ns + track.epoch_ns).tolist(), "the trace's, a pose for each picture in order"
@@ -142,7 +148,7 @@ def _number(picture: Path) -> Decimal | None:
 
 
 def _camera(path: Path) -> Camera | None:
-    """Return the camera of a file beside, None where there is none. Errors: InputError."""
+    """Return the camera of a file next to it, None where there is none. Errors: InputError."""
     file = next((path / name for name in _INTRINSICS if (path / name).is_file()), None)
     if file is not None:
         return camera_of(file, read_json(file))

@@ -196,7 +196,9 @@ class _Sender:
         cell, age, number = sent
         cells = self._cells
         first, count = block_range(number) if number >= 0 else (0, 0)
-        points = cells.points(cell, first, count, float(spacing[cell]))
+        # Closer than a pixel, each has the mean of a pixel: the texture between them is not seen.
+        apart = float(spacing[cell]) * max(1.0, 1 / self._cloud.spacing)
+        points = cells.points(cell, first, count, apart)
         low = tuple(cells.low[cell].tolist())
         return Block(
             cell, age, number, int(cells.body[cell]), bool(cells.double_sided[cell]), low,

@@ -1,0 +1,97 @@
+"""What the depth of recorded frames suggests: values that are none, sky as holes, another unit."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from PIL import Image
+from recorded_folders import MILLIMETRES, REAL, REAL_CAMERAS, taken, write_npz, write_numbered, write_pictures
+
+from hmdwarp.sources import sequences
+from hmdwarp.sources.sequences import SequenceOptions, about_sky, depth_notes, parse_intrinsics
+
+
+def scene(size=(160, 120)) -> np.ndarray:
+    """Depth of a floor and of a wall with noise, in metres."""
+    return 2 + np.random.default_rng(3).random(size[::-1]).astype(np.float32)
+
+
+def test_the_largest_value_is_counted(tmp_path):
+    write_numbered(tmp_path, taken(5))
+    for number in (0, 1, 4):
+        path = tmp_path / "depth" / f"{number}.png"
+        depth = np.array(Image.open(path))
+        depth[5:8, 6:12] = 65535
+        Image.fromarray(depth).save(path)
+    (note,) = depth_notes(sequences.open(tmp_path, MILLIMETRES))  # looks at the first, middle and last
+    assert note.startswith(
+        "36 pixels (1.4 %) of the depth of 3 frames looked at are 65535, the largest value of uint16"
+    )
+
+
+def sky_above(depth: np.ndarray) -> np.ndarray:
+    depth[:50] = 0
+    depth[20:80, 60:70] = 3  # a tower before it
+    return depth
+
+
+def sky_at_one_side(depth: np.ndarray) -> np.ndarray:
+    depth[10:80, :40] = np.nan
+    return depth
+
+
+@pytest.mark.parametrize("made", [sky_above, sky_at_one_side])
+def test_sky_without_depth_is_noticed(made):
+    (note,) = about_sky([scene(), made(scene())])
+    assert "--no-depth far" in note
+
+
+def holes_inside(depth: np.ndarray) -> np.ndarray:
+    depth[30:80, 40:100] = 0
+    return depth
+
+
+def rim(depth: np.ndarray) -> np.ndarray:
+    depth[:8] = depth[-8:] = 0
+    depth[:, :8] = depth[:, -12:] = 0
+    return depth
+
+
+def noise(depth: np.ndarray) -> np.ndarray:
+    return np.where(np.random.default_rng(5).random(depth.shape) < 0.3, 0, depth)
+
+
+@pytest.mark.parametrize("made", [holes_inside, rim, noise, lambda depth: depth * 0, lambda depth: depth])
+def test_holes_of_a_depth_camera_are_no_sky(made):
+    assert about_sky([made(scene())]) == []
+
+
+@pytest.mark.parametrize("name", REAL_CAMERAS)
+def test_real_rooms_have_no_sky(name):
+    if not (REAL / name).is_dir():
+        pytest.skip(f"no real frames: {REAL / name} is absent (they are not shipped)")
+    intrinsics, scale, _ = REAL_CAMERAS[name]
+    stated = SequenceOptions(intrinsics=parse_intrinsics(intrinsics), depth_scale=scale)
+    assert depth_notes(sequences.open(REAL / name, stated)) == []
+
+
+def test_sky_that_is_far_is_not_suggested_again(tmp_path):
+    frames = [attrs.evolve(one, depth_m=sky_above(scene())) for one in taken(2, (160, 120))]
+    write_npz(tmp_path, frames)
+    assert len(depth_notes(sequences.open(tmp_path))) == 1
+    assert depth_notes(sequences.open(tmp_path, SequenceOptions(no_depth="far"))) == []
+
+
+@pytest.mark.parametrize(("unit", "name"), [(1000, "millimetres"), (100, "centimetres")])
+def test_depth_in_another_unit_is_noticed(unit, name, tmp_path):
+    (tmp_path / "wrong").mkdir()
+    write_npz(tmp_path / "wrong", [attrs.evolve(one, depth_m=one.depth_m * unit) for one in taken(3)])
+    (note,) = depth_notes(sequences.open(tmp_path / "wrong"))
+    assert "the eye moves by 0.04 m" in note and f"--depth-scale {1 / unit:g} takes it as {name}: 1." in note
+    assert depth_notes(sequences.open(tmp_path / "wrong", SequenceOptions(depth_scale=1 / unit))) == []
+
+
+def test_plain_frames_have_no_notes(tmp_path):
+    write_pictures(tmp_path, taken(3))
+    assert depth_notes(sequences.open(tmp_path)) == []
