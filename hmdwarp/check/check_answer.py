@@ -190,7 +190,7 @@ def _finding(decision: Decision, name: str) -> Finding:
     if CONVENTIONS[name].numbers and changed:
         # Small numbers show on the fine pictures.
         closely = (search.candidate(rival, decision.noise, 0) for rival in others)
-        margins = [max(pair) for pair in zip(margins, (margin(one, decision.best) for one in closely), strict=True)]
+        margins = [max(pair) for pair in zip(margins, (margin(near, decision.best) for near in closely), strict=True)]
     least = int(np.argmin(margins))
     if margins[least] >= SURE:
         return attrs.evolve(finding, margin=margins[least])
