@@ -121,7 +121,7 @@ def write_tartanair_v2(folder: Path, frames: list[Taken]) -> None:
 def write_video(path: Path, frames: list[Taken]) -> None:
     """Write every colour as it is."""
     with av.open(str(path), "w") as container:
-        stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0"})
+        stream = container.add_stream("libx264rgb", rate=30, options={"qp": "0", "g": "10"})
         stream.pix_fmt = "rgb24"
         stream.height, stream.width = frames[0].colour.shape[:2]
         for frame in frames:
