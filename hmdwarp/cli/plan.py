@@ -11,7 +11,7 @@ import typer
 
 from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
-from ..options import AUTO, DEFAULT_GUARD, Option
+from ..options import AUTO, Option
 from ..pipeline.options import PipelineOptions
 from ..pipeline.source_kinds import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
@@ -19,9 +19,6 @@ from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
 
 REPLAY = "replay"
-# 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
-# mostly border.
-MOST_GUARD_PIXELS = 9
 _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
 
 
@@ -68,8 +65,8 @@ def _passes(options: PipelineOptions, source: pipeline.Source, told: dict[str, A
 
     built = build_plan_for(options, source.headset, source.scene, **told)
     proxy = proxy_plan_for(options, source.scene) if options.source_kind is PROXY else None
-    frame = _frame(options, source.headset, [built])
-    notes = _guard_notes(options, frame)
+    frame = pipeline.frame_weight(options, source.headset, [built])
+    notes = pipeline.guard_notes(options, frame)
 
     def show() -> None:
         if proxy is not None:
@@ -143,7 +140,7 @@ def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Sour
     found = levels_from_file(bench, options, None)
     first = best_within(found.levels, options.budget_ms)
     chosen = attrs.evolve(options, levels=found.levels)
-    frame = _frame(options, source.headset, plans_for(chosen, source.headset, source.scene, **told))
+    frame = pipeline.frame_weight(options, source.headset, plans_for(chosen, source.headset, source.scene, **told))
 
     def show() -> None:
         typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")
@@ -165,38 +162,6 @@ def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Sour
     ]
     data = {"budget_ms": options.budget_ms, "levels": levels, "begins_with": first, "frame": frame}
     return _About(data, show, list(found.notes))
-
-
-def _frame(options: PipelineOptions, headset: headsets.Headset, plans: list[client.Plan]) -> dict[str, Any]:
-    """Return the bytes of frames that carry what all the plans read, and how many there are."""
-    from ..client.plan import needs_of
-    from ..frames import frame_bytes
-    from ..pipeline.link_times import frames_held
-    from ..pipeline.sizes import eye_sizes, rendered_entry
-
-    rate_hz = options.rate_hz or headset.refresh_hz
-    needs, sizes = needs_of(plans), eye_sizes(options.guard_band, headset, options.size or headset.eye_size_px)
-    pictures = options.source_kind.eyes
-    layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
-    return {
-        "eyes": pictures,
-        **rendered_entry(options.guard_band, sizes),
-        "layers": layers,
-        "bytes": sum(layers.values()),
-        "at_once": frames_held(options, rate_hz, needs),
-        "latency_ms": options.latency_ms,
-        "rate_hz": rate_hz,
-    }
-
-
-def _guard_notes(options: PipelineOptions, frame: dict[str, Any]) -> list[str]:
-    """Return a note on a guard band that is larger than head motion ever calls for."""
-    if frame["pixels"] <= MOST_GUARD_PIXELS:
-        return []
-    band = f"{options.guard_band} draws {frame['pixels']:.0f} times the pixels"
-    return [
-        f"{band}: --guard is a factor of the field of view in tangents, not degrees; the default is {DEFAULT_GUARD:g}"
-    ]
 
 
 def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:

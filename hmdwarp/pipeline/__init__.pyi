@@ -7,6 +7,8 @@ from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_source import ServerFrames as ServerFrames
 from .frame_source import Target as Target
+from .frame_weight import frame_weight as frame_weight
+from .frame_weight import guard_notes as guard_notes
 from .layers_read import Reads as Reads
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh

@@ -9,9 +9,10 @@ import moderngl
 
 from ...errors import PlanError
 from ...frames import Needs
-from ...frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
+from ...frames.layers.difference import Simplified
 from ...geometry import View, WarpMap
 from ...gpu.textures import SCALAR, Canvas, allocate
+from ...sources.server import BYTES_BINDING, display_bytes
 from ..drawn_scenes import WholeScene, share_of
 from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE

@@ -6,9 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import attrs
-import numpy as np
 
-from ...colour import srgb8_from_linear
 from . import PIXEL_BYTES, EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
@@ -64,12 +62,3 @@ class Difference(Layer):
     @classmethod
     def textures(cls, data: Mapping[Simplified, moderngl.Texture]) -> Iterable[moderngl.Texture]:
         return data.values()
-
-
-BYTES_BINDING = 2  # as in shaders/lib/display_bytes.glsl
-
-
-def display_bytes(gl: moderngl.Context) -> moderngl.Buffer:
-    """Return the buffer of lib/display_bytes.glsl: the sRGB byte of each of the 65536 halves."""
-    halves = np.arange(65536, dtype=np.uint16).view(np.float16)
-    return gl.buffer(srgb8_from_linear(halves).tobytes())

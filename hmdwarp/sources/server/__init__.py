@@ -1,5 +1,6 @@
 """The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses."""
 
+from .byte_table import BYTES_BINDING, display_bytes
 from .draw import MIRRORS, Server
 from .lighting import ArrivingLight, Indirect, Lighting
 from .moving import DeformingMesh, moving_parts
@@ -10,6 +11,7 @@ from .upload import SceneBuffers, SceneTextures
 from .visibility import Visibility, draws_of
 
 __all__ = [
+    "BYTES_BINDING",
     "MIRRORS",
     "ArrivingLight",
     "DeformingMesh",
@@ -27,6 +29,7 @@ __all__ = [
     "boxes_of",
     "clear_depth",
     "clip_from_eye",
+    "display_bytes",
     "draw_moving",
     "draws_of",
     "eye_from_scene",

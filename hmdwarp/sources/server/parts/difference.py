@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from ....frames import EyeImage
-from ....frames.layers.difference import BYTES_BINDING, Simplified, display_bytes
+from ....frames.layers.difference import Simplified
 from ....gpu.textures import COLOUR
 from ....scenes import partial_scene
+from ..byte_table import BYTES_BINDING, display_bytes
 from . import parts
 from ._base import DrawContext, Drawing, Part, Renderer
 
