@@ -54,5 +54,5 @@ def test_a_forced_effect_of_frames_is_never_ignored(command, tmp_path):
     folder.mkdir()
     write_npz(folder, taken(6))
     forced = ("--frames", folder, "--effects", "reflections_from_pictures")
-    for one in (("replay", *forced, "--latency", 100, "--out", tmp_path / "out"), ("plan", *forced)):
-        command(*one).refused("--effects reflections_from_pictures looks into the other eye's picture", "one eye")
+    for line in (("replay", *forced, "--latency", 100, "--out", tmp_path / "out"), ("plan", *forced)):
+        command(*line).refused("--effects reflections_from_pictures looks into the other eye's picture", "one eye")

@@ -100,8 +100,8 @@ def test_a_warper_warns_once(gpu):
             for _ in range(3):
                 warper.warp(colour, depth, view(), view((0.05, 0, 0)))
                 warper.warp(colour, np.full((30, 40), 65535, np.uint16), view(), view(), depth_scale=0.001)
-        assert [str(one.message)[:11] for one in caught] == ["The nearest", "1200 pixels"]
-        assert all(one.filename == __file__ for one in caught)
+        assert [str(warning.message)[:11] for warning in caught] == ["The nearest", "1200 pixels"]
+        assert all(warning.filename == __file__ for warning in caught)
 
 
 def test_the_depth_of_the_shown_view_comes_on_request(gpu):

@@ -49,7 +49,7 @@ def _iwer_frames(document: Any) -> list[list[Any]]:
     schema, frames = document.get("schema"), document.get("frames")
     if not (isinstance(schema, list) and isinstance(frames, list)):
         return next(filter(None, map(_iwer_frames, document.values())), [])
-    inputs = all(isinstance(one, list) and len(one) == 2 and isinstance(one[1], dict) for one in schema)
+    inputs = all(isinstance(entry, list) and len(entry) == 2 and isinstance(entry[1], dict) for entry in schema)
     poses = [frame[: len(_IWER)] for frame in frames if isinstance(frame, list) and len(frame) >= len(_IWER)]
     numbers = bool(poses) and all(isinstance(value, int | float) for value in poses[0])
     return poses if inputs and numbers and len(poses) >= _LEAST_RECORDS else []

@@ -35,7 +35,7 @@ from .rows import Rows
 _GAZE = "which way it looks is not clear"
 _TILT_SHOWN_DEG = 10.0
 _TILT_STATED_DEG = 0.5  # by gravity columns
-# How an order that nobody states was read, the other one, and the options that state them.
+# How an unstated order was read, the other one, and the options that state them.
 _ORDERS = {
     "matrix": ("by rows, its matrices", "by columns", "--matrix columns, or rows"),
     "quaternion": (

@@ -77,7 +77,7 @@ def test_real_rooms_have_no_sky(name):
 
 
 def test_sky_that_is_far_is_not_suggested_again(tmp_path):
-    frames = [attrs.evolve(one, depth_m=sky_above(scene())) for one in taken(2, (160, 120))]
+    frames = [attrs.evolve(frame, depth_m=sky_above(scene())) for frame in taken(2, (160, 120))]
     write_npz(tmp_path, frames)
     assert len(depth_notes(sequences.open(tmp_path))) == 1
     assert depth_notes(sequences.open(tmp_path, SequenceOptions(no_depth="far"))) == []
@@ -86,7 +86,7 @@ def test_sky_that_is_far_is_not_suggested_again(tmp_path):
 @pytest.mark.parametrize(("unit", "name"), [(1000, "millimetres"), (100, "centimetres")])
 def test_depth_in_another_unit_is_noticed(unit, name, tmp_path):
     (tmp_path / "wrong").mkdir()
-    write_npz(tmp_path / "wrong", [attrs.evolve(one, depth_m=one.depth_m * unit) for one in taken(3)])
+    write_npz(tmp_path / "wrong", [attrs.evolve(frame, depth_m=frame.depth_m * unit) for frame in taken(3)])
     (note,) = depth_notes(sequences.open(tmp_path / "wrong"))
     assert "the eye moves by 0.04 m" in note and f"--depth-scale {1 / unit:g} takes it as {name}: 1." in note
     assert depth_notes(sequences.open(tmp_path / "wrong", SequenceOptions(depth_scale=1 / unit))) == []
