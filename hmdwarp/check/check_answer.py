@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from ..errors import listed
+from ..poses.assumptions import assumption_rows
 from .conventions import (
     CENTRE,
     CONVENTIONS,
@@ -127,6 +128,8 @@ class Answer:
             "conventions": [attrs.asdict(finding) for finding in self.findings] if self.agree else [],
             "as_good": list(self.as_good),
             "code": list(self.code) if self.agree else [],
+            "assumptions": assumption_rows(self.decision.search.stated.assumptions),
+            "notes": list(self.decision.search.stated.notes),
         }
 
 

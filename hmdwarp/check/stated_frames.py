@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..colour import srgb8_from_linear
 from ..errors import InputError
 from ..geometry import View
+from ..poses.assumptions import Assumption
 from ..sources import sequences
 from ..sources.sequences import RecordedFrame, SequenceOptions
 from ..sources.sequences.recorded import in_metres
@@ -59,6 +60,9 @@ class Stated:
     """
 
     frames: Sequence[StatedFrame]
+    # How a folder was read, with who says each fact, and what its depth suggests.
+    assumptions: tuple[Assumption, ...] = ()
+    notes: tuple[str, ...] = ()
     # Matrices and positions that a reading makes of the poses: most readings share them.
     poses_read: dict[tuple[str, bool, str, bool, float], tuple[Array, Array]] = attrs.field(factory=dict, init=False)
 
@@ -183,28 +187,31 @@ class Stated:
             return Sheet(picture, depth, 1 / depth, smooth)
 
 
-def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -> list[StatedFrame]:
+def read_stated(paths: Sequence[Path], options: SequenceOptions | None = None) -> Stated:
     """Return the frames of a folder, of two folders (left and right eye) or of files.
 
     Of more than MOST, those where the camera moves most. options: facts that the files do not say.
-    Errors: InputError; as sequences.open.
+    Assumptions and notes of two folders are those of the first.
+    Errors: InputError; as sequences.open and Stated.
     """
     if len(paths) > 1 and all(path.suffix.lower() in _FILES for path in paths):
-        return [_of_file(path, options or SequenceOptions()) for path in paths]
+        return Stated([_of_file(path, options or SequenceOptions()) for path in paths])
     if len(paths) > 2:
         raise InputError(
             f"{' '.join(map(str, paths))}: expected a folder, two folders (the left and the right eye), or files"
         )
-    found = [sequences.open(path, options).frames for path in paths]
+    opened = [sequences.open(path, options) for path in paths]
+    known = opened[0].assumptions, tuple(sequences.depth_notes(opened[0]))
+    found = [sequence.frames for sequence in opened]
     chosen = _chosen(found[0])
     if len(paths) == 1:
-        return [_stated(found[0][k], None) for k in chosen]
+        return Stated([_stated(found[0][k], None) for k in chosen], *known)
     if len(found[0]) != len(found[1]):
         raise InputError(
             f"{paths[0]} has {len(found[0])} frames and {paths[1]} {len(found[1])}: expected one of each eye for "
             "each instant"
         )
-    return [_stated(found[eye][k], eye) for k in chosen for eye in (LEFT, RIGHT)]
+    return Stated([_stated(found[eye][k], eye) for k in chosen for eye in (LEFT, RIGHT)], *known)
 
 
 def _stated(frame: RecordedFrame, eye: int | None) -> StatedFrame:

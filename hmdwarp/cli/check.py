@@ -17,13 +17,13 @@ def check(said: Said) -> None:
     of view, principal point, half a pixel, time. It says what cannot be told, and prints the code
     that reads the frames right.
     """
-    from ..check import Stated, check, read_stated
+    from ..check import check, read_stated
     from ..report import refuse_existing, write_png
 
     options = CheckOptions.of(said)
     if options.out is not None:
         refuse_existing(options.out, force=options.force)
-    answer = check(Stated(read_stated(options.frames, options.reading)))
+    answer = check(read_stated(options.frames, options.reading))
     if options.out is not None:
         from ..check import mismatch
 
@@ -40,8 +40,20 @@ def _print(answer: conventions.Answer) -> None:
     from ._show import paragraph
 
     paragraph(answer.headline())
-    if not answer.agree:
-        return
+    if answer.agree:
+        _print_findings(answer)
+    stated = answer.decision.search.stated
+    if stated.assumptions:
+        typer.echo("The folder was read with:")
+        for assumption in stated.assumptions:
+            typer.echo(f"  {assumption}")
+    for note in stated.notes:
+        paragraph(note)
+
+
+def _print_findings(answer: conventions.Answer) -> None:
+    from ._show import paragraph
+
     width = max(len(finding.label) for finding in answer.findings)
     for finding in (finding for finding in answer.findings if finding.told):
         mark = "" if finding.as_stated else "  <- not as stated"

@@ -12,13 +12,15 @@ import numpy as np
 import pytest
 from check_rates import missed_of, recorded_for, results, resumed
 from depth_camera import DepthCamera
+from PIL import Image
 from scipy.spatial.transform import Rotation
 from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings, right_frames, wrong_frames
 
-from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch
+from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch, read_stated
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View, inverse_depth_from_clip
 from hmdwarp.scenes import scenes
+from hmdwarp.sources.sequences import SequenceOptions
 from hmdwarp.sources.server import Server
 
 # Random cases; docs/check.md has the figures of 1000.
@@ -282,3 +284,26 @@ def test_frames_that_cannot_be_compared_are_refused(in_the_room):
         Stated([frames[0], attrs.evolve(frames[1], depth=frames[1].depth[::2])])
     with pytest.raises(InputError, match="no pixel has depth"):
         Stated([frames[0], attrs.evolve(frames[1], depth=np.zeros_like(frames[1].depth))])
+
+
+def test_a_folder_is_listed_as_it_was_read_and_its_sky_noted(recorded_sky):
+    stated = read_stated([recorded_sky], SequenceOptions.of({"depth_scale": 0.001, "intrinsics": "60,60,39.5,29.5"}))
+    answer = check(stated).as_json()
+    by = {row["what"]: row["by"] for row in answer["assumptions"]}
+    assert by["depth scale"] == by["intrinsics"] == "user" and "nobody" in by.values()
+    assert any("--no-depth far" in note for note in answer["notes"])
+
+
+@pytest.fixture
+def recorded_sky(tmp_path):
+    """A folder of the layout `numbered` whose upper third has no depth."""
+    depth = np.full((60, 80), 2000, np.uint16)
+    depth[:20] = 0
+    for folder in ("color", "depth"):
+        (tmp_path / folder).mkdir()
+    colours = np.random.default_rng(1).integers(0, 255, (60, 80, 3), dtype=np.uint8)
+    for k in range(3):
+        Image.fromarray(colours).save(tmp_path / "color" / f"{k}.png")
+        Image.fromarray(depth).save(tmp_path / "depth" / f"{k}.png")
+    (tmp_path / "pose.txt").write_text("".join(f"{0.01 * k} 0 0 0 0 0 1\n" for k in range(3)), encoding="utf-8")
+    return tmp_path
