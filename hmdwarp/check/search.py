@@ -39,6 +39,8 @@ _FARTHEST, _FARTHEST_SEEN = (0.0, 0.1, 0.3), (0.0, 0.5, 1.0, 2.0, 4.0, 8.0)
 _LATE = (-0.8, -0.4, 0.4, 0.8)  # instants of the picture after the pose's, in frames
 _WIDE = (0.58, 0.69, 0.83, 1.2, 1.44, 1.73)  # tangents over those stated
 _CENTRES = (-0.15, -0.05, 0.0, 0.05, 0.15)  # places of the principal point, of a side
+_FAR_CENTRE = 0.2  # of a side from the middle: intrinsics of another size of picture
+_OTHER_SIZE = tuple(map(float, np.geomspace(0.4, 2.5, 16)))  # factors of the field of view then
 _OFFSETS = (-0.6, -0.3, -0.15, 0.15, 0.3, 0.6)  # of the inverse depth, in its median
 
 
@@ -139,14 +141,25 @@ class Search:
         )
 
     def cameras(self, start: Reading) -> list[list[Reading]]:
-        """Return the reading with other focal lengths, and with other principal points."""
+        """Return the reading with other focal lengths, and with other principal points.
+
+        And, where the stated one is far from the middle of the picture, as intrinsics of another
+        size are, with one in the middle and other focal lengths.
+        """
         height, width = self.stated.frames[0].depth.shape
         wide = [(x, y) for share in _WIDE for x, y in ((share, share), (share, 1.0), (1.0, share))]
         centres = [(x, y) for x, y in itertools.product(_CENTRES, repeat=2) if x or y]
-        return [
+        left, right, down, up = self.stated.tangents[0]
+        off_x, off_y = -left / (right - left) - 0.5, up / (up - down) - 0.5
+        is_far = max(abs(off_x), abs(off_y)) > _FAR_CENTRE
+        centred = attrs.evolve(start, pixel_x=off_x * width, pixel_y=off_y * height)
+        ways = [
             [attrs.evolve(start, wide_x=start.wide_x * x, wide_y=start.wide_y * y) for x, y in wide],
             [attrs.evolve(start, pixel_x=x * width, pixel_y=y * height) for x, y in centres],
         ]
+        if is_far:
+            ways.append([attrs.evolve(centred, wide_x=share, wide_y=share) for share in _OTHER_SIZE])
+        return ways
 
     def _factors(self, start: Reading, middle: float) -> list[float]:
         """Return factors that give `middle` an inverse depth at which pictures shift visibly."""

@@ -97,14 +97,15 @@ def test_wrong_intrinsics_are_named_and_measured(fx, fy, x, y, in_the_room):
     assert found == pytest.approx(expected, abs=0.6)
 
 
-def test_other_intrinsics_of_another_size_are_not_called_the_time(in_the_room):
+def test_intrinsics_of_another_size_are_found(in_the_room):
     """525/319.5/239.5 of 640x480, taken for those of a small picture."""
     right = right_frames(in_the_room, CAMERA, np.random.default_rng(13))
     fx, fy, cx, cy = right[0].view.fov.intrinsics((96, 72))
     answer = check(Stated(filmed(right, (fx / 78.75, fy / 78.75), (48, 36))))
-    told = {finding.name for finding in answer.findings if not finding.as_stated}
-    assert told in (set(), {"focal", "centre"}) and answer.verdict != "right"
-    assert bool(answer.as_json()["code"]) == bool(told)
+    assert {finding.name for finding in answer.findings if not finding.as_stated} == {"focal", "centre"}
+    # A hundredth of the focal length and half a pixel of the small picture: noise and gaps.
+    assert answer.reading.wide_x == pytest.approx(78.75 / fx, rel=0.01)
+    assert (answer.reading.pixel_x, answer.reading.pixel_y) == pytest.approx((48, 36), abs=0.5)
 
 
 def moved(gpu, turn_deg: float, way_m: tuple[float, float, float], rng: np.random.Generator) -> list[StatedFrame]:
