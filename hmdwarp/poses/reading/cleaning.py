@@ -317,7 +317,7 @@ class Cleaner:
             self.rows.keep(_without(bad, len(self.rows)))
         found = wraps_of(self._stamps, self.rows.orientation)
         if found is not None:
-            what = f"the clock wraps at {found.what} {counted(len(found.rows), 'time')}"
+            what = f"the clock wraps {counted(len(found.rows), 'time')}, at {found.what}"
             self._count_on(found, "clock-wrap", what)
 
     def _count_on(self, found: Wraps, kind: str, what: str) -> None:
