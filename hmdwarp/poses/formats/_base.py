@@ -44,6 +44,7 @@ class TraceFormat:
     name = ""  # the name of the format
     summary = ""  # one line for people
     kind: str = ""  # of the table that such files are made into, see `reading.made`
+    file: str = ""  # what such a file is called, for errors
     header: tuple[str, ...] = ()  # names of columns that every such file has
     likelihood = 90  # of a file with that header, see `sniff`
     facts: Mapping[str, Any] = {}  # what the format states: fields of Layout
@@ -87,6 +88,9 @@ class TraceFormat:
 
     def read(self, head: Head, options: TraceOptions) -> LoadedTrace:
         """Return the clean track of a file. Errors: TraceError, InputError."""
+        if self.kind and head.source.kind != self.kind:
+            what = self.file or f"file of format {self.name}"
+            raise TraceError(f"{head.path} is no {what} ({head.describe()}): leave --format out, or name its own")
         layout = self.layout(head, options)
         if options.time_column is not None:
             layout = attrs.evolve(layout, time=column_of(head, options.time_column), unit=None, nanoseconds=None)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from typing import IO, Any
 
-from ...errors import TraceError
 from ...resources import import_extra
 from ..assumptions import By
 from ..options import TraceOptions
@@ -65,8 +64,6 @@ class Mcap(TraceFormat):
     }
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
-        if head.source.kind != self.kind:
-            raise TraceError(f"{head.path} is no {self.file} ({head.describe()}): leave --format out, or name its own")
         stamped = any(int(row[0]) for row in head.rows)
         return Layout(
             time=COLUMNS.index("stamp_ns" if stamped else "log_time_ns"),
