@@ -18,7 +18,7 @@ from ..pipeline.loop import Loop
 from ..pipeline.planning import plans_for
 from ..pipeline.sizes import guarded_size
 from ..pipeline.source import Source
-from ..pipeline.source_choice import source_of
+from ..pipeline.source_choice import check_names, source_of
 from ..poses import Origin, PoseSample
 from ..poses.pose_source import LoopedSource, Moment
 from .bench_levels import levels_from_file
@@ -32,7 +32,10 @@ def checked_source(options: LiveOptions, source: Source | None = None) -> Source
 
     source: if it is open already. Errors: InputError and its subclasses.
     """
-    source = source or source_of(options)
+    if source is None:
+        source = source_of(options)
+    else:
+        check_names(options)
     if options.warp != AUTO:
         plans = plans_for(attrs.evolve(options, lens="none", fused=False), None, source.scene)
         source.check(plans, needs_of(plans))

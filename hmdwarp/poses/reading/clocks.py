@@ -100,6 +100,8 @@ def absurd_rows(stamps: Stamps) -> NDArray[np.intp]:
     for fall in falls.tolist():
         if not {fall, fall + 1} & found:
             found |= _out_of_line(stamps, fall, step)
+    if not found:  # no copy of what may be 10^7 rows
+        return np.array(_far_ends(steps), dtype=np.intp)
     kept = np.setdiff1d(np.arange(n), sorted(found))
     ends = kept[list(_far_ends(stamps[kept].steps()))]
     return np.union1d(np.array(sorted(found), dtype=np.intp), ends)

@@ -22,6 +22,7 @@ from .plausibility import (
     Evidence,
     Verdict,
     best_points,
+    every,
     evidence_of,
     gravity_axis,
     height_fault,
@@ -140,7 +141,9 @@ class JudgedAxes:
         """Suggest the other direction of the poses where only that one makes a person's motion."""
         if self.options.pose is not None:
             return False
-        other = evidence_of(time_ns, *inverted(orientation, metres), evidence.gravity)
+        at = every(time_ns)  # first, as an inverse copies all poses
+        poses = inverted(orientation[at], None if metres is None else metres[at])
+        other = evidence_of(time_ns[at], *poses, evidence.gravity)
         gain = inverse_gain(evidence, other)
         if gain <= (CLEAR if contradicted else SURE):
             return False
@@ -175,9 +178,10 @@ class JudgedAxes:
         """Refuse an assumed order of quaternions or matrices if only the other shows a person."""
         if self.layout.euler is not None:
             return
-        q = rows.orientation
+        at = every(time_ns)
+        q, p = rows.orientation[at], None if rows.position is None else rows.position[at]
         turned = quaternions.conjugate(q) if self.layout.matrix else np.roll(q, -1, axis=1)
-        other = evidence_of(time_ns, turned, rows.position, evidence.gravity)
+        other = evidence_of(time_ns[at], turned, p, evidence.gravity)
         if best_points(other) <= best_points(evidence) + CLEAR:
             return
         what, right, wrong = _ORDERS["matrix" if self.layout.matrix else "quaternion"]

@@ -247,7 +247,7 @@ def rate_fault(step_ns: float, unit: str) -> str:
 
 def place_fault(time_ns: NDArray[np.int64], position_m: Array) -> tuple[str, str]:
     """Return what is odd about a head's places, and a scale that helps; "" where nothing is."""
-    at = _every(time_ns)
+    at = every(time_ns)
     p, t = position_m[at], time_ns[at] * 1e-9
     far = float(np.median(np.linalg.norm(p, axis=1)))
     speed = np.linalg.norm(np.diff(p, axis=0), axis=1) / np.diff(t) if len(t) > 1 else np.zeros(1)
@@ -279,7 +279,7 @@ def evidence_of(time_ns: NDArray[np.int64], orientation: Array, position_m: Arra
     gravity: (3,) of the file, any length; zeros: unknown. Steps of 0.1 s are compared, so that
     noise of single rows matters little; steps over gaps and teleports are left out.
     """
-    at = _every(time_ns)
+    at = every(time_ns)
     q, t = orientation[at], time_ns[at] * 1e-9
     axes = np.stack([quaternions.rotate(q, unit) for unit in np.eye(3)], axis=2)  # (n, 3, 3) matrices
     near = np.diff(t) < 5e-9 * _STEP_NS
@@ -333,7 +333,7 @@ def _neck(axes: Array, position_m: Array, near: NDArray[np.bool_]) -> Array:
     return lever / length if explained > _EXPLAINED and _NECK_M[0] < length < _NECK_M[1] else np.zeros(3)
 
 
-def _every(time_ns: NDArray[np.int64]) -> NDArray[np.intp]:
+def every(time_ns: NDArray[np.int64]) -> NDArray[np.intp]:
     """Return indices of rows about 0.1 s apart, at most 20,000."""
     span = int(time_ns[-1] - time_ns[0])
     step = max(_STEP_NS, span // _MOST_STEPS)
