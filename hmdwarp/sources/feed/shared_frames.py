@@ -65,7 +65,8 @@ class _Segment:
         """Take the name away, and free the memory."""
         with contextlib.suppress(FileNotFoundError):
             (SHARED / self.name).unlink()
-        self.memory.close()
+        with contextlib.suppress(BufferError):  # a write that a signal broke off still holds it
+            self.memory.close()
 
 
 class SharedFrames:
@@ -110,8 +111,8 @@ class SharedFrames:
             if block.number <= number:
                 block.number, free = 0, free + 1
                 if free > _MOST_FREE:
-                    self._of[client].remove(block)
                     block.remove()
+                    self._of[client].remove(block)
 
     def take_back(self, client: bytes, number: int) -> None:
         """Note that a frame was never announced."""
@@ -120,9 +121,14 @@ class SharedFrames:
                 block.number = 0
 
     def forget(self, client: bytes) -> None:
-        """Remove all segments of a client."""
-        for block in self._of.pop(client, ()):
+        """Remove all segments of a client.
+
+        A signal may interrupt anything: a segment leaves the books once it is removed, so that
+        `close` finds the others.
+        """
+        for block in self._of.get(client, ()):
             block.remove()
+        self._of.pop(client, None)
 
     def close(self) -> None:
         """Remove everything."""
@@ -140,7 +146,7 @@ def _made(name: str, length: int) -> mmap.mmap:
         # Without the room a write into it would end the process.
         os.posix_fallocate(descriptor, 0, length)
         return mmap.mmap(descriptor, length)
-    except OSError:
+    except BaseException:
         (SHARED / name).unlink()
         raise
     finally:
