@@ -30,8 +30,11 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     chances = {reader.name: reader.fits(place) for reader in readers}
     best = max(chances, key=lambda name: chances[name])
     if not chances[best]:
-        known = "; ".join(f"{reader.name}: {reader.summary}" for reader in readers)
-        raise InputError(f"{place} ({_content(place)}): no layout of recorded frames that is known. Known are: {known}")
+        known = ", ".join(readers.names())
+        raise InputError(
+            f"{place} ({_content(place)}): no layout of recorded frames that is known: expected one of {known}; "
+            "'hmdwarp list layouts' says what each holds"
+        )
     return _read(readers.get(best), place, options)
 
 
