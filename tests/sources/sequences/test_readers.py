@@ -208,7 +208,7 @@ def test_a_folder_of_no_layout_is_refused_with_its_content(tmp_path):
 
 def test_files_that_do_not_fit_are_named(tmp_path):
     refused(tmp_path / "nothing", "no such file or folder")
-    refused(tmp_path, "no layout", "tum: ", "nerfstudio: ", "redwood: ")
+    refused(tmp_path, "no layout", "tum", "nerfstudio", "redwood", "list layouts")
     with pytest.raises(UnknownNameError, match="did you mean 'tum'"):
         sequences.open(tmp_path, SequenceOptions(layout="tun"))
 
