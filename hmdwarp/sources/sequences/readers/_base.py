@@ -23,7 +23,6 @@ from ..matrices import LAST, by_rows, square_of
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import (
-    CLOCK,
     DEPTH_SCALE,
     INTRINSICS,
     Pictures,
@@ -139,14 +138,6 @@ def scale_fact(scale: float, by: By) -> Assumption:
 def for_size(fact: Assumption, size: Size) -> Assumption:
     """Return the entry for a number that a layout has for pictures of that size."""
     return attrs.evolve(fact, value="{} for {}x{}".format(fact.value, *size))
-
-
-def clock_fact(options: SequenceOptions, file: str = "") -> Assumption:
-    """Return the entry for the instants of frames. file: how its files state them, "" for not."""
-    if file and options.frames_rate_hz is None:
-        return Assumption(CLOCK, file, By.FILE, "--frames-rate")
-    by = By.NOBODY if options.frames_rate_hz is None else By.USER
-    return Assumption(CLOCK, f"{options.frames_rate_hz or RATE_HZ:g} frames per second", by, "--frames-rate")
 
 
 @attrs.frozen(eq=False)

@@ -100,9 +100,14 @@ def left_out(count: int, why: str) -> list[str]:
     return [f"{count} frames were left out: {why}."] if count else []
 
 
-def clock_of(options: SequenceOptions, by: By, rate_hz: float = RATE_HZ) -> Assumption:
-    """Return the entry for the clock of numbered frames. by: who says its rate, if not the user."""
+def clock_of(options: SequenceOptions, by: By = By.NOBODY, rate_hz: float = RATE_HZ, file: str = "") -> Assumption:
+    """Return the entry for the instants of frames.
+
+    by: who says rate_hz, if the user states none. file: how the files state instants, "" for not.
+    """
     stated = options.frames_rate_hz
+    if file and stated is None:
+        return Assumption(CLOCK, file, By.FILE, "--frames-rate")
     return Assumption(CLOCK, f"{stated or rate_hz:g} frames per second", By.USER if stated else by, "--frames-rate")
 
 

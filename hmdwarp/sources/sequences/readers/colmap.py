@@ -51,7 +51,7 @@ class ColmapReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         axes_of(parse_axes(OPTICAL)),
         Assumption(POSE, "camera from world, inverted; qw qx qy qz tx ty tz", By.FORMAT),
-        clock_of(SequenceOptions(), By.NOBODY),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -82,7 +82,7 @@ class ColmapReader(SequenceReader):
             for at, image, depth in chosen
         ]
         unit = Assumption("length", "1 m per unit of the model, whose own is any", By.NOBODY)
-        more = (axes_of(axes), unit, clock_of(options, By.NOBODY))
+        more = (axes_of(axes), unit, clock_of(options))
         notes = left_out(len(images) - len(pairs), "no picture or no depth")
         return sequence_of(self, path, pairs, facts, notes=notes, more=more, depth_of=_depth)
 

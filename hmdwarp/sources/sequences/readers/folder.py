@@ -18,7 +18,8 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, PICTURES
 from ..recorded import DEPTH_SCALE, INTRINSICS, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import CAMERA, SequenceReader, at_rate, clock_fact, made, pictures_in
+from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in
+from ._dataset import clock_of
 
 _TIMES = ("time_ns", "time_s")
 _ENCODINGS = ("srgb", "linear")  # of float colour
@@ -33,7 +34,7 @@ class FolderReader(SequenceReader):
         Assumption(INTRINSICS, "fov or intrinsics in each frame", By.FILE, "--intrinsics"),
         Assumption(DEPTH_SCALE, "depth_scale; floats without one are metres", By.NOBODY, "--depth-scale"),
         *OWN_FACTS,
-        attrs.evolve(clock_fact(SequenceOptions()), value=f"time_s or time_ns, else {RATE_HZ:g} frames per second"),
+        attrs.evolve(clock_of(SequenceOptions()), value=f"time_s or time_ns, else {RATE_HZ:g} frames per second"),
     )
 
     def fits(self, path: Path) -> int:
@@ -49,7 +50,7 @@ class FolderReader(SequenceReader):
             return made(self, path, frames)
         has_clock = any(key in found[0].facts for key in _TIMES)
         facts = assumptions_of(found[0], options.intrinsics, options.depth_scale)
-        facts.append(clock_fact(options, "time_s or time_ns of each frame" if has_clock else ""))
+        facts.append(clock_of(options, file="time_s or time_ns of each frame" if has_clock else ""))
         notes = dict.fromkeys(note for frame in found for note in frame.notes)
         return made(self, path, frames, assumptions=facts, notes=list(notes)[:1])
 

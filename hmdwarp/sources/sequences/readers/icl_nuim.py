@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import attrs
-
 from ....poses.assumptions import Assumption, By
 from ..camera import Camera
 from ..options import SequenceOptions
@@ -16,7 +14,6 @@ from ._base import (
     Pair,
     SequenceReader,
     at_rate,
-    clock_fact,
     facts_of,
     folder_named,
     for_size,
@@ -27,6 +24,7 @@ from ._base import (
     scale_fact,
     sequence_of,
 )
+from ._dataset import clock_of
 
 # The renderer's y points up.
 CAMERA_OF_RENDERER = Camera(481.2, -480.0, 319.5, 239.5, VGA)
@@ -49,7 +47,7 @@ class IclNuimReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         Assumption(AXES, "x right, y up, z forward, in a left-handed world", By.FORMAT),
         Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
-        attrs.evolve(clock_fact(SequenceOptions()), by=By.FORMAT),
+        clock_of(SequenceOptions(), By.FORMAT),
     )
 
     def fits(self, path: Path) -> int:
@@ -70,7 +68,7 @@ class IclNuimReader(SequenceReader):
                 pairs.append(Pair(colours[stem], depths[stem], at_rate(options, int(index)), turned))
         missing = len(colours) - len(pairs)
         notes = [f"{missing} pictures were left out: they have no depth or no pose."] if missing else []
-        more = [] if options.frames_rate_hz is None else [clock_fact(options)]
+        more = [] if options.frames_rate_hz is None else [clock_of(options)]
         return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 
 

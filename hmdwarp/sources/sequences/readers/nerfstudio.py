@@ -19,7 +19,8 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import PICTURES, read_depth, size_of
 from ..recorded import AXES, CLOCK, INTRINSICS, NO_DEPTH, POSE, RecordedFrame, Sequence
 from . import readers
-from ._base import SequenceReader, clock_fact, intrinsics_fact, made, poses_of, reading, scale_fact
+from ._base import SequenceReader, intrinsics_fact, made, poses_of, reading, scale_fact
+from ._dataset import clock_of
 
 FILE = "transforms.json"
 # z up; the camera looks along -z, as in OpenGL.
@@ -53,7 +54,7 @@ class NerfstudioReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         Assumption(AXES, "x right, y up, -z forward, in a world of z up", By.FORMAT),
         Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
-        attrs.evolve(clock_fact(SequenceOptions()), value=f"timestamp or time, else {RATE_HZ:g} frames per second"),
+        attrs.evolve(clock_of(SequenceOptions()), value=f"timestamp or time, else {RATE_HZ:g} frames per second"),
     )
 
     def fits(self, path: Path) -> int:
@@ -168,16 +169,16 @@ def _times(wheres: list[str], whole: list[Mapping[str, Any]], options: SequenceO
     step_ns = 1e9 / (options.frames_rate_hz or RATE_HZ)
     key = next((key for key in ("timestamp", "time") if whole[0].get(key) is not None), "")
     if not key or options.frames_rate_hz is not None and key == "timestamp":
-        return [round(number * step_ns) for number in range(len(whole))], clock_fact(options)
+        return [round(number * step_ns) for number in range(len(whole))], clock_of(options)
     values = [entry.get(key) for entry in whole]
     found = [number_of(where, key, one, "seconds") for where, one in zip(wheres, values, strict=True)]
     if key == "time" and _is_share(found):
         last, spread = len(found) - 1, max(found) - min(found)
         times = [round((value - min(found)) / (spread or 1) * last * step_ns) for value in found]
-        fact = clock_fact(options)
+        fact = clock_of(options)
         return times, attrs.evolve(fact, value=f"{fact.value}; time is a share of the recording")
     if options.frames_rate_hz is not None or len(found) > 1 and len(set(found)) == 1:
-        return [round(number * step_ns) for number in range(len(whole))], clock_fact(options)
+        return [round(number * step_ns) for number in range(len(whole))], clock_of(options)
     by = By.FORMAT if key == "timestamp" else By.NOBODY
     return [round(value * 1e9) for value in found], Assumption(CLOCK, f"{key}, in seconds", by, "--frames-rate")
 

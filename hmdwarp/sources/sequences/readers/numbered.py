@@ -13,7 +13,6 @@ from ._base import (
     Pair,
     SequenceReader,
     at_rate,
-    clock_fact,
     facts_of,
     folder_named,
     paired,
@@ -21,6 +20,7 @@ from ._base import (
     rows_of,
     sequence_of,
 )
+from ._dataset import clock_of
 
 POSES = ("pose.txt", "poses.txt")
 
@@ -39,7 +39,7 @@ class NumberedReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.NOBODY, "--no-depth"),
         Assumption(AXES, "x right, y down, z forward", By.NOBODY),
         Assumption(POSE, "world from camera, x y z qx qy qz qw", By.NOBODY),
-        clock_fact(SequenceOptions()),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -57,7 +57,7 @@ class NumberedReader(SequenceReader):
             Pair(colour, depth, at_rate(options, i), pose_of_numbers(axes, row.where, row.floats(7)))
             for i, (row, (colour, depth)) in enumerate(zip(rows, files, strict=True))
         ]
-        return sequence_of(self, path, pairs, facts, more=[clock_fact(options)])
+        return sequence_of(self, path, pairs, facts, more=[clock_of(options)])
 
 
 def _poses(path: Path) -> Path:

@@ -50,7 +50,7 @@ class Open3DReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         axes_of(parse_axes(OPTICAL)),
         Assumption(POSE, "camera from world, inverted; matrices by columns", By.FORMAT),
-        clock_of(SequenceOptions(), By.NOBODY),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -77,7 +77,7 @@ class Open3DReader(SequenceReader):
             for at, ((colour, depth), pose, camera) in enumerate(zip(files, poses, stated, strict=True))
         ]
         order = attrs.evolve(order, value=order.value.replace("world from camera", "camera from world, inverted"))
-        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options, By.NOBODY)))
+        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options)))
 
 
 def _parameters(trajectory: dict[str, Any]) -> Any:

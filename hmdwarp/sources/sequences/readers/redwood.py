@@ -17,7 +17,6 @@ from ._base import (
     Pair,
     SequenceReader,
     at_rate,
-    clock_fact,
     facts_of,
     folder_named,
     intrinsics_fact,
@@ -27,6 +26,7 @@ from ._base import (
     scale_fact,
     sequence_of,
 )
+from ._dataset import clock_of
 
 _READ = ("fps", "stream_length_usec", "color_format", "depth_format", "device_name", "serial_number")
 _LOGS = ("trajectory.log", "scene/trajectory.log")
@@ -52,7 +52,7 @@ class RedwoodReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         Assumption(AXES, "x right, y down, z forward", By.FORMAT),
         Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
-        clock_fact(SequenceOptions()),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -80,7 +80,7 @@ class RedwoodReader(SequenceReader):
             Pair(*files[number], at_rate(options, number), pose) for number, pose in zip(numbers, turned, strict=True)
         ]
         notes = unread_notes(named, stated, _READ) if named is not None else []
-        return sequence_of(self, path, pairs, facts, notes=notes, more=[way, clock_fact(options)])
+        return sequence_of(self, path, pairs, facts, notes=notes, more=[way, clock_of(options)])
 
 
 def _scale(where: Path | None, stated: Mapping[str, Any]) -> float | None:

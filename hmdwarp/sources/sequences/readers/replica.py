@@ -46,7 +46,7 @@ class ReplicaReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         axes_of(parse_axes(f"world={_WORLD} head=x,-y,z")),
         Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
-        clock_of(SequenceOptions(), By.NOBODY),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -66,7 +66,7 @@ class ReplicaReader(SequenceReader):
         pairs = [
             Pair(colours[at], depths[at], at_rate(options, at), pose) for at, pose in zip(whole, poses, strict=True)
         ]
-        more = (axes_of(axes), way, clock_of(options, By.NOBODY))
+        more = (axes_of(axes), way, clock_of(options))
         notes = left_out(len(colours) - len(pairs), "no depth")
         return sequence_of(self, path, pairs, facts, notes=notes, more=more)
 

@@ -35,7 +35,7 @@ class SevenScenesReader(SequenceReader):
         Assumption(NO_DEPTH, "0 or 65535", By.FORMAT, "--no-depth"),
         axes_of(parse_axes(OPTICAL)),
         Assumption(POSE, "world from camera, matrices by rows", By.FORMAT),
-        clock_of(SequenceOptions(), By.NOBODY),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -53,7 +53,7 @@ class SevenScenesReader(SequenceReader):
         whole = sorted(colours.keys() & depths.keys() & poses.keys())
         pairs = [Pair(colours[at], depths[at], at_rate(options, at), poses[at]) for at in whole]
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
-        more = (axes_of(axes), clock_of(options, By.NOBODY))
+        more = (axes_of(axes), clock_of(options))
         return sequence_of(self, path, pairs, facts, notes=[_UNREGISTERED, *notes], more=more)
 
 

@@ -54,7 +54,7 @@ class TartanAirReader(SequenceReader):
         Assumption(NO_DEPTH, "0", By.FORMAT, "--no-depth"),
         axes_of(parse_axes(NED)),
         Assumption(POSE, "world from camera, x y z qx qy qz qw", By.FORMAT),
-        clock_of(SequenceOptions(), By.NOBODY),
+        clock_of(SequenceOptions()),
     )
 
     def fits(self, path: Path) -> int:
@@ -74,7 +74,7 @@ class TartanAirReader(SequenceReader):
         if whole and whole[-1] >= len(rows):
             raise InputError(f"{path}: {len(rows)} poses, and a picture {whole[-1]}; expected a line for each")
         poses = {at: pose_of_numbers(axes, rows[at].where, rows[at].floats(7)) for at in whole}
-        clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options, By.NOBODY)
+        clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options)
         pairs = [Pair(colours[at], depths[at], at_rate(options, at, rate_hz), poses[at]) for at in whole]
         return sequence_of(self, path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
 
