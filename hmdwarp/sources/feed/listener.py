@@ -210,8 +210,9 @@ class Listener:
 
     def _turn(self) -> bytes | None:
         """Return the next client that a frame can be drawn for."""
-        for who in self._turns:
-            if (asked := self._clients[who].ask) is None:
+        for who in list(self._turns):
+            # One that is stuck may go meanwhile.
+            if who not in self._clients or (asked := self._clients[who].ask) is None:
                 continue
             ask, _ = asked
             # Raw, without further layers; what it is in the end is counted before it is sent.

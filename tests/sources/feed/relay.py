@@ -25,7 +25,7 @@ class Relay:
         self.silent: set[str] = set()
         # Whether the next large piece that goes down is the last of its connection, both ways.
         self.freezes_within = False
-        self._frozen: set[tuple[socket.socket, socket.socket]] = set()
+        self._frozen: dict[tuple[socket.socket, socket.socket], set[str]] = {}
         # What went by, both ways, where it is a bytearray.
         self.seen: bytearray | None = None
         # How many connections there were.
@@ -80,13 +80,13 @@ class Relay:
             if not data:
                 return
 
-    def freeze(self) -> None:
+    def freeze(self, *ways: str) -> None:
         """Let nothing cross the connections of now any more; they stay open, and new ones work."""
         with self._lock:
-            self._frozen |= self._ways.keys()
+            self._frozen |= dict.fromkeys(self._ways, set(ways))
 
     def _holds(self, way: str, connection) -> bool:
-        return self.is_stalled or way in self.silent or connection in self._frozen
+        return self.is_stalled or way in self.silent or way in self._frozen.get(connection, ())
 
     def _write(self, way: str, target: socket.socket, source: socket.socket, waiting: queue.Queue, connection) -> None:
         is_open = True
@@ -97,7 +97,7 @@ class Relay:
             if not data:
                 break
             if self.freezes_within and way == "down" and len(data) > 10_000:
-                self._frozen.add(connection)
+                self._frozen[connection] = {"up", "down"}
                 self.freezes_within, data = False, data[:5000]
             if self.bytes_s:
                 time.sleep(len(data) / self.bytes_s)

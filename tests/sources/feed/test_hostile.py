@@ -18,6 +18,7 @@ import pytest
 from hmdwarp.sources.feed import listener as listening
 from hmdwarp.sources.feed import sockets
 from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.key_pairs import KeyPair
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import LARGEST_ASK, encode
 from hmdwarp.sources.feed.parts import Wanted
@@ -230,11 +231,16 @@ def large(number: int):
 class Liar:
     """A client that says it has everything and reads nothing."""
 
-    def __init__(self, listener: Listener, *, shares: bool = False, received: int = 2**64 - 1) -> None:
+    def __init__(
+        self, listener: Listener, pair: KeyPair | None = None, *, shares: bool = False, received: int = 2**64 - 1
+    ) -> None:
         self._context = zmq.Context()
         self.socket = self._context.socket(zmq.DEALER)
         for name, value in (("LINGER", 0), ("RCVHWM", 1), ("RCVBUF", 4096)):
             self.socket.setsockopt(getattr(zmq, name), value)
+        if pair is not None:
+            self.socket.curve_publickey, self.socket.curve_secretkey = zmq.curve_keypair()
+            self.socket.curve_serverkey = pair.public
         self.socket.connect(listener.address)
         own = {"size": (2048, 2048), "views": ASK.views[:1], "shares": shares, "received": received}
         self._ask, self._listener, self._number = attrs.evolve(ASK, token=bytes(32), **own), listener, 0
@@ -256,12 +262,13 @@ def shared_bytes() -> int:
     return sum(path.stat().st_size for path in SHARED.glob("hmdwarp-*")) if IS_ABLE else 0
 
 
-@pytest.mark.parametrize("way", ["tcp", "ipc", "shared memory"])
+@pytest.mark.parametrize("way", ["tcp", "encrypted", "ipc", "shared memory"])
 @pytest.mark.parametrize("received", [0, 2**64 - 1], ids=["honest", "false"])
 def test_what_waits_for_a_client_is_bounded_whatever_it_says_that_it_has(tmp_path, way, received):
-    where = "127.0.0.1:*" if way == "tcp" else f"ipc://{tmp_path}/feed"
-    with closing(Listener(where)) as listener:
-        with closing(Liar(listener, shares=way == "shared memory", received=received)) as liar:
+    where = f"ipc://{tmp_path}/feed" if way in ("ipc", "shared memory") else "127.0.0.1:*"
+    pair = KeyPair(*zmq.curve_keypair()) if way == "encrypted" else None
+    with closing(Listener(where, pair=pair)) as listener:
+        with closing(Liar(listener, pair, shares=way == "shared memory", received=received)) as liar:
             before, shared = resident(), shared_bytes()
             sent = sum(liar.asks() for _ in range(20))
             # One frame more is being made, and is not sent.
@@ -270,7 +277,8 @@ def test_what_waits_for_a_client_is_bounded_whatever_it_says_that_it_has(tmp_pat
         while listener.clients:
             listener.next(10)
         assert shared_bytes() == shared
-        serves(listener)
+        if pair is None:
+            serves(listener)
 
 
 def test_what_waits_for_all_is_bounded_and_the_one_that_takes_nothing_makes_room(monkeypatch):
