@@ -16,9 +16,9 @@ from .key_pairs import KeyPair
 from .message import (
     LARGEST_ASK,
     Ask,
+    BadRequest,
     FrameMessage,
     Malformed,
-    OtherVersion,
     Refusal,
     decode,
     encode,
@@ -302,8 +302,8 @@ class Listener:
             raise Malformed(f"{len(parts)} parts: expected one")
         try:
             ask = decode(parts[0])
-        except OtherVersion as error:
-            self._send(who, encode(Refusal(error.number, f"{error}: take programs of the same version")))
+        except BadRequest as error:
+            self._send(who, encode(Refusal(error.number, str(error))))
             raise
         if not isinstance(ask, Ask):
             raise Malformed("a message for clients: expected a request")
@@ -373,9 +373,11 @@ class Listener:
 
     def refuse(self, asked: Asked, why: str) -> None:
         """Say why there is no frame."""
-        client = self._clients[asked.client]
-        self._log.say("refused", client.address, f"{client.name}: refused: {why}")
-        self._send(asked.client, encode(Refusal(asked.ask.number, why)))
+        why = " ".join(why.split())
+        if asked.client in self._clients:  # else it has gone meanwhile
+            client = self._clients[asked.client]
+            self._log.say("refused", client.address, f"{client.name}: refused: {why}")
+            self._send(asked.client, encode(Refusal(asked.ask.number, why)))
 
     def _send(self, who: bytes, data: bytes | memoryview) -> bool:
         try:
