@@ -194,9 +194,10 @@ class Listener:
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time."""
-        self._forget_ended()
         waits = any(client.ask is not None for client in self._clients.values())
         self._receive(0 if self._turn() else min(wait_ms, _LOOK_MS) if waits else wait_ms)
+        # While a frame is drawn nobody listens, and who asks meanwhile is not silent.
+        self._connections.listened_ns = time.monotonic_ns()
         self._forget_ended()
         who = self._turn()
         if who is None:

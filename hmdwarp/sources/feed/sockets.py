@@ -136,9 +136,9 @@ class Connection:
     # Wire bytes that came out as messages.
     taken: int = 0
 
-    def is_idle(self, now_ns: int) -> bool:
-        """Return whether another may have its place."""
-        return not self.asks or now_ns - self.heard_ns > IDLE_NS
+    def is_idle(self, listened_ns: int) -> bool:
+        """Return whether another may have its place, by when all that had come was taken."""
+        return not self.asks or listened_ns - self.heard_ns > IDLE_NS
 
     def takes_more(self) -> bool:
         """Return whether the system has room for bytes to it: the library then holds none."""
@@ -161,6 +161,8 @@ class Connections:
         # Those that have ended, and the address and the reason of each that was cut.
         self.gone: deque[Connection] = deque()
         self.cuts: deque[tuple[str, str]] = deque(maxlen=1000)
+        # When the server last took all that had come; it may be drawing since.
+        self.listened_ns = 0
         self._ended = threading.Event()
         self._accepted = router.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED)
         self._thread = threading.Thread(target=self._watch, name="connections", daemon=True)
@@ -182,9 +184,9 @@ class Connections:
             # Those that come and go must not keep it from looking at the others.
             if self._accepted.poll(_EVERY_MS):
                 self._note(self._accepted.recv_multipart())
-            if (now_ns := time.monotonic_ns()) >= due_ns:
+            if time.monotonic_ns() >= due_ns:
                 for one in list(self._of.values()):
-                    self._check(one, now_ns)
+                    self._check(one)
                 due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
 
     def _note(self, event: list[bytes]) -> None:
@@ -211,11 +213,11 @@ class Connections:
 
     def _cut_idle(self, among: list[Connection], new: Connection, why: str) -> None:
         # The newcomer has made no request either, and came last.
-        idle = [one for one in among if one.is_idle(new.heard_ns) and one is not new]
+        idle = [one for one in among if one.is_idle(self.listened_ns) and one is not new]
         self.cut(min(idle, key=lambda one: (one.asks, one.heard_ns), default=new), why)
 
-    def _check(self, one: Connection, now_ns: int) -> None:
-        if now_ns - one.heard_ns > SILENT_NS:
+    def _check(self, one: Connection) -> None:
+        if self.listened_ns - one.heard_ns > SILENT_NS:
             self.cut(one, f"silent for {SILENT_NS // 10**9} s")
             return
         with contextlib.suppress(OSError), _socket_of(one.descriptor) as wire:
