@@ -358,3 +358,10 @@ def test_instants_in_another_unit_are_refused(unit, tmp_path):
     folder = written_npz(tmp_path / "npz", tuple(unit * (number / 30) for number in range(3)))
     refused(folder, "s apart", "unit")
     assert len(sequences.open(folder, SequenceOptions(frames_rate_hz=30)).frames) == 3
+
+
+@pytest.mark.parametrize("unit", [1e3, 1e-2])
+def test_instants_that_may_be_in_another_unit_are_named(unit, tmp_path):
+    """Milliseconds in place of seconds make frames half a minute apart."""
+    (note,) = sequences.open(written_npz(tmp_path / "npz", tuple(unit * number / 30 for number in range(3)))).notes
+    assert note.startswith("Frames are ") and "--frames-rate" in note

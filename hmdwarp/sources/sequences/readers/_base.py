@@ -43,6 +43,8 @@ DEPTHS = (*PICTURES, EXR, NPY)
 Fit = Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]]
 # Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
 _LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
+# And beyond these it may be.
+_LEAST_USUAL_S, _MOST_USUAL_S = 0.9e-3, 10.0
 
 
 class SequenceReader:
@@ -236,6 +238,9 @@ def made(
             f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
             "instants in their unit, or give --frames-rate"
         )
+    if not _LEAST_USUAL_S <= apart_s <= _MOST_USUAL_S:
+        unit = f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
+        notes = [*notes, unit]
     name = (path if path.is_dir() else path.parent).resolve().name
     begins_ns = frames[0].time_ns
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
