@@ -14,6 +14,7 @@ from published_folders import (
     write_scannet,
     write_stray_scanner,
     write_tartanair,
+    write_traced,
     write_with_info,
 )
 from recorded_folders import FX, MIRRORED, SIZE, STATED, fov_of, taken
@@ -317,6 +318,16 @@ def test_whole_numbers_are_instants_of_the_trace_in_the_unit_that_fits(per_secon
         file.rename(file.with_name(f"{round(float(file.stem) * per_second)}.png"))
     found = sequences.open(folder, PUBLISHED["traced"].options)
     assert len(found.frames) >= 3 and found.rate_hz == pytest.approx(30, rel=0.03)
+
+
+def test_whole_numbers_of_an_array_have_no_unit(folder):
+    """Floats are metres; whole numbers beside any trace may be millimetres or anything else."""
+    write_traced(folder, taken(2))
+    for file in sorted((folder / "depth").iterdir()):
+        np.save(file.with_suffix(".npy"), np.asarray(Image.open(file)))
+        file.unlink()
+    with pytest.raises(InputError, match="nothing says the unit of its depth: give --depth-scale"):
+        sequences.open(folder)
 
 
 def test_a_bag_beside_pictures_is_their_trace(folder):
