@@ -30,6 +30,8 @@ ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
 ANY = 0
+# Of a picture that is left out: neither wished nor sent.
+NONE = 255
 MOST_SIDE, MOST_EYES, MOST_TEXT = 8192, 2, 500
 MOST_BYTES = 1 << 29
 # Magic, version, kind, bytes of the whole message.
@@ -146,6 +148,11 @@ class FrameMessage:
     place: int = 0
     # Further layers of each eye; () for none.
     layers: tuple[Layers, ...] = ()
+
+    @property
+    def is_coded(self) -> bool:
+        """Whether a picture is bytes to decode, or is left out."""
+        return any(isinstance(picture, bytes) for picture in (*self.colours, *self.inverse_depths))
 
     @property
     def size(self) -> Size:
@@ -332,10 +339,10 @@ def _frame(data: Data) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
     width, height, eyes, colour, depth, begins, place, count = form
     _check_format(width, height, eyes)
-    if not (RGBA16F <= colour <= HEVC and INVERSE_DEPTH <= depth <= DEPTH_VIDEO):
+    if colour not in (RGBA16F, RGBA8, H264, HEVC, NONE) or depth not in (INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, NONE):
         raise Malformed(
             f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
-            f"{DEPTH_VIDEO} for depth"
+            f"{DEPTH_VIDEO} for depth, {NONE} for none"
         )
     if render_ns < 0:
         raise Malformed(f"drawn in {render_ns} ns: expected 0 or more")
@@ -351,6 +358,8 @@ def _frame(data: Data) -> FrameMessage:
     colours: list[NDArray[Any] | bytes] = []
     depths: list[NDArray[Any] | bytes] = []
     for of_colour, of_depth in lengths:
+        if (colour == NONE and of_colour) or (depth == NONE and of_depth):
+            raise Malformed(f"pictures of {of_colour} and {of_depth} bytes in formats {colour} and {depth}: expected 0")
         colours.append(_picture(data, at, of_colour, _COLOURS.get(colour), (height, width, 4)))
         depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
         at += of_colour + of_depth

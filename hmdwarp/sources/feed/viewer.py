@@ -45,8 +45,9 @@ class Viewer:
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
                 for arrival in self._caller.take():
-                    if arrival.frame.number >= first and arrival.frame.size == size:
-                        return arrival.frame
+                    found = arrival.frame
+                    if found.number >= first and found.size == size and not found.is_coded:
+                        return found
                 if any("refused" in line for line in self._caller.lines()):
                     return None
         return None
