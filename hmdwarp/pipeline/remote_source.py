@@ -230,6 +230,8 @@ class RemoteFrames:
             further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
             textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
             eyes.append(EyeImage(view, *textures, further, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
+        if found.layers:  # a server may choose the size of some
+            self.server.trim()
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
 

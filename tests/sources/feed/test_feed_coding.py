@@ -37,7 +37,7 @@ def drawn(number: int) -> FrameMessage:
     x, y = np.meshgrid(np.arange(SIZE[0]) / SIZE[0], np.arange(SIZE[1]) / SIZE[1])
     light = np.stack([(x + number / 50) % 1, y, 0.5 + 0 * x, np.ones_like(x)], axis=-1).astype(np.float16)
     inverse = np.where(y < 0.2, 0, 0.2 + y / 2).astype(np.float32)
-    return attrs.evolve(FRAME, number=number, colours=(light,) * 2, inverse_depths=(inverse,) * 2)
+    return attrs.evolve(FRAME, number=1 + number, colours=(light,) * 2, inverse_depths=(inverse,) * 2)
 
 
 def asked(colour: int, depth: int) -> FeedEncoder:
