@@ -15,6 +15,7 @@ from ...errors import InputError
 from .key_pairs import KeyPair
 from .message import (
     LARGEST_ASK,
+    MOST_BYTES,
     Ask,
     BadRequest,
     FrameMessage,
@@ -216,8 +217,9 @@ class Listener:
             if who not in self._clients or (asked := self._clients[who].ask) is None:
                 continue
             ask, _ = asked
-            # Raw, without further layers; what it is in the end is counted before it is sent.
-            if self._has_room(who, 12 * math.prod(ask.size) * len(ask.views)):
+            # Raw, without further layers; what it is in the end is counted before it is sent. More
+            # than a message may have waits for nothing: it is refused.
+            if self._has_room(who, min(12 * math.prod(ask.size) * len(ask.views), MOST_BYTES)):
                 return who
         return None
 
