@@ -40,7 +40,7 @@ class LastUsed(dict[K, V]):
         self._used.add(key)
 
     def trimmed(self, bytes_of: Callable[[K, V], int]) -> list[tuple[K, V]]:
-        """Take out what was not used since the last call, but MOST_IDLE of it and MOST_IDLE_BYTES."""
+        """Take out what was not used since the last call, but a little: see MOST_IDLE."""
         idle = {key: bytes_of(key, value) for key, value in self.items() if key not in self._used}
         self._used.clear()
         found, left = [], sum(idle.values())
