@@ -43,7 +43,8 @@ class LastUsed(dict[K, V]):
         """Take out what was not used since the last call, but a little: see MOST_IDLE."""
         idle = {key: bytes_of(key, value) for key, value in self.items() if key not in self._used}
         self._used.clear()
-        found, left = [], sum(idle.values())
+        found: list[tuple[K, V]] = []
+        left = sum(idle.values())
         for key, size in idle.items():
             if left <= MOST_IDLE_BYTES and len(idle) - len(found) <= MOST_IDLE:
                 break
