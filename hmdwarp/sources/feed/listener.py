@@ -18,13 +18,13 @@ from .message import (
     MOST_BYTES,
     Ask,
     BadRequest,
+    Data,
     FrameMessage,
     Malformed,
     Refusal,
+    copied,
     decode,
     encode,
-    joined,
-    pieces_of,
     token_of,
 )
 from .shared_frames import IS_ABLE, MOST_OF_CLIENT, SharedFrames
@@ -368,7 +368,7 @@ class Listener:
         shared = self._shared if asked.ask.shares else None
         stub = shared.put(who, frame) if shared is not None else None
         if shared is None or stub is None:
-            return self._send(who, joined(pieces_of(frame)))
+            return self._send(who, copied(frame))
         sent = self._send(who, encode(stub))
         if not sent:
             shared.take_back(who, frame.number)
@@ -382,7 +382,7 @@ class Listener:
             self._log.say("refused", client.address, f"{client.name}: refused: {why}")
             self._send(asked.client, encode(Refusal(asked.ask.number, why)))
 
-    def _send(self, who: bytes, data: bytes | memoryview) -> bool:
+    def _send(self, who: bytes, data: Data) -> bool:
         try:
             tracker = self._socket.send_multipart([who, data], self._zmq.NOBLOCK, copy=False, track=True)
         except self._zmq.Again:
@@ -393,7 +393,7 @@ class Listener:
             if who in self._clients:
                 self._forget(who, "disconnected")
             return False
-        if who in self._clients and isinstance(data, memoryview):
+        if who in self._clients and not isinstance(data, bytes):
             self._clients[who].waiting.append(_Waiting(len(data), time.monotonic_ns(), tracker))
         return True
 

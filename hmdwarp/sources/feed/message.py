@@ -244,27 +244,28 @@ def token_of(secret: str) -> bytes:
 
 def encode(message: Message) -> bytes:
     """Return the bytes of a message."""
-    return bytes(joined(pieces_of(message)))
+    return b"".join(piece if isinstance(piece, bytes) else piece.tobytes() for piece in pieces_of(message))
 
 
-def write_pieces(pieces: Sequence[Piece], into: NDArray[np.uint8]) -> None:
-    """Write pieces one after the other; other threads go on meanwhile."""
+def copied(message: Message) -> memoryview:
+    """Return the bytes of a message in memory of its own; each picture is copied once."""
+    pieces = pieces_of(message)
+    whole = np.empty(sum(map(length_of, pieces)), np.uint8)
+    write(pieces, whole)
+    return whole.data
+
+
+def write(pieces: Sequence[Piece], whole: NDArray[np.uint8]) -> None:
+    """Write the pieces of a message one after the other into memory."""
     at = 0
     for piece in pieces:
-        to = into[at : at + length_of(piece)]
+        to = whole[at : at + length_of(piece)]
         if isinstance(piece, np.ndarray):
             # In one go, whatever the order of its rows is in memory.
             to.view(piece.dtype).reshape(piece.shape)[...] = piece
         else:
             to[...] = np.frombuffer(piece, np.uint8)
-        at += length_of(piece)
-
-
-def joined(pieces: Sequence[Piece]) -> memoryview:
-    """Return pieces as one message."""
-    whole = np.empty(sum(map(length_of, pieces)), np.uint8)
-    write_pieces(pieces, whole)
-    return whole.data
+        at += len(to)
 
 
 def pieces_of(message: Message) -> list[Piece]:

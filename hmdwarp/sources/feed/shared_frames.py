@@ -24,7 +24,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from .message import FrameMessage, Malformed, Stub, length_of, pieces_of, write_pieces
+from .message import FrameMessage, Malformed, Stub, length_of, pieces_of, write
 
 if sys.platform == "linux":
     import fcntl
@@ -76,7 +76,7 @@ class SharedFrames:
         segment = self._free(client, length)
         if segment is None:
             return None
-        write_pieces(pieces, np.frombuffer(segment.memory, np.uint8))
+        write(pieces, np.frombuffer(segment.memory, np.uint8))
         segment.number, segment.since_ns = frame.number, time.monotonic_ns()
         return Stub(frame.number, length, segment.name)
 
