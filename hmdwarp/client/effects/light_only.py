@@ -24,7 +24,8 @@ class LightPass(ShownPass):
         geometry = self.tools.geometry
         self._program = self.gpu.shaders.compute("effects/light.comp")
         store = None if geometry is None else geometry.store(ReducedModel, (1.0, 1.0))
-        self._model, self._shining = (None, None) if store is None else (store.drawn(lit=False), store.shining())
+        self._model = None if store is None else store.drawn(lit=False)
+        self._shining = None if store is None else store.shining()
         self._albedo = ShownPicture(Canvas(self.gpu.gl, self.shown_size), None)
         self._emitted = ShownPicture(Canvas(self.gpu.gl, self.shown_size), None) if self._shining else self._albedo
         for model in (self._model, self._shining):
