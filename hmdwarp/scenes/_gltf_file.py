@@ -11,7 +11,6 @@ from __future__ import annotations
 import base64
 import binascii
 import io
-import json
 import struct
 from pathlib import Path
 from typing import Any
@@ -21,7 +20,9 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
+from ..errors import InputError, SceneError
+from ..options.documents import DocumentError, parse_json
+from ..options.named_files import GLTF, SCENE, content_of
 from ..resources import install_line
 from ._gltf_specular import SPECULAR
 from ._notes import Notes
@@ -54,7 +55,7 @@ class GltfFile:
     @classmethod
     def read(cls, path: Path) -> GltfFile:
         """Read a .glb, or a .gltf and its files. Errors: SceneError if not glTF 2.0, or cut off."""
-        data = path.read_bytes()
+        data = content_of(path, GLTF if path.suffix.lower() == ".gltf" else SCENE)
         if data[:4] == struct.pack("<I", _MAGIC) or path.suffix.lower() == ".glb":
             return cls.parse(path, data)
         return cls._with_buffers(path, _header_of(path, data), None)
@@ -86,16 +87,22 @@ class GltfFile:
     def _with_buffers(cls, path: Path, header: dict[str, Any], binary: bytes | None) -> GltfFile:
         """Return the file with all its buffers; the first may be that of a GLB, `binary`."""
         bare = cls(path, header, ())
-        found = []
+        found, left = [], SCENE.most_bytes
         for index, buffer in enumerate(bare.items("buffers")):
             if "uri" in buffer:
                 found.append(bare.bytes_at(buffer["uri"], f"buffer {index}"))
             else:
                 found.append(binary or b"" if index == 0 else b"")
+            left -= len(found[-1])
+            if left < 0:
+                raise bare.error(f"buffers of more than {SCENE.most_bytes} bytes; expected fewer: simplify the scene")
         return cls(path, header, tuple(found or [binary or b""]))
 
     def bytes_at(self, uri: object, user: str) -> bytes:
-        """Return the bytes of a data URI or of a file next to this one. Errors: SceneError."""
+        """Return the bytes of a data URI or of a file next to this one.
+
+        Errors: SceneError, and InputError for one that is refused, see read_beside.
+        """
         if not isinstance(uri, str):
             raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
         if uri.startswith("data:"):
@@ -106,6 +113,8 @@ class GltfFile:
                 raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
         try:
             return read_beside(self.path.parent, uri)
+        except InputError as error:
+            raise InputError(f"{self.path}: {user}: {error}") from error
         except (OSError, ValueError) as error:
             raise self.error(f"{user} lies in '{uri}', which cannot be read: {error}") from error
 
@@ -222,11 +231,11 @@ def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
 
 def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     """Return the JSON of a glTF 2.0 file."""
+    if len(text) > GLTF.most_bytes:
+        raise SceneError(f"{path}: its JSON has {len(text)} bytes; expected at most {GLTF.most_bytes}; export it again")
     try:
-        header = json.loads(text)
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: its JSON is not UTF-8 text: {error}; export it again") from error
-    except (ValueError, RecursionError) as error:
+        header = parse_json(text)
+    except DocumentError as error:
         raise SceneError(f"{path}: its JSON cannot be read: {error}; export it again") from error
     asset = header.get("asset") if isinstance(header, dict) else None
     version = asset.get("version", "2.0") if isinstance(asset, dict) else "2.0"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import reprlib
@@ -15,6 +14,8 @@ import numpy as np
 
 from ...errors import InputError
 from ...geometry import Fov
+from ...options.documents import json_in
+from ...options.named_files import FACTS
 
 Size = tuple[int, int]
 _PLAIN_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "FULL_OPENCV", "RADIAL", "SIMPLE_RADIAL", "PERSPECTIVE")
@@ -189,19 +190,9 @@ def unread_notes(where: str | Path, data: Mapping[str, Any], known: Collection[s
     ]
 
 
-def read_json(path: Path, wanted: str = "an object") -> dict[str, Any]:
-    """Return the object in a JSON file. wanted: in words. Errors: InputError."""
-    try:
-        data = json.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error})") from error
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    # A number of thousands of digits, or brackets nested without end.
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not JSON that can be read ({error})") from error
+def read_json(path: Path, wanted: str = "an object", folder: Path | None = None) -> dict[str, Any]:
+    """Return the object in a JSON file. wanted: in words. folder: as opened. Errors: InputError."""
+    data = json_in(path, FACTS, folder)
     if not isinstance(data, dict):
         raise InputError(f"{path}: found a {type(data).__name__}; expected {wanted}")
     return data

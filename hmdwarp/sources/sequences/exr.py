@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...options.named_files import PICTURE_FILE, opened
 from ...resources import import_extra
 
 # Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
@@ -50,12 +51,12 @@ def read_exr(path: Path) -> ExrPicture:
     package.
     """
     library = _library()
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
     try:
-        with library.File(str(path), separate_channels=True) as file:
+        with opened(path, PICTURE_FILE) as plain, library.File(_by_number(plain), separate_channels=True) as file:
             parts = len(file.parts)
             head, channels = dict(file.header()), {name: one.pixels for name, one in file.channels().items()}
+    except InputError:
+        raise
     except Exception as error:  # the library raises RuntimeError, OSError and its own for damaged files
         raise InputError(f"{path}: not an EXR file that can be read ({error})") from error
     if parts > 1:
@@ -83,6 +84,10 @@ def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m:
     channels |= {"A": alpha.astype(np.float16), "Z": np.ascontiguousarray(depth_m, np.float32)}
     head = {"compression": library.ZIP_COMPRESSION, "type": library.scanlineimage}
     library.File(head, channels).write(str(path))
+
+
+def _by_number(file: BinaryIO) -> str:
+    return f"/proc/self/fd/{file.fileno()}"  # for what opens by name alone: this very file
 
 
 def _library() -> Any:

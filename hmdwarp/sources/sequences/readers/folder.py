@@ -39,10 +39,10 @@ class FolderReader(SequenceReader):
 
     def fits(self, path: Path) -> int:
         found = _frames_in(path)
-        return 60 if found and (found[0].suffix.lower() == NPZ or found[0].with_suffix(JSON).is_file()) else 0
+        return 60 if found and (found[0].suffix.lower() == NPZ or found[0].with_suffix(JSON).exists()) else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
-        shared = read_json(path / CAMERA) if (path / CAMERA).is_file() else {}
+        shared = read_json(path / CAMERA) if (path / CAMERA).exists() else {}
         found = [find_frame(frame, shared=shared) for frame in _frames_in(path)]
         times = _times(path, found, options)
         frames = [_frame(one, time_ns, options) for one, time_ns in zip(found, times, strict=True)]
