@@ -185,7 +185,7 @@ def test_a_scene_far_from_the_origin_keeps_its_float64_place(tmp_path):
 @pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
 def test_a_missing_or_empty_file_is_named(tmp_path, ending):
     path = tmp_path / f"a.{ending}"
-    with pytest.raises(SceneError, match=rf"a\.{ending}: no such scene file"):
+    with pytest.raises(SceneError, match=rf"a\.{ending}: no such file"):
         load_scene(path)
     path.write_bytes(b"")
     with pytest.raises(SceneError, match=rf"a\.{ending}: the file is empty"):

@@ -193,7 +193,7 @@ def test_a_bad_file_gets_one_line_that_names_file_and_key(tmp_path, text, told):
 def test_unknown_names_and_files():
     with pytest.raises(UnknownNameError, match=r"unknown client 'clas-2'.*class-2"):
         load_client("clas-2")
-    with pytest.raises(InputError, match=r"no\.toml does not exist"):
+    with pytest.raises(InputError, match=r"no\.toml: no such file"):
         load_client("no.toml")
 
 
