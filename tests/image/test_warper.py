@@ -220,6 +220,19 @@ def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
     given.release()
 
 
+@pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
+def test_light_beyond_what_textures_hold_is_cut_off(encoding, largest, least, gpu):
+    """A half ends at 65504, and sRGB has no light beyond 0 and 1."""
+    colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
+    upload(colour, np.broadcast_to(np.array([1e30, -1e30, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
+    upload(depth, np.ones(SIZE[::-1], np.float32))
+    with Warper(SIZE, warp="none", fill="none", gpu=gpu) as warper:
+        found = download(warper.warp_textures(colour, depth, view(), view(), encoding=encoding).colour)
+    assert (found[..., 0] == largest).all() and (found[..., 1] == least).all()
+    colour.release()
+    depth.release()
+
+
 def test_a_shared_context_may_be_used_from_any_thread():
     colour, depth = picture(8)
     found = []

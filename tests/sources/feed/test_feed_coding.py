@@ -58,6 +58,17 @@ def test_coded_frames_come_back_in_fewer_bytes(colour, depth):
         assert depth_off.mean() <= STEP and (back.inverse_depths[0] == 0).sum() == (frame.inverse_depths[0] == 0).sum()
 
 
+@pytest.mark.parametrize(("colour", "depth"), [(H264, DEPTH_VIDEO), (RGBA8, DEPTH_EXACT)])
+def test_a_stream_is_decoded_from_its_beginning_alone(colour, depth):
+    encoder = asked(colour, depth)
+    first, second = (encoder.encode(drawn(number)) for number in range(2))
+    assert len(encode(second)) < len(encode(first)) or colour == RGBA8, "each frame was coded by itself"
+    decoder = FeedDecoder()
+    with pytest.raises(Undecodable):
+        decoder.decode(second)
+    assert decoder.wants_anew and decoder.decode(first)
+
+
 def test_a_lost_frame_stops_decoding_until_the_stream_begins_anew():
     encoder, decoder = asked(H264, DEPTH_VIDEO), FeedDecoder()
     frames = [encoder.encode(drawn(number)) for number in range(4)]
