@@ -305,7 +305,8 @@ def test_of_a_long_folder_it_takes_24_frames_where_the_camera_moves_most(apart, 
     for k in range(93):
         Image.fromarray(np.full((2, 2, 3), 90, np.uint8)).save(tmp_path / "color" / f"{k}.png")
         Image.fromarray(np.full((2, 2), 2000, np.uint16)).save(tmp_path / "depth" / f"{k}.png")
-        poses.append(f"{0.01 * min(max(k, first), last)} 0 0 0 0 0 1\n")
+        fast = min(max(k, first), last)
+        poses.append(f"{0.01 * fast + 0.001 * (k - fast)} 0 0 0 0 0 1\n")
     (tmp_path / "pose.txt").write_text("".join(poses), encoding="utf-8")
     said = {"depth_scale": 0.001, "intrinsics": "2,2,0.5,0.5", "frames_rate": rate_hz}
     found = [frame.view.pose.position_m[0] for frame in read_stated([tmp_path], SequenceOptions.of(said)).frames]

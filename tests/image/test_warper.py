@@ -221,14 +221,23 @@ def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
 
 
 @pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
-def test_light_beyond_what_textures_hold_is_cut_off(encoding, largest, least, gpu):
-    """A half ends at 65504, and sRGB has no light beyond 0 and 1."""
+def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest, least, gpu):
+    """A half ends at 65504, sRGB at 0 and 1.
+
+    Depth that is off by half a step of 16 bits is at its plane.
+    """
     colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
-    upload(colour, np.broadcast_to(np.array([1e30, -1e30, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
-    upload(depth, np.ones(SIZE[::-1], np.float32))
-    with Warper(SIZE, warp="none", fill="none", gpu=gpu) as warper:
-        found = download(warper.warp_textures(colour, depth, view(), view(), encoding=encoding).colour)
-    assert (found[..., 0] == largest).all() and (found[..., 1] == least).all()
+    upload(colour, np.broadcast_to(np.array([np.inf, -np.inf, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
+    values = np.full(SIZE[::-1], 1 + 5e-6, np.float32)
+    values[0], values[1], values[2] = -5e-6, 1 + 1e-5, -1e-5
+    upload(depth, values)
+    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
+        layer = DepthLayer(0, 1, 0.125, np.inf)
+        out = warper.warp_textures(colour, depth, view(), view(), depth_as=layer, encoding=encoding)
+        light, inverse = download(out.colour)[..., :2], download(out.inverse_depth)
+    covered = np.abs(values - 0.5) < 0.5 + 8e-6
+    assert (light[covered] == (largest, least)).all() and (light[~covered] == 0).all()
+    assert (inverse == np.where(covered, np.where(values < 0, 8, 0), -1)).all()
     colour.release()
     depth.release()
 
