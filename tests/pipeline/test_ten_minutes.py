@@ -28,7 +28,6 @@ CHEAPER = {
     "photons": "photons:paths=256",
     "irradiance": "irradiance:updates=0.05",
     "layered": "layered:layers=2",
-    "views": "views:views=1,frames=1,eye=own",
 }
 
 
