@@ -23,7 +23,7 @@ from ..scenes import load_scene
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import key_pair
 from ..sources.feed.listener import Asked, Listener
-from ..sources.feed.message import ANY, Ask, FrameMessage
+from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .serve_options import ServeOptions
@@ -100,10 +100,10 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     needs = needs_of_client(ask.wanted)
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
-    _check_bytes(ask, needs)
+    _check_bytes(ask, needs, is_software=server.gpu.is_software)
     frame = _drawn(server, ask, needs)
-    pictures = list(_pictures(frame))
-    packs = (ask.wish.colour, ask.wish.depth) != (ANY, ANY)
+    pictures = list(_pictures(frame, ask))
+    packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE}
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
@@ -114,7 +114,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
 
 
-def _check_bytes(ask: Ask, needs: Needs) -> None:
+def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
     """Check what a frame will weigh. Errors: InputError, bounds.OutOfBounds."""
     of_eye = 13 * ask.size[0] * ask.size[1]
     if ask.wanted is not None:
@@ -129,7 +129,7 @@ def _check_bytes(ask: Ask, needs: Needs) -> None:
                     f"most {bounds.most_beside(ask.size):.3g}"
                 )
             of_eye += count
-    bounds.UNPACKED.check(len(ask.views) * of_eye)
+    (bounds.DRAWN_BY_CPU if is_software else bounds.UNPACKED).check(len(ask.views) * of_eye)
 
 
 def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
@@ -138,6 +138,8 @@ def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
-def _pictures(frame: Frame) -> Iterator[tuple[NDArray[np.floating], NDArray[np.floating]]]:
+def _pictures(frame: Frame, ask: Ask) -> Iterator[list[NDArray[np.floating] | bytes]]:
+    wishes = (ask.wish.colour, ask.wish.depth)
     for eye in frame.eyes:
-        yield download(eye.colour), download(eye.inverse_depth)
+        both = zip((eye.colour, eye.inverse_depth), wishes, strict=True)
+        yield [download(texture) if wish != NONE else b"" for texture, wish in both]

@@ -30,6 +30,8 @@ ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
 ANY = 0
+# Of a picture that is left out: neither wished nor sent.
+NONE = 255
 MOST_BYTES = int(bounds.MESSAGE.most)
 _KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", STUB: "frame in shared memory"}
 # Magic, version, kind, bytes of the whole message.
@@ -147,6 +149,11 @@ class FrameMessage:
     layers: tuple[Layers, ...] = ()
 
     @property
+    def is_coded(self) -> bool:
+        """Whether a picture is bytes to decode, or is left out."""
+        return any(isinstance(picture, bytes) for picture in (*self.colours, *self.inverse_depths))
+
+    @property
     def size(self) -> Size:
         """(w, h) of one eye."""
         for picture in (self.inverse_depths[0], self.colours[0]):
@@ -238,6 +245,27 @@ def token_of(secret: str) -> bytes:
 def encode(message: Message) -> bytes:
     """Return the bytes of a message."""
     return b"".join(piece if isinstance(piece, bytes) else piece.tobytes() for piece in pieces_of(message))
+
+
+def copied(message: Message) -> memoryview:
+    """Return the bytes of a message in memory of its own; each picture is copied once."""
+    pieces = pieces_of(message)
+    whole = np.empty(sum(map(length_of, pieces)), np.uint8)
+    write(pieces, whole)
+    return whole.data
+
+
+def write(pieces: Sequence[Piece], whole: NDArray[np.uint8]) -> None:
+    """Write the pieces of a message one after the other into memory."""
+    at = 0
+    for piece in pieces:
+        to = whole[at : at + length_of(piece)]
+        if isinstance(piece, np.ndarray):
+            # In one go, whatever the order of its rows is in memory.
+            to.view(piece.dtype).reshape(piece.shape)[...] = piece
+        else:
+            to[...] = np.frombuffer(piece, np.uint8)
+        at += len(to)
 
 
 def pieces_of(message: Message) -> list[Piece]:
@@ -348,10 +376,10 @@ def _frame(data: Data) -> FrameMessage:
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
-    if not (RGBA16F <= colour <= HEVC and INVERSE_DEPTH <= depth <= DEPTH_VIDEO):
+    if colour not in (RGBA16F, RGBA8, H264, HEVC, NONE) or depth not in (INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, NONE):
         raise Malformed(
             f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
-            f"{DEPTH_VIDEO} for depth"
+            f"{DEPTH_VIDEO} for depth, {NONE} for none"
         )
     at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
@@ -364,6 +392,8 @@ def _frame(data: Data) -> FrameMessage:
     colours: list[NDArray[Any] | bytes] = []
     depths: list[NDArray[Any] | bytes] = []
     for of_colour, of_depth in lengths:
+        if (colour == NONE and of_colour) or (depth == NONE and of_depth):
+            raise Malformed(f"pictures of {of_colour} and {of_depth} bytes in formats {colour} and {depth}: expected 0")
         colours.append(_picture(data, at, of_colour, _COLOURS.get(colour), (height, width, 4)))
         depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
         at += of_colour + of_depth
