@@ -22,12 +22,13 @@ MIDDLE, LAST = 75, 150  # refreshes: 5 and 10 minutes
 # The times of the last thousands of refreshes, which a proxy keeps for its medians, are 75 times
 # 0.24 kB here. A picture of 32x24 kept at each refresh would be 75 times 6 kB.
 GROWTH_BYTES = 40_000
-# Light of fewer paths, light solved at every fifth refresh and fewer layers are kept in the same
-# places.
+# Light of fewer paths or cells, solved at every fifth refresh, and fewer layers are kept in the
+# same places.
 CHEAPER = {
     "photons": "photons:paths=256",
     "irradiance": "irradiance:updates=0.05",
     "layered": "layered:layers=2",
+    "voxels": "voxels:size=8,cones=4",
 }
 
 
