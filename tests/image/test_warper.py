@@ -74,9 +74,10 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     assert (remembered.coverage == 0).mean() < 0.02
 
 
-def test_times_are_sums_over_all_fills_and_pictures(gpu):
+@pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
+def test_times_are_sums_over_all_fills_and_pictures(gpu, fill):
     """What has taken as long before is counted, not replaced by the stage that comes after it."""
-    with Warper(SIZE, warp="iterative", fill="memory+pyramid", gpu=gpu) as warper:
+    with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
         found = warper.warp(*picture(0), view(), view((0.1, 0, 0)))
         assert set(found.time_ms) == {"warp", "fill"}
         colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
@@ -87,7 +88,7 @@ def test_times_are_sums_over_all_fills_and_pictures(gpu):
         gpu.timer.lap()
         warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
         stages = gpu.timer.lap().read()
-        assert [name for name, _ in stages] == ["warp", "fill", "fill"]
+        assert [name for name, _ in stages] == ["warp", *("fill" for _ in fill.split("+"))]
         for texture in (colour, depth):
             texture.release()
 
@@ -102,6 +103,21 @@ def test_a_warper_warns_once(gpu):
                 warper.warp(colour, np.full((30, 40), 65535, np.uint16), view(), view(), depth_scale=0.001)
         assert [str(warning.message)[:11] for warning in caught] == ["The nearest", "1200 pixels"]
         assert all(warning.filename == __file__ for warning in caught)
+
+
+@pytest.mark.parametrize(("depth_as", "value"), [("metres", 2000.0), ("inverse", 1 / 2000)])
+def test_a_warper_warns_of_textures_in_another_unit_and_reads_them_back_once(gpu, monkeypatch, depth_as, value):
+    read = []
+    monkeypatch.setattr("hmdwarp.image.warper.download", lambda texture: read.append(texture) or download(texture))
+    colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
+    upload(colour, np.ones((*SIZE[::-1], 4), np.float16))
+    upload(depth, np.full(SIZE[::-1], value, np.float32))
+    with Warper(SIZE, gpu=gpu) as warper, pytest.warns(UserWarning, match="millimetres: 2 m") as caught:
+        for moved_m in (0.0, 0.05, 0.05):
+            warper.warp_textures(colour, depth, view(), view((moved_m, 0, 0)), depth_as=depth_as)
+    assert len(caught) == len(read) == 1 and caught[0].filename == __file__
+    for texture in (colour, depth):
+        texture.release()
 
 
 def test_the_depth_of_the_shown_view_comes_on_request(gpu):
@@ -218,6 +234,28 @@ def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
     assert shown_inverse[covered] == pytest.approx(inverse[covered], rel=1e-6, abs=slack)
     colour.release()
     given.release()
+
+
+@pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
+def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest, least, gpu):
+    """A half ends at 65504, sRGB at 0 and 1.
+
+    Depth that is off by half a step of 16 bits is at its plane.
+    """
+    colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
+    upload(colour, np.broadcast_to(np.array([np.inf, -np.inf, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
+    values = np.full(SIZE[::-1], 1 + 5e-6, np.float32)
+    values[0], values[1], values[2] = -5e-6, 1 + 1e-5, -1e-5
+    upload(depth, values)
+    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
+        layer = DepthLayer(0, 1, 0.125, np.inf)
+        out = warper.warp_textures(colour, depth, view(), view(), depth_as=layer, encoding=encoding)
+        light, inverse = download(out.colour)[..., :2], download(out.inverse_depth)
+    covered = np.abs(values - 0.5) < 0.5 + 8e-6
+    assert (light[covered] == (largest, least)).all() and (light[~covered] == 0).all()
+    assert (inverse == np.where(covered, np.where(values < 0, 8, 0), -1)).all()
+    colour.release()
+    depth.release()
 
 
 def test_a_shared_context_may_be_used_from_any_thread():
