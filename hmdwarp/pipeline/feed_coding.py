@@ -80,6 +80,8 @@ class FeedEncoder:
     def __init__(self, ask: Ask) -> None:
         self.wish, self.size, self._place = ask.wish, ask.size, 0
         self._eyes = [_EyeEncoder(ask.wish, ask.size) for _ in ask.views]
+        # That a video's encoder holds pictures of.
+        self.pixels = len(self._eyes) * ask.size[0] * ask.size[1] if ask.wish.colour in _CODECS else 0
 
     def suits(self, ask: Ask) -> bool:
         """Return whether the next frame may follow on the ones before."""
@@ -139,9 +141,16 @@ class FeedDecoder:
 
     def decode(self, frame: FrameMessage) -> FrameMessage:
         """Return the frame with pictures. Errors: Undecodable, until one begins the stream anew."""
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is not finite, and left out
+            found = self._decoded(frame)
+        if not found.is_finite:
+            raise Undecodable("numbers that are not finite in its pictures")
+        return unpacked(found)
+
+    def _decoded(self, frame: FrameMessage) -> FrameMessage:
         if not any(isinstance(colour, bytes) for colour in (*frame.colours, *frame.inverse_depths)):
             self.wants_anew = False
-            return unpacked(frame)
+            return frame
         coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
         if frame.begins and self._coded_as != coded_as:
             self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
@@ -152,7 +161,7 @@ class FeedDecoder:
         found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
         self.wants_anew = False
         colours, depths = (tuple(of_eye) for of_eye in zip(*found, strict=True))
-        return unpacked(attrs.evolve(frame, colours=colours, inverse_depths=depths))
+        return attrs.evolve(frame, colours=colours, inverse_depths=depths)
 
 
 class _EyeDecoder:

@@ -27,12 +27,14 @@ from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
 from .feed_coding import FeedDecoder, codec_of
-from .feed_layers import misfit, wanted_of
+from .feed_layers import misfit, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
 _ANSWER_NS = 30_000_000_000
 _TELL_NS = 2_000_000_000
+# Kinds of frames that are left out, each with a line.
+_MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
 _MS = 1e6
@@ -84,8 +86,9 @@ class Remote:
         self._losses, self._away_ns = 0, 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = FeedDecoder(), 0
-        # What was wrong with the layers of the last frame that was left out.
+        # What was wrong with the layers of the last frame that was left out, and what was said.
         self._misfit = ""
+        self._told: set[str] = set()
         self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
@@ -151,9 +154,10 @@ class Remote:
             again_ns = min(until_ns, now_ns + 1_000_000_000)
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
-                lines = self._caller.lines()
-                if lines and "refused" in lines[-1]:
-                    raise InputError(f"--connect {lines[-1]}")
+                for line in self._caller.lines():
+                    if "refused" in line:
+                        raise InputError(f"--connect {line}")
+                    self._say(line)
                 for answer in self._known():
                     return answer.took_ns
                 if self._misfit:
@@ -209,15 +213,19 @@ class Remote:
             pending = self._pending.pop(number)
             if arrival.frame.size != pending.size or len(arrival.frame.views) != len(pending.views):
                 self.refused += 1
+                self._leave_out("another size or number of eyes than requested", "")
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             try:
-                decoded = self._decoder.decode(arrival.frame)
-            except Undecodable:
+                decoded = self._decoder.decode(wanted_alone(arrival.frame, pending.wanted))
+            except Undecodable as error:
                 self.undecodable += 1
+                self._leave_out("they cannot be decoded", f" ({error})")
                 continue
             if wrong := misfit(decoded, pending.wanted):
-                self._leave_out(wrong)
+                self.refused += 1
+                self._misfit = wrong
+                self._leave_out(wrong, "")
                 continue
             self._compare(pending.views, decoded.views)
             took_ns = arrival.heard_ns - pending.sent_ns
@@ -239,11 +247,11 @@ class Remote:
                 "drawn is a hole"
             )
 
-    def _leave_out(self, wrong: str) -> None:
-        self.refused += 1
-        if wrong != self._misfit:
-            self._misfit = wrong
-            self._say(f"{self._caller.address}: frames are left out: {wrong}")
+    def _leave_out(self, kind: str, what: str) -> None:
+        """Say, once for each kind, what is wrong with frames that are left out."""
+        if kind not in self._told and len(self._told) < _MOST_TOLD:
+            self._told.add(kind)
+            self._say(f"{self._caller.address}: frames are left out: {kind}{what}")
 
     def _tell(self) -> None:
         for line in self._caller.lines():

@@ -234,6 +234,8 @@ class RemoteFrames:
             textures = (target.colour, target.inverse_depth)
             eyes.append(EyeImage(view, *textures, further, drawn_ns=pending.drawn_ns, depth_error=error))
             eyes[-1] = attrs.evolve(eyes[-1], is_drawn=self.requested.pictures)
+        if found.layers:  # a server may choose the size of some
+            self.server.trim()
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
 

@@ -185,6 +185,13 @@ class Server(Renderer):
         yield self._buffers
         yield from (drawing.buffers for drawing in self._moving)
 
+    def trim(self) -> None:
+        """Free what frames of other sizes needed, but a little; see Renderer.trim."""
+        for part in self._parts.values():
+            part.trim()
+        self._framebuffers.trim()
+        super().trim()
+
     @property
     def textures(self) -> SceneTextures:
         """The scene's textures."""
