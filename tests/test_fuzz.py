@@ -1,0 +1,45 @@
+"""fuzz.py finds what it must; `make fuzz` runs it (tests/test_make.py)."""
+
+from __future__ import annotations
+
+import random
+
+import fuzz
+import pytest
+
+
+@pytest.mark.parametrize(
+    ("work", "told"),
+    [
+        (lambda: 1 / 0, "ZeroDivisionError"),
+        (lambda: bytes(4 << 30) and 0, "MemoryError"),
+        (lambda: next(k for k in iter(int, 1)), "killed|over 1 s of CPU"),
+    ],
+    ids=["fault", "memory", "time"],
+)
+def test_what_a_case_must_not_do_is_found(work, told, tmp_path, monkeypatch):
+    monkeypatch.setattr(fuzz, "MOST_CPU_S", 1)
+    outcome = fuzz.in_child(work, tmp_path / "told")
+    assert outcome.status not in (fuzz.READ, fuzz.REFUSED)
+    assert any(each in outcome.text for each in told.split("|"))
+
+
+def test_damage_gets_past_lengths_and_checksums():
+    """Half of the damaged containers or more can still be opened as such."""
+    import io
+    import zipfile
+
+    import numpy as np
+    from PIL import Image
+    from scenes.glb import Glb
+
+    opened, rng = {"npz": 0, "png": 0}, random.Random(1)
+    packed, picture = io.BytesIO(), io.BytesIO()
+    np.savez(packed, colour=np.ones((4, 4, 3)))
+    Image.new("RGB", (4, 4)).save(picture, "PNG")
+    for _ in range(50):
+        archive = zipfile.ZipFile(io.BytesIO(fuzz.damaged_zip(packed.getvalue(), rng)))
+        opened["npz"] += archive.testzip() is None
+        opened["png"] += fuzz.damaged_png(picture.getvalue(), rng)[:4] == b"\x89PNG"
+        assert fuzz.damaged_glb(Glb().data(), rng)[:4] == b"glTF"
+    assert min(opened.values()) == 50
