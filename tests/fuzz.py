@@ -653,7 +653,8 @@ def in_child(work: Callable[[], int], told: Path) -> Outcome:
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
             os._exit(work())
         except BaseException:
-            traceback.print_exc()
+            os.write(2, traceback.format_exc().encode())
+        finally:
             os._exit(FAULT)
     _, status, used = os.wait4(child, 0)
     code = os.waitstatus_to_exitcode(status)
