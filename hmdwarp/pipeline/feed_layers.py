@@ -94,7 +94,8 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
         )
         for of_eye, view, depth in zip(found, frame.views, frame.inverse_depths, strict=True):
             if len(of_eye.get(VELOCITY, ())) > 1:
-                assert not isinstance(depth, bytes), "it is decoded before"
+                if isinstance(depth, bytes):
+                    raise InputError("motion vectors without depth")
                 of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, depth)]
     except (BadPart, InputError) as error:
         raise Undecodable(str(error)) from error

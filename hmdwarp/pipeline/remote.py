@@ -17,6 +17,7 @@ import numpy as np
 
 from ..errors import InputError, MachineError
 from ..frames import Needs
+from ..frames.layers import PICTURE
 from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
@@ -26,7 +27,7 @@ from ..sources.feed.message import ANY, Ask, FrameMessage, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import FeedDecoder, codec_of
+from .feed_coding import FeedDecoder, codec_of, left_out, reading
 from .feed_layers import misfit, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
@@ -38,6 +39,7 @@ _MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
 _MS = 1e6
+NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
 @attrs.frozen(eq=False)
@@ -92,6 +94,8 @@ class Remote:
         self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
+        # What is read of the eyes' pictures; the rest is not sent.
+        self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
         # The last instant for which the loop knows what had arrived.
         self._told_ns: int | None = None
@@ -109,7 +113,7 @@ class Remote:
         needs: Needs | None = None,
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
-        fovs, grown = guarded_eyes(views, guard, size)
+        fovs, grown = guarded_eyes(views, guard, size if self.pictures else NO_PICTURE)
         wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
         self._number += 1
         # Requested once, and again only if that request will have no answer.
@@ -118,7 +122,7 @@ class Remote:
             self._anew_number = self._number
         wanted = wanted_of(needs, views, size) if needs is not None else None
         times = (self._number, 0, now_ns, head.time_ns, 0)
-        ask = Ask(*times, grown, head.pose, wide, wish=self.wish, anew=anew, wanted=wanted)
+        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(ask)
         self._pending[self._number] = Pending(head, now_ns, sent_ns, grown, wide, wanted)
         while len(self._pending) > _MOST_PENDING:
@@ -222,7 +226,7 @@ class Remote:
                 self.undecodable += 1
                 self._leave_out("they cannot be decoded", f" ({error})")
                 continue
-            if wrong := misfit(decoded, pending.wanted):
+            if wrong := misfit(decoded, pending.wanted) or self._lacks(decoded):
                 self.refused += 1
                 self._misfit = wrong
                 self._leave_out(wrong, "")
@@ -236,6 +240,10 @@ class Remote:
             if self._keeps:
                 self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
+
+    def _lacks(self, frame: FrameMessage) -> str:
+        missing = sorted(name.removeprefix("rendered.") for name in self.pictures & left_out(frame, 0))
+        return f"the server sends no {' and no '.join(missing)}" if missing else ""
 
     def _compare(self, asked: Sequence[View], drawn: Sequence[View]) -> None:
         told = bool(self._apart)
@@ -298,7 +306,7 @@ class Remote:
 
 def _bytes_of(frame: FrameMessage) -> Counter[str]:
     pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-    found = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
+    found = +Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
     for of_eye in frame.layers:
         found.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
     return found

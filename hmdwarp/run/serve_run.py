@@ -23,7 +23,7 @@ from ..scenes import load_scene
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import key_pair
 from ..sources.feed.listener import Asked, Listener
-from ..sources.feed.message import ANY, Ask, FrameMessage
+from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .serve_options import ServeOptions
@@ -102,8 +102,8 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs)
     frame = _drawn(server, ask, needs)
-    pictures = list(_pictures(frame))
-    packs = (ask.wish.colour, ask.wish.depth) != (ANY, ANY)
+    pictures = list(_pictures(frame, ask))
+    packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE}
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
@@ -138,6 +138,8 @@ def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
-def _pictures(frame: Frame) -> Iterator[tuple[NDArray[np.floating], NDArray[np.floating]]]:
+def _pictures(frame: Frame, ask: Ask) -> Iterator[list[NDArray[np.floating] | bytes]]:
+    wishes = (ask.wish.colour, ask.wish.depth)
     for eye in frame.eyes:
-        yield download(eye.colour), download(eye.inverse_depth)
+        both = zip((eye.colour, eye.inverse_depth), wishes, strict=True)
+        yield [download(texture) if wish != NONE else b"" for texture, wish in both]

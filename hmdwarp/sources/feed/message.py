@@ -30,6 +30,8 @@ ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
 ANY = 0
+# Of a picture that is left out: neither wished nor sent.
+NONE = 255
 MOST_BYTES = int(bounds.MESSAGE.most)
 _KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", STUB: "frame in shared memory"}
 # Magic, version, kind, bytes of the whole message.
@@ -145,6 +147,11 @@ class FrameMessage:
     place: int = 0
     # Further layers of each eye; () for none.
     layers: tuple[Layers, ...] = ()
+
+    @property
+    def is_coded(self) -> bool:
+        """Whether a picture is bytes to decode, or is left out."""
+        return any(isinstance(picture, bytes) for picture in (*self.colours, *self.inverse_depths))
 
     @property
     def size(self) -> Size:
@@ -348,10 +355,10 @@ def _frame(data: Data) -> FrameMessage:
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
-    if not (RGBA16F <= colour <= HEVC and INVERSE_DEPTH <= depth <= DEPTH_VIDEO):
+    if colour not in (RGBA16F, RGBA8, H264, HEVC, NONE) or depth not in (INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, NONE):
         raise Malformed(
             f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
-            f"{DEPTH_VIDEO} for depth"
+            f"{DEPTH_VIDEO} for depth, {NONE} for none"
         )
     at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size
@@ -364,6 +371,8 @@ def _frame(data: Data) -> FrameMessage:
     colours: list[NDArray[Any] | bytes] = []
     depths: list[NDArray[Any] | bytes] = []
     for of_colour, of_depth in lengths:
+        if (colour == NONE and of_colour) or (depth == NONE and of_depth):
+            raise Malformed(f"pictures of {of_colour} and {of_depth} bytes in formats {colour} and {depth}: expected 0")
         colours.append(_picture(data, at, of_colour, _COLOURS.get(colour), (height, width, 4)))
         depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
         at += of_colour + of_depth

@@ -58,5 +58,4 @@ class Viewer:
 
 def _is_picture(frame: FrameMessage, size: tuple[int, int]) -> bool:
     """Return whether it is one eye's picture of that size, as numbers."""
-    is_coded = any(isinstance(picture, bytes) for picture in (*frame.colours, *frame.inverse_depths))
-    return frame.size == size and len(frame.views) == 1 and not is_coded and frame.is_finite
+    return frame.size == size and len(frame.views) == 1 and not frame.is_coded and frame.is_finite

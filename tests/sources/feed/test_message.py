@@ -21,6 +21,7 @@ from hmdwarp.sources.feed.message import (
     HEVC,
     INVERSE_DEPTH,
     MOST_BYTES,
+    NONE,
     Ask,
     BadRequest,
     FrameMessage,
@@ -120,6 +121,18 @@ def test_coded_pictures_and_the_wish_for_them_come_back_bit_for_bit():
     mixed = decode(encode(attrs.evolve(CODED, inverse_depths=FRAME.inverse_depths)))
     assert mixed.colours == CODED.colours and mixed.depth == INVERSE_DEPTH
     np.testing.assert_array_equal(mixed.inverse_depths[1], FRAME.inverse_depths[1])
+
+
+def test_a_picture_that_is_left_out_has_no_bytes():
+    neither = attrs.evolve(CODED, colours=(b"", b""), inverse_depths=(b"", b""), colour=NONE, depth=NONE)
+    back = decode(encode(neither))
+    assert (back.colour, back.depth, back.bytes, back.size) == (NONE, NONE, 0, (4, 3))
+    no_depth = decode(encode(attrs.evolve(neither, colours=FRAME.colours)))
+    assert no_depth.size == (4, 3) and no_depth.inverse_depths == (b"", b"")
+    with pytest.raises(Malformed, match="6 and 0 bytes in formats 255"):
+        decode(encode(attrs.evolve(neither, colours=CODED.colours)))
+    with pytest.raises(Malformed, match="formats 255 and 4"):
+        decode(encode(attrs.evolve(neither, depth=4)))
 
 
 def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():
