@@ -266,13 +266,9 @@ def damaged_exr(data: bytes, rng: random.Random) -> bytes:
         case _:
             attributes[k] = name, damaged_bytes(value, rng)
     head = b"".join(name + struct.pack("<I", len(value)) + value for name, value in attributes)
-    rest, count = data[at + 1 :], 0
-    # The table of offsets follows: each moves with the header.
-    moved = 8 + len(head) - at
-    while (start := int.from_bytes(rest[8 * count : 8 * count + 8], "little")) and start < len(data) and count < 4096:
-        count += 1
-        if start == at + 1 + 8 * count:
-            break
+    # The table of offsets follows, up to where the first one points: each moves with the header.
+    rest, moved = data[at + 1 :], 8 + len(head) - at
+    count = min(max(0, (int.from_bytes(rest[:8], "little") - at - 1) // 8), 4096)
     table = b"".join(struct.pack("<Q", int.from_bytes(rest[8 * i : 8 * i + 8], "little") + moved) for i in range(count))
     return data[:8] + head + b"\0" + table + rest[8 * count :]
 
@@ -280,6 +276,8 @@ def damaged_exr(data: bytes, rng: random.Random) -> bytes:
 def damaged_mcap(data: bytes, rng: random.Random) -> bytes:
     """Return the recording with a record damaged, in a chunk too; lengths fit, no checksums."""
     records = [list(record) for record in _records(data[8:-8])]
+    # Without the summary, whose offsets would no longer fit: up to the end of data, and a footer.
+    records = records[: 1 + [kind for kind, _ in records].index(15)]
     inside = [record for record in records if record[0] == 6]
     one = rng.choice(records)
     if inside and rng.random() < 0.7:
@@ -297,7 +295,7 @@ def damaged_mcap(data: bytes, rng: random.Random) -> bytes:
         one[1] = one[1][:16] + struct.pack("<QIIQ", len(body), 0, 0, len(body)) + body
     else:
         one[1] = damaged_bytes(one[1], rng)
-    return data[:8] + _packed(records) + data[-8:]
+    return data[:8] + _packed([*records, [2, bytes(20)]]) + data[-8:]
 
 
 def _records(data: bytes) -> Iterator[tuple[int, bytes]]:

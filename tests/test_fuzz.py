@@ -35,13 +35,14 @@ FOUND = {
     ),
     "an instant beyond 64 bits": ("frames pictures", "1.json", rb'"time_s": [\d.]+', b'"time_s": 1e308'),
     "an instant that is a list of lists": ("frames pictures", "1.json", rb'"time_s": [\d.]+', b'"time_s": [1, [2]]'),
+    "pixels that the library leaves out and prints": ("frames exr", "1.exr", rb"(?s).{40}\Z", b"\xff" * 40),
 }
 
 
 @pytest.mark.parametrize("found", FOUND)
 def test_what_was_found_is_refused(found, tmp_path):
     name, file, there, instead = FOUND[found]
-    target = fuzz.targets()[name]
+    target = fuzz.targets().get(name) or pytest.skip(f"{name}: its package is not installed")
     target.write(tmp_path)
     valid = (tmp_path / file).read_bytes()
     damaged = re.sub(there, instead, valid, count=1)

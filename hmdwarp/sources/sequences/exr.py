@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
+import os
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +21,7 @@ from ...resources import import_extra
 # Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
 FAR_M = 1e9
 _COLOUR = ("R", "G", "B")
+_turn = threading.Lock()
 
 
 @attrs.frozen(eq=False)
@@ -53,7 +60,7 @@ def read_exr(path: Path) -> ExrPicture:
     if not path.is_file():
         raise InputError(f"{path}: no such file")
     try:
-        with library.File(str(path), separate_channels=True) as file:
+        with _told_of_damage(), library.File(str(path), separate_channels=True) as file:
             parts = len(file.parts)
             head, channels = dict(file.header()), {name: one.pixels for name, one in file.channels().items()}
     except Exception as error:  # the library raises RuntimeError, OSError and its own for damaged files
@@ -83,6 +90,30 @@ def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m:
     channels |= {"A": alpha.astype(np.float16), "Z": np.ascontiguousarray(depth_m, np.float32)}
     head = {"compression": library.ZIP_COMPRESSION, "type": library.scanlineimage}
     library.File(head, channels).write(str(path))
+
+
+@contextmanager
+def _told_of_damage() -> Iterator[None]:
+    """Raise ValueError for what the library prints instead of raising: pixels are missing then."""
+    with _turn, tempfile.TemporaryFile() as held:
+        kept = [(number, os.dup(number)) for number in (1, 2)]
+        for number, _ in kept:
+            os.dup2(held.fileno(), number)
+        try:
+            yield
+        finally:
+            ctypes.CDLL(None).fflush(None)
+            for number, copy in kept:
+                os.dup2(copy, number)
+                os.close(copy)
+        held.seek(0)
+        lines = held.read().splitlines()
+    about = [line for line in lines if b"EXR_ERR" in line or b"Exception raised" in line]
+    for line in lines:  # of another thread meanwhile
+        if line not in about:
+            os.write(2, line + b"\n")
+    if about:
+        raise ValueError(about[0].decode(errors="replace").rpartition(": ")[2] or "pixels are missing")
 
 
 def _library() -> Any:
