@@ -35,12 +35,12 @@ FOUND = {
     ),
     "an instant beyond 64 bits": ("frames pictures", "1.json", rb'"time_s": [\d.]+', b'"time_s": 1e308'),
     "an instant that is a list of lists": ("frames pictures", "1.json", rb'"time_s": [\d.]+', b'"time_s": [1, [2]]'),
-    "pixels that the library leaves out and prints": ("frames exr", "1.exr", rb"(?s).{40}\Z", b"\xff" * 40),
+    "pixels whose library prints three lines of its own": ("frames exr", "1.exr", rb"(?s).{40}\Z", b"\xff" * 40),
 }
 
 
 @pytest.mark.parametrize("found", FOUND)
-def test_what_was_found_is_refused(found, tmp_path):
+def test_what_was_found_is_refused_in_one_line(found, tmp_path, capfd):
     name, file, there, instead = FOUND[found]
     target = fuzz.targets().get(name) or pytest.skip(f"{name}: its package is not installed")
     target.write(tmp_path)
@@ -48,6 +48,8 @@ def test_what_was_found_is_refused(found, tmp_path):
     damaged = re.sub(there, instead, valid, count=1)
     (tmp_path / file).write_bytes(damaged)
     assert damaged != valid and fuzz.read(target, tmp_path, None) == fuzz.REFUSED
+    printed = capfd.readouterr()
+    assert printed.out.count("\n") == 1 and not printed.err
 
 
 def test_damage_gets_past_lengths_and_checksums():

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
+import io
 import os
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -59,12 +59,15 @@ def read_exr(path: Path) -> ExrPicture:
     library = _library()
     if not path.is_file():
         raise InputError(f"{path}: no such file")
+    damage: list[str] = []
     try:
-        with _told_of_damage(), library.File(str(path), separate_channels=True) as file:
+        with _printed_to(damage), library.File(str(path), separate_channels=True) as file:
             parts = len(file.parts)
             head, channels = dict(file.header()), {name: one.pixels for name, one in file.channels().items()}
     except Exception as error:  # the library raises RuntimeError, OSError and its own for damaged files
-        raise InputError(f"{path}: not an EXR file that can be read ({error})") from error
+        raise InputError(f"{path}: not an EXR file that can be read ({[*damage, error][0]})") from error
+    if damage:
+        raise InputError(f"{path}: not an EXR file that can be read ({damage[0]})")
     if parts > 1:
         raise InputError(f"{path}: {parts} parts; expected one: write a file of one part")
     if "deep" in str(head.get("type", "")).lower():
@@ -93,27 +96,27 @@ def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m:
 
 
 @contextmanager
-def _told_of_damage() -> Iterator[None]:
-    """Raise ValueError for what the library prints instead of raising: pixels are missing then."""
-    with _turn, tempfile.TemporaryFile() as held:
-        kept = [(number, os.dup(number)) for number in (1, 2)]
-        for number, _ in kept:
-            os.dup2(held.fileno(), number)
+def _printed_to(damage: list[str]) -> Iterator[None]:
+    """Hold what the library prints of damage beside what it raises.
+
+    Its core writes to standard error, its binding prints a warning.
+    """
+    with _turn, tempfile.TemporaryFile() as held, redirect_stdout(io.StringIO()) as printed:
+        kept = os.dup(2)
+        os.dup2(held.fileno(), 2)
         try:
             yield
         finally:
-            ctypes.CDLL(None).fflush(None)
-            for number, copy in kept:
-                os.dup2(copy, number)
-                os.close(copy)
-        held.seek(0)
-        lines = held.read().splitlines()
-    about = [line for line in lines if b"EXR_ERR" in line or b"Exception raised" in line]
-    for line in lines:  # of another thread meanwhile
-        if line not in about:
-            os.write(2, line + b"\n")
-    if about:
-        raise ValueError(about[0].decode(errors="replace").rpartition(": ")[2] or "pixels are missing")
+            os.dup2(kept, 2)
+            os.close(kept)
+            held.seek(0)
+            for line in held.read().splitlines(keepends=True):
+                if b"EXR_ERR" in line:
+                    damage.append(" ".join(line.decode(errors="replace").rpartition(") ")[2].split()))
+                else:
+                    os.write(2, line)  # of another thread meanwhile
+            if not damage and "Exception raised" in printed.getvalue():
+                damage.append("pixels are missing")
 
 
 def _library() -> Any:
