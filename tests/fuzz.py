@@ -40,7 +40,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-MOST_MIB, MOST_CPU_S, MOST_WALL_S = 1024, 20, 300
+MOST_MIB, MOST_CPU_S, MOST_WALL_S = 1024, 20, 900
 READ, REFUSED, FAULT = 0, 2, 1
 IN = "taken"  # some layouts have a file beside their folder
 HERE = Path(__file__).resolve()
@@ -546,9 +546,9 @@ def _scenes() -> Iterator[tuple[str, Target]]:
 def _tables() -> Iterator[tuple[str, Target]]:
     from hmdwarp.client.classes import load_client
     from hmdwarp.headsets import load_headset
-    from hmdwarp.study.analysis.claims import load_claims
+    from hmdwarp.study.analysis import load_claims
     from hmdwarp.study.design import load_design
-    from hmdwarp.study.respondents.model_files import load_model
+    from hmdwarp.study.respondents import load_model
     from hmdwarp.study.scales import load_scale
 
     package = ROOT / "hmdwarp"
@@ -572,7 +572,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 def _results() -> Iterator[tuple[str, Target]]:
     from hmdwarp.link.delays.trace import read_delays
     from hmdwarp.run.bench_levels import read_rows
-    from hmdwarp.study.analysis.table_ratings import from_csv
+    from hmdwarp.study.analysis import from_csv
 
     def bench(folder: Path) -> None:
         from bench_files import a_row
