@@ -16,7 +16,7 @@ import moderngl
 
 from ..errors import InputError, MachineError
 from . import egl
-from .raw_gl import reset_status_of
+from .raw_gl import gl_function, reset_status_of
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
 
@@ -136,6 +136,13 @@ class Gpu:
                 f"{self.renderer} was reset, and its pictures are lost ({why}): start again; "
                 "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
             )
+
+    def wait(self) -> None:
+        """Wait until everything is drawn, while other threads go on: moderngl's calls hold them up.
+
+        Half a second of 2048x2048 pixels on a CPU, after which reading takes a few ms.
+        """
+        gl_function("glFinish", None)()
 
     def give_back_memory(self) -> None:
         """Give freed memory, of textures too, back to the system, where the CPU renders.

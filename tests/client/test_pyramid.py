@@ -32,6 +32,8 @@ def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
         LEAST_LOCAL,
         LEAST_BORDER,
         CRACK_BORDER,
+        holed.inputs.middle,
+        (holed.inputs.rendered.view, holed.size),
     )
     return pyramid(holed.colour, holed.inverse_depth, chosen)
 
