@@ -50,6 +50,7 @@ class GltfFile:
     unpacked: dict[int, NDArray[Any]] = attrs.field(
         factory=dict
     )  # numbers of accessors that came compressed, by accessor
+    lists: dict[str, list[dict[str, Any]]] = attrs.field(factory=dict, init=False)  # by kind, once they are checked
 
     @classmethod
     def read(cls, path: Path) -> GltfFile:
@@ -115,10 +116,12 @@ class GltfFile:
 
     def items(self, kind: str) -> list[dict[str, Any]]:
         """Return all items of a kind, such as "nodes"; none if the file lacks the list."""
+        if kind in self.lists:
+            return self.lists[kind]
         found = self.header.get(kind, [])
         if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
             raise self.error(f"its '{kind}' are not a list of objects; export it again")
-        return found
+        return self.lists.setdefault(kind, found)
 
     def item(self, kind: str, index: object, user: str) -> dict[str, Any]:
         """Return item `index` of a kind. Errors: SceneError, naming the `user` of the index."""

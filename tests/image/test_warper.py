@@ -240,6 +240,28 @@ def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
     given.release()
 
 
+@pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
+def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest, least, gpu):
+    """A half ends at 65504, sRGB at 0 and 1.
+
+    Depth that is off by half a step of 16 bits is at its plane.
+    """
+    colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
+    upload(colour, np.broadcast_to(np.array([np.inf, -np.inf, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
+    values = np.full(SIZE[::-1], 1 + 5e-6, np.float32)
+    values[0], values[1], values[2] = -5e-6, 1 + 1e-5, -1e-5
+    upload(depth, values)
+    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
+        layer = DepthLayer(0, 1, 0.125, np.inf)
+        out = warper.warp_textures(colour, depth, view(), view(), depth_as=layer, encoding=encoding)
+        light, inverse = download(out.colour)[..., :2], download(out.inverse_depth)
+    covered = np.abs(values - 0.5) < 0.5 + 8e-6
+    assert (light[covered] == (largest, least)).all() and (light[~covered] == 0).all()
+    assert (inverse == np.where(covered, np.where(values < 0, 8, 0), -1)).all()
+    colour.release()
+    depth.release()
+
+
 def test_a_shared_context_may_be_used_from_any_thread():
     colour, depth = picture(8)
     found = []
