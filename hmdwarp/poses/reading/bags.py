@@ -63,6 +63,8 @@ class Bag:
             for connection, time_ns, raw in (
                 self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ()
             ):
+                if not isinstance(time_ns, int):  # any column of SQLite may hold text
+                    raise ValueError(f"a message at {time_ns!r}")  # noqa: TRY301 (said as the reader's own)
                 yield connection.topic, time_ns, self._reader.deserialize(raw, connection.msgtype)
         except HmdwarpError:
             raise

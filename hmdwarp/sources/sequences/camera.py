@@ -142,10 +142,14 @@ def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
     """Return fx, fy, cx, cy of four numbers or of a 3x3 matrix, whose zeros say which way it is."""
     if isinstance(value, Mapping):  # as OpenCV writes a matrix
         value = value.get("data")
-    numbers = np.ravel(np.asarray(value, dtype=object)).tolist()
+    try:
+        shape = np.shape(value)
+    except ValueError:  # rows of several lengths
+        shape = ()
+    numbers = np.ravel(np.asarray(value, dtype=object)).tolist() if shape else []
     if name == "intrinsics" and len(numbers) == 4:
         return numbers_of(where, name, numbers, 4)
-    if np.shape(value) not in ((9,), (3, 3)):
+    if shape not in ((9,), (3, 3)):
         four = "4 numbers fx, fy, cx, cy, or " if name == "intrinsics" else ""
         raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected {four}9 numbers of a 3x3 matrix")
     matrix = np.reshape(numbers_of(where, name, numbers, 9), (3, 3))
@@ -219,6 +223,11 @@ def number_of(
     if not is_number or not math.isfinite(value) or not above < value <= most:
         raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected {expected}")
     return float(value)
+
+
+def seconds_of(where: str | Path, key: str, value: Any) -> float:
+    """Return an instant in seconds that 64 bits of nanoseconds hold. Errors: InputError."""
+    return number_of(where, key, value, "seconds, -9e9 to 9e9", above=-9e9, most=9e9)
 
 
 def scale_of(where: str | Path, value: Any) -> float:

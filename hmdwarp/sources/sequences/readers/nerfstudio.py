@@ -15,7 +15,7 @@ from ....geometry import Pose
 from ....options.named_files import enter, named_in
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import parse_axes
-from ..camera import Camera, camera_of, number_of, read_json, scale_of, unread_notes
+from ..camera import Camera, camera_of, number_of, read_json, scale_of, seconds_of, unread_notes
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import PICTURES, read_depth, size_of
 from ..recorded import AXES, CLOCK, INTRINSICS, NO_DEPTH, POSE, RecordedFrame, Sequence
@@ -174,7 +174,7 @@ def _times(wheres: list[str], whole: list[Mapping[str, Any]], options: SequenceO
     if not key or options.frames_rate_hz is not None and key == "timestamp":
         return [round(number * step_ns) for number in range(len(whole))], clock_of(options)
     values = [entry.get(key) for entry in whole]
-    found = [number_of(where, key, one, "seconds") for where, one in zip(wheres, values, strict=True)]
+    found = [seconds_of(where, key, one) for where, one in zip(wheres, values, strict=True)]
     if key == "time" and _is_share(found):
         last, spread = len(found) - 1, max(found) - min(found)
         times = [round((value - min(found)) / (spread or 1) * last * step_ns) for value in found]
