@@ -29,6 +29,7 @@ from ._notes import Notes
 from ._picture_files import read_beside, rgba_of
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
+_LONGEST_NAME = 1000  # characters of a path
 _HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk
 _NUMBERS: dict[Any, Any] = {
     5120: np.int8,
@@ -112,6 +113,8 @@ class GltfFile:
                 return base64.b64decode(unquote(data), validate=True) if ";base64" in head else unquote_to_bytes(data)
             except (binascii.Error, ValueError) as error:
                 raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
+        if len(uri) > _LONGEST_NAME:
+            raise self.error(f"{user}: a name of {len(uri)} characters in place of a file's; export it again")
         try:
             return read_beside(self.path.parent, uri)
         except InputError as error:
