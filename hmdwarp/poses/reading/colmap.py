@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from ...options.named_files import LIST, content_of
 from .made import Made, rows_text
 
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
@@ -132,7 +133,10 @@ def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
         name = stream.read(max(0, end - begin))
         stream.read(1)
         yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
-        stream.seek(_POINT_BYTES * _count(path, stream), io.SEEK_CUR)
+        points = _POINT_BYTES * _count(path, stream)
+        if points > len(raw) - stream.tell():
+            raise _cut(path)
+        stream.seek(points, io.SEEK_CUR)
 
 
 def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
@@ -153,15 +157,16 @@ def _count(path: Path, stream: io.BytesIO) -> int:
 def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[Any, ...]:
     data = stream.read(form.size)
     if len(data) < form.size:
-        raise TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
+        raise _cut(path)
     return form.unpack(data)
 
 
+def _cut(path: Path) -> TraceError:
+    return TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
+
+
 def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise TraceError(f"{path}: cannot be read ({error.strerror or error})") from None
+    return content_of(path, attrs.evolve(LIST, error=TraceError))
 
 
 def _lines(path: Path, raw: bytes) -> list[str]:
