@@ -231,7 +231,9 @@ def test_a_server_that_is_stopped_is_told_and_taken_up_again(seconds):
         steps_until(lambda came: came)
         one.process.send_signal(signal.SIGSTOP)
         begun = time.monotonic()
-        steps_until(lambda _: any("not a byte" in line for line in lines) and time.monotonic() - begun >= seconds)
+        # Both are told at about the same time: that no frame comes, and why.
+        told = ("not a byte", "the last one stays")
+        steps_until(lambda _: all(text in "".join(lines) for text in told) and time.monotonic() - begun >= seconds)
         one.process.send_signal(signal.SIGCONT)
         steps_until(lambda came: came and not remote.notice)
         assert any("frames come again" in line for line in lines)
