@@ -178,6 +178,8 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
     """
     path = folder / DATABASE
     with translated(path):
+        with suppress(OSError):  # SQLite says why; its log gets the same mode
+            os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600))
         db = _connect(path, "mode=rwc")
         try:
             new = _is_empty(db)

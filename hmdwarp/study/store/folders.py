@@ -12,7 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from ...errors import HmdwarpError, InputError, MachineError
-from ...report import sync
+from ...report import keep_private, sync
 from ..design import Design
 from .records import ORIGINS, PERSON
 
@@ -191,6 +191,7 @@ def _check_ours(folder: Path) -> None:
 def sync_trace(path: Path) -> bool:
     """Sync a trace and its folder; False where there is no trace. Errors: MachineError."""
     try:
+        keep_private(path)
         sync(path)
         sync(path.parent)
     except FileNotFoundError:

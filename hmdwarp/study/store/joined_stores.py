@@ -18,6 +18,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...report import keep_private
 from ...resources import __version__
 from . import database, queries
 from .admission import insert
@@ -136,6 +137,7 @@ def _written(
             into.execute("PRAGMA journal_mode = DELETE")  # all of it in one file
         for site, db in opened.items():
             _copy_traces(db, sites[site] / TRACES, making / TRACES)
+        keep_private(*making.rglob("*"))
         making.rename(out)
     except BaseException:
         shutil.rmtree(making, ignore_errors=True)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Protocol, Self
 
 from ...errors import HmdwarpError, InputError
+from ...report import keep_private
 from ...resources import __version__
 from . import database, queries
 from .database import transaction
@@ -120,6 +121,7 @@ class StoreConnection:
             make_folders(self.folder)
         else:
             _ = self._db  # there must be one
+        keep_private(self.folder, *self.folder.rglob("*"))
         lock = Lock(self.folder, self._clock.utc())
         try:
             db = database.open_to_write(self.folder, study or "", __version__)
