@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import attrs
 
 from ...errors import InputError
 from ...options import option, same_as
 from ...study.measure_options import MeasureOptions
+
+if TYPE_CHECKING:
+    from ...study.design import Design
 
 
 def study_field() -> Any:
@@ -43,3 +46,34 @@ def origin_of(pilot: bool, simulated: bool) -> str:
     if pilot and simulated:
         raise InputError("--pilot and --simulated: their data lie apart and are never mixed: one after the other")
     return PILOT if pilot else SIMULATED if simulated else PERSON
+
+
+class _Chosen(Protocol):
+    """Options that name a study and its data."""
+
+    @property
+    def study(self) -> str: ...
+
+    @property
+    def store(self) -> Path | None: ...
+
+    @property
+    def pilot(self) -> bool: ...
+
+    @property
+    def simulated(self) -> bool: ...
+
+
+def store_of(options: _Chosen) -> tuple[Path, Design | None]:
+    """Return folder of data and study; with --store the file of the study may be broken."""
+    from ...study.design import load_design
+    from ...study.store import store_folder
+
+    origin = origin_of(options.pilot, options.simulated)
+    try:
+        design = load_design(options.study, checked=False)
+    except InputError:
+        if options.store is None:
+            raise
+        return options.store, None
+    return store_folder(design, options.store, origin), design

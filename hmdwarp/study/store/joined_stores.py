@@ -178,7 +178,12 @@ class _Copy:
             of,
             lambda row: {"session": sessions[row["session"]], "showing": showings.get(row["showing"])},
         )
-        self._table("event", of, lambda row: {"session": sessions[row["session"]]})
+        events = self._table("event", of, lambda row: {"session": sessions[row["session"]]})
+        told = {"session": sessions, "showing": showings, "shown": showings, "answer": answers}
+        for old, new in events.items():
+            data = from_json(self._source.execute("SELECT data FROM event WHERE id = ?", (old,)).fetchone()[0])
+            _, what, row = data.get("seal", (0, "", 0))
+            database.seal(self._into, new, what, told.get(what, {}).get(row, 0))
         gone = "SELECT code FROM withdrawn UNION SELECT code FROM participant WHERE withdrawing"
         for (code,) in self._source.execute(gone):
             # Their bytes were never here.
