@@ -15,7 +15,7 @@ from urllib.parse import quote
 from ...errors import HmdwarpError, InputError, MachineError
 from ...report import counted, sync
 from .folders import DATABASE, TRACES, Journal, noted_journal
-from .pages import rows_in
+from .page_reader import rows_in
 from .records import from_json, to_json
 
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that

@@ -17,7 +17,7 @@ from ...resources import __version__
 from ..design import Design
 from . import database
 from .folders import DATABASE, TRACES, check_place, make_folders
-from .pages import Row, Value, rows_in
+from .page_reader import Row, Value, rows_in
 from .records import from_json, to_json
 from .signature import plan_signature
 
