@@ -20,6 +20,8 @@ OPTIONS =
 # Of test-kill: how many sessions are killed (of sweeps a twelfth), and a seed for when.
 KILLS = 500
 SEED = 1
+# Of test-requests; its seed is SEED.
+REQUESTS = 100000
 # Of test-soak.
 SOAK_SECONDS = 3600
 # Two workers even on two cores, which llvmpipe alone cannot keep busy. Whichever is done first takes
@@ -68,6 +70,9 @@ test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root a
 test-kill: setup  ## kill sessions of a study at 500 random moments, damage 500 stores, kill sweeps (KILLS=, SEED=): ten minutes
 	@STUDY_KILLS=$(KILLS) STUDY_DAMAGES=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py tests/study/store/test_damage.py -q $(OPTIONS)
 	@SWEEP_KILLS=$$(($(KILLS) / 12)) SWEEP_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/experiments/sweep/test_kill.py -q $(OPTIONS)
+
+test-requests: setup  ## 100,000 random requests to a server of the feed, all drawn (REQUESTS=, SEED=): an hour or two
+	@FEED_REQUESTS=$(REQUESTS) FEED_SEED=$(SEED) .venv/bin/python -m pytest tests/sources/feed/test_any_request.py -q -k within $(OPTIONS)
 
 test-soak: setup  ## the feed for an hour over a link that is cut now and then (SOAK_SECONDS=): nothing may grow
 	@.venv/bin/python tests/soak_feed.py --seconds $(SOAK_SECONDS)

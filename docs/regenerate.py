@@ -268,6 +268,13 @@ def lists_of_tests(_: Path) -> None:
     replace("contradicted", layouts.contradicted_text())
 
 
+def bounds(_: Path) -> None:
+    """Write what the numbers of the feed's messages may be."""
+    from hmdwarp.sources.feed.bounds import BOUNDS
+
+    replace("bounds", markdown(("number", "from, to"), [(bound.what, bound.text) for bound in BOUNDS], texts=2))
+
+
 def pictures(folder: Path) -> None:
     """Draw docs/opening.png: truth, late frame, warped and error of one refresh."""
     from PIL import Image
@@ -293,6 +300,7 @@ OWN: Mapping[str, Callable[..., None]] = {
     "keys": keys,
     "hard-cases": lists_of_tests,
     "trace layouts": lists_of_tests,
+    "bounds": bounds,
     "pictures": pictures,
     "readme": lambda _: replace("results", front_page()),
     # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.

@@ -82,7 +82,7 @@ _NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 @takes(WarpOptions)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
-    from ..client.plan import PICTURE
+    from ..frames.layers import PICTURE
     from ..image.image_files import has_depth, write_image
     from ..image.usable import plan_of
     from ..image.warper import warp_image

@@ -17,7 +17,6 @@ from .inputs import ShownPicture as ShownPicture
 from .plan import CLIENT_DEPTH as CLIENT_DEPTH
 from .plan import CLIENT_MODEL as CLIENT_MODEL
 from .plan import PANEL as PANEL
-from .plan import PICTURE as PICTURE
 from .plan import SHOWN as SHOWN
 from .plan import SHOWN_DEPTH as SHOWN_DEPTH
 from .plan import Plan as Plan

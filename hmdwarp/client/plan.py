@@ -13,7 +13,7 @@ import attrs
 
 from ..errors import InputError, PlanError
 from ..frames import Needs
-from ..frames.layers import layers, readable_names
+from ..frames.layers import PICTURE, layers, readable_names
 from ..options import Choice
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
@@ -21,8 +21,7 @@ from .lens import LensPass, lenses
 from .variants import CONVERGED, fill_text, parse_fills, parse_indirect, parse_warp
 from .warps import Warp
 
-# Layers of every frame, layers that the client makes itself, and pictures that passes hand on.
-PICTURE = ("rendered.colour", "rendered.inverse_depth")
+# Layers beside PICTURE of every frame, that the client makes itself, and that passes hand on.
 OTHERS = "rendered.others"
 CLIENT_DEPTH, CLIENT_MODEL = "client.inverse_depth", "client.model"
 CLIENT_SOFT_BODIES = "client.soft_bodies"

@@ -1,11 +1,13 @@
-"""A display without a screen: framebuffers, a recording as head, and a simulated clock.
+"""A display without a screen: framebuffers, and a recording as head.
 
-The clock advances by one refresh for each picture. The code is that of any run, but nothing is
-visible, and two runs are identical whatever the load of the machine.
+The code is that of any run, but nothing is visible. Its clock is simulated and advances by one
+refresh for each picture, so that two runs are identical whatever the load of the machine; beside a
+real network it is the machine's, and a refresh lasts as long as on a screen.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
 import moderngl
@@ -24,21 +26,22 @@ AHEAD = 2  # refreshes from a tick to its display time, as in a headset
 class OffscreenDisplay(SwitchableView):
     """A display.Display like a window's: hmdwarp corrects the lens.
 
-    Its clock stands still between pictures.
-
+    real_time: the clock is time.monotonic_ns; otherwise it stands still between pictures.
     gpu: None to create one.
     Errors: InputError without a trace, or for an unknown headset; MachineError without OpenGL.
     """
 
     name = "offscreen"
 
-    def __init__(self, options: DisplayOptions, gpu: Gpu | None = None) -> None:
+    def __init__(self, options: DisplayOptions, gpu: Gpu | None = None, *, real_time: bool = False) -> None:
         if options.trace is None:
             raise InputError("an offscreen display has no head to follow: name a recorded one by --trace")
         headset = options.emulated or load_headset(options.headset)
         super().__init__(headset, options.size, options.view)
         self.rate_hz = options.rate_hz or headset.refresh_hz
-        self._period_ns, self._at_ns = round(1e9 / self.rate_hz), 0
+        self._period_ns, self._real_time = round(1e9 / self.rate_hz), real_time
+        # When the refresh begins; on a simulated clock that is now.
+        self._at_ns = time.monotonic_ns() if real_time else 0
         self.source = LoopedSource(options.trace, self.now_ns)
         self._owns, self.gpu = gpu is None, gpu if gpu is not None else Gpu()
         self._presenter = Presenter(self.gpu)
@@ -48,17 +51,20 @@ class OffscreenDisplay(SwitchableView):
         self.about = {"display": "offscreen", **options.about_trace(), "renderer": self.gpu.renderer}
 
     def now_ns(self) -> int:
-        """Return the simulated time in nanoseconds."""
-        return self._at_ns
+        """Return the time in nanoseconds."""
+        return time.monotonic_ns() if self._real_time else self._at_ns
 
     def restart(self) -> None:
         """Restart the recording."""
         self.source.restart()
 
     def wait(self) -> Tick | None:
-        """Advance the time by one refresh and return at once."""
+        """Advance the time by one refresh: at once, or in real time when the next one begins."""
         self._at_ns += self._period_ns
-        return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns)
+        missed = max(0, (self.now_ns() - self._at_ns) // self._period_ns)
+        self._at_ns += missed * self._period_ns
+        time.sleep(max(0, self._at_ns - self.now_ns()) * 1e-9)
+        return Tick(self._at_ns + AHEAD * self._period_ns, self._period_ns, missed=missed)
 
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw the contents of a window into a framebuffer."""
@@ -68,7 +74,7 @@ class OffscreenDisplay(SwitchableView):
         for eye in range(count):
             panel = refresh.eyes[eye].panel if refresh is not None else None
             self._presenter.show(panel, into, (eye * w, 0, w, h), hardware_srgb=False, notice=notice)
-        return self._at_ns
+        return self.now_ns()
 
     def _framebuffer(self, size: tuple[int, int]) -> moderngl.Framebuffer:
         if self._target is None or self._target.size != size:

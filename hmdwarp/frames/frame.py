@@ -36,8 +36,8 @@ class EyeImage:
     drawn_ns: int = 0
     # 1/m by which a code may have changed the inverse depth of nearly every pixel; 0 as drawn.
     depth_error: float = 0.0
-    # False where the picture was not requested: it is empty, the further layers are there.
-    is_drawn: bool = True
+    # Of layers.PICTURE what no plan reads, and is empty therefore; the further layers are there.
+    left_out: frozenset[str] = frozenset()
 
     @property
     def size(self) -> tuple[int, int]:

@@ -36,6 +36,11 @@ def allocate(
     return texture
 
 
+def texture_bytes(texture: moderngl.Texture) -> int:
+    """Return the bytes of its pixels."""
+    return int(texture.width * texture.height * texture.components * int(texture.dtype[1:]))
+
+
 class Canvas:
     """A colour texture (rgba16f) that passes write into, with the framebuffer that clears it.
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
-from ..client.plan import CLIENT_DEPTH, OTHERS, PICTURE, SHOWN, SHOWN_DEPTH, Plan, build_plan
+from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
 from ..errors import InputError, PlanError
-from ..frames.layers import readable
+from ..frames.layers import PICTURE, readable
 
 # What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
 LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent", "reflection")

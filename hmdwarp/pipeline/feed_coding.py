@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import attrs
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import srgb8_from_linear
+from ..frames.layers import PICTURE
 from ..geometry import View
 from ..link.codec import (
     AS_VIDEO,
@@ -33,6 +34,7 @@ from ..sources.feed.message import (
     H264,
     HEVC,
     INVERSE_DEPTH,
+    NONE,
     RGBA8,
     RGBA16F,
     Ask,
@@ -64,6 +66,20 @@ def wish_of(coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[i
     )
 
 
+def reading(wish: Wish, pictures: Collection[str]) -> Wish:
+    """Return the wish without what nothing reads. pictures: as of PoseRequest."""
+    colour, depth = (
+        kind if name in pictures else NONE for name, kind in zip(PICTURE, (wish.colour, wish.depth), strict=True)
+    )
+    return attrs.evolve(wish, colour=colour, depth=depth)
+
+
+def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
+    """Return which pictures of a decoded frame did not come, by readable name."""
+    both = zip(PICTURE, (frame.colours[eye], frame.inverse_depths[eye]), strict=True)
+    return frozenset(name for name, picture in both if isinstance(picture, bytes))
+
+
 def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
     return {DEPTH_EXACT: wish.depth_step / 2, DEPTH_VIDEO: 2 * wish.depth_step}.get(frame.depth, 0.0)
@@ -80,6 +96,8 @@ class FeedEncoder:
     def __init__(self, ask: Ask) -> None:
         self.wish, self.size, self._place = ask.wish, ask.size, 0
         self._eyes = [_EyeEncoder(ask.wish, ask.size) for _ in ask.views]
+        # That a video's encoder holds pictures of.
+        self.pixels = len(self._eyes) * ask.size[0] * ask.size[1] if ask.wish.colour in _CODECS else 0
 
     def suits(self, ask: Ask) -> bool:
         """Return whether the next frame may follow on the ones before."""
@@ -138,10 +156,20 @@ class FeedDecoder:
         self.wants_anew = True
 
     def decode(self, frame: FrameMessage) -> FrameMessage:
-        """Return the frame with pictures. Errors: Undecodable, until one begins the stream anew."""
-        if not any(isinstance(colour, bytes) for colour in (*frame.colours, *frame.inverse_depths)):
+        """Return the frame with pictures, but for those left out.
+
+        Errors: Undecodable, until one begins the stream anew.
+        """
+        with np.errstate(over="ignore", invalid="ignore"):  # what overflows is not finite, and left out
+            found = self._decoded(frame)
+        if not found.is_finite:
+            raise Undecodable("numbers that are not finite in its pictures")
+        return unpacked(found)
+
+    def _decoded(self, frame: FrameMessage) -> FrameMessage:
+        if not frame.is_coded:
             self.wants_anew = False
-            return unpacked(frame)
+            return frame
         coded_as = frame.colour, frame.depth, frame.size, len(frame.views)
         if frame.begins and self._coded_as != coded_as:
             self._eyes, self._coded_as = [_EyeDecoder(frame) for _ in frame.views], coded_as
@@ -152,7 +180,7 @@ class FeedDecoder:
         found = [eye.decode(frame, colour, depth) for eye, colour, depth in pairs]
         self.wants_anew = False
         colours, depths = (tuple(of_eye) for of_eye in zip(*found, strict=True))
-        return unpacked(attrs.evolve(frame, colours=colours, inverse_depths=depths))
+        return attrs.evolve(frame, colours=colours, inverse_depths=depths)
 
 
 class _EyeDecoder:
@@ -164,11 +192,12 @@ class _EyeDecoder:
     def decode(self, frame: FrameMessage, colour: Any, depth: Any) -> tuple[NDArray[Any], NDArray[np.float32]]:
         if self._video is not None:
             depth = self._video.decode(Packet(frame.place, frame.begins, depth))
-        elif isinstance(depth, bytes):
+        elif frame.depth == DEPTH_EXACT:
             depth = self._depth.decode(depth)
         if self._colour is not None:
             self._colour.begin(frame.place, frame.begins)
             light = self._colour.decode(colour, frame.place)
-            # A video has no coverage: what has no depth was not drawn.
-            colour = np.dstack([light, np.where(depth < 0, 0, 255).astype(np.uint8)])
+            # A video has no coverage: what has no depth was not drawn. Without depth all of it was.
+            drawn = np.full(light.shape[:2], True) if frame.depth == NONE else depth >= 0
+            colour = np.dstack([light, np.where(drawn, 255, 0).astype(np.uint8)])
         return colour, depth

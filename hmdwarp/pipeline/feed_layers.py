@@ -16,8 +16,9 @@ from ..frames.layers import OWN, Layer, layers
 from ..geometry import View
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
+from ..sources.feed import bounds
 from ..sources.feed.message import FrameMessage
-from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed
+from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
 from ..sources.server import Renderer
 from .motion_vectors import velocity_of
 
@@ -26,6 +27,7 @@ _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
 VELOCITY = "velocity"
 # In m, m/s and rad/s: what moves is multiplied by its age and stays a number.
 _LARGEST = 1e6
+_MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
 
 
 def fed(needs: Needs) -> list[str]:
@@ -51,8 +53,10 @@ def needs_of_client(wanted: Wanted | None) -> Needs:
             raise InputError(f"there is no layer '{name}' here")
         try:
             found[name] = type(layers.get(name).something)(number)
-        except ValueError as error:
-            raise InputError(f"{number} of layer '{name}': {error}") from error
+        except ValueError:  # its text has several lines
+            found[name] = 0
+        if _number_of(found[name]) != number:
+            raise InputError(f"there is no {number} of layer '{name}': docs/feed.md says how much there is")
     return Needs(**found)
 
 
@@ -90,10 +94,28 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
         )
         for of_eye, view, depth in zip(found, frame.views, frame.inverse_depths, strict=True):
             if len(of_eye.get(VELOCITY, ())) > 1:
-                assert not isinstance(depth, bytes), "it is decoded before"
+                if isinstance(depth, bytes):
+                    raise InputError("motion vectors without depth")
                 of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, depth)]
     except (BadPart, InputError) as error:
         raise Undecodable(str(error)) from error
+    return attrs.evolve(frame, layers=found)
+
+
+def wanted_alone(frame: FrameMessage, wanted: Wanted | None) -> FrameMessage:
+    """Return the frame with the requested layers alone: others are never unpacked.
+
+    Errors: Undecodable where one claims to be larger than requested.
+    """
+    names = {} if wanted is None else dict(wanted.layers)
+    found = tuple({name: of_eye[name] for name in of_eye if name in names} for of_eye in frame.layers)
+    for of_eye in found:
+        for name, parts in of_eye.items():
+            assert wanted is not None
+            layer, sizes = layers.get(name), sizes_of(wanted, frame.size)
+            most = bounds.most_beside(frame.size) if layer.size_class == OWN else layer.bytes(names[name], sizes)
+            if unpacked_bytes([{name: parts}]) > most + _MOST_TABLE:
+                raise Undecodable(f"layer '{name}' claims to be larger than requested")
     return attrs.evolve(frame, layers=found)
 
 
@@ -121,8 +143,12 @@ def _misfit_of(layer: type[Layer], number: int, parts: list[Any], sizes: EyeSize
         channels, dtype = _KINDS[form]
         wide, high = one.shape[1::-1] if layer.size_class == OWN else layer.size(sizes)
         shape = (high, wide, channels) if channels > 1 else (high, wide)
+        if layer.size_class == OWN and one.nbytes > bounds.most_beside(sizes.rendered):
+            return f"{wide}x{high} pixels beside {sizes.rendered[0]}x{sizes.rendered[1]}: too many"
         if one.shape != shape or one.dtype != np.dtype(dtype):
             return f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
+        if one.dtype.kind == "f" and not np.isfinite(one).all():
+            return "numbers that are not finite"
     if numbers and (numbers[0].dtype != np.float64 or not (np.abs(numbers[0]) <= _LARGEST).all()):
         return f"numbers beside its pictures: expected f64 of {_LARGEST:g} at most"
     return layer.misfit(pictures, numbers[0] if numbers else None)

@@ -79,7 +79,7 @@ class ServerFrames:
                 asked.needs,
                 shown_size=asked.size,
                 age_ns=asked.age_ns,
-                pictures=asked.pictures,
+                pictures=bool(asked.pictures),
             )
         return attrs.evolve(frame, head=frame.head or head, drawing=timer.lap())
 

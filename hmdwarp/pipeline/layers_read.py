@@ -29,9 +29,9 @@ class Reads:
         return cls(frozenset(name for plan in plans for name in plan.layers), needs_of(plans))
 
     @property
-    def pictures(self) -> bool:
-        """Whether anything is read that the server draws for an eye."""
-        return any(layer.readable() in self.names and not layer.per_frame for layer in layers)
+    def pictures(self) -> frozenset[str]:
+        """What is read that the server draws for an eye, by readable name."""
+        return self.names & {layer.readable() for layer in layers if not layer.per_frame}
 
     def __or__(self, other: Reads) -> Reads:
         return Reads(self.names | other.names, self.needs | other.needs)

@@ -17,6 +17,7 @@ import numpy as np
 
 from ..errors import InputError, MachineError
 from ..frames import Needs
+from ..frames.layers import PICTURE
 from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
@@ -26,16 +27,19 @@ from ..sources.feed.message import ANY, Ask, FrameMessage, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import FeedDecoder, codec_of
-from .feed_layers import misfit, wanted_of
+from .feed_coding import FeedDecoder, codec_of, left_out, reading
+from .feed_layers import misfit, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
 _ANSWER_NS = 30_000_000_000
 _TELL_NS = 2_000_000_000
+# Kinds of frames that are left out, each with a line.
+_MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
 _MOST_PENDING = 4096
 _MS = 1e6
+NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
 @attrs.frozen(eq=False)
@@ -84,11 +88,14 @@ class Remote:
         self._losses, self._away_ns = 0, 0
         self.unanswered = self.refused = self.undecodable = 0
         self._decoder, self._anew_number = FeedDecoder(), 0
-        # What was wrong with the layers of the last frame that was left out.
+        # What was wrong with the layers of the last frame that was left out, and what was said.
         self._misfit = ""
+        self._told: set[str] = set()
         self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
+        # What is read of the eyes' pictures; the rest is not sent.
+        self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
         # The last instant for which the loop knows what had arrived.
         self._told_ns: int | None = None
@@ -106,7 +113,7 @@ class Remote:
         needs: Needs | None = None,
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
-        fovs, grown = guarded_eyes(views, guard, size)
+        fovs, grown = guarded_eyes(views, guard, size if self.pictures else NO_PICTURE)
         wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
         self._number += 1
         # Requested once, and again only if that request will have no answer.
@@ -115,7 +122,7 @@ class Remote:
             self._anew_number = self._number
         wanted = wanted_of(needs, views, size) if needs is not None else None
         times = (self._number, 0, now_ns, head.time_ns, 0)
-        ask = Ask(*times, grown, head.pose, wide, wish=self.wish, anew=anew, wanted=wanted)
+        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(ask)
         self._pending[self._number] = Pending(head, now_ns, sent_ns, grown, wide, wanted)
         while len(self._pending) > _MOST_PENDING:
@@ -151,9 +158,10 @@ class Remote:
             again_ns = min(until_ns, now_ns + 1_000_000_000)
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
-                lines = self._caller.lines()
-                if lines and "refused" in lines[-1]:
-                    raise InputError(f"--connect {lines[-1]}")
+                for line in self._caller.lines():
+                    if "refused" in line:
+                        raise InputError(f"--connect {line}")
+                    self._say(line)
                 for answer in self._known():
                     return answer.took_ns
                 if self._misfit:
@@ -209,15 +217,19 @@ class Remote:
             pending = self._pending.pop(number)
             if arrival.frame.size != pending.size or len(arrival.frame.views) != len(pending.views):
                 self.refused += 1
+                self._leave_out("another size or number of eyes than requested", "")
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             try:
-                decoded = self._decoder.decode(arrival.frame)
-            except Undecodable:
+                decoded = self._decoder.decode(wanted_alone(arrival.frame, pending.wanted))
+            except Undecodable as error:
                 self.undecodable += 1
+                self._leave_out("they cannot be decoded", f" ({error})")
                 continue
-            if wrong := misfit(decoded, pending.wanted):
-                self._leave_out(wrong)
+            if wrong := misfit(decoded, pending.wanted) or self._lacks(decoded):
+                self.refused += 1
+                self._misfit = wrong
+                self._leave_out(wrong, "")
                 continue
             self._compare(pending.views, decoded.views)
             took_ns = arrival.heard_ns - pending.sent_ns
@@ -229,6 +241,10 @@ class Remote:
                 self.delays_ns.append((pending.drawn_ns, took_ns))
         return found
 
+    def _lacks(self, frame: FrameMessage) -> str:
+        missing = sorted(name.removeprefix("rendered.") for name in self.pictures & left_out(frame, 0))
+        return f"the server sends no {' and no '.join(missing)}" if missing else ""
+
     def _compare(self, asked: Sequence[View], drawn: Sequence[View]) -> None:
         told = bool(self._apart)
         for pair in zip(asked, drawn, strict=True):
@@ -239,11 +255,11 @@ class Remote:
                 "drawn is a hole"
             )
 
-    def _leave_out(self, wrong: str) -> None:
-        self.refused += 1
-        if wrong != self._misfit:
-            self._misfit = wrong
-            self._say(f"{self._caller.address}: frames are left out: {wrong}")
+    def _leave_out(self, kind: str, what: str) -> None:
+        """Say, once for each kind, what is wrong with frames that are left out."""
+        if kind not in self._told and len(self._told) < _MOST_TOLD:
+            self._told.add(kind)
+            self._say(f"{self._caller.address}: frames are left out: {kind}{what}")
 
     def _tell(self) -> None:
         for line in self._caller.lines():
@@ -290,7 +306,7 @@ class Remote:
 
 def _bytes_of(frame: FrameMessage) -> Counter[str]:
     pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-    found = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
+    found = +Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
     for of_eye in frame.layers:
         found.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
     return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
-from ..frames.layers import layers
+from ..frames.layers import PICTURE, layers
 from ..geometry import Eyes, Pose, View, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
@@ -28,7 +28,7 @@ from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.viewer import Viewer
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
-from .feed_coding import depth_error, wish_of
+from .feed_coding import depth_error, left_out, wish_of
 from .feed_layers import made
 from .frame_coder import Coder
 from .frame_source import Target as Shown
@@ -40,7 +40,6 @@ from .source import FirstRequest, Options, Source, nothing
 from .source_kinds import REMOTE, SERVER_SCENE
 
 _MS = 1e6
-NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame always has some
 
 
 class NoTruth(HmdwarpError):
@@ -99,10 +98,10 @@ class RemoteSource(Source):
         """Connect, and return the options with the latency that is measured, in place of theirs."""
         assert options.size is not None
         remote = self._remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
+        remote.pictures = first.pictures
         wanted = (options.coding, first.rate_hz, first.views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
-        size = options.size if first.pictures else NO_PICTURE
-        longest_ns = remote.measure(first.head, first.views, options.guard_band, size, first.needs)
+        longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
@@ -130,6 +129,7 @@ class RemoteSource(Source):
         stack: ExitStack,
     ) -> RemoteFrames:
         """Return the frames that the server elsewhere draws."""
+        self.remote.pictures = requested.pictures
         return RemoteFrames(self.remote, server, requested, target.eyes)
 
     def coder(self, coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
@@ -149,18 +149,19 @@ class RemoteSource(Source):
             self._remote = None
 
 
-def upload_eye(target: Target, frame: FrameMessage, eye: int) -> None:
-    """Put one eye's pictures of a frame into textures."""
-    upload(target.colour, frame.light(eye))
-    inverse_depth = frame.inverse_depths[eye]
-    assert not isinstance(inverse_depth, bytes), "it is decoded before"
-    upload(target.inverse_depth, inverse_depth)
+def upload_eye(target: Target, frame: FrameMessage, eye: int, pictures: Collection[str] = PICTURE) -> frozenset[str]:
+    """Put what is read of one eye's pictures into textures; return what is not, and is empty.
 
-
-def _empty(target: Target) -> None:
-    width, height = target.size
-    upload(target.colour, np.zeros((height, width, 4), np.float16))
-    upload(target.inverse_depth, np.full((height, width), -1, np.float32))
+    pictures: as of PoseRequest. The frame is decoded.
+    """
+    missing = left_out(frame, eye) | frozenset(PICTURE).difference(pictures)
+    (width, height), (colour, depth) = target.size, PICTURE
+    light = np.zeros((height, width, 4), np.float16) if colour in missing else frame.light(eye)
+    upload(target.colour, light)
+    inverse = np.full((height, width), -1, np.float32) if depth in missing else frame.inverse_depths[eye]
+    assert not isinstance(inverse, bytes), "it is decoded before"
+    upload(target.inverse_depth, inverse)
+    return missing
 
 
 class RemoteRenderer(Renderer):
@@ -217,23 +218,20 @@ class RemoteFrames:
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
         """Ask for a frame for that head."""
         asked = self.requested
-        size = asked.size if asked.pictures else NO_PICTURE
-        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, size, now_ns, asked.needs)
+        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
 
     def made(self, pending: Pending, arrival: Arrival) -> Frame:
         """Return the frame that arrived."""
         found, eyes = arrival.frame, []
         for eye, view in enumerate(found.views):
             target = self.server.acquire(self._size(found, view))
-            if self.requested.pictures:
-                upload_eye(target, found, eye)
-            else:
-                _empty(target)
+            missing = upload_eye(target, found, eye, self.requested.pictures)
             error = depth_error(found, self.remote.wish)
             further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
-            textures = (target.colour, target.inverse_depth)
-            eyes.append(EyeImage(view, *textures, further, drawn_ns=pending.drawn_ns, depth_error=error))
-            eyes[-1] = attrs.evolve(eyes[-1], is_drawn=self.requested.pictures)
+            textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
+            eyes.append(EyeImage(view, *textures, further, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
+        if found.layers:  # a server may choose the size of some
+            self.server.trim()
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import attrs
 
 from ..frames import Needs
+from ..frames.layers import PICTURE
 from ..geometry import Guard
 from ..poses import PoseSample, PoseSource
 
@@ -29,8 +30,8 @@ class PoseRequest:
     # From drawing a frame to showing it, as far as that is known beforehand; set anew where the
     # latency changes during a run.
     age_ns: int = 0
-    # Whether the eyes' pictures are drawn.
-    pictures: bool = True
+    # What is read of the eyes' pictures, by readable name; none are drawn where it is empty.
+    pictures: frozenset[str] = frozenset(PICTURE)
 
     def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
         """Return the pose for a frame drawn now: the current or the predicted one.

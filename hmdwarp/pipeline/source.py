@@ -41,8 +41,8 @@ class FirstRequest:
     views: Sequence[View]
     rate_hz: float
     needs: Needs
-    # Whether pictures of the eyes are read.
-    pictures: bool
+    # As of PoseRequest.
+    pictures: frozenset[str]
     # See Remote.
     holds: bool
     keeps: bool

@@ -8,8 +8,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-
-_PICTURE = ("rendered.colour", "rendered.inverse_depth")
+from ..frames.layers import PICTURE
 
 
 @attrs.frozen
@@ -39,7 +38,7 @@ class SourceKind:
 SCENE = SourceKind("scene")
 RECORDING = SourceKind(
     "recording",
-    (*_PICTURE, "rendered.others"),
+    (*PICTURE, "rendered.others"),
     has_geometry=False,
     has_head=True,
     eyes=1,
@@ -51,7 +50,7 @@ SERVER_SCENE = "server"
 # A server elsewhere.
 REMOTE = SourceKind("remote")
 # A machine near the client that warps for it, and sends the finished picture.
-PROXY = SourceKind("proxy", _PICTURE[:1])
+PROXY = SourceKind("proxy", PICTURE[:1])
 
 _DEFAULTS = {"guard": "1", "predict": "none", "lens": "none"}
 _WHY_NOT = {

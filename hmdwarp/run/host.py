@@ -133,7 +133,7 @@ class PipelineHost:
             return False
         (plan,) = self._set_up(options, self.source).plans
         carried = self.pipeline.requested
-        if not carried.needs.serve(plan.needs) or Reads.of([plan]).pictures > carried.pictures:
+        if not carried.needs.serve(plan.needs) or not Reads.of([plan]).pictures <= carried.pictures:
             return False
         self.pipeline.exchange(plan)
         return True

@@ -142,7 +142,7 @@ def open_display(
     """
     wanted = display_options(options, source, watching, controls)
     if options.source == OFFSCREEN:
-        return OffscreenDisplay(wanted)
+        return OffscreenDisplay(wanted, real_time=source.is_timed)
     # What was recorded is seen from where the camera was, not from a headset's head.
     if options.source == DESKTOP or source.kind.has_head:
         return desktop.DesktopDisplay(wanted)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..client.compensator import Compensator, EyeResult
 from ..colour import picture_from_linear
 from ..frames import EyeImage
+from ..frames.layers import PICTURE
 from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
@@ -177,7 +178,7 @@ def _hole_share(alpha: NDArray[np.floating]) -> float:
 
 
 def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:
-    return picture_from_linear(download(rendered.colour)) if rendered.is_drawn else None
+    return picture_from_linear(download(rendered.colour)) if PICTURE[0] not in rendered.left_out else None
 
 
 def _about_scanout(setup: ReplaySetup) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..frames import Needs
+from ..frames.layers import PICTURE
 from ..link import CHANGES
 from ..pipeline.options import PipelineOptions
 from ..pipeline.requested import PoseRequest
@@ -25,12 +26,12 @@ def pose_request(
     size: tuple[int, int],
     needs: Needs,
     *,
-    pictures: bool = True,
+    pictures: frozenset[str] = frozenset(PICTURE),
 ) -> PoseRequest:
     """Return the poses and picture format for the server.
 
     known(now_ns): head motion up to that instant, and maybe later. age_ns: from drawing a frame to
-    showing it. size: (w, h) of one eye. pictures: whether any plan reads pictures of frames.
+    showing it. size: (w, h) of one eye. pictures: as of PoseRequest.
     """
 
     def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
@@ -38,7 +39,7 @@ def pose_request(
 
     predicts = predicted if options.predict != "none" else None
     # What has moved since a frame was sent is known from its picture.
-    pictures = pictures or options.network.send == CHANGES
+    pictures |= frozenset(PICTURE if options.network.send == CHANGES else ())
     scanout_ns = round(options.scanout_ms * 1e6)
     return PoseRequest(source, predicts, size, options.guard_band, needs, scanout_ns, age_ns, pictures)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from contextlib import closing
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -12,19 +14,22 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
 from ..frames import Frame, Needs
-from ..frames.layers import layers
+from ..frames.layers import RENDERED, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..scenes import load_scene
+from ..sources.feed import bounds
 from ..sources.feed.key_pairs import key_pair
 from ..sources.feed.listener import Asked, Listener
-from ..sources.feed.message import ANY, MOST_BYTES, Ask, FrameMessage
+from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .serve_options import ServeOptions
 
+# Of the videos of all clients; what is beyond begins anew. An encoder holds some 30 bytes a pixel.
+_MOST_CODED_PIXELS = 1 << 25
 _WAIT_MS = 200  # between looks at whether to stop
 
 
@@ -51,7 +56,9 @@ def serve(
             while goes_on():
                 asked = listener.next(_WAIT_MS)
                 if asked is not None:
-                    _answer(server, listener, coders, asked)
+                    _answer_or_refuse(server, listener, coders, asked)
+                    server.take_back()
+                    server.trim()
 
 
 class _Coders:
@@ -65,46 +72,64 @@ class _Coders:
         """Return the frame as its client would have it. Errors: MachineError without the codec."""
         for gone in [who for who in self._of if who not in self._listener.clients]:
             del self._of[gone]
-        found = self._of.get(asked.client)
+        found = self._of.pop(asked.client, None)
         if found is None or not found.suits(asked.ask):
-            found = self._of[asked.client] = FeedEncoder(asked.ask)
-        return found.encode(frame)
+            found = FeedEncoder(asked.ask)
+        coded = found.encode(frame)
+        self._of[asked.client] = found  # not where that failed: its eyes may be at different places
+        while sum(coder.pixels for coder in self._of.values()) > _MOST_CODED_PIXELS and len(self._of) > 1:
+            del self._of[next(iter(self._of))]
+        return coded
+
+
+def _answer_or_refuse(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
+    try:
+        _answer(server, listener, coders, asked)
+    except (InputError, MachineError, bounds.OutOfBounds) as error:
+        listener.refuse(asked, str(error))
+    except Exception as error:  # whatever it is, the next client has its turn
+        file, line, *_ = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{Path(file).name}:{line}"
+        listener.refuse(asked, f"an internal error, please report it ({type(error).__name__} at {where}: {error})")
 
 
 def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
+    """Draw and send. Errors: whatever drawing for this client alone may raise."""
     ask, most = asked.ask, server.gpu.max_texture_size
     begun_ns = time.monotonic_ns()
-    try:
-        needs = needs_of_client(ask.wanted)
-        if max(ask.size) > most or _bytes_of(ask, needs) > MOST_BYTES:
-            raise InputError(f"{ask.size[0]}x{ask.size[1]} pixels are too many")
-        frame = _drawn(server, ask, needs)
-    except InputError as error:
-        listener.refuse(asked, str(error))
-        return
-    pictures = list(_pictures(frame))
-    packs = (ask.wish.colour, ask.wish.depth) != (ANY, ANY)
+    needs = needs_of_client(ask.wanted)
+    if max(ask.size) > most:
+        raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
+    _check_bytes(ask, needs)
+    frame = _drawn(server, ask, needs)
+    pictures = list(_pictures(frame, ask))
+    packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE}
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
     drawn = FrameMessage(*times, ask.views, colours, depths, layers=further)
-    try:
-        coded = coders.coded(asked, drawn)
-    except MachineError as error:
-        listener.refuse(asked, str(error))
-        return
+    coded = coders.coded(asked, drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
 
 
-def _bytes_of(ask: Ask, needs: Needs) -> int:
-    """Return the bytes of a frame, or a little more."""
+def _check_bytes(ask: Ask, needs: Needs) -> None:
+    """Check what a frame will weigh. Errors: InputError, bounds.OutOfBounds."""
     of_eye = 13 * ask.size[0] * ask.size[1]
     if ask.wanted is not None:
-        sizes = sizes_of(ask.wanted, ask.size)
-        of_eye += sum(layers.get(name).bytes(amount, sizes) for name, amount in needs.items())
-    return len(ask.views) * of_eye
+        # A layer of its own size follows from either picture.
+        drawn = EyeSizes(ask.size, ask.size, tuple(view.fov for view in ask.views))
+        for name, amount in needs.items():
+            layer = layers.get(name)
+            count = max(layer.bytes(amount, sizes) for sizes in (sizes_of(ask.wanted, ask.size), drawn))
+            if layer.size_class != RENDERED and count > bounds.most_beside(ask.size):
+                raise InputError(
+                    f"a layer '{name}' of {count:.3g} bytes beside {ask.size[0]}x{ask.size[1]} pixels: expected at "
+                    f"most {bounds.most_beside(ask.size):.3g}"
+                )
+            of_eye += count
+    bounds.UNPACKED.check(len(ask.views) * of_eye)
 
 
 def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
@@ -113,6 +138,8 @@ def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
-def _pictures(frame: Frame) -> Iterator[tuple[NDArray[np.floating], NDArray[np.floating]]]:
+def _pictures(frame: Frame, ask: Ask) -> Iterator[list[NDArray[np.floating] | bytes]]:
+    wishes = (ask.wish.colour, ask.wish.depth)
     for eye in frame.eyes:
-        yield download(eye.colour), download(eye.inverse_depth)
+        both = zip((eye.colour, eye.inverse_depth), wishes, strict=True)
+        yield [download(texture) if wish != NONE else b"" for texture, wish in both]

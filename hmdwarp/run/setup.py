@@ -10,6 +10,7 @@ import attrs
 from ..client.plan import Plan, needs_of
 from ..display import Display
 from ..frames import Needs
+from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -112,12 +113,15 @@ class RunSetup(Generic[Options]):
             views=views,
             rate_hz=self.rate_hz,
             needs=self.needs,
-            pictures=all_pictures or Reads.of(self.plans).pictures,
+            pictures=self._pictures(everything=all_pictures),
             holds=holds,
             keeps=keeps,
             say=say,
         )
         return attrs.evolve(self, options=self.source.measured(self.options, first))
+
+    def _pictures(self, *, everything: bool) -> frozenset[str]:
+        return Reads.of(self.plans).pictures | frozenset(PICTURE if everything else ())
 
     def build(
         self,
@@ -137,7 +141,7 @@ class RunSetup(Generic[Options]):
         Errors: as build_pipeline.
         """
         age_ns = expected_age_ns(self.options, plain_age_ns, self.rate_hz)
-        pictures = all_pictures or Reads.of(self.plans).pictures
+        pictures = self._pictures(everything=all_pictures)
         request = pose_request(self.options, poses, known, age_ns, self.size, self.needs, pictures=pictures)
         target = Target(gpu, self.screen.eyes, self.rate_hz, link_latency_ns, self.screen.headset)
         return build_pipeline(self.options, self.source, target, self.plans, request, moment_of)

@@ -43,7 +43,7 @@ class WholePictures:
             self._drawn[inputs.eye] = self._server.draw(image.view, image.size, time_ns=image.drawn_ns)
             self._server.gpu.timer.collect()
         drawn = self._drawn[inputs.eye]
-        return attrs.evolve(image, colour=drawn.colour, inverse_depth=drawn.inverse_depth, is_drawn=True)
+        return attrs.evolve(image, colour=drawn.colour, inverse_depth=drawn.inverse_depth, left_out=frozenset())
 
     def close(self) -> None:
         """Return the pictures to the server."""
@@ -53,7 +53,7 @@ class WholePictures:
 
 
 def _lacks_pictures(frame: Frame, plan: Plan) -> bool:
-    return not frame.eyes[0].is_drawn and Reads.of([plan]).pictures
+    return not frame.eyes[0].left_out.isdisjoint(Reads.of([plan]).names)
 
 
 def _is_apart(frame: Frame, plan: Plan) -> bool:

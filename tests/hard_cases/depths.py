@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 import hmdwarp
-from hmdwarp.client import PICTURE, parse_warp
+from hmdwarp.client import parse_warp
+from hmdwarp.frames.layers import PICTURE
 from hmdwarp.geometry import Pose, View, inverse_depth_from_clip, metres_from_inverse_depth
 
 from .motions import SLANTED, stepped_depth

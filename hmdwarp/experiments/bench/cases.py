@@ -10,12 +10,12 @@ from typing import Any
 import attrs
 
 from ...client.effects import effects
-from ...client.plan import CLIENT_MODEL, OTHERS, PICTURE, Plan, build_plan
+from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
 from ...client.strategies import has_own_link, options_of_strategy
 from ...client.variants import CONVERGED, every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
-from ...frames.layers import layers
+from ...frames.layers import PICTURE, layers
 from ...headsets import Headset
 from ...link import LinkOptions
 from ...options import guard_band

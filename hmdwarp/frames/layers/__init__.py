@@ -20,6 +20,8 @@ from ._base import (
     readable,
 )
 
+# What passes read of an eye's own picture.
+PICTURE = (readable("colour"), readable("inverse_depth"))
 layers: Registry[type[Layer]] = Registry("layer", __name__)
 
 
@@ -33,6 +35,7 @@ __all__ = [
     "DEPTH",
     "OWN",
     "PACKED",
+    "PICTURE",
     "PIXEL_BYTES",
     "RENDERED",
     "SHOWN",

@@ -49,7 +49,8 @@ class Caller:
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
         self._held = 0
-        self._newest = 0
+        # The newest requested frame, and the newest that has arrived.
+        self._asked = self._newest = 0
         # Lines for the log, each once.
         self._lines: deque[str] = deque(maxlen=100)
         self.malformed = 0
@@ -65,7 +66,7 @@ class Caller:
     def ask(self, ask: Ask) -> int:
         """Send a request; return when, on this machine's clock."""
         now_ns = time.monotonic_ns()
-        newest, token = self._newest, self._token
+        newest, token, self._asked = self._newest, self._token, max(self._asked, ask.number)
         request = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token, shares=self._shares)
         self._orders.send(encode(request))
         return now_ns
@@ -159,6 +160,8 @@ class Caller:
                 message, heard_ns = self._shared(message), time.monotonic_ns()
             if isinstance(message, Ask | Stub):
                 raise Malformed("a message for servers: expected a frame")
+            if isinstance(message, FrameMessage) and message.number > self._asked:
+                raise Malformed(f"frame {message.number}: expected one of the {self._asked} that were requested")
         except Malformed as error:
             self.malformed += 1
             if self.malformed == 1:

@@ -12,7 +12,7 @@ import attrs
 
 from ...errors import InputError, counted
 from .key_pairs import KeyPair
-from .message import LARGEST_ASK, Ask, FrameMessage, Malformed, OtherVersion, Refusal, decode, encode, token_of
+from .message import LARGEST_ASK, Ask, BadRequest, FrameMessage, Malformed, Refusal, decode, encode, token_of
 from .shared_frames import IS_ABLE, SharedFrames
 from .sockets import KERNEL_BYTES, SEAL_BYTES, Connections, address_of, is_file, is_local, waiting_parts, zmq_module
 
@@ -164,8 +164,8 @@ class Listener:
             raise Malformed(f"{len(parts)} parts: expected one")
         try:
             ask = decode(parts[0])
-        except OtherVersion as error:
-            self._send(who, encode(Refusal(error.number, f"{error}: take programs of the same version")))
+        except BadRequest as error:
+            self._send(who, encode(Refusal(error.number, str(error))))
             raise
         if not isinstance(ask, Ask):
             raise Malformed("a message for clients: expected a request")
@@ -233,8 +233,10 @@ class Listener:
 
     def refuse(self, asked: Asked, why: str) -> None:
         """Say why there is no frame."""
-        self._say(f"{self._clients[asked.client].name}: refused: {why}")
-        self._send(asked.client, encode(Refusal(asked.ask.number, why)))
+        why = " ".join(why.split())
+        if asked.client in self._clients:  # else it has gone meanwhile
+            self._say(f"{self._clients[asked.client].name}: refused: {why}")
+            self._send(asked.client, encode(Refusal(asked.ask.number, why)))
 
     def _send(self, who: bytes, data: bytes) -> bool:
         try:

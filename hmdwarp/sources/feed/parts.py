@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import Fov
+from . import bounds
 
 Size = tuple[int, int]
 Array = NDArray[Any]
@@ -31,7 +32,6 @@ FORMATS: dict[int, tuple[np.dtype, int]] = {
     4: (np.dtype("<f8"), 1),
 }
 TABLE = 4
-MOST_WANTED, MOST_PARTS, MOST_SIDE = 16, 255, 8192
 _NAME = re.compile(rb"([a-z_]{1,16})\0*")
 _LEVEL = 1
 
@@ -117,20 +117,26 @@ def wanted_bytes(layers: int, eyes: int) -> int:
 
 
 def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> Wanted | None:
-    """Return what a client reads, None for nothing. Errors: BadPart; InputError for a view."""
+    """Return what a client reads, None for nothing. Errors: ValueError; InputError for a view."""
     if not layers:
         return None
     width, height = struct.unpack_from("<II", data, at)
-    if not (1 <= width <= MOST_SIDE and 1 <= height <= MOST_SIDE):
-        raise BadPart(f"a shown picture of {width}x{height}: expected sides of 1 to {MOST_SIDE}")
-    fovs = tuple(Fov(*struct.unpack_from("<4d", data, at + 8 + 32 * eye)) for eye in range(eyes))
+    bounds.SIDE.check(width, height)
+    fovs = tuple(fov_of(*struct.unpack_from("<4d", data, at + 8 + 32 * eye)) for eye in range(eyes))
     found: dict[str, int] = {}
     for number in range(layers):
         name, amount = WANTED.unpack_from(data, at + 8 + 32 * eyes + WANTED.size * number)
+        bounds.AMOUNT.check(amount)
         found[_named(name)] = amount
-    if len(found) < layers or not all(found.values()):
-        raise BadPart("a layer twice, or none of it: expected each once")
+    if len(found) < layers:
+        raise BadPart("a layer twice: expected each once")
     return Wanted(tuple(found.items()), (width, height), fovs)
+
+
+def fov_of(left: float, right: float, down: float, up: float) -> Fov:
+    """Return the field of view of a message. Errors: OutOfBounds; InputError."""
+    bounds.EXTENT.check(right - left, up - down)
+    return Fov(left, right, down, up)
 
 
 def packed_layers(layers: Sequence[Layers]) -> tuple[list[bytes], list[bytes | Array]]:
@@ -160,7 +166,7 @@ def layers_from(
     found: tuple[dict[str, list[Part]], ...] = tuple({} for _ in range(eyes))
     for name, (eye, form, is_packed, *size), length in _heads(data, heads_at, count):
         is_empty = min(size) < 1 and form != TABLE
-        if eye >= eyes or form not in FORMATS or max(size) > MOST_SIDE or is_empty:
+        if eye >= eyes or form not in FORMATS or max(size) > bounds.SIDE.most or is_empty:
             raise BadPart(f"a part for eye {eye}, format {form}, {size[0]}x{size[1]}: out of range")
         kind, shape = _shape(form, (size[0], size[1]))
         numbers = math.prod(shape)

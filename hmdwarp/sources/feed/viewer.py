@@ -45,7 +45,7 @@ class Viewer:
             while time.monotonic_ns() < again_ns:
                 self._caller.wait_until(again_ns)
                 for arrival in self._caller.take():
-                    if arrival.frame.number >= first and arrival.frame.size == size:
+                    if arrival.frame.number >= first and _is_picture(arrival.frame, size):
                         return arrival.frame
                 if any("refused" in line for line in self._caller.lines()):
                     return None
@@ -54,3 +54,8 @@ class Viewer:
     def close(self) -> None:
         """Hang up."""
         self._caller.close()
+
+
+def _is_picture(frame: FrameMessage, size: tuple[int, int]) -> bool:
+    """Return whether it is one eye's picture of that size, as numbers."""
+    return frame.size == size and len(frame.views) == 1 and not frame.is_coded and frame.is_finite

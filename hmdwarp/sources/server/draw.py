@@ -9,7 +9,7 @@ import moderngl
 
 from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Frame, Needs
-from ...frames.layers import layers
+from ...frames.layers import PICTURE, layers
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...scenes import Scene
@@ -164,7 +164,7 @@ class Server(Renderer):
     def _empty(self, view: View, size: Size, time_ns: int) -> EyeImage:
         target = self.acquire(size)
         self.clear(target)
-        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, is_drawn=False)
+        return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, left_out=frozenset(PICTURE))
 
     def clear(self, into: Target) -> None:
         """Empty a target: coverage 0, no depth."""
@@ -184,6 +184,13 @@ class Server(Renderer):
         """Yield the buffers of all plain surfaces: those that stand still, then those that move."""
         yield self._buffers
         yield from (drawing.buffers for drawing in self._moving)
+
+    def trim(self) -> None:
+        """Free what frames of other sizes needed, but a little; see Renderer.trim."""
+        for part in self._parts.values():
+            part.trim()
+        self._framebuffers.trim()
+        super().trim()
 
     @property
     def textures(self) -> SceneTextures:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
 import attrs
 import moderngl
@@ -11,11 +11,48 @@ import moderngl
 from ...frames import EyeImage, Frame, Needs
 from ...geometry import Guard, Pose, View
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR, SCALAR, allocate
+from ...gpu.textures import COLOUR, SCALAR, allocate, texture_bytes
 from ...scenes import Scene
 
+K = TypeVar("K")
+V = TypeVar("V")
 # After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
 IDLE_AFTER = 2048
+# What trim() leaves of each kind of memory that the last frame did not need.
+MOST_IDLE_BYTES = 32 << 20
+
+
+class LastUsed(dict[K, V]):
+    """What was made once for each key, in the order of use; the longest unused comes first."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._used: set[K] = set()
+
+    def made(self, key: K, make: Callable[[], V]) -> V:
+        """Return what there is for a key, made where there is nothing."""
+        self[key] = found = self.pop(key) if key in self else make()
+        self.use(key)
+        return found
+
+    def use(self, key: K) -> None:
+        """Note that what there is for a key is in use."""
+        self._used.add(key)
+
+    def trimmed(self, bytes_of: Callable[[K, V], int]) -> list[tuple[K, V]]:
+        """Take out what was not used since the last call, until MOST_IDLE_BYTES of it are left."""
+        idle = {key: bytes_of(key, value) for key, value in self.items() if key not in self._used}
+        self._used.clear()
+        found, left = [], sum(idle.values())
+        for key, size in idle.items():
+            if left <= MOST_IDLE_BYTES:
+                break
+            left -= size
+            found.append((key, self.pop(key)))
+        return found
+
+
+_DEPTH_BYTES = 4
 
 
 @attrs.frozen(eq=False)
@@ -38,6 +75,11 @@ class Target:
     def size(self) -> tuple[int, int]:
         """(w, h) in pixels."""
         return self.colour.size
+
+    @property
+    def bytes(self) -> int:
+        """The bytes of its textures."""
+        return sum(map(texture_bytes, filter(None, (self.colour, self.depth))))
 
     def release(self, forget: Callable[[moderngl.Texture], None] = lambda texture: None) -> None:
         """Free the textures. forget: called with each before it is freed."""
@@ -107,6 +149,16 @@ class TargetPool:
             allocate(self._gpu.gl, self.size, SCALAR) if self._with_depth else None,
         )
 
+    @property
+    def bytes(self) -> int:
+        """The bytes of all its targets."""
+        return sum(target.bytes for target in (*self._free, *self._out.values()))
+
+    def take_back(self) -> None:
+        """Take back all targets that are out."""
+        self._free += self._out.values()
+        self._out.clear()
+
     def lent(self, colour: moderngl.Texture) -> bool:
         """Return whether a target with that colour texture is out."""
         return colour in self._out
@@ -124,7 +176,7 @@ class TargetPool:
     def close(self) -> None:
         """Free all textures, including those that are out."""
         for target in [*self._free, *self._out.values()]:
-            target.release()
+            target.release(self._forget)
         self._free.clear()
         self._out.clear()
 
@@ -140,7 +192,7 @@ class Renderer:
         self, gpu: Gpu, scene: Scene, forget: Callable[[moderngl.Texture], None] = lambda texture: None
     ) -> None:
         self.gpu, self.scene, self._forget = gpu, scene, forget
-        self._pools: dict[tuple[Any, ...], TargetPool] = {}
+        self._pools: LastUsed[tuple[Any, ...], TargetPool] = LastUsed()
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return the whole picture of `view` at `time_ns`: the truth.
@@ -210,10 +262,24 @@ class Renderer:
         return self._pool(size, COLOUR, depth=depth)
 
     def _pool(self, size: tuple[int, int], kind: tuple[int, str], *, depth: bool) -> TargetPool:
-        key = (size, kind, depth)
-        if key not in self._pools:
-            self._pools[key] = TargetPool(self.gpu, size, kind, depth=depth, forget=self._forget)
-        return self._pools[key]
+        return self._pools.made(
+            (size, kind, depth), lambda: TargetPool(self.gpu, size, kind, depth=depth, forget=self._forget)
+        )
+
+    def take_back(self) -> None:
+        """Take back every target that is out: of a frame that could not be drawn to its end."""
+        for pool in self._pools.values():
+            pool.take_back()
+
+    def trim(self) -> None:
+        """Free targets that were not needed since the last call, but a few."""
+        for key in [key for key, pool in self._pools.items() if pool.live]:
+            self._pools.use(key)
+        freed = self._pools.trimmed(lambda key, pool: pool.bytes)
+        for _, pool in freed:
+            pool.close()
+        if freed:
+            self.gpu.give_back_memory()
 
     def close(self) -> None:
         """Free the pools."""
@@ -226,7 +292,7 @@ class Framebuffers:
 
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
-        self._depth: dict[tuple[int, int], moderngl.Renderbuffer] = {}
+        self._depth: LastUsed[tuple[int, int], moderngl.Renderbuffer] = LastUsed()
         self._made: dict[tuple[int, ...], tuple[tuple[moderngl.Texture, ...], moderngl.Framebuffer]] = {}
 
     def over(self, *textures: moderngl.Texture) -> moderngl.Framebuffer:
@@ -235,6 +301,7 @@ class Framebuffers:
         # against them.
         key = tuple(texture.glo for texture in textures)
         held, framebuffer = self._made.get(key, ((), None))
+        self._depth.use(textures[0].size)
         if framebuffer is None or any(a is not b for a, b in zip(held, textures, strict=True)):
             size = textures[0].size
             self.reserve(size)
@@ -253,8 +320,14 @@ class Framebuffers:
 
     def reserve(self, size: tuple[int, int]) -> None:
         """Allocate the depth buffer of that size now rather than at the first call of over()."""
-        if size not in self._depth:
-            self._depth[size] = self._gl.depth_renderbuffer(size)
+        self._depth.made(size, lambda: self._gl.depth_renderbuffer(size))
+
+    def trim(self) -> None:
+        """Free depth buffers as Renderer.trim() frees targets, and the framebuffers with them."""
+        for size, depth in self._depth.trimmed(lambda size, _: _DEPTH_BYTES * size[0] * size[1]):
+            for texture in {held[0] for held, _ in self._made.values() if held[0].size == size}:
+                self.forget(texture)
+            depth.release()
 
     def close(self) -> None:
         """Free the framebuffers and depth buffers, not the textures."""

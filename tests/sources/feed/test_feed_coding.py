@@ -11,16 +11,19 @@ import pytest
 from hmdwarp.link.codec import Undecodable
 from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder
 from hmdwarp.sources.feed.message import (
+    ANY,
     DEPTH_EXACT,
     DEPTH_VIDEO,
     H264,
     HEVC,
     INVERSE_DEPTH,
+    NONE,
     RGBA8,
     FrameMessage,
     Wish,
     decode,
     encode,
+    length_of,
 )
 
 from .test_message import ASK, FRAME
@@ -34,7 +37,7 @@ def drawn(number: int) -> FrameMessage:
     x, y = np.meshgrid(np.arange(SIZE[0]) / SIZE[0], np.arange(SIZE[1]) / SIZE[1])
     light = np.stack([(x + number / 50) % 1, y, 0.5 + 0 * x, np.ones_like(x)], axis=-1).astype(np.float16)
     inverse = np.where(y < 0.2, 0, 0.2 + y / 2).astype(np.float32)
-    return attrs.evolve(FRAME, number=number, colours=(light,) * 2, inverse_depths=(inverse,) * 2)
+    return attrs.evolve(FRAME, number=1 + number, colours=(light,) * 2, inverse_depths=(inverse,) * 2)
 
 
 def asked(colour: int, depth: int) -> FeedEncoder:
@@ -56,6 +59,19 @@ def test_coded_frames_come_back_in_fewer_bytes(colour, depth):
         # Half a step; as video a third on average, and two are rare.
         depth_off = np.abs(back.inverse_depths[0] - frame.inverse_depths[0])
         assert depth_off.mean() <= STEP and (back.inverse_depths[0] == 0).sum() == (frame.inverse_depths[0] == 0).sum()
+
+
+@pytest.mark.parametrize("colour", [H264, RGBA8, ANY])
+def test_depth_that_is_not_wished_is_left_out_and_all_of_the_picture_counts_as_drawn(colour):
+    encoder, decoder = asked(colour, NONE), FeedDecoder()
+    for number in range(2):
+        frame = drawn(number)
+        sent = encoder.encode(attrs.evolve(frame, inverse_depths=(b"",) * 2))
+        back = decoder.decode(decode(encode(sent)))
+        assert sent.bytes == sum(map(length_of, sent.colours)) and not decoder.wants_anew
+        assert back.inverse_depths == (b"",) * 2 and back.size == SIZE
+        light = back.light(1)
+        assert np.abs(light.astype(float) - frame.light(1)).mean() < 0.02 and (light[..., 3] == 1).all()
 
 
 def test_a_lost_frame_stops_decoding_until_the_stream_begins_anew():

@@ -1,9 +1,11 @@
 """Messages: what is encoded comes back bit for bit; whatever else comes in is refused."""
 
+import importlib
 import random
 import struct
 import tracemalloc
 import zlib
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (
     DEPTH_EXACT,
     DEPTH_VIDEO,
@@ -18,10 +21,11 @@ from hmdwarp.sources.feed.message import (
     HEVC,
     INVERSE_DEPTH,
     MOST_BYTES,
+    NONE,
     Ask,
+    BadRequest,
     FrameMessage,
     Malformed,
-    OtherVersion,
     Refusal,
     Wish,
     decode,
@@ -119,6 +123,18 @@ def test_coded_pictures_and_the_wish_for_them_come_back_bit_for_bit():
     np.testing.assert_array_equal(mixed.inverse_depths[1], FRAME.inverse_depths[1])
 
 
+def test_a_picture_that_is_left_out_has_no_bytes():
+    neither = attrs.evolve(CODED, colours=(b"", b""), inverse_depths=(b"", b""), colour=NONE, depth=NONE)
+    back = decode(encode(neither))
+    assert (back.colour, back.depth, back.bytes, back.size) == (NONE, NONE, 0, (4, 3))
+    no_depth = decode(encode(attrs.evolve(neither, colours=FRAME.colours)))
+    assert no_depth.size == (4, 3) and no_depth.inverse_depths == (b"", b"")
+    with pytest.raises(Malformed, match="6 and 0 bytes in formats 255"):
+        decode(encode(attrs.evolve(neither, colours=CODED.colours)))
+    with pytest.raises(Malformed, match="formats 255 and 4"):
+        decode(encode(attrs.evolve(neither, depth=4)))
+
+
 def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():
     asked = decode(encode(attrs.evolve(ASK, wanted=WANTED)))
     assert asked.wanted == WANTED
@@ -153,7 +169,7 @@ def test_parts_that_would_be_too_much_as_numbers_are_refused():
 def test_a_request_in_another_version_is_refused_by_its_id_and_a_refusal_is_read_in_any():
     data = bytearray(encode(ASK))
     data[4:6] = struct.pack("<H", 4)
-    with pytest.raises(OtherVersion, match="version 4") as told:
+    with pytest.raises(BadRequest, match="version 4") as told:
         decode(bytes(data))
     assert told.value.number == ASK.number
     data = bytearray(encode(Refusal(7, "no")))
@@ -174,8 +190,8 @@ def test_a_refusal_is_one_printable_line():
         (0, b"NOPE", "begins with"),
         (4, struct.pack("<H", 2), "version 2"),
         (6, struct.pack("<H", 9), "kind 9"),
-        (8, struct.pack("<I", 12), "it says 12"),
-        (8, struct.pack("<I", MOST_BYTES + 1), "it says"),
+        (8, struct.pack("<I", 12), "expected 12"),
+        (8, struct.pack("<I", MOST_BYTES + 1), "expected 12 to 2.29 bytes"),
     ],
 )
 def test_a_malformed_message_is_refused_with_the_reason(at, value, told):
@@ -183,6 +199,62 @@ def test_a_malformed_message_is_refused_with_the_reason(at, value, told):
     data[at : at + len(value)] = value
     with pytest.raises(Malformed, match=told):
         decode(bytes(data))
+
+
+def placed(*place: float) -> tuple[View, ...]:
+    return tuple(attrs.evolve(view, pose=Pose(place)) for view in VIEWS)
+
+
+NARROW = tuple(attrs.evolve(view, fov=Fov(0.5, 0.5 + 9e-5, -0.6, 0.6)) for view in VIEWS)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"number": 0}, "id 0"),
+        ({"sent_ns": -(2**62) - 1}, "instant"),
+        ({"time_ns": 2**63 - 1}, "instant"),
+        ({"size": (8193, 1)}, "width or height"),
+        ({"head": Pose((0, 1e19, 0))}, "coordinate of a position 1e.19: expected -1e.09 to 1e.09 m"),
+        ({"views": placed(-1.1e9, 0, 0)}, "coordinate"),
+        ({"views": tuple(attrs.evolve(view, head_from_eye=Pose((0, 0, 1e300))) for view in VIEWS)}, "coordinate"),
+        ({"views": NARROW}, "field of view from left to right"),
+        ({"wanted": attrs.evolve(WANTED, layers=(("peeled", 60_000_000),))}, "amount of a layer 60000000: expected 1"),
+        ({"wanted": attrs.evolve(WANTED, layers=(("peeled", 0),))}, "amount"),
+        ({"wanted": attrs.evolve(WANTED, size=(8193, 8))}, "width or height"),
+        ({"wanted": attrs.evolve(WANTED, fovs=tuple(view.fov for view in NARROW))}, "field of view"),
+        ({"wish": Wish(rate_hz=0.5)}, "frames a second 0.5: expected 1 to 1000 Hz"),
+        ({"wish": Wish(bitrate_mbit=np.inf)}, "bit rate"),
+        ({"wish": Wish(depth_step=np.nan)}, "step"),
+    ],
+    ids=lambda value: "" if isinstance(value, str) else "-".join(value),
+)
+def test_a_request_with_a_number_outside_its_bounds_is_refused_by_its_id(wrong, told):
+    with pytest.raises(BadRequest, match=told) as found:
+        decode(encode(attrs.evolve(ASK, **wrong)))
+    assert found.value.number == wrong.get("number", ASK.number)
+
+
+def test_numbers_at_their_bounds_are_read():
+    most = {"size": (8192, 1), "views": placed(1e9, -1e9, 0), "time_ns": 2**62, "sent_ns": -(2**62)}
+    wanted = attrs.evolve(WANTED, layers=(("peeled", 16),))
+    assert decode(encode(attrs.evolve(ASK, **most, wanted=wanted))).wanted == wanted
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"views": placed(0, 1e300, 0)}, {"views": NARROW}, {"sent_ns": 2**63 - 1}, {"render_ns": -1}],
+    ids="-".join,
+)
+def test_a_frame_with_a_number_outside_its_bounds_is_malformed(wrong):
+    with pytest.raises(Malformed, match="expected"):
+        decode(encode(attrs.evolve(FRAME, **wrong)))
+
+
+def test_the_bounds_are_those_that_the_documentation_lists(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[3] / "docs")
+    listed = importlib.import_module("pages").rows_of("bounds")
+    assert listed == [{"number": bound.what, "from, to": bound.text} for bound in BOUNDS]
 
 
 def test_a_frame_that_claims_more_than_it_has_takes_no_memory():

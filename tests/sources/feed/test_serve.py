@@ -21,7 +21,7 @@ from hmdwarp.run.log import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import Refusal, decode, encode
+from hmdwarp.sources.feed.message import NONE, Refusal, decode, encode
 from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.server import Server
 
@@ -135,11 +135,37 @@ def test_pictures_that_nothing_reads_do_not_cross(serving, tmp_path, monkeypatch
         monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), **options)
     )
     here, alone = pictures(monkeypatch, small(tmp_path / "here", latency_ms=summary["latency_ms"], **options))
-    assert alone["link"]["mbit_s"] == 0 and summary["link"]["mbit_s"] < 0.05
+    assert alone["link"]["mbit_s"] == summary["link"]["mbit_s"] == 0
     assert there.keys() & here.keys()
     for shown_ns in there.keys() & here.keys():
         for one, other in zip(there[shown_ns][1], here[shown_ns][1], strict=True):
             assert np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("coding", [Coding(), Coding("h264")], ids=["raw", "h264"])
+def test_depth_that_no_pass_reads_does_not_cross(serving, tmp_path, monkeypatch, coding):
+    """A warp that is compared gets it still."""
+    options = {"warp": "none", "against": "forward", "seconds": 0.3, "coding": coding}
+    feed = FeedOptions(connect=serving.address)
+    there, summary = pictures(monkeypatch, small(tmp_path / "out", feed=feed, **options))
+    here, alone = pictures(monkeypatch, small(tmp_path / "here", latency_ms=summary["latency_ms"], **options))
+    assert [*summary["link"]["layers_mbit_s"]] == [*alone["link"]["layers_mbit_s"]] == ["colour"]
+    # What the feed's video lacks is the coverage.
+    assert summary["link"]["frame_bytes"] == pytest.approx(
+        alone["link"]["frame_bytes"], rel=0 if coding == Coding() else 0.1
+    )
+    assert all((eye[..., 3] == 1).all() for _, eyes in there.values() for eye in eyes)
+    for one in (summary, alone):
+        (against,) = one["against"]
+        assert against["quality"]["hole_share"]["mean"] < 0.2
+
+
+def test_a_server_that_leaves_out_what_is_read_is_refused_in_a_line(tmp_path):
+    with (
+        feeder(as_sent=lambda frame: attrs.evolve(frame, inverse_depths=(b"",) * 2, depth=NONE)) as address,
+        pytest.raises(InputError, match="the server sends no inverse_depth"),
+    ):
+        replay(small(tmp_path / "out", feed=FeedOptions(connect=address), scene="server"))
 
 
 def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, monkeypatch):

@@ -16,7 +16,7 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....scenes import Scene
 from ..passes import ScenePasses
-from ..targets import Framebuffers, Target
+from ..targets import Framebuffers, LastUsed, Target
 from ..upload import SceneTextures
 
 
@@ -88,14 +88,14 @@ class Part(ABC):
 
     def __init__(self, context: DrawContext) -> None:
         self.context = context
-        self._kept: dict[tuple[str, tuple[int, int]], Target] = {}
+        self._kept: LastUsed[tuple[str, tuple[int, int]], Target] = LastUsed()
 
     def kept(self, use: str, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
         """Return a target that belongs to the part, one for each use and size."""
-        if (use, size) not in self._kept:
-            gl = self.context.gpu.gl
-            self._kept[use, size] = Target(allocate(gl, size, kind), allocate(gl, size, SCALAR) if depth else None)
-        return self._kept[use, size]
+        gl = self.context.gpu.gl
+        return self._kept.made(
+            (use, size), lambda: Target(allocate(gl, size, kind), allocate(gl, size, SCALAR) if depth else None)
+        )
 
     @classmethod
     def in_scene(cls, scene: Scene) -> bool:
@@ -126,6 +126,11 @@ class Part(ABC):
     def has_more(self, now_ns: int) -> bool:
         """Return whether it has something to send even if nothing has moved."""
         return False
+
+    def trim(self) -> None:
+        """Free kept targets as Renderer.trim() frees its own."""
+        for _, target in self._kept.trimmed(lambda _, target: target.bytes):
+            target.release(self.context.framebuffers.forget)
 
     def close(self) -> None:
         """Free its resources; the shader library owns programs, the server acquired targets."""

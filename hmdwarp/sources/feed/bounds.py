@@ -1,0 +1,74 @@
+"""The numbers that messages may hold: decoding checks them, docs/feed.md prints them."""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+
+
+class OutOfBounds(ValueError):
+    """A number that no message may hold; the text says what was expected."""
+
+
+@attrs.frozen
+class Bound:
+    """What one number of a message may be."""
+
+    what: str
+    least: float
+    most: float
+    unit: str = ""
+    # Whether 0 is allowed too, and stands for none.
+    or_none: bool = False
+
+    def check(self, *numbers: float) -> None:
+        """Check numbers of a message. Errors: OutOfBounds, for NaN too."""
+        for number in numbers:
+            if not (self.least <= number <= self.most or (self.or_none and number == 0)):
+                raise OutOfBounds(f"{self.what} {number:.12g}: expected {self.text}")
+
+    @property
+    def text(self) -> str:
+        """What is allowed, such as '1 to 1000 Hz'."""
+        none = "0, or " if self.or_none else ""
+        return f"{none}{_shown(self.least)} to {_shown(self.most)} {self.unit}".rstrip()
+
+
+def _shown(number: float) -> str:
+    mantissa, exponent = math.frexp(abs(number))
+    if mantissa == 0.5 and abs(exponent) > 14:
+        return f"{'-' if number < 0 else ''}2^{exponent - 1}"
+    return f"{number:g}"
+
+
+NUMBER = Bound("id", 1, 2**64)
+SIDE = Bound("width or height of a picture, rendered or shown", 1, 8192, "pixels")
+EYES = Bound("eyes", 1, 2)
+# Doubles are 0.1 um apart there; the earth's radius is 6.4e6.
+COORDINATE = Bound("coordinate of a position", -1e9, 1e9, "m")
+LENGTH = Bound("length of a quaternion", 0.999, 1.001)
+# The angles themselves: geometry.Fov.
+EXTENT = Bound("field of view from left to right, or from down to up", 1e-4, 3.1242, "rad")
+INSTANT = Bound("instant", -(2**62), 2**62, "ns")
+DRAWING = Bound("time that drawing took", 0, 2**62, "ns")
+RATE = Bound("frames a second", 1, 1000, "Hz")
+QUALITY = Bound("quality of a video", 0, 52)
+BITRATE = Bound("bit rate of an eye's video", 0, 1000, "Mbit/s")
+STEP = Bound("step of coded depth", 2.0**-20, 1, "1/m", or_none=True)
+LAYERS = Bound("number of further layers", 0, 16)
+AMOUNT = Bound("amount of a layer", 1, 16)
+MESSAGE = Bound("length of a message", 12, 2**29, "bytes")
+UNPACKED = Bound("length of a frame, or of its layers, as numbers", 0, 2**29, "bytes")
+TEXT = Bound("length of a refusal's text", 0, 500, "bytes")
+
+BOUNDS = [value for value in list(vars().values()) if isinstance(value, Bound)]
+
+
+def most_beside(size: tuple[int, int]) -> int:
+    """Return the bytes of a layer that is not as large as its (w, h) picture, such as a cube.
+
+    Else a request for a few pixels costs as much as the largest. A cube as dense as a headset's
+    picture has 33 for each pixel of it.
+    """
+    return (1 << 24) + 64 * size[0] * size[1]

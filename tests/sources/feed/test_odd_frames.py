@@ -1,0 +1,164 @@
+"""A server that sends what it must not: the frame is left out and told, and the session goes on."""
+
+from __future__ import annotations
+
+import itertools
+import struct
+import threading
+import time
+import zlib
+from collections.abc import Callable
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.run import LiveOptions, live
+from hmdwarp.sources.feed.viewer import Viewer
+
+from . import foreign
+
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+
+Odd = Callable[[bytes], bytes]
+NAN, INF = struct.pack("<f", np.nan), struct.pack("<f", -np.inf)
+# As zlib, a thousandth of that.
+BOMB = zlib.compress(bytes(8192 * 8192 * 8))
+
+
+def pixels(asked: bytes) -> int:
+    width, height = struct.unpack_from("<2I", asked, 84)
+    return width * height
+
+
+def whole(asked: bytes, **more) -> bytes:
+    """A frame with raw pictures of the requested size; depth: 4 bytes, colour: 8 bytes a pixel."""
+    colour, depth = more.pop("colour", struct.pack("<4e", 1, 1, 1, 1)), more.pop("depth", struct.pack("<f", 0.1))
+    return foreign.frame(asked, formats=(1, 1), pictures=(colour * pixels(asked), depth * pixels(asked)), **more)
+
+
+def bomb(asked: bytes, name: str = "peeled") -> bytes:
+    return foreign.frame(asked, heads=(foreign.part_head(name, (8192, 8192), len(BOMB)),), parts=BOMB)
+
+
+def depth_of(step: float, nearest: float) -> bytes:
+    """Depth as a video, as docs/feed.md has it, of which only the head is right."""
+    rest = struct.pack("<ddI", step, nearest, 0)
+    return struct.pack("<I", zlib.crc32(rest)) + rest
+
+
+ODD: dict[str, Odd] = {
+    "a view far away": lambda asked: foreign.frame(asked, eyes=(foreign.eye((0, 1e300, 0)),) * 2),
+    "no field of view": lambda asked: foreign.frame(asked, eyes=(foreign.eye(angles=(np.nan,) * 4),) * 2),
+    "a field of view of nothing": lambda asked: foreign.frame(
+        asked, eyes=(foreign.eye(angles=(0, 1e-300, -1, 1)),) * 2
+    ),
+    "one eye": lambda asked: foreign.frame(asked, eyes=(foreign.eye(),)),
+    "depth that is no number": lambda asked: whole(asked, depth=NAN),
+    "depth without an end": lambda asked: whole(asked, depth=INF),
+    "light without an end": lambda asked: whole(asked, colour=struct.pack("<4e", 1, np.inf, 1, 1)),
+    "light that is no number": lambda asked: whole(asked, colour=struct.pack("<4e", 1, 1, -np.nan, 1)),
+    "another size": lambda asked: foreign.frame(asked, size=(3, 2)),
+    "the largest size": lambda asked: foreign.frame(asked, size=(8192, 8192), formats=(3, 3), pictures=(b"", b"")),
+    "an unknown format": lambda asked: foreign.frame(asked, formats=(9, 1)),
+    "a video of noise": lambda asked: foreign.frame(asked, formats=(3, 2), pictures=(b"\0\0\0\1g" * 9, b"d" * 99)),
+    "a depth of noise": lambda asked: foreign.frame(
+        asked, formats=(4, 3), pictures=(b"", depth_of(2.0**-30, 2.0**128))
+    ),
+    "drawn before it began": lambda asked: foreign.frame(asked, drawing=-1),
+    "drawn for ever": lambda asked: foreign.frame(asked, drawing=2**63 - 1),
+    "sent at the end of time": lambda asked: foreign.frame(asked, instants=(2**63 - 1, 0, 2**63 - 1, 0)),
+    "not requested": lambda asked: foreign.frame(asked, number=2**64 - 1),
+    "a layer that is not requested": bomb,
+    "a layer larger than requested": lambda asked: bomb(asked, "velocity"),
+    "too short": lambda asked: foreign.frame(asked)[:-1],
+    "a shared frame": lambda asked: foreign.message(4, struct.pack("<QI64s", 1, 99, b"../../etc/passwd")),
+    "another version": lambda asked: foreign.message(2, asked[12:], version=9),
+    "a request": lambda asked: asked,
+    "nothing": lambda asked: b"",
+}
+
+
+@contextmanager
+def server(answers: Callable[[int, bytes], bytes | None]):
+    """Answer the n-th request as that says; None for not at all."""
+    done = threading.Event()
+    with zmq.Context() as context, context.socket(zmq.ROUTER) as socket:
+        socket.linger = 0
+        port = socket.bind_to_random_port("tcp://127.0.0.1")
+
+        def work() -> None:
+            count = itertools.count()
+            while not done.is_set():
+                if socket.poll(20):
+                    who, asked = socket.recv_multipart()
+                    reply = answers(next(count), asked)
+                    if reply is not None:
+                        socket.send_multipart([who, reply])
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        try:
+            yield f"127.0.0.1:{port}"
+        finally:
+            done.set()
+            thread.join()
+
+
+def options(address: str, out: Path, **more) -> LiveOptions:
+    said = {"source": "offscreen", "trace": "look-around", "connect": address, "size": "32x40", "out": out}
+    return LiveOptions.of({**said, "fill": "none", "lens": "none", "rate": 60.0, "panel": False, **more})
+
+
+def test_odd_frames_are_left_out_and_told_and_the_session_goes_on(tmp_path):
+    """Each kind comes twice among whole frames, once the way is measured."""
+    kinds, came = [*ODD.values()] * 2, []
+
+    def answers(number: int, asked: bytes) -> bytes:
+        layer = foreign.part_head("velocity", struct.unpack_from("<2I", asked, 84), 8 * pixels(asked), packed=0)
+        heads = (layer, layer[:16] + b"\1" + layer[17:])
+        plain = foreign.frame(asked, heads=heads, parts=bytes(16 * pixels(asked)))
+        if number < 8 or number % 2 or not kinds:
+            return plain
+        came.append(number)
+        return kinds.pop(0)(asked)
+
+    said: list[str] = []
+    with server(answers) as address:
+        pictures = 4 * len(ODD) + 30
+        out = tmp_path / "out"
+        summary = live(options(address, out, effects="soft_motion", pictures=pictures), said.append).summary
+    feed = summary["link"]["feed"]
+    assert summary["live"]["refreshes"] == pictures and not kinds
+    assert (out / "report.html").stat().st_size > 1000 and (out / "summary.json").exists()
+    # Those with a head that can be read are told from each other; what is no message is counted.
+    assert feed["malformed"] + feed["undecodable"] >= len(came) - 4 and feed["lost"] == 0
+    told = " ".join(line for line in said if "left out" in line)
+    assert all(part in told for part in ("another size", "cannot be decoded", "left out: frame"))
+    assert abs(feed["views_off"]["moved_m"]) < 1e-6
+
+
+@pytest.mark.parametrize("odd", ["light that is no number", "another size", "a video of noise"])
+def test_the_truth_of_a_server_is_whole_or_none(odd):
+    with server(lambda number, asked: ODD[odd](asked) if number == 0 else foreign.frame(asked)) as address:
+        viewer = Viewer(address)
+        found = viewer.fetch(View(Pose(), Fov.symmetric(1, 1)), (4, 3), 0)
+        viewer.close()
+    assert found is not None and found.is_finite and found.size == (4, 3) and not isinstance(found.colours[0], bytes)
+
+
+def test_an_offscreen_run_beside_a_network_takes_as_long_as_on_a_screen(tmp_path):
+    """Its ages are then those of the network: nothing is simulated."""
+    late_s = 0.05
+
+    def answers(number: int, asked: bytes) -> bytes:
+        time.sleep(late_s)
+        return foreign.frame(asked)
+
+    with server(answers) as address:
+        begun = time.monotonic()
+        summary = live(options(address, tmp_path / "out", pictures=30)).summary
+        took = time.monotonic() - begun
+    assert took > 29 / 60 and summary["live"]["age_ms"]["median"] >= 1e3 * late_s
