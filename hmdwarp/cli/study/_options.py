@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import attrs
 
 from ...errors import InputError
 from ...options import option, same_as
+from ...study import design as designs
 from ...study.measure_options import MeasureOptions
-
-if TYPE_CHECKING:
-    from ...study.design import Design
 
 
 def study_field() -> Any:
@@ -64,14 +62,13 @@ class _Chosen(Protocol):
     def simulated(self) -> bool: ...
 
 
-def store_of(options: _Chosen) -> tuple[Path, Design | None]:
+def store_of(options: _Chosen) -> tuple[Path, designs.Design | None]:
     """Return folder of data and study; with --store the file of the study may be broken."""
-    from ...study.design import load_design
     from ...study.store import store_folder
 
     origin = origin_of(options.pilot, options.simulated)
     try:
-        design = load_design(options.study, checked=False)
+        design = designs.load_design(options.study, checked=False)
     except InputError:
         if options.store is None:
             raise

@@ -34,7 +34,7 @@ def withdraw(said: Said) -> None:
     options = WithdrawOptions.of(said)
     code = options.code
     folder, design = store_of(options)
-    with Store(folder, study=design and design.name, say=typer.echo) as opened:
+    with Store(folder, study=None if design is None else design.name, say=typer.echo) as opened:
         if not options.yes and not opened.finish_withdrawal(code):
             if not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
