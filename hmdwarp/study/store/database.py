@@ -333,6 +333,8 @@ def _check(db: sqlite3.Connection, path: Path, noted: Journal) -> None:
         ).fetchone()
     ):
         raise damaged(path, f"entry {last} of its journal is another one: was it, or its log, put in place of another?")
+    if (lonely := answers_alone(db)) > 0:
+        raise damaged(path, f"{lonely} more answers than entries of its journal about them")
     for id_, data in db.execute("SELECT id, data FROM event ORDER BY id").fetchall():
         if is_broken(db, id_, from_json(data)):
             raise damaged(path, f"entry {id_} of its journal, or what it tells of, is not as it was written")
@@ -349,6 +351,12 @@ _SEALED = {
     "answer": """SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing
       FROM answer WHERE id = ?""",
 }
+
+
+def answers_alone(db: sqlite3.Connection) -> int:
+    """Return how many more answers there are than entries of the journal about them."""
+    query = "SELECT (SELECT count(*) FROM answer) - (SELECT count(*) FROM event WHERE kind = 'answer')"
+    return int(db.execute(query).fetchone()[0])
 
 
 def journal_of(db: sqlite3.Connection) -> Journal:

@@ -143,9 +143,12 @@ class _Rescue:
                 )
                 kept = to_json(data) if isinstance(data, dict) else "{}"
                 self._into.execute("UPDATE event SET data = ? WHERE id = ?", (kept, id_))
-        query = """SELECT count(*) FROM answer a WHERE NOT EXISTS (SELECT 1 FROM event e WHERE e.session = a.session
-          AND e.kind = 'answer' AND e.key = a.key AND json_extract(e.data, '$.revision') = a.revision)"""
-        if lonely := self._into.execute(query).fetchone()[0]:
+        query = """SELECT session, key, at_utc, json_object('value', value, 'revision', revision) FROM answer a
+          WHERE NOT EXISTS (SELECT 1 FROM event e WHERE e.session = a.session AND e.kind = 'answer' AND e.key = a.key
+          AND json_extract(e.data, '$.revision') = a.revision)"""
+        if lonely := self._into.execute(query).fetchall():
+            insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, 'answer', ?, ?, 0, ?)"
+            self._into.executemany(insert, lonely)
             self.altered.append(
-                f"{counted(lonely, 'answer')} without an entry of the journal: words of theirs are lost"
+                f"{counted(len(lonely), 'answer')} without an entry of the journal: words of theirs are lost"
             )
