@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import hmdwarp.client
-from hmdwarp.scenes import load_scene
+from hmdwarp.scenes import Scene, load_scene
 from hmdwarp.sources.server import Server
 
 
 class ClientScene(hmdwarp.client.ClientScene):
     """What a replay hands to fills that draw for themselves."""
 
-    def __init__(self, gpu, scene: str = "planes", cache=None) -> None:
-        super().__init__(Server(gpu, load_scene(scene)), cache)
+    def __init__(self, gpu, scene: str | Scene = "planes", cache=None) -> None:
+        super().__init__(Server(gpu, load_scene(scene) if isinstance(scene, str) else scene), cache)

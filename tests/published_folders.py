@@ -64,6 +64,31 @@ def write_seven_scenes(folder: Path, frames: list[Taken]) -> None:
         _text(Path(f"{name}.pose.txt"), _rows(camera_matrix(one, OPTICAL, y_down)))
 
 
+def write_with_info(folder: Path, frames: list[Taken], depth: str = "png", stride: int = 1) -> None:
+    """Write the files of 12-Scenes, BundleFusion and 3RScan. stride: of the depth's pixels."""
+    (wide, high), kind = frames[0].colour.shape[1::-1], {"png": "png", "pgm": "ppm"}[depth]
+    lines = ["m_versionNumber = 4", "m_sensorName = StructureSensor"]
+    for side, step in (("Color", 1), ("Depth", stride)):
+        sides = {"Width": wide // step, "Height": high // step}
+        lines += [f"m_{side.lower()}{way} = {pixels}" for way, pixels in sides.items()]
+        matrix = [FX / step, 0, CX / step, 0, 0, FY / step, CY / step, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+        lines.append(f"m_calibration{side}Intrinsic = {' '.join(map(str, matrix))} ")
+        lines.append(f"m_calibration{side}Extrinsic = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1 ")
+    for i, one in enumerate(frames):
+        _save(folder / f"frame-{i:06}.color.jpg", one)
+        units = Image.fromarray(np.rint(one.depth_m[::stride, ::stride] * 5000).astype(np.uint16))
+        units.save(folder / f"frame-{i:06}.depth.{depth}", kind)
+        _text(folder / f"frame-{i:06}.pose.txt", _rows(camera_matrix(one, OPTICAL, y_down)))
+    place = folder / "_info.txt" if depth == "pgm" else folder.parent / "info.txt"
+    _text(place, "\n".join([*lines, "m_depthShift = 5000", f"m_frames.size = {len(frames)}", ""]))
+
+
+def write_three_d_match(folder: Path, frames: list[Taken]) -> None:
+    """Write the camera above the sequences."""
+    write_seven_scenes(folder, frames)
+    _text(folder.parent / "camera-intrinsics.txt", _rows(np.array([[FX, 0, CX], [0, FY, CY], [0, 0, 1]])))
+
+
 def write_scannet(folder: Path, frames: list[Taken], stride: int = 1) -> None:
     """Write with intrinsics as 4x4 matrices. stride: of the depth's pixels."""
     for i, one in enumerate(frames):
@@ -194,14 +219,15 @@ def write_rtabmap(folder: Path, frames: list[Taken], robot: bool = False) -> Non
     _text(folder / f"map_{'' if robot else 'camera_'}poses.txt", "\n".join(lines) + "\n")
 
 
-def write_open3d(folder: Path, frames: list[Taken]) -> None:
-    """Write extrinsics, from world to camera, by columns."""
+def write_open3d(folder: Path, frames: list[Taken], scale: float = 1.0) -> None:
+    """Write extrinsics, from world to camera, by columns. scale: of the camera's unit."""
     parameters = []
     for i, one in enumerate(frames):
         _save(folder / f"color/{i:05}.png", one)
         write_depth(folder / f"depth/{i:05}.png", one, 1000)
         wide, high = one.colour.shape[1::-1]
         extrinsic = np.linalg.inv(camera_matrix(one, OPTICAL, y_down))
+        extrinsic[:3, :3] *= scale
         intrinsic = {"width": wide, "height": high, "intrinsic_matrix": [FX, 0, 0, 0, FY, 0, CX, CY, 1]}
         parameters.append(
             {
@@ -305,6 +331,9 @@ class Form:
 JPEG = 4
 PUBLISHED = {
     "seven_scenes": Form("seven_scenes", write_seven_scenes, STATED),
+    "twelve_scenes": Form("seven_scenes", write_with_info, colour_within=JPEG),
+    "three_r_scan": Form("seven_scenes", partial(write_with_info, depth="pgm"), colour_within=JPEG),
+    "three_d_match": Form("seven_scenes", write_three_d_match),
     "scannet": Form("scannet", write_scannet, colour_within=JPEG),
     "replica": Form("replica", write_replica, colour_within=JPEG),
     "tartanair": Form("tartanair", write_tartanair, STATED),
@@ -313,6 +342,7 @@ PUBLISHED = {
     "rtabmap": Form("rtabmap", write_rtabmap, colour_within=JPEG),
     "rtabmap_robot": Form("rtabmap", partial(write_rtabmap, robot=True), colour_within=JPEG),
     "open3d": Form("open3d", write_open3d),
+    "open3d_scaled": Form("open3d", partial(write_open3d, scale=2.5)),
     "open3d_first": Form("open3d", write_open3d_first),
     "colmap": Form("colmap", write_colmap, SequenceOptions(depth_scale=0.001)),
     "colmap_dense": Form("colmap", write_colmap_dense),

@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation
 
 HAS_ROSBAGS = importlib.util.find_spec("rosbags") is not None
 FRAME, BEGINS_NS = "camera_color_optical_frame", 1_700_000_000_123_456_789
+FIRST_TF = "tf/tfMessage"  # before tf2
 DEPTH_LATE_NS = 4_000_000
 Logged = tuple[str, str, int, Any]  # topic, type, ns, message
 
@@ -31,9 +32,8 @@ class Messages:
         self.version = ros_version
         self.store = get_typestore(Stores.ROS1_NOETIC if ros_version == 1 else Stores.ROS2_HUMBLE)
         if ros_version == 1:  # rosbags has it of ROS 2 alone
-            self.store.register(
-                get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf2_msgs/msg/TFMessage")
-            )
+            for name in ("tf2_msgs/msg/TFMessage", FIRST_TF.replace("/", "/msg/")):
+                self.store.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", name))
 
     def of(self, kind: str, **parts: Any) -> Any:
         """Return a message."""

@@ -10,7 +10,7 @@ import moderngl
 from ..geometry import View
 from ..gpu.context import Gpu, drawing_into
 from ..gpu.textures import SCALAR, allocate
-from ..scenes import Pieces, Scene, partial_scene, reduced, unlit, with_lamps_stopped
+from ..scenes import Pieces, Scene, only_emission, partial_scene, reduced, unlit, with_lamps_stopped
 from ..sources.server import (
     Framebuffers,
     Indirect,
@@ -84,13 +84,19 @@ class ReducedModel(Store):
     def __init__(self, client: ClientScene, wanted: tuple[float, float]) -> None:
         super().__init__(client, wanted)
         self._scene = reduced(with_lamps_stopped(client.scene), wanted[0], client.cache, texture=wanted[1])
-        self._drawn: dict[bool, DrawnModel] = {}
+        self._drawn: dict[bool | None, DrawnModel] = {}
 
     def drawn(self, *, lit: bool) -> DrawnModel:
         """Return the model with baked light, else with light of 1 everywhere (albedo)."""
         if lit not in self._drawn:
             self._drawn[lit] = DrawnModel(self.client.gpu, self._scene if lit else unlit(self._scene))
         return self._drawn[lit]
+
+    def shining(self) -> DrawnModel | None:
+        """Return the model with what its textures emit alone, black elsewhere; None without any."""
+        if None not in self._drawn and (scene := only_emission(self._scene)) is not None:
+            self._drawn[None] = DrawnModel(self.client.gpu, scene)
+        return self._drawn.get(None)
 
     def weights(self) -> list[dict[str, Any]]:
         """Count it once, with light and without: that differs by three numbers a vertex."""

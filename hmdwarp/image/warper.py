@@ -6,7 +6,7 @@ import atexit
 import math
 import threading
 import warnings
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from numbers import Real
 from types import MappingProxyType
@@ -225,7 +225,8 @@ class Warper:
         an OpenGL id. Alpha is coverage: 0 is a hole. depth_as: "inverse" (1/m; below 0 is none),
         "metres" (0 is none), or the DepthLayer of a depth buffer. encoding: "linear", also for a
         texture that OpenGL decodes itself, or "srgb". rgba16f colour in linear light beside r32f
-        inverse depth are read where they are; all else is taken over by one pass.
+        inverse depth are read where they are; all else is taken over by one pass. Warns once of
+        depth that is hardly in metres, as warp_image does: it is read back for the first picture.
         Errors: InputError for arguments that do not fit, for a warp that reads more than a picture
         with depth, and for a Warper with a repair, which runs on arrays.
         """
@@ -239,6 +240,9 @@ class Warper:
             raise InputError("textures belong to a context: make the Warper with gpu=, the context they are of")
         with self._gpu() as gpu:
             pair = self._foreign.converted(colour, depth, depth_as, encoding, self._pictures[0].pair)
+            # Read back once: it waits for the GPU.
+            for note in self._unit_notes(lambda: download(pair[1]), views, "a scale of {:g}"):
+                warnings.warn(note, stacklevel=2)
             image = EyeImage(views[0], *pair, drawn_ns=self._next())
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
@@ -275,16 +279,22 @@ class Warper:
 
     def _warn_about(self, picture: PictureArrays, views: tuple[View, View]) -> None:
         """Warn of depth that is no measurement, or hardly in metres; of each once."""
-        found = {_LARGEST: picture.notes} if _LARGEST not in self._warned else {}
+        largest = picture.notes if _LARGEST not in self._warned else ()
+        self._warned.update([_LARGEST] if largest else [])
+        for note in (*largest, *self._unit_notes(lambda: picture.inverse_depth, views, "depth_scale={:g}")):
+            warnings.warn(note, stacklevel=4)  # where warp or warp_image is called
+
+    def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
+        """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
+
+        depth: called for that one alone: inverse depth, below 0 or NaN for none. option: see
+        about_unit.
+        """
         moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
-        if _UNIT not in self._warned and moved_m:
-            self._warned.add(_UNIT)
-            depth_m = metres_from_inverse_depth(picture.inverse_depth)
-            found[_UNIT] = tuple(about_unit([depth_m], moved_m, "depth_scale={:g}"))
-        for kind, notes in found.items():
-            for note in notes:
-                self._warned.add(kind)
-                warnings.warn(note, stacklevel=4)  # where warp or warp_image is called
+        if _UNIT in self._warned or not moved_m:
+            return []
+        self._warned.add(_UNIT)
+        return about_unit([_metres(depth())], moved_m, option)
 
     def _check_size(self, name: str, picture: PictureArrays) -> None:
         if picture.size != self.rendered_size:
@@ -352,8 +362,7 @@ class Warper:
         holes = float((download(made.warped.texture)[..., 3] == 0).mean())
         depth = None
         if made.inverse_depth is not None:
-            inverse = download(made.inverse_depth).astype(np.float64)
-            depth = metres_from_inverse_depth(np.where(inverse < 0, np.nan, inverse))
+            depth = _metres(download(made.inverse_depth))
         colour = _encoded(picture[..., :3], encoding)
         coverage = picture[..., 3].astype(np.float32)
         if self._confidence is not None:
@@ -368,6 +377,11 @@ def _summed(stages: Iterable[tuple[str, float]]) -> dict[str, float]:
     for name, milliseconds in stages:
         total[name] = total.get(name, 0.0) + milliseconds
     return total
+
+
+def _metres(inverse_depth: NDArray[Any]) -> NDArray[np.float64]:
+    """Return depth in metres, NaN where there is none: below 0 or NaN."""
+    return metres_from_inverse_depth(np.where(inverse_depth >= 0, inverse_depth, np.nan).astype(np.float64))
 
 
 def _encoded(linear: NDArray[np.float16], encoding: str) -> NDArray[Any]:

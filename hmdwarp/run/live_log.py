@@ -29,7 +29,8 @@ from .live_summary import LiveFacts, live_facts_of, live_summary_of
 from .markers import NoMarkers
 from .options import LiveOptions
 from .run_summary import OWNED
-from .speeds import angle_between, speeds_between
+from .seen_offset import DepthSamples, SeenOffset
+from .speeds import speeds_between
 from .trace_events import TraceEvents
 
 _STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])
@@ -77,6 +78,9 @@ class _Running:
     values: dict[str, object]
     events: TraceEvents | None
     markers: LiveMarkers
+    # Where things are seen in a picture that is shown again.
+    depths: DepthSamples
+    offset: SeenOffset
     # What chose warps last, and how many of its switches are logged.
     auto: AdaptiveCompensator | None = None
     auto_changes: int = 0
@@ -131,7 +135,8 @@ class LiveLog:
             events = TraceEvents(self._options.trace_events, display.rate_hz, force=self._options.force)
         now = values(host.options, host.pipeline.sizes.shown)
         markers = markers or LiveMarkers(NoMarkers())
-        self._running = _Running(facts, host, HoleCounter(display.gpu), now, events, markers)
+        seen = DepthSamples(display.gpu), SeenOffset(turned=facts.turns)
+        self._running = _Running(facts, host, HoleCounter(display.gpu), now, events, markers, *seen)
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:
             self._files.rows.add(HEADER)
@@ -181,17 +186,17 @@ class LiveLog:
     def _miss(self, tick: Tick, refresh: Refresh | None) -> None:
         """Count the refreshes before this one that showed the last picture again.
 
-        A runtime turns it to the newest head. In a window it stands; the head is taken to turn as
+        A runtime turns it to the newest head. In a window it stands; the head is taken to move as
         fast as from the last picture to this one.
         """
         self._figures.counts.missed += tick.missed
-        off_deg, before, running = 0.0, self._last.refresh, self._running
-        if tick.missed and refresh and before and running and not running.facts.turns:
+        off_deg, before, running = [0.0] * tick.missed, self._last.refresh, self._running
+        if tick.missed and refresh and before and running:
             periods = max(1, round((refresh.shown_ns - before.shown_ns) * 1e-6 / running.facts.budget_ms))
-            a, b = (shown.head.pose.orientation_xyzw.tolist() for shown in (before, refresh))
-            off_deg = math.degrees(angle_between(a, b)) / periods
-        for number in range(1, tick.missed + 1):
-            self._figures.misses.add(True, number * off_deg)
+            depths = running.depths.before(len(before.inputs))
+            off_deg = running.offset.between_deg(before, depths, refresh, tick.missed, periods)
+        for off in off_deg:
+            self._figures.misses.add(True, off)
 
     def _look_at(self, refresh: Refresh, submitted_ns: int, host: PipelineHost) -> None:
         status, last = self.status, self._last
@@ -222,6 +227,8 @@ class LiveLog:
         if self._running is None:
             return
         warped = [eye.warped for eye in now.eyes if eye.warped is not None] if now is not None else []
+        if now is not None:
+            self._running.depths.take(now.inputs)
         if self._last.pending is not None or warped:
             self._running.holes.count(warped)
         if self._last.pending is None:
@@ -270,6 +277,7 @@ class LiveLog:
         if self._running is not None:
             with suppress(Exception):
                 self._running.holes.close()
+                self._running.depths.close()
 
     def finish(self) -> None:
         """Write the results.

@@ -100,7 +100,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     needs = needs_of_client(ask.wanted)
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
-    _check_bytes(ask, needs)
+    _check_bytes(ask, needs, is_software=server.gpu.is_software)
     frame = _drawn(server, ask, needs)
     pictures = list(_pictures(frame, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE}
@@ -114,7 +114,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
 
 
-def _check_bytes(ask: Ask, needs: Needs) -> None:
+def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
     """Check what a frame will weigh. Errors: InputError, bounds.OutOfBounds."""
     of_eye = 13 * ask.size[0] * ask.size[1]
     if ask.wanted is not None:
@@ -129,7 +129,7 @@ def _check_bytes(ask: Ask, needs: Needs) -> None:
                     f"most {bounds.most_beside(ask.size):.3g}"
                 )
             of_eye += count
-    bounds.UNPACKED.check(len(ask.views) * of_eye)
+    (bounds.DRAWN_BY_CPU if is_software else bounds.UNPACKED).check(len(ask.views) * of_eye)
 
 
 def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:

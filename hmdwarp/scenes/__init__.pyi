@@ -25,6 +25,7 @@ from ._pieces import pieces_of as pieces_of
 from ._points import PointCells as PointCells
 from ._points import SurfacePoints as SurfacePoints
 from ._points import octahedral as octahedral
+from ._reduce import only_emission as only_emission
 from ._reduce import only_light as only_light
 from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit

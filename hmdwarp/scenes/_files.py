@@ -45,7 +45,9 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
             if options.animation is not None:
                 raise InputError(f"--animation '{options.animation}': only glTF files have animations; leave it out")
             textures: list[Texture] = []
-            return _scene(path, options, notes, drafts_of(path, units, notes, textures), textures)
+            drafts = drafts_of(path, units, notes, textures)
+            _note_unstated(options, notes)
+            return _scene(path, options, notes, drafts, textures)
     except (HmdwarpError, MemoryError):
         raise
     except Exception as error:  # a damaged file may hold any value where another is due
@@ -62,6 +64,14 @@ def _check_there(path: Path) -> None:
         raise SceneError(f"{path}: the file is empty; {known}")
     if path.suffix.lower() not in ENDINGS:
         raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; {known}: export it as .glb")
+
+
+def _note_unstated(options: SceneOptions, notes: Notes) -> None:
+    """Note what a file without units and axes, as OBJ and PLY are, was taken to mean."""
+    taken = ["a unit is a metre (--scene-scale)"] if options.scale == 1 else []
+    taken += ["y is up (--scene-up)"] if options.up == "y" else []
+    if taken:
+        notes.add(f"assumed, as nobody says it: {', '.join(taken)}")
 
 
 def _units(options: SceneOptions) -> Array:

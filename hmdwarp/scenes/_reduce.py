@@ -20,7 +20,7 @@ from ..errors import SceneError
 from ._cache import cache_folder, read_arrays, write_arrays
 from ._decimate import decimated
 from ._mesh import Deformation, Material, Mesh, Texture
-from ._scene import Scene
+from ._scene import Background, Scene
 
 VERSION = 2  # of the results of decimated(); counted up with every change of them
 UNKNOWN_ALBEDO = 0.5
@@ -107,8 +107,9 @@ def unlit(scene: Scene) -> Scene:
 def only_light(scene: Scene) -> Scene:
     """Return the scene as `unlit` leaves it out: white surfaces and sky under the light there is.
 
-    What glows by itself does so in the light. Per vertex, the light times the albedo of `unlit` is
-    the baked colour: exact over a triangle with one albedo or one light.
+    A vertex that glows by itself does so in the light; for textures see `only_emission`. Per
+    vertex, the light times the albedo of `unlit` is the baked colour: exact over a triangle with
+    one albedo or one light.
     """
     meshes = [
         attrs.evolve(mesh, light=mesh.light / _albedo(mesh), texture=WHITE, albedo=np.ones_like(mesh.light))
@@ -116,6 +117,14 @@ def only_light(scene: Scene) -> Scene:
     ]
     sky = attrs.evolve(scene.background, zenith=(1.0, 1.0, 1.0), horizon=(1.0, 1.0, 1.0), ground=(1.0, 1.0, 1.0))
     return attrs.evolve(scene, meshes=meshes, background=sky)
+
+
+def only_emission(scene: Scene) -> Scene | None:
+    """Return the scene without any light but what its textures emit; None where none does."""
+    if all(texture.emission is None for texture in scene.textures):
+        return None
+    meshes = [attrs.evolve(mesh, light=np.zeros_like(mesh.light)) for mesh in scene.meshes]
+    return attrs.evolve(scene, meshes=meshes, background=Background())
 
 
 def _albedo(mesh: Mesh) -> NDArray[Any]:

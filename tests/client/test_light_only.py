@@ -17,10 +17,10 @@ from hmdwarp.client.effects import Tools, effects
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import Material, Quad, Scene, Texture, load_scene, only_light, unlit
+from hmdwarp.scenes import Emission, Material, Quad, Scene, Texture, load_scene, only_light, unlit
 from hmdwarp.sources.server import Server
 
 NAME, SIZE, HALF = "light_only", (61, 43), 2.0**-10
@@ -60,6 +60,31 @@ def test_light_times_albedo_is_what_was_baked(light, albedo):
         assert np.abs(falling.light * bare.light - mesh.light).max() <= 2 * 2.0**-23 * max(light)
         # As a half float it must not overflow.
         assert falling.light.max() < 65504
+
+
+def shining(scene: Scene) -> Scene:
+    """The scene with a chessboard on each texture that is up to 3 times white and black between."""
+    board = np.kron(np.indices((4, 4)).sum(axis=0) % 2, np.ones((2, 2)))[..., None] * np.array([255, 128, 0])
+    emission = Emission(board.astype(np.uint8), (3.0, 2.0, 1.0))
+    textures = [Texture(one.name, one.image, one.srgb, one.repeat, emission) for one in scene.textures]
+    return attrs.evolve(scene, textures=textures)
+
+
+def test_what_textures_emit_is_not_scaled_by_the_light(gpu):
+    """At no latency light, albedo and emission make the picture, which light alone would not."""
+    scene = shining(load_scene("planes"))
+    client, into = ClientScene(gpu, scene), Canvas(gpu.gl, SIZE)
+    frame = client.server.draw_frame([VIEW], 0, SIZE, needs=Needs(light=True))
+    one = effects.get(NAME).made_by(gpu, frozenset([NAME]), SIZE, SIZE, Tools(None, 1, geometry=client))
+    late = Canvas(gpu.gl, SIZE)
+    late.texture.write(download(frame.eyes[0].colour)[::-1].tobytes(), alignment=1)
+    one.run(PassInputs(frame.eyes[0], VIEW), ShownPicture(late, None), into)
+    gpu.gl.memory_barrier()
+    got, truth = read(into.texture)[..., :3], read(client.server.draw(VIEW, SIZE).colour)[..., :3]
+    assert truth.max() > 2.9
+    # Light, albedo, emission and the result are half floats.
+    assert np.abs(got - truth).max() <= 4 * HALF * truth.max()
+    one.close()
 
 
 def test_the_pass_multiplies_light_with_the_albedo_seen_now(gpu):

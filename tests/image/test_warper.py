@@ -74,9 +74,10 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     assert (remembered.coverage == 0).mean() < 0.02
 
 
-def test_times_are_sums_over_all_fills_and_pictures(gpu):
+@pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
+def test_times_are_sums_over_all_fills_and_pictures(gpu, fill):
     """What has taken as long before is counted, not replaced by the stage that comes after it."""
-    with Warper(SIZE, warp="iterative", fill="memory+pyramid", gpu=gpu) as warper:
+    with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
         found = warper.warp(*picture(0), view(), view((0.1, 0, 0)))
         assert set(found.time_ms) == {"warp", "fill"}
         colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
@@ -87,7 +88,7 @@ def test_times_are_sums_over_all_fills_and_pictures(gpu):
         gpu.timer.lap()
         warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
         stages = gpu.timer.lap().read()
-        assert [name for name, _ in stages] == ["warp", "fill", "fill"]
+        assert [name for name, _ in stages] == ["warp", *("fill" for _ in fill.split("+"))]
         for texture in (colour, depth):
             texture.release()
 
@@ -102,6 +103,21 @@ def test_a_warper_warns_once(gpu):
                 warper.warp(colour, np.full((30, 40), 65535, np.uint16), view(), view(), depth_scale=0.001)
         assert [str(warning.message)[:11] for warning in caught] == ["The nearest", "1200 pixels"]
         assert all(warning.filename == __file__ for warning in caught)
+
+
+@pytest.mark.parametrize(("depth_as", "value"), [("metres", 2000.0), ("inverse", 1 / 2000)])
+def test_a_warper_warns_of_textures_in_another_unit_and_reads_them_back_once(gpu, monkeypatch, depth_as, value):
+    read = []
+    monkeypatch.setattr("hmdwarp.image.warper.download", lambda texture: read.append(texture) or download(texture))
+    colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
+    upload(colour, np.ones((*SIZE[::-1], 4), np.float16))
+    upload(depth, np.full(SIZE[::-1], value, np.float32))
+    with Warper(SIZE, gpu=gpu) as warper, pytest.warns(UserWarning, match="millimetres: 2 m") as caught:
+        for moved_m in (0.0, 0.05, 0.05):
+            warper.warp_textures(colour, depth, view(), view((moved_m, 0, 0)), depth_as=depth_as)
+    assert len(caught) == len(read) == 1 and caught[0].filename == __file__
+    for texture in (colour, depth):
+        texture.release()
 
 
 def test_the_depth_of_the_shown_view_comes_on_request(gpu):

@@ -1,4 +1,4 @@
-"""How head traces of twenty layouts are read: files with known truth, a table for docs/traces.md.
+"""How head traces of many layouts are read: files with known truth, a table for docs/traces.md.
 
 Each layout is written from the recording `walk`: which way the person looked and which way was up
 is known. Numbers and names are those of public files of that kind.
@@ -36,6 +36,8 @@ class Layout:
     text: Callable[[list[Row]], str]
     stated: dict[str, Any] = attrs.field(factory=dict)  # fields of TraceOptions; most need one
     packed: bool = False
+    # What says so: documents of the data set or of its maker, and for the plain ones of OpenXR.
+    proof: str = "OpenXR 1.1, 2.16"
 
 
 @attrs.frozen
@@ -125,13 +127,20 @@ _POSE = "px,py,pz,qx,qy,qz,qw"
 _HEAD = "HeadPosX,HeadPosY,HeadPosZ,HeadOrientationW,HeadOrientationX,HeadOrientationY,HeadOrientationZ"
 LAYOUTS = (
     Layout("OpenXR logger, CSV", _PLAIN, _csv(f"time_s,{_POSE}", lambda r: [r.s, *r.p, *r.q])),
-    Layout("WebXR logger, JSON lines, gzip", _PLAIN, _json_lines, packed=True),
+    Layout(
+        "WebXR logger, JSON lines, gzip",
+        _PLAIN,
+        _json_lines,
+        packed=True,
+        proof="WebXR Device API, XRReferenceSpace: y up, -z forward",
+    ),
     Layout(
         "QuestSet (Quest 2)",
         _PLAIN,
         _csv(
             f"{_HEAD},LeftTouchPosX,LeftTouchPosY,LeftTouchPosZ,time", lambda r: [*r.p, *_wxyz(r.q), 0.1, 0.9, 0.2, r.s]
         ),
+        proof="its README: x across, y up, z in depth; signs by the gestures of its sample",
     ),
     Layout("rows of head and hands", _PLAIN, _bodies),
     Layout(
@@ -139,43 +148,39 @@ LAYOUTS = (
         "unity",
         _csv("timestamp,HeadX,HeadY,HeadZ,HeadRotX,HeadRotY,HeadRotZ,HeadRotW", lambda r: [r.s, *r.p, *r.q]),
         {"axes": "unity"},
+        proof="Unity manual, Transform: left-handed, y up, z forward",
     ),
-    Layout(
-        "CroM (Unity), semicolons",
-        "unity",
-        _csv(
-            "Time;Head_pos_x;Head_pos_y;Head_pos_z;Head_rot_x;Head_rot_y;Head_rot_z;Head_rot_w",
-            lambda r: [r.s, *r.p, *r.q],
-            ";",
-        ),
-        {"axes": "unity"},
-    ),  # fmt: skip
     Layout(
         "UXF tracker (Unity, Euler angles)",
         "unity",
         _csv("time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z", lambda r: [r.s, *r.p, *r.euler()]),
         {"euler": "ZXY,deg", "axes": "unity"},
+        proof="its PositionRotationTracker.cs: Transform.position and eulerAngles of Unity",
     ),
     Layout(
-        "who-is-alyx (Unity, centimetres)",
-        "unity",
+        "who-is-alyx (OpenVR, centimetres)",
+        _PLAIN,
         _csv(
-            "delta_time_ms,timestamp,hmd_pos_x,hmd_pos_y,hmd_pos_z,hmd_rot_x,hmd_rot_y,hmd_rot_z,hmd_rot_w",
+            "delta_time_ms;timestamp;hmd_pos_x;hmd_pos_y;hmd_pos_z;hmd_rot_x;hmd_rot_y;hmd_rot_z;hmd_rot_w",
             lambda r: ["11.1", r.s, *_cm(r.p), *r.q],
+            ";",
         ),
-        {"axes": "unity", "scale": 0.01},
-    ),  # fmt: skip
+        {"scale": 0.01},
+        proof="its Readme: OpenVR, right-handed, y up; z and w change their sign for Unity",
+    ),
     Layout(
         "Unreal logger (centimetres)",
         "unreal",
         _csv(f"Time,{_POSE}", lambda r: [r.s, *_cm(r.p), *r.q]),
         {"axes": "unreal"},
+        proof="Unreal Engine documentation, coordinate system and spaces",
     ),
     Layout(
         "TUM RGB-D ground truth",
         "tum-rgbd",
         _csv("# ground truth trajectory\n# timestamp tx ty tz qx qy qz qw", lambda r: [r.s, *r.p, *r.q], " "),
         {"axes": "tum-rgbd"},
+        proof="its page, file formats: optical centre of the colour camera; heights lie along z",
     ),
     Layout("evo, bare .tum of an OpenXR head", _PLAIN, _csv("", lambda r: [r.s, *r.p, *r.q], " ")),
     Layout(
@@ -189,7 +194,8 @@ LAYOUTS = (
             lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
         ),
         {"axes": "euroc"},
-    ),  # fmt: skip
+        proof="T_BS of cam0 in its sensor.yaml: the camera's x is the body's y, its y the body's -x",
+    ),
     Layout(
         "TUM-VI",
         "tum-vi",
@@ -198,8 +204,15 @@ LAYOUTS = (
             lambda r: [EPOCH_NS + r.ns, *r.p, *_wxyz(r.q)],
         ),
         {"axes": "tum-vi"},
-    ),  # fmt: skip
-    Layout("Aria MPS, HOT3D (Aria)", "aria", _aria, {"axes": "aria"}),
+        proof="T_cam_imu of its camchain.yaml",
+    ),
+    Layout(
+        "Aria MPS, HOT3D (Aria)",
+        "aria",
+        _aria,
+        {"axes": "aria"},
+        proof="gravity_z_world of the file; Aria's viewers turn pictures by 90 degrees to be upright",
+    ),
     Layout(
         "HOT3D (Quest 3), turned device",
         "hot3d-quest3",
@@ -208,10 +221,28 @@ LAYOUTS = (
             lambda r: [r.ns, *r.p, *_wxyz(r.q)],
         ),
         {"axes": "hot3d-quest3"},
-    ),  # fmt: skip
-    Layout("ARKit, 4x4 matrices", "arkit", _csv("", lambda r: [r.s, *_matrix_4x4(r)], " ")),
-    Layout("KITTI odometry, 3x4 matrices", "kitti", _csv("", _matrix_3x4, " "), {"rate": 90.0, "axes": "kitti"}),
-    Layout("nerfstudio transforms.json", "nerfstudio", _frames, {"axes": "nerfstudio"}),
+        proof="its camera_models.json (optical axes along +x) and viewer (world y up)",
+    ),
+    Layout(
+        "ARKit, 4x4 matrices",
+        "arkit",
+        _csv("", lambda r: [r.s, *_matrix_4x4(r)], " "),
+        proof="ARKit documentation, WorldAlignment.gravity: (0, -1, 0) is down, (0, 0, -1) ahead",
+    ),
+    Layout(
+        "KITTI odometry, 3x4 matrices",
+        "kitti",
+        _csv("", _matrix_3x4, " "),
+        {"rate": 90.0, "axes": "kitti"},
+        proof="its devkit readme: left camera, z forward, rows of the first frame",
+    ),
+    Layout(
+        "nerfstudio transforms.json",
+        "nerfstudio",
+        _frames,
+        {"axes": "nerfstudio"},
+        proof="nerfstudio documentation, data conventions",
+    ),
     Layout(
         "ROS 2 bag as CSV",
         "ros",
@@ -220,6 +251,7 @@ LAYOUTS = (
             "pose.orientation.x,pose.orientation.y,pose.orientation.z,pose.orientation.w",
             lambda r: [(EPOCH_NS + r.ns) // 10**9, (EPOCH_NS + r.ns) % 10**9, *r.p, *r.q],
         ),
+        proof="ROS REP 103",
     ),
 )
 
@@ -288,8 +320,11 @@ def layouts_table() -> str:
     truth = load_trace("walk").track
     with tempfile.TemporaryDirectory() as folder:
         rows = [(layout, *verdict(layout, truth, Path(folder))) for layout in LAYOUTS]
-    lines = ["| layout | its axes | read | with |", "| --- | --- | --- | --- |"]
-    lines += [f"| {layout.name} | {layout.axes} | {outcome} | {options} |" for layout, outcome, options in rows]
+    lines = ["| layout | its axes | who says so | read | with |", "| --- | --- | --- | --- | --- |"]
+    lines += [
+        f"| {layout.name} | {layout.axes} | {layout.proof} | {outcome} | {options} |"
+        for layout, outcome, options in rows
+    ]
     return "\n".join(lines)
 
 

@@ -544,6 +544,22 @@ def test_a_32_bit_clock_of_microseconds_written_as_seconds(tmp_path):
     assert len(loaded.track) == len(TRACK) and abs(loaded.track.duration_ns - TRACK.duration_ns) <= 2000
 
 
+@pytest.mark.parametrize(("bits", "step_ns"), [(33, 1000), (30, 1000), (24, 1000), (24, 10**6), (16, 10**6)])
+def test_clocks_of_other_bits_are_counted_on(tmp_path, bits, step_ns):
+    long = head(600)
+    ticks = (long.time_ns // step_ns - 10**9 // step_ns) % 2**bits
+    loaded = load_trace(stamped(tmp_path, ticks.tolist(), "time", long))
+    assert len(loaded.track) == 600 and "clock-wrap" in kinds(loaded)
+    assert abs(loaded.track.duration_ns - long.duration_ns) <= step_ns
+
+
+def test_key_frames_with_unix_time_are_seconds(tmp_path):
+    """A map has one a second; in milliseconds they would make a thousand a second."""
+    stamps = [f"{1_700_000_000 + 1.35 * i:.6f}" for i in range(len(TRACK))]
+    loaded = load_trace(stamped(tmp_path, stamps))
+    assert loaded.track.duration_ns == pytest.approx(1.35e9 * (len(TRACK) - 1), rel=1e-6)
+
+
 def test_a_restart_is_no_wrap(tmp_path):
     ticks = [*(2**31 + TRACK.time_ns[:70] // 1000).tolist(), *(TRACK.time_ns[70:] // 1000).tolist()]
     loaded = load_trace(stamped(tmp_path, ticks, "time_us"))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from published_folders import write_colmap
 from recorded_folders import taken
-from ros_bags import BEGINS_NS, HAS_ROSBAGS, Messages, logged, write_bag
+from ros_bags import BEGINS_NS, FIRST_TF, HAS_ROSBAGS, Messages, logged, write_bag
 
 from hmdwarp.errors import TraceError
 from hmdwarp.poses import TraceOptions, load_trace
@@ -35,6 +35,16 @@ def test_a_bag_is_a_head_trace(version, ending, motion, tmp_path):
         camera = found.position_m + found.rotation_matrix @ (-0.02, 0.3, -0.1)
         assert np.allclose(camera, frame.pose.position_m, atol=1e-9)
     assert next(entry.by for entry in loaded.assumptions if entry.what == "axes") is By.FORMAT
+
+
+@needs_rosbags
+def test_transforms_of_the_first_tf_are_read(tmp_path):
+    """As old bags of ROS 1 have them, those of TUM RGB-D among them."""
+    messages = Messages(1)
+    rows = ((topic, FIRST_TF if "tf" in topic else kind, *rest) for topic, kind, *rest in logged(messages, FRAMES))
+    write_bag(tmp_path, ".bag", rows, messages)
+    track = load_trace(tmp_path / "taken.bag").track
+    assert len(track) == 6 and np.allclose(track.pose(5).rotation_matrix, FRAMES[5].pose.rotation_matrix, atol=1e-9)
 
 
 @needs_rosbags

@@ -17,15 +17,17 @@ import numpy as np
 import pytest
 from bench_files import a_bench, a_row
 from replays import contents, rows_of
+from scipy.spatial.transform import Rotation, Slerp
 
 from hmdwarp.display import Command, Lost, Tick
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu import download, flip_rows
-from hmdwarp.poses import load_trace
+from hmdwarp.poses import PoseTrack, load_trace
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
 from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, miss_figures, replay
 from hmdwarp.run import live_log as log
 from hmdwarp.run.live_figures import Thinned
+from hmdwarp.run.live_summary import LiveFacts
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -43,12 +45,13 @@ SMALL = {
 class Seen:
     """What a log was told, copied while the pictures were there.
 
-    The refresh, and the share of pixels without coverage of each eye.
+    The refresh; of each eye the share of pixels without coverage, and the depth of the late frame.
     """
 
     logs: list = attrs.field(factory=list)
     refreshes: list = attrs.field(factory=list)
     holes: list = attrs.field(factory=list)
+    depths: list = attrs.field(factory=list)
 
 
 @pytest.fixture
@@ -59,6 +62,7 @@ def seen(monkeypatch) -> Seen:
         found.logs.append(self)
         if refresh is not None:
             found.refreshes.append(refresh)
+            found.depths.append([download(inputs.rendered.inverse_depth) for inputs in refresh.inputs])
             warped = [eye.warped for eye in refresh.eyes if eye.warped is not None]
             found.holes.append([float((download(result.texture)[..., 3] == 0).mean()) for result in warped])
         add(self, tick, refresh, submitted_ns, notice)
@@ -230,20 +234,49 @@ def test_events_are_listed(monkeypatch, tmp_path):
     assert display.statuses[-1].missed == 2
 
 
-def test_misses_are_told_as_a_replay_tells_them(monkeypatch, tmp_path, seen):
+def off_deg(seen, number: int, share: float, *, turned: bool) -> float:
+    """How far off things are seen in a picture on the way to the next, over all pixels."""
+    angles, pair = [], (seen.refreshes[k].inputs for k in (number, number + 1))
+    for depth, then, now in zip(seen.depths[number], *pair, strict=True):
+        ways = then.rendered.view.pose.rotation.apply(then.rendered.view.rays(depth.shape[::-1])[depth >= 0])
+        eye, near = then.rendered.view.pose.position_m, depth[depth >= 0][:, None]
+        a, b = then.shown.pose, now.shown.pose
+        turn = Slerp([0, 1], Rotation.concatenate([a.rotation, b.rotation]))(share)
+        place = a.position_m + share * (b.position_m - a.position_m)
+        was, is_now = (ways + (eye - at) * near for at in (a.position_m, place))
+        if not turned:
+            was, is_now = a.rotation.inv().apply(was), turn.inv().apply(is_now)
+        cosine = (was * is_now).sum(axis=1) / np.linalg.norm(was, axis=1) / np.linalg.norm(is_now, axis=1)
+        angles.append(np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+    return float(np.sqrt(np.mean(np.concatenate(angles) ** 2)))
+
+
+def moving(m_s: float, deg_s: float) -> PoseTrack:
+    """A head that walks to the right and turns to the left, evenly."""
+    seconds = np.arange(41) / 10
+    turn = Rotation.from_rotvec(np.radians(deg_s) * seconds[:, None] * (0, 1, 0))
+    place = np.stack([m_s * seconds, np.full(41, 1.6), np.zeros(41)], axis=1)
+    return PoseTrack(time_ns=(seconds * 1e9).astype(np.int64), position_m=place, orientation_xyzw=turn.as_quat())
+
+
+@pytest.mark.parametrize(("turned", "m_s", "deg_s"), [(False, 0.6, 20.0), (True, 0.6, 20.0), (True, 0.0, 20.0)])
+def test_misses_are_told_as_a_replay_tells_them(monkeypatch, tmp_path, seen, turned, m_s, deg_s):
+    monkeypatch.setattr(LiveFacts, "turns", turned)
     # Two refreshes pass after the second picture, by the display's time too.
     gap = [Tick(0, PERIOD_NS), Tick(0, PERIOD_NS, render=False), Tick(0, PERIOD_NS, render=False)]
     events = {**{10 + k: tick for k, tick in enumerate(gap)}, 13: Tick(0, PERIOD_NS, missed=2), **closed_at(20)}
-    result, _ = go(monkeypatch, tmp_path / "out", events)
+    result, _ = go(monkeypatch, tmp_path / "out", events, track=moving(m_s, deg_s))
     rows = rows_of(tmp_path / "out")[::2]
     after = next(k for k in range(1, len(rows)) if float(rows[k]["time_s"]) - float(rows[k - 1]["time_s"]) > 0.02)
-    a, b = (seen.refreshes[k].head.pose for k in (after - 1, after))
-    turn = np.degrees(a.angle_to(b)) / 3
     stale = [False] * after + [True] * 2 + [False] * (len(rows) - after)
-    off = [0.0] * after + [turn, 2 * turn] + [0.0] * (len(rows) - after)
+    missed = [off_deg(seen, after - 1, k / 3, turned=turned) for k in (1, 2)]
+    off = [0.0] * after + missed + [0.0] * (len(rows) - after)
     entry = result.summary["miss"]
-    assert {**entry, **miss_figures(stale, off)} == pytest.approx(entry, abs=1e-6)
-    assert entry["judder_deg"] > 0 and entry["longest_stale"] == 2 and entry["show"] == "stands"
+    # A grid of points beside all pixels.
+    expected = miss_figures(stale, off)
+    assert {name: entry[name] for name in expected} == pytest.approx(expected, rel=0.1, abs=1e-6)
+    assert entry["longest_stale"] == 2 and entry["show"] == ("turned" if turned else "stands")
+    assert entry["judder_deg"] > (0.01 if m_s else 0)
     assert result.summary["live"]["missed"] == 2
 
 

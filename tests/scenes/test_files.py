@@ -14,7 +14,7 @@ from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
-from hmdwarp.scenes import Scene, load_scene
+from hmdwarp.scenes import Scene, SceneOptions, load_scene
 from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE
@@ -27,6 +27,9 @@ PICTURE[:4, :4], PICTURE[4:, :4], PICTURE[:4, 4:], PICTURE[4:, 4:] = (
     (0, 0, 255),
     (255, 255, 0),
 )
+
+
+ASSUMED = "assumed, as nobody says it: a unit is a metre (--scene-scale)"
 
 
 def upright_square() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -79,9 +82,23 @@ def test_an_obj_keeps_its_texture(tmp_path):
     scene = load_scene(tmp_path / "square.obj", IN_PLACE)
     assert scene.triangle_count == 2
     assert (scene.textures[0].image == PICTURE).all()
-    assert scene.notes == ()
+    assert scene.notes == (f"square.obj: {ASSUMED}, y is up (--scene-up)",)
     mesh = scene.meshes[0]
     assert np.allclose(mesh.uv, (mesh.positions[:, :2] + scene.origin_m[:2] + 1) / 2)
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"up": "z"}, ASSUMED),
+        ({"scale": 0.5}, "assumed, as nobody says it: y is up (--scene-up)"),
+        ({"scale": 0.5, "up": "z"}, None),
+    ],
+)
+def test_what_nobody_says_of_an_obj_is_noted_until_an_option_says_it(tmp_path, options, expected):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n")
+    scene = load_scene(tmp_path / "a.obj", SceneOptions(viewpoint="0,1.6,0", **options))
+    assert [note for note in scene.notes if "nobody" in note] == ([f"a.obj: {expected}"] if expected else [])
 
 
 def test_an_obj_without_its_texture_is_grey_and_says_so(tmp_path):
@@ -91,7 +108,7 @@ def test_an_obj_without_its_texture_is_grey_and_says_so(tmp_path):
     )
     scene = load_scene(tmp_path / "square.obj", IN_PLACE)
     assert scene.triangle_count == 1
-    assert scene.notes == ("square.obj: a file that it names is missing, drawn grey: texture 'gone.png'",)
+    assert scene.notes[:-1] == ("square.obj: a file that it names is missing, drawn grey: texture 'gone.png'",)
     assert np.ptp(scene.meshes[0].light, axis=1).max() < 1e-6
 
 
@@ -145,7 +162,7 @@ def test_a_ply_keeps_its_texture_and_says_so_where_that_is_missing(tmp_path):
     assert "missing, drawn grey: texture 'picture.png'" in load_scene(tmp_path / "a.ply").notes[0]
     picture_file(tmp_path)
     scene = load_scene(tmp_path / "a.ply", IN_PLACE)
-    assert scene.notes == ()
+    assert scene.notes == (f"a.ply: {ASSUMED}, y is up (--scene-up)",)
     assert (scene.textures[0].image == PICTURE).all()
     assert scene.meshes[0].light.min() > 0.3  # lit as anything white is
 

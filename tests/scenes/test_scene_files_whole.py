@@ -263,7 +263,7 @@ def test_warnings_of_trimesh_become_notes(tmp_path):
     """Of a picture that is there and cannot be read."""
     (tmp_path / "picture.png").write_bytes(b"no picture")
     (tmp_path / "a.ply").write_text(PLY)
-    (note,) = load_scene(tmp_path / "a.ply", IN_PLACE).notes
+    note, _ = load_scene(tmp_path / "a.ply", IN_PLACE).notes
     assert note == "a.ply: trimesh, which reads it, says: unable to load image!"
 
 
@@ -271,7 +271,7 @@ def test_an_obj_with_a_picture_that_cannot_be_read_says_so(tmp_path):
     (tmp_path / "picture.png").write_bytes(b"no picture")
     (tmp_path / "a.mtl").write_text("newmtl a\nmap_Kd picture.png\n")
     (tmp_path / "a.obj").write_text("mtllib a.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n")
-    (note,) = load_scene(tmp_path / "a.obj", IN_PLACE).notes
+    note, _ = load_scene(tmp_path / "a.obj", IN_PLACE).notes
     assert note == "a.obj: a file that it names cannot be read, drawn grey: texture 'picture.png'"
 
 

@@ -10,8 +10,9 @@ from .. import quaternions
 from .times import BILLION, Stamps
 
 _DAY_S = 86400
-# A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large.
-_BITS, _SCALES = (32, 31), (1, 10**3, 10**6, 10**9)
+# A counter of 32 bits, with a sign or without, in its own unit or in one 10^3, 10^6, 10^9 as large;
+# those of other sizes only where nothing is lost in between.
+_BITS, _OTHER_BITS, _SCALES = (32, 31), (33, 30, 24, 16), (1, 10**3, 10**6, 10**9)
 _LONG = 10**5  # steps a wrap: no recording ends by chance that near to the top, and begins near 0
 _SHORTEST = 20  # steps a wrap
 _NEAR, _NEAREST = 1000, 5  # steps from the last stamp before a wrap to the first after it
@@ -40,9 +41,10 @@ def midnights(stamps: Stamps) -> Wraps | None:
 
 
 def wraps_of(stamps: Stamps, orientation: NDArray[np.float64]) -> Wraps | None:
-    """Unwrap a counter of 31 or 32 bits that falls from near its top to near 0, or to its bottom.
+    """Unwrap a counter of so many bits that falls from near its top to near 0, or to its bottom.
 
-    Counters of nanoseconds wrap every 4 seconds: there the head must move on smoothly as well.
+    Counters of nanoseconds wrap every 4 seconds: there the head must move on smoothly as well, and
+    so with bits that are rare.
     """
     steps = stamps.steps()
     falls = np.flatnonzero(steps < 0)
@@ -50,11 +52,11 @@ def wraps_of(stamps: Stamps, orientation: NDArray[np.float64]) -> Wraps | None:
         return None
     step = float(np.median(steps[steps > 0]))
     scales = _SCALES if stamps.billionths.any() else (1,)
-    for bits, scale in ((bits, scale) for bits in _BITS for scale in scales):
+    for bits, scale in ((bits, scale) for bits in (*_BITS, *_OTHER_BITS) for scale in scales):
         top = 2**bits / scale
         if top < _SHORTEST * step:
             continue
-        long = top / step > _LONG
+        long = bits in _BITS and top / step > _LONG
         after = steps[falls] + top
         near = (after > 0) & (after <= step * (_NEAR if long else _NEAREST))
         near &= (stamps.whole[falls] <= top) & (stamps.whole[falls + 1] >= -top / 2 - 1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -24,8 +25,13 @@ _FIELDS: dict[str, tuple[str, str, str | None, str, str]] = {
     "geometry_msgs/TransformStamped": (*_STAMPED, "child_frame_id", "transform.translation", "transform.rotation"),
     "nav_msgs/Odometry": (*_STAMPED, "child_frame_id", "pose.pose.position", "pose.pose.orientation"),
 }
-_LISTS = {"foxglove.FrameTransforms": "foxglove.FrameTransform", "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped"}
+_LISTS = {
+    "foxglove.FrameTransforms": "foxglove.FrameTransform",
+    "tf2_msgs/TFMessage": "geometry_msgs/TransformStamped",
+    "tf/tfMessage": "geometry_msgs/TransformStamped",  # of the first tf
+}
 _STATIC = "tf_static"  # topic of transforms that never change: no head
+_DATA = re.compile(r"^\s*- (\S+\.(?:db3|mcap))\s*$", re.MULTILINE)  # of a recording, in its metadata
 _XYZ, _XYZW = operator.attrgetter("x", "y", "z"), operator.attrgetter("x", "y", "z", "w")
 _PARTS_OF_STAMPS = (("sec", "nanosec"), ("sec", "nsec"), ("seconds", "nanos"))  # ROS 2, Foxglove's JSON, protobuf
 
@@ -63,6 +69,15 @@ def _nanoseconds(stamp: Any) -> int:
     return int(getattr(stamp, whole)) * 1_000_000_000 + int(getattr(stamp, rest))
 
 
+def part_of(path: Path) -> str:
+    """Return that a file is one of several of a recording, as its metadata.yaml says; else ""."""
+    metadata = path.with_name("metadata.yaml")
+    files = set(_DATA.findall(metadata.read_text("utf-8", "replace"))) if metadata.is_file() else set()
+    if len(files) < 2 or path.name not in files:
+        return ""
+    return f"{path.name} is one of the {len(files)} files of its recording, as metadata.yaml says"
+
+
 class PoseMessages:
     """The poses of a recording of messages, as rows of COLUMNS."""
 
@@ -98,6 +113,8 @@ class PoseMessages:
             raise TraceError(
                 f"{self.path} is {self.file} without poses{self._others()}: expected messages of {types}, {self.wanted}"
             )
+        if part := part_of(self.path):
+            self.defects.append(Defect("part-alone", part, "the others are not read"))
         text = "\n".join([*self.comments, ",".join(COLUMNS), *rows, ""]).encode()
         return Made(self.kind, text, defects=tuple(self.defects), nested=dict(self._nested()))
 

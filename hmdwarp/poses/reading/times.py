@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 BILLION = 1_000_000_000
 WIDTH = 32  # bytes kept of a time field; longer ones take the slow path
 _LARGEST = 2**62
+# Unix time from 2000 to 2100, and how far apart key frames of a map may be.
+_UNIX_S, _APART_S = (946_684_800, 4_102_444_800), 30.0
 _CLOCK = re.compile(
     r"(?:(\d{4}[-/.]\d\d?[-/.]\d\d?|\d\d?[-/.]\d\d?[-/.]\d{4})[T _])?"
     r"(\d{1,2}):(\d\d):(\d\d)(?:[.,:](\d+))?(?: ?([AP])M)?(?:Z|[+-]\d\d:?\d\d)?$",
@@ -162,12 +164,16 @@ def _parse_plain(fields: NDArray[np.bytes_]) -> Stamps | None:
 def guess_unit(stamps: Stamps, median_step: float) -> str:
     """Return the unit whose implied rate is most plausible for a tracker.
 
-    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs).
+    Stamps of 18 digits are ticks of 100 ns (.NET and Windows file time since their epochs), and
+    those with decimals between 2000 and 2100 as Unix time are seconds, also of few key frames.
     Otherwise the unit whose rate is nearest, as a ratio, to 75 Hz, the middle of what recorders
     use; ticks of 100 ns only where no other unit lies within 10..1500 Hz.
     """
     if 10**17 <= int(stamps.whole[0]) < 10**18:
         return "100ns"
+    is_unix = _UNIX_S[0] <= int(stamps.whole[0]) < _UNIX_S[1] and bool(stamps.billionths.any())
+    if is_unix and median_step < _APART_S:
+        return "s"
 
     def far(unit: str) -> float:
         return float(abs(np.log(BILLION / (median_step * UNITS_NS[unit]) / 75)))

@@ -60,6 +60,8 @@ LAYERS = Bound("number of further layers", 0, 16)
 AMOUNT = Bound("amount of a layer", 1, 16)
 MESSAGE = Bound("length of a message", 12, 2**29, "bytes")
 UNPACKED = Bound("length of a frame, or of its layers, as numbers", 0, 2**29, "bytes")
+# 1.5 s of a core, and four times the memory.
+DRAWN_BY_CPU = Bound("length of a frame that `hmdwarp serve` draws without a GPU, as numbers", 0, 2**28, "bytes")
 TEXT = Bound("length of a refusal's text", 0, 500, "bytes")
 
 BOUNDS = [value for value in list(vars().values()) if isinstance(value, Bound)]

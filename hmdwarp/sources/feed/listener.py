@@ -12,7 +12,19 @@ import attrs
 
 from ...errors import InputError, counted
 from .key_pairs import KeyPair
-from .message import LARGEST_ASK, Ask, BadRequest, FrameMessage, Malformed, Refusal, decode, encode, token_of
+from .message import (
+    LARGEST_ASK,
+    Ask,
+    BadRequest,
+    Data,
+    FrameMessage,
+    Malformed,
+    Refusal,
+    copied,
+    decode,
+    encode,
+    token_of,
+)
 from .shared_frames import IS_ABLE, SharedFrames
 from .sockets import KERNEL_BYTES, SEAL_BYTES, Connections, address_of, is_file, is_local, waiting_parts, zmq_module
 
@@ -224,7 +236,7 @@ class Listener:
         """Send a frame; return whether it could be sent at once."""
         shared = self._shared if asked.ask.shares and asked.client in self._clients else None
         stub = shared.put(asked.client, frame) if shared is not None else None
-        sent = self._send(asked.client, encode(stub or frame))
+        sent = self._send(asked.client, copied(stub or frame))
         if not sent and shared is not None:
             shared.take_back(asked.client, frame.number)
         if sent and asked.client in self._clients:
@@ -238,7 +250,7 @@ class Listener:
             self._say(f"{self._clients[asked.client].name}: refused: {why}")
             self._send(asked.client, encode(Refusal(asked.ask.number, why)))
 
-    def _send(self, who: bytes, data: bytes) -> bool:
+    def _send(self, who: bytes, data: Data) -> bool:
         try:
             self._socket.send_multipart([who, data], self._zmq.NOBLOCK, copy=False)
         except self._zmq.Again:

@@ -247,6 +247,27 @@ def encode(message: Message) -> bytes:
     return b"".join(piece if isinstance(piece, bytes) else piece.tobytes() for piece in pieces_of(message))
 
 
+def copied(message: Message) -> memoryview:
+    """Return the bytes of a message in memory of its own; each picture is copied once."""
+    pieces = pieces_of(message)
+    whole = np.empty(sum(map(length_of, pieces)), np.uint8)
+    write(pieces, whole)
+    return whole.data
+
+
+def write(pieces: Sequence[Piece], whole: NDArray[np.uint8]) -> None:
+    """Write the pieces of a message one after the other into memory."""
+    at = 0
+    for piece in pieces:
+        to = whole[at : at + length_of(piece)]
+        if isinstance(piece, np.ndarray):
+            # In one go, whatever the order of its rows is in memory.
+            to.view(piece.dtype).reshape(piece.shape)[...] = piece
+        else:
+            to[...] = np.frombuffer(piece, np.uint8)
+        at += len(to)
+
+
 def pieces_of(message: Message) -> list[Piece]:
     """Return the pieces that a message is made of, pictures as they are."""
     if isinstance(message, Ask):

@@ -18,13 +18,12 @@ import secrets
 import stat
 import sys
 from collections import defaultdict
-from collections.abc import Sequence
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from .message import FrameMessage, Malformed, Piece, Stub, length_of, pieces_of
+from .message import FrameMessage, Malformed, Stub, length_of, pieces_of, write
 
 if sys.platform == "linux":
     import fcntl
@@ -48,18 +47,6 @@ class _Segment:
     @property
     def size(self) -> int:
         return len(self.memory)
-
-    def write(self, pieces: Sequence[Piece]) -> None:
-        """Write pieces one after the other."""
-        whole, at = np.frombuffer(self.memory, np.uint8), 0
-        for piece in pieces:
-            to = whole[at : at + length_of(piece)]
-            if isinstance(piece, np.ndarray):
-                # In one go, whatever the order of its rows is in memory.
-                to.view(piece.dtype).reshape(piece.shape)[...] = piece
-            else:
-                to[...] = np.frombuffer(piece, np.uint8)
-            at += length_of(piece)
 
     def remove(self) -> None:
         """Take the name away, and free the memory."""
@@ -85,7 +72,7 @@ class SharedFrames:
         segment = self._free(client, length)
         if segment is None:
             return None
-        segment.write(pieces)
+        write(pieces, np.frombuffer(segment.memory, np.uint8))
         segment.number = frame.number
         return Stub(frame.number, length, segment.name)
 

@@ -14,6 +14,8 @@ LOOKED_AT = 3  # frames of a sequence: decoding one takes milliseconds
 # A region of sky: its share of the picture, and of the picture's edge that it reaches.
 _LEAST_AREA, _LEAST_TOP, _LEAST_SIDE = 0.04, 0.15, 0.3
 _FINEST = 160  # narrower than one over this of the picture's width, a region is no sky
+# What lies within a share below 2^n - 1 is as frequent, unless a sensor of n bits saturates there.
+_BELOW, _LEAST_MOST, _LEAST_SHARE = 64, 511, 0.005
 # Metres to the nearest surface: beyond, a head that moves by a tenth of it at most is rarely meant.
 # Beyond the farthest it is sky, written as a large number.
 _FAR_M, _FARTHEST_M, _MOVED = 40.0, 2e4, 0.1
@@ -39,16 +41,27 @@ def depth_notes(sequence: Sequence) -> list[str]:
 
 
 def about_largest(depths: Several[NDArray[Any]]) -> list[str]:
-    """Return a note on integers that are the largest of their type. depths: as files have them."""
-    counts = [int(is_largest(depth).sum()) for depth in depths]
-    if not any(counts):
+    """Return a note on integers that are the largest of their type, or of a sensor's bits.
+
+    depths: as files have them.
+    """
+    whole = [depth for depth in depths if depth.dtype.kind in "iu" and depth.size]
+    if not whole:
         return []
-    most, pixels = max(int(depth.max()) for depth in depths), sum(depth.size for depth in depths)
-    kind = str(depths[0].dtype) if most == np.iinfo(depths[0].dtype).max else "16 bits"
-    pictures = "its depth" if len(depths) == 1 else f"the depth of {len(depths)} frames looked at"
+    most, pixels = max(int(depth.max()) for depth in whole), sum(depth.size for depth in whole)
+    at = [depth == most for depth in whole]
+    count = sum(int(found.sum()) for found in at)
+    pictures = "its depth" if len(whole) == 1 else f"the depth of {len(whole)} frames looked at"
+    are = f"{count} pixels ({100 * count / pixels:.2g} %) of {pictures} are {most}, the largest value of"
+    if any(is_largest(depth).any() for depth in whole):
+        kind = str(whole[0].dtype) if most == np.iinfo(whole[0].dtype).max else "16 bits"
+        return [f"{are} {kind} (or of a PGM's own bits): they are taken as no depth."]
+    below = sum(int((depth > most - most // _BELOW).sum()) for depth in whole) - count
+    if most & (most + 1) or most < _LEAST_MOST or count < max(below, _LEAST_SHARE * pixels):
+        return []
     return [
-        f"{sum(counts)} pixels ({100 * sum(counts) / pixels:.2g} %) of {pictures} are {most}, the largest value of "
-        f"{kind}: they are taken as no depth."
+        f"{are} {most.bit_length()} bits, and hardly any is a little less: they are taken as depth. If the sensor "
+        "saturates there, write 0 for them."
     ]
 
 

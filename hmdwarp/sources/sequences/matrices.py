@@ -16,6 +16,7 @@ from .recorded import POSE
 Matrix = NDArray[np.float64]
 LAST = (0.0, 0.0, 0.0, 1.0)
 _NOTHING = 1e-12
+_WITHIN = 1e-3
 
 
 def square_of(where: str, value: Any) -> Matrix:
@@ -30,7 +31,7 @@ def square_of(where: str, value: Any) -> Matrix:
         found = np.empty(0)
     if found.shape == (12,):
         found = found.reshape(3, 4)
-        if not _turns(found[:, :3]) and _turns(found.reshape(4, 3)[:3]):
+        if not turns(found[:, :3]) and turns(found.reshape(4, 3)[:3]):
             found = found.reshape(4, 3)
     found = found.reshape(4, 4) if found.shape == (16,) else found
     if found.shape not in ((4, 4), (3, 4), (4, 3)) or not np.isfinite(found).all():
@@ -63,6 +64,16 @@ def by_rows(where: str, matrices: Sequence[Matrix]) -> tuple[list[Matrix], Assum
     return turned, Assumption(POSE, f"world from camera, matrices {order}", by)
 
 
-def _turns(matrix: Matrix) -> bool:
+def turns(matrix: Matrix) -> bool:
     """Return whether three rows are those of a rotation, within what a file rounds."""
-    return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= 1e-3)
+    return bool(np.abs(matrix @ matrix.T - np.eye(3)).max() <= _WITHIN)
+
+
+def shared_scale(matrices: Sequence[Matrix]) -> float:
+    """Return the factor that all matrices have beside a rotation; 1 for none, or for several."""
+    scales = np.cbrt([np.linalg.det(matrix[:3, :3]) for matrix in matrices])
+    if not len(scales) or not np.isfinite(scales).all() or scales.min() <= 0:
+        return 1.0
+    scale = float(np.median(scales))
+    is_shared = np.abs(scales / scale - 1).max() <= _WITHIN
+    return scale if is_shared and abs(scale - 1) > _WITHIN / 2 else 1.0

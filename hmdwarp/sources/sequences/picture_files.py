@@ -32,7 +32,11 @@ def read_colour(path: Path) -> NDArray[Any]:
 
 
 def read_depth(path: Path) -> NDArray[Any]:
-    """Return (h, w) depth in the file's own units, integers or floats. Errors: as read_colour."""
+    """Return (h, w) depth in the file's own units, integers or floats. Errors: as read_colour.
+
+    A PGM states its largest value: where that is of whole bits, as of a sensor, pixels that have it
+    measure nothing and become 65535. A PNG of 12 bits states nothing: its 4095 stays.
+    """
     suffix = path.suffix.lower()
     if suffix == EXR:
         return read_exr(path).need_depth(path)
@@ -50,6 +54,8 @@ def read_depth(path: Path) -> NDArray[Any]:
         return values
     if most and most != _FULL:  # Pillow has spread them over 16 bits
         values = (values.astype(np.int64) * most + _FULL // 2) // _FULL
+        if not most & (most + 1):
+            values[values == most] = _FULL
     return values.astype(np.uint16 if values.min() >= 0 and values.max() <= _FULL else np.int32)
 
 

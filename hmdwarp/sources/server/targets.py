@@ -19,7 +19,7 @@ V = TypeVar("V")
 # After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
 IDLE_AFTER = 2048
 # What trim() leaves of each kind of memory that the last frame did not need.
-MOST_IDLE_BYTES = 32 << 20
+MOST_IDLE_BYTES, MOST_IDLE = 16 << 20, 64
 
 
 class LastUsed(dict[K, V]):
@@ -40,12 +40,13 @@ class LastUsed(dict[K, V]):
         self._used.add(key)
 
     def trimmed(self, bytes_of: Callable[[K, V], int]) -> list[tuple[K, V]]:
-        """Take out what was not used since the last call, until MOST_IDLE_BYTES of it are left."""
+        """Take out what was not used since the last call, but a little: see MOST_IDLE."""
         idle = {key: bytes_of(key, value) for key, value in self.items() if key not in self._used}
         self._used.clear()
-        found, left = [], sum(idle.values())
+        found: list[tuple[K, V]] = []
+        left = sum(idle.values())
         for key, size in idle.items():
-            if left <= MOST_IDLE_BYTES:
+            if left <= MOST_IDLE_BYTES and len(idle) - len(found) <= MOST_IDLE:
                 break
             left -= size
             found.append((key, self.pop(key)))

@@ -30,6 +30,22 @@ def test_the_largest_value_is_counted(tmp_path):
     )
 
 
+def test_the_largest_of_twelve_bits_is_a_depth_that_is_named(tmp_path):
+    """A PNG does not say how many bits its sensor has: 4095 stays, and many of them are told."""
+    write_numbered(tmp_path, taken(1))
+    path = tmp_path / "depth" / "0.png"
+    depth = np.array(Image.open(path))
+    depth[5, 6] = 4095
+    Image.fromarray(depth).save(path)
+    assert not depth_notes(sequences.open(tmp_path, MILLIMETRES))
+    depth[5:8, 6:12] = 4095
+    Image.fromarray(depth).save(path)
+    sequence = sequences.open(tmp_path, MILLIMETRES)
+    (note,) = depth_notes(sequence)
+    assert note.startswith("18 pixels (2.1 %) of its depth are 4095, the largest value of 12 bits")
+    assert sequence.frames[0].depth_m[5, 6] == np.float32(4.095)
+
+
 def sky_above(depth: np.ndarray) -> np.ndarray:
     depth[:50] = 0
     depth[20:80, 60:70] = 3  # a tower before it

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import json
+
 import attrs
 import numpy as np
 import pytest
 from PIL import Image
-from published_folders import PUBLISHED, write_scannet, write_stray_scanner, write_tartanair
+from published_folders import (
+    PUBLISHED,
+    write_open3d,
+    write_scannet,
+    write_stray_scanner,
+    write_tartanair,
+    write_traced,
+    write_with_info,
+)
 from recorded_folders import FX, MIRRORED, SIZE, STATED, fov_of, taken
 from ros_bags import BAGS, HAS_ROSBAGS
 
@@ -22,6 +32,10 @@ WRONG = [
     ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n0 1 x 0\n", ("pose.txt, line 2", "expected 4 numbers")),
     ("seven_scenes", "frame-000001.pose.txt", "1 0 0 0\n", ("pose.txt", "1 lines; expected a matrix")),
     ("seven_scenes", "frame-000001.color.png", "no picture", ("color.png", "not a picture")),
+    ("twelve_scenes", "../info.txt", "m_calibrationColorIntrinsic = 1 2\n", ("info.txt: m_depthShift is missing",)),
+    ("twelve_scenes", "../info.txt", "m_depthShift = 1\nm_calibrationColorIntrinsic = 1 2", ("Intrinsic is 1 2;",)),
+    ("three_r_scan", "_info.txt", None, ("intrinsics are for 640x480 pixels", "--intrinsics")),
+    ("three_d_match", "../camera-intrinsics.txt", "1 0 0\n", ("camera-intrinsics.txt", "3 lines of 3 numbers")),
     ("scannet", "intrinsic/intrinsic_color.txt", "1 2 3\n", ("intrinsic_color.txt", "expected a matrix")),
     ("scannet", "intrinsic/extrinsic_depth.txt", "1 0 0 .1\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", ("extrinsic_depth", "unit")),
     ("replica", "traj.txt", "1 0 0\n", ("1 poses, and a picture frame000002.jpg",)),
@@ -180,15 +194,17 @@ def test_a_camera_of_a_data_set_is_for_its_own_size(form, size, folder):
     left, right, down, up = sequence.frames[0].fov.tangents
     if form != "seven_scenes":
         assert (left, right) == pytest.approx((-1, 1)) and -down == pytest.approx(up)
-    assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is By.FORMAT
+    by = By.NOBODY if form == "seven_scenes" else By.FORMAT  # others have taken over its names
+    assert next(entry.by for entry in sequence.assumptions if entry.what == "intrinsics") is by
     with pytest.raises(InputError, match=f"for {size[0]}x{size[1]} pixels, its pictures have 36x24"):
         PUBLISHED[form].write(folder, taken(1))
         sequences.open(folder)
 
 
-def test_depth_of_fewer_pixels_goes_through_both_cameras(folder):
+@pytest.mark.parametrize("write", [write_scannet, write_with_info])
+def test_depth_of_fewer_pixels_goes_through_both_cameras(write, folder):
     """Every second pixel: the nearest to the colour's ray, and none beyond the depth's border."""
-    write_scannet(folder, taken(1), stride=2)
+    write(folder, taken(1), stride=2)
     found, true = sequences.open(folder).frames[0].depth_m, taken(1)[0].depth_m
     row, column = (np.rint(np.arange(count) / 2).astype(int) for count in true.shape)
     inside = (row < 12)[:, None] & (column < 18)
@@ -250,6 +266,19 @@ def test_a_focus_that_breathes_is_taken_in_the_middle(folder):
     assert wide == pytest.approx([36 / FX, 36 / FX / 1.1, 36 / FX / 1.2])
 
 
+def test_a_scale_that_all_matrices_share_is_told_and_others_are_refused(folder):
+    write_open3d(folder, taken(2), scale=2.5)
+    said = next(entry for entry in sequences.open(folder).assumptions if entry.what == "camera pose")
+    assert said.by is By.FILE and said.value.endswith("by columns, their scale of 2.5 divided out")
+    file = folder / "camera_trajectory.json"
+    data = json.loads(file.read_text())
+    extrinsic = data["parameters"][1]["extrinsic"]
+    data["parameters"][1]["extrinsic"] = [2 * x for x in extrinsic[:12]] + extrinsic[12:]
+    file.write_text(json.dumps(data))
+    with pytest.raises(InputError, match="more than turn and move; expected .* a scale only where all have the same"):
+        sequences.open(folder)
+
+
 def test_a_model_of_colmap_needs_the_unit_of_foreign_depth(folder):
     """Its own stereo is in the unit of its poses; that of a depth camera is not."""
     PUBLISHED["colmap"].write(folder, taken(1))
@@ -289,6 +318,16 @@ def test_whole_numbers_are_instants_of_the_trace_in_the_unit_that_fits(per_secon
         file.rename(file.with_name(f"{round(float(file.stem) * per_second)}.png"))
     found = sequences.open(folder, PUBLISHED["traced"].options)
     assert len(found.frames) >= 3 and found.rate_hz == pytest.approx(30, rel=0.03)
+
+
+def test_whole_numbers_of_an_array_have_no_unit(folder):
+    """Floats are metres; whole numbers beside any trace may be millimetres or anything else."""
+    write_traced(folder, taken(2))
+    for file in sorted((folder / "depth").iterdir()):
+        np.save(file.with_suffix(".npy"), np.asarray(Image.open(file)))
+        file.unlink()
+    with pytest.raises(InputError, match="nothing says the unit of its depth: give --depth-scale"):
+        sequences.open(folder)
 
 
 def test_a_bag_beside_pictures_is_their_trace(folder):

@@ -33,7 +33,14 @@ from hmdwarp import WarpMap
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.poses import Origin
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import RecordedFrame, Sequence, SequenceOptions, parse_intrinsics, readers
+from hmdwarp.sources.sequences import (
+    RecordedFrame,
+    Sequence,
+    SequenceOptions,
+    depth_notes,
+    parse_intrinsics,
+    readers,
+)
 
 # Half a step of 16 bits in millimetres, the coarsest unit.
 DEPTH_WITHIN_M = 0.5e-3 + 1e-6
@@ -231,7 +238,7 @@ def test_files_that_do_not_fit_are_named(tmp_path):
     refused(folder, "640x480", "36x24")
     text = (folder / "trajectory.log").read_text().splitlines()
     (folder / "trajectory.log").write_text("\n".join([text[0], "2 0 0 0", *text[2:]]))
-    refused(folder, "trajectory.log, line 1", "without scale", options=MILLIMETRES)
+    refused(folder, "trajectory.log, line 1", "does more than turn", options=MILLIMETRES)
 
     folder = tmp_path / "tum"
     opened(folder, write_tum, AS_TUM)
@@ -285,14 +292,20 @@ def test_no_depth_where_colour_is_transparent(tmp_path):
     assert picture.shape == (24, 36, 3) and np.isnan(depth[3, 4]) and np.isnan(depth).sum() == 1
 
 
-def test_a_pgm_keeps_its_values(tmp_path):
-    """Whatever its largest value is said to be: 4095 is not spread over 16 bits."""
+@pytest.mark.parametrize("most", [4095, 4000])
+def test_a_pgm_keeps_its_values_and_its_largest_of_whole_bits_is_no_measurement(most, tmp_path):
+    """4095 is not spread over 16 bits; a writer's own largest value, 4000, is a depth."""
     write_numbered(tmp_path, taken(1))
-    depth = np.asarray(Image.open(tmp_path / "depth" / "0.png"))
+    depth = np.array(Image.open(tmp_path / "depth" / "0.png"))
+    depth[3, 4] = most
     (tmp_path / "depth" / "0.png").unlink()
-    (tmp_path / "depth" / "0.pgm").write_bytes(b"P5\n# made by hand\n36 24\n4095\n" + depth.astype(">u2").tobytes())
-    found = sequences.open(tmp_path, MILLIMETRES).frames[0].depth_m
-    assert np.array_equal(np.rint(found * 1000), depth)
+    head = f"P5\n# made by hand\n36 24\n{most}\n".encode()
+    (tmp_path / "depth" / "0.pgm").write_bytes(head + depth.astype(">u2").tobytes())
+    sequence = sequences.open(tmp_path, MILLIMETRES)
+    found = sequence.frames[0].depth_m
+    assert np.array_equal(np.rint(found * 1000), np.where(depth == 4095, 0, depth))
+    (note,) = depth_notes(sequence) or [""]
+    assert note.startswith("1 pixels") == (most == 4095) and ("of a PGM's" in note) == (most == 4095)
 
 
 def test_scaled_positions_are_metres_again(tmp_path):
@@ -345,3 +358,10 @@ def test_instants_in_another_unit_are_refused(unit, tmp_path):
     folder = written_npz(tmp_path / "npz", tuple(unit * (number / 30) for number in range(3)))
     refused(folder, "s apart", "unit")
     assert len(sequences.open(folder, SequenceOptions(frames_rate_hz=30)).frames) == 3
+
+
+@pytest.mark.parametrize("unit", [1e3, 1e-2])
+def test_instants_that_may_be_in_another_unit_are_named(unit, tmp_path):
+    """Milliseconds in place of seconds make frames half a minute apart."""
+    (note,) = sequences.open(written_npz(tmp_path / "npz", tuple(unit * number / 30 for number in range(3)))).notes
+    assert note.startswith("Frames are ") and "--frames-rate" in note

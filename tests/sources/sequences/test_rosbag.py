@@ -11,6 +11,7 @@ from recorded_folders import taken
 from ros_bags import BEGINS_NS, HAS_ROSBAGS, Logged, Messages, logged, write_bag, write_ros1, write_ros2
 
 from hmdwarp.errors import InputError
+from hmdwarp.poses import load_trace
 from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import Sequence, SequenceOptions, parse_intrinsics
@@ -47,6 +48,18 @@ def test_a_file_is_read_as_its_folder_is(tmp_path):
     write_ros2(tmp_path, taken(2))
     found = [sequences.open(path).frames[1] for path in (tmp_path, next(tmp_path.glob("*.db3")))]
     assert found[0].pose.isclose(found[1].pose, 0) and np.array_equal(found[0].colour, found[1].colour)
+
+
+def test_one_file_of_several_is_told(tmp_path):
+    """A recorder begins a new file after so many bytes; alone it is a part of frames and poses."""
+    write_ros2(tmp_path, taken(2))
+    file, metadata = next(tmp_path.glob("*.db3")), tmp_path / "metadata.yaml"
+    text = metadata.read_text()
+    metadata.write_text(text.replace(f"  - {file.name}\n", f"  - {file.name}\n  - taken_1.db3\n"))
+    assert metadata.read_text() != text
+    said = f"{file.name} is one of the 2 files of its recording"
+    assert any(note.startswith(said) for note in sequences.open(file).notes)
+    assert any(said in str(defect) for defect in load_trace(file).defects)
 
 
 def test_what_was_taken_is_said(tmp_path):

@@ -19,7 +19,7 @@ from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ..camera import Camera, Size, camera_of, read_json, scale_of
-from ..matrices import LAST, by_rows, square_of
+from ..matrices import LAST, by_rows, shared_scale, square_of, turns
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import (
@@ -41,9 +41,10 @@ CAMERA = "camera.json"
 _STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
 DEPTHS = (*PICTURES, EXR, NPY)
 Fit = Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]]
-_ROTATION_WITHIN = 1e-3
 # Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
 _LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
+# And beyond these it may be.
+_LEAST_USUAL_S, _MOST_USUAL_S = 0.9e-3, 10.0
 
 
 class SequenceReader:
@@ -237,6 +238,9 @@ def made(
             f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
             "instants in their unit, or give --frames-rate"
         )
+    if not _LEAST_USUAL_S <= apart_s <= _MOST_USUAL_S:
+        unit = f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
+        notes = [*notes, unit]
     name = (path if path.is_dir() else path.parent).resolve().name
     begins_ns = frames[0].time_ns
     frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
@@ -313,25 +317,42 @@ def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Po
     return poses_of(axes, [(where, matrix)], unit)[0][0]
 
 
-def poses_of(axes: Axes, matrices: Rows[tuple[str, Any]], unit: float = 1.0) -> tuple[list[Pose], Assumption]:
+def poses_of(
+    axes: Axes, matrices: Rows[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False
+) -> tuple[list[Pose], Assumption]:
     """Return world_from_eye of all matrices of a file, with their places, and how they are written.
 
-    As pose_of_matrix. Errors: InputError.
+    As pose_of_matrix. inverse: the matrices are from world to camera. A scale that all of them have
+    is that of the world over the camera, in whose unit depth is: positions are divided by it.
+    Errors: InputError.
     """
     places = [where for where, _ in matrices]
     turned, fact = by_rows(places[0] if places else "", [square_of(where, one) for where, one in matrices])
+    if inverse:
+        turned = [_inverse_of(*pair) for pair in zip(places, turned, strict=True)]
+        fact = attrs.evolve(fact, value=fact.value.replace("world from camera", "camera from world, inverted"))
+    scale = shared_scale(turned)
+    if scale != 1:
+        turned = [np.vstack([one[:3] / scale, one[3:]]) for one in turned]
+        stated = 1 / scale if inverse else scale
+        fact = attrs.evolve(fact, value=f"{fact.value}, their scale of {stated:.6g} divided out", by=By.FILE)
     return [_pose_of_square(axes, where, one, unit) for where, one in zip(places, turned, strict=True)], fact
+
+
+def _inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the inverse of a (4, 4) matrix. Errors: InputError where it has none."""
+    try:
+        return np.asarray(np.linalg.inv(matrix), np.float64)
+    except np.linalg.LinAlgError:
+        raise InputError(f"{where}: the matrix has no inverse; expected a rotation and a position") from None
 
 
 def _pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float) -> Pose:
     turn = matrix[:3, :3]
-    if (
-        np.abs(turn @ turn.T - np.eye(3)).max() > _ROTATION_WITHIN
-        or np.linalg.det(turn) < 0
-        or not np.allclose(matrix[3], LAST)
-    ):
+    if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
         raise InputError(
-            f"{where}: the matrix does more than turn and move; expected a right-handed rotation without scale"
+            f"{where}: the matrix does more than turn and move; expected a right-handed rotation, and a scale only "
+            "where all have the same"
         )
     return pose_of(axes, matrix[:3, 3] * unit, turn)
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from collections.abc import Sequence as Rows
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -18,6 +19,7 @@ from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import Axes
 from ..camera import Camera, Size
 from ..options import RATE_HZ, SequenceOptions
+from ..picture_files import fitted_depth
 from ..recorded import AXES, CLOCK
 from ._base import Row, poses_of, rows_of
 
@@ -41,20 +43,15 @@ def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
     return np.array(found)
 
 
-def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> dict[int, Pose]:
-    """Return world_from_eye of files of a matrix, from camera to world; not those of inf or NaN."""
+def poses_in_files(axes: Axes, files: Mapping[int, Path]) -> tuple[dict[int, Pose], Assumption]:
+    """Return world_from_eye of files of a matrix, from camera to world, and how they are written.
+
+    Not those of inf or NaN.
+    """
     matrices = {number: matrix_in(path) for number, path in files.items()}
     whole = [(number, matrix) for number, matrix in matrices.items() if np.isfinite(matrix).all()]
-    poses, _ = poses_of(axes, [(str(files[number]), matrix) for number, matrix in whole])
-    return dict(zip((number for number, _ in whole), poses, strict=True))
-
-
-def inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the inverse of a (4, 4) matrix. Errors: InputError where it has none."""
-    try:
-        return np.asarray(np.linalg.inv(matrix), np.float64)
-    except np.linalg.LinAlgError:
-        raise InputError(f"{where}: the matrix has no inverse; expected a rotation and a position") from None
+    poses, way = poses_of(axes, [(str(files[number]), matrix) for number, matrix in whole])
+    return dict(zip((number for number, _ in whole), poses, strict=True)), way
 
 
 def by_number(folder: Path, pattern: str) -> dict[int, Path]:
@@ -62,6 +59,35 @@ def by_number(folder: Path, pattern: str) -> dict[int, Path]:
     files = (path for path in sorted(folder.glob(pattern)) if not path.name.startswith("."))
     numbers = ((re.search(r"\d+", path.name), path) for path in files)
     return {int(number.group()): path for number, path in numbers if number}
+
+
+def refuse_moved(where: str, matrix: NDArray[np.float64]) -> None:
+    """Raise InputError where colour and depth were taken from different places."""
+    if np.abs(matrix - np.eye(4)).max() > 1e-3:
+        raise InputError(f"{where}: no unit matrix; expected depth that is registered to the colour")
+
+
+def same_size(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
+    """Return the depth. Errors: InputError where it has other pixels than its colour."""
+    if depth.shape != colour.shape[:2]:
+        raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
+    return depth
+
+
+def through_cameras(camera: Camera, of_depth: Camera | None) -> Callable[..., NDArray[Any]]:
+    """Return what takes the depth of another camera in the same place to the colour's pixels."""
+    if of_depth is None:
+        return fitted_depth
+
+    def fit(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
+        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
+        row = np.rint((np.arange(high) - camera.cy) / camera.fy * of_depth.fy + of_depth.cy).astype(int)
+        column = np.rint((np.arange(wide) - camera.cx) / camera.fx * of_depth.fx + of_depth.cx).astype(int)
+        found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
+        inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
+        return np.asarray(np.where(inside, found, found.dtype.type(0)))
+
+    return fit
 
 
 def refuse_y_up(path: Path, camera: Camera) -> None:

@@ -73,7 +73,8 @@ class NerfstudioReader(SequenceReader):
                 f"{file}: none of its {len(listed)} frames has a depth_file_path; expected depth for a warp"
                 f"{_others_named(listed)}"
             )
-        notes = unread_notes(file, {**data, **whole[0]}, (*_READ, *_SAME_FOR_ALL))
+        every = {key: value for part in (data, *whole) for key, value in part.items()}
+        notes = unread_notes(file, every, (*_READ, *_SAME_FOR_ALL))
         if len(whole) < len(listed):
             notes.insert(0, f"{len(listed) - len(whole)} frames were left out: they have no depth_file_path.")
         scale, scale_by = _scale_of(file, data, whole, options)
@@ -164,7 +165,7 @@ def _times(wheres: list[str], whole: list[Mapping[str, Any]], options: SequenceO
     """Return the instants of all frames, and who says so.
 
     timestamp is in seconds. time is a share of the whole recording, from 0 to 1, in data sets of
-    moving scenes, which then have the default rate; any other is taken for seconds.
+    moving scenes, or a count, which then have the default rate; any other is taken for seconds.
     """
     step_ns = 1e9 / (options.frames_rate_hz or RATE_HZ)
     key = next((key for key in ("timestamp", "time") if whole[0].get(key) is not None), "")
@@ -177,7 +178,8 @@ def _times(wheres: list[str], whole: list[Mapping[str, Any]], options: SequenceO
         times = [round((value - min(found)) / (spread or 1) * last * step_ns) for value in found]
         fact = clock_of(options)
         return times, attrs.evolve(fact, value=f"{fact.value}; time is a share of the recording")
-    if options.frames_rate_hz is not None or len(found) > 1 and len(set(found)) == 1:
+    steps = {b - a for a, b in zip(found, found[1:], strict=False)}
+    if options.frames_rate_hz is not None or steps == {0.0} or key == "time" and steps == {1.0}:
         return [round(number * step_ns) for number in range(len(whole))], clock_of(options)
     by = By.FORMAT if key == "timestamp" else By.NOBODY
     return [round(value * 1e9) for value in found], Assumption(CLOCK, f"{key}, in seconds", by, "--frames-rate")

@@ -5,13 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import attrs
-
 from ....errors import InputError
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera, camera_of, read_json
-from ..matrices import by_rows, square_of
 from ..options import SequenceOptions
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
@@ -27,7 +24,7 @@ from ._base import (
     scale_fact,
     sequence_of,
 )
-from ._dataset import axes_of, clock_of, inverse_of
+from ._dataset import axes_of, clock_of
 
 _UNIT = 0.001
 _CLASS = "PinholeCameraTrajectory"
@@ -69,14 +66,12 @@ class Open3DReader(SequenceReader):
         facts = facts_of(path, options, None, _UNIT, own=own[0], by=By.NOBODY)
         axes = facts.axes()
         places = [f"{file}, parameters {at}" for at in range(len(cameras))]
-        views, order = by_rows(str(file), [square_of(*pair) for pair in zip(places, _extrinsics(cameras), strict=True)])
-        poses, _ = poses_of(axes, list(zip(places, map(inverse_of, places, views), strict=True)))
+        poses, order = poses_of(axes, list(zip(places, _extrinsics(cameras), strict=True)), inverse=True)
         stated = own if options.intrinsics is None else [None] * len(own)
         pairs = [
             Pair(colour, depth, at_rate(options, at), pose, camera)
             for at, ((colour, depth), pose, camera) in enumerate(zip(files, poses, stated, strict=True))
         ]
-        order = attrs.evolve(order, value=order.value.replace("world from camera", "camera from world, inverted"))
         return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options)))
 
 

@@ -14,6 +14,7 @@ from ....errors import InputError, TraceError
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ....poses.reading.bags import Bag, bag_at, stamp_ns
+from ....poses.reading.pose_messages import part_of
 from ..camera import Camera, refuse_distortion
 from ..options import SequenceOptions
 from ..picture_files import fitted_depth
@@ -106,6 +107,7 @@ class RosBagReader(SequenceReader):
         more = [Assumption("topics", named, topics.by, "--frames-topics"), said]
         more += [] if options.frames_rate_hz is None else [clock_of(options, By.USER)]
         notes = left_out(len(colours) - len(frames), "no depth within 20 ms, or no pose at their instants")
+        notes += [f"{part}: the others are not read."] if (part := part_of(bag.path)) else []
         return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
 
 

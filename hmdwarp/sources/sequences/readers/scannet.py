@@ -2,23 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....errors import InputError
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera, Size
 from ..options import SequenceOptions
-from ..picture_files import fitted_depth, size_of
+from ..picture_files import size_of
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
 from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
-from ._dataset import axes_of, by_number, clock_of, left_out, matrix_in, poses_in_files
+from ._dataset import (
+    axes_of,
+    by_number,
+    clock_of,
+    left_out,
+    matrix_in,
+    poses_in_files,
+    refuse_moved,
+    same_size,
+    through_cameras,
+)
 
 _WORLD = "x,z,y"  # z up
 _UNIT = 0.001
@@ -49,7 +56,8 @@ class ScanNetReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         for side in ("color", "depth"):
-            _refuse_moved(_file(path, f"extrinsic_{side}"))
+            if (file := _file(path, f"extrinsic_{side}")) is not None:
+                refuse_moved(str(file), matrix_in(file))
         colours = {int(picture.stem): picture for picture in pictures_in(path / "color") if picture.stem.isdigit()}
         depths, files = by_number(path / "depth", "*.png"), by_number(path / "pose", "*.txt")
         first = min(colours.keys() & depths.keys(), default=None)
@@ -68,12 +76,12 @@ class ScanNetReader(SequenceReader):
             )
         facts = facts_of(path, options, None, _UNIT, own=own)
         axes = facts.axes(_WORLD)
-        poses = poses_in_files(axes, files)
+        poses, way = poses_in_files(axes, files)
         whole = sorted(colours.keys() & depths.keys() & poses.keys())
         pairs = [Pair(colours[at], depths[at], at_rate(options, at), poses[at]) for at in whole]
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
-        more = (axes_of(axes), clock_of(options, By.FORMAT))
-        fit = _through(facts.camera, cameras["depth"]) if size != depth_size else _same
+        more = (axes_of(axes), way, clock_of(options, By.FORMAT))
+        fit = through_cameras(facts.camera, cameras["depth"]) if size != depth_size else same_size
         return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
 
 
@@ -96,34 +104,6 @@ def _camera(file: Path | None) -> Camera | None:
 def _centred(camera: Camera, size: Size) -> bool:
     sides = zip((camera.cx, camera.cy), size, strict=True)
     return all(abs((centre + 0.5) / side - 0.5) < _OFF_CENTRE for centre, side in sides)
-
-
-def _refuse_moved(file: Path | None) -> None:
-    """Raise InputError where colour and depth were taken from different places."""
-    if file is not None and np.abs(matrix_in(file) - np.eye(4)).max() > 1e-3:
-        raise InputError(f"{file}: no unit matrix; expected depth that is registered to the colour")
-
-
-def _same(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-    if depth.shape != colour.shape[:2]:
-        raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
-    return depth
-
-
-def _through(camera: Camera, of_depth: Camera | None) -> Callable[..., NDArray[Any]]:
-    """Return what takes the depth of another camera in the same place to the colour's pixels."""
-    if of_depth is None:
-        return fitted_depth
-
-    def fit(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
-        row = np.rint((np.arange(high) - camera.cy) / camera.fy * of_depth.fy + of_depth.cy).astype(int)
-        column = np.rint((np.arange(wide) - camera.cx) / camera.fx * of_depth.fx + of_depth.cx).astype(int)
-        found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
-        inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
-        return np.asarray(np.where(inside, found, found.dtype.type(0)))
-
-    return fit
 
 
 readers.register(ScanNetReader())

@@ -15,7 +15,7 @@ from ....poses.reading.cleaning import LoadedTrace
 from ....poses.reading.file_head import read_head
 from ..camera import Camera, camera_of, read_json
 from ..options import RATE_HZ, SequenceOptions
-from ..picture_files import EXR, NPY
+from ..picture_files import read_depth
 from ..recorded import AXES, CLOCK, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
 from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of, sequence_of
@@ -60,7 +60,7 @@ class TracedReader(SequenceReader):
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         files = paired(folder_named(path, *_COLOURS), folder_named(path, *_DEPTHS))
-        floats = files[0][1].suffix.lower() in (NPY, EXR)
+        floats = read_depth(files[0][1]).dtype.kind == "f"
         facts = facts_of(path, options, None, 1.0 if floats else None, own=_camera(path), by=By.NOBODY)
         try:
             trace, axes = _trace(_only(path), options)
