@@ -17,7 +17,7 @@ SECONDS = 3
 METRICS_EVERY = 30
 # Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
 OPTIONS =
-# Of test-kill: how many sessions are killed (of sweeps a twelfth), and a seed for when.
+# Of test-kill: how many sessions are killed (of sweeps a twelfth), and a seed for when; fuzz takes the seed too.
 KILLS = 500
 SEED = 1
 # Of test-requests; its seed is SEED.
@@ -30,7 +30,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-quick check check-lint check-format check-types check-shaders test-openxr test-kill test-soak bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test test-quick check check-lint check-format check-types check-shaders test-openxr test-kill test-soak fuzz bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -45,7 +45,9 @@ replay: setup  ## the main job: replay a recorded head 200 ms late and report on
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
-	@$(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5)
+	@$(if $(CI),.venv/bin/python tests/fuzz.py --seconds 120 || fuzzed=1;) \
+	  $(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5) \
+	  && exit $${fuzzed:-0}
 
 test-quick: setup  ## one case of each test of the quick parts: about a minute
 	@.venv/bin/python -m pytest --quick -q $(PYTEST_OPTIONS)
@@ -76,6 +78,10 @@ test-requests: setup  ## 100,000 random requests to a server of the feed, all dr
 
 test-soak: setup  ## the feed for an hour over a link that is cut now and then (SOAK_SECONDS=): nothing may grow
 	@.venv/bin/python tests/soak_feed.py --seconds $(SOAK_SECONDS)
+
+fuzz: SECONDS = 120
+fuzz: setup  ## damaged files of every kind through their readers for SECONDS; SEED=2 is other damage
+	@.venv/bin/python tests/fuzz.py --seconds $(SECONDS) --seed $(SEED) $(OPTIONS)
 
 bench-quick: setup  ## how long one eye takes, as ratios to OpenCV on the same frame
 	@.venv/bin/python tests/bench_quick.py $(OPTIONS)

@@ -17,6 +17,10 @@ from progress import Progress
 # Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
 # Set before any library with OpenMP is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# Without compiled modules each program that a test starts compiles 900 files, 1.6 s of a
+# replay's 7.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 USUALLY_SLOW_S = 10.0  # of a test that is marked slow without a number
 # What `make test-quick` runs: what needs no other process, and of the GPU's passes the contracts.
 QUICK = (
@@ -39,18 +43,16 @@ def gpu():
         yield made
 
 
-@pytest.fixture(scope="session", autouse=True)
-def scenes_are_built_once():
+def pytest_sessionstart() -> None:
     """Build each shipped scene once in a session: nobody writes to a scene, and `room` takes 1.5 s.
 
+    Before tests are collected, because lists of cases read scenes.
     `scenes.get(name).build.__wrapped__()` builds it afresh.
     """
     from hmdwarp.scenes import scenes
 
     found = scenes.get
     scenes.get = functools.cache(lambda name: attrs.evolve(found(name), build=functools.cache(found(name).build)))
-    yield
-    scenes.get = found
 
 
 @pytest.fixture(autouse=True)

@@ -6,7 +6,7 @@ import ast
 import re
 from pathlib import Path
 
-import pytest
+from together import together
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "hmdwarp"
@@ -86,13 +86,13 @@ def test_each_term_is_explained_in_one_line():
     assert len(terms) == len(set(terms))
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+@together("page", PAGES)
 def test_pages_have_no_retired_words(page):
     text = QUOTED.sub("", page.read_text(encoding="utf-8"))
     assert not [match[0] for match in RETIRED.finditer(text)]
 
 
-@pytest.mark.parametrize("page", [*PAGES, ROOT / "CHANGELOG.md"], ids=lambda page: page.name)
+@together("page", [*PAGES, ROOT / "CHANGELOG.md"])
 def test_prose_wraps_at_100_columns_in_paragraphs_of_five_lines(page):
     text = QUOTED.sub("", page.read_text(encoding="utf-8"))
     prose = [line for line in text.splitlines() if not line.startswith(("|", "![", "    "))]

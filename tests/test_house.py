@@ -20,6 +20,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
+from together import together
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "hmdwarp"
@@ -450,7 +451,7 @@ def private_names(source: str, package: tuple[str, ...], part: str) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("path", [p for p in modules() if unit_of(p) == "study"], ids=name_of)
+@together("path", [p for p in modules() if unit_of(p) == "study"])
 def test_study_takes_public_names_alone(path):
     package = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)
     wrong = private_names(path.read_text(encoding="utf-8"), package, "study")
@@ -580,7 +581,7 @@ FORBIDDEN = {
 }
 
 
-@pytest.mark.parametrize("what", FORBIDDEN)
+@together("what", FORBIDDEN)
 def test_no_file_holds(what):
     hits = [
         f"{name}:{number}"

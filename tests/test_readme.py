@@ -18,6 +18,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
 from typer.main import get_command
 
@@ -72,6 +73,19 @@ def run(command: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
+def run_block(block: str, folder: Path) -> None:
+    """Run commands, those of hmdwarp in this process unless one stays in the background."""
+    if re.search(r"&$", block, re.MULTILINE):
+        return run(["sh", "-ec", block], folder)
+    for statement in re.findall(r"^[^\n]*<<'END'\n.*?^END$|^[^\n]+", block, re.DOTALL | re.MULTILINE):
+        if statement.startswith("hmdwarp "):
+            done = hmdwarp(*shlex.split(statement)[1:], folder=folder)
+            assert done.returncode == 0, f"{statement}\n{done.stdout}\n{done.stderr}"
+        else:
+            run(["sh", "-ec", statement], folder)
+    return None
+
+
 def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show."""
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
@@ -96,7 +110,7 @@ def test_a_page_runs_from_top_to_bottom(page, tmp_path):
         if kind == "python":
             run([sys.executable, "-c", text], tmp_path)
         elif kind == "sh" and not text.startswith("make "):
-            run(["sh", "-ec", smaller(text)], tmp_path)
+            run_block(smaller(text), tmp_path)
     for name in LEFT.get(page, ()):
         assert (tmp_path / name).stat().st_size > 0, name
     assert not _untracked([path.name + "/" * path.is_dir() for path in tmp_path.iterdir()]), "add them to .gitignore"

@@ -25,6 +25,7 @@ class CheckOptions(Declared):
         kind=list,
         metavar="FRAMES",
         positional=True,
+        names_files=True,
         parse=_paths,
     )
     reading: SequenceOptions = group(SequenceOptions)

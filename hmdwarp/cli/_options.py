@@ -7,13 +7,14 @@ import json
 import math
 import shlex
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ..options import Declared, Option, options_of, path_of
+from ..options.named_files import OUTSIDE, allow_outside
 
 Said = dict[str, Any]
 QUIET = Option("Print nothing but errors.", bool, False, name="quiet")
@@ -26,10 +27,12 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
     The function becomes a command with these options, and gets their values by name. The command's
     attribute `options` has them.
     """
-    options = [option for part in declared for option in ([part] if isinstance(part, Option) else options_of(part))]
+    options = [*_options_in(declared)]
+    options += [OUTSIDE] if any(option.names_files for option in options) else []
 
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
+            allow_outside(said.get(OUTSIDE.name, False))
             run({option.name: _read(option, said.get(option.name, option.default)) for option in options})
 
         parameters = [_parameter(option) for option in options]
@@ -40,6 +43,11 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
         return command
 
     return decorate
+
+
+def _options_in(declared: Sequence[type[Declared] | Option]) -> Iterator[Option]:
+    for part in declared:
+        yield from [part] if isinstance(part, Option) else options_of(part)
 
 
 def _read(option: Option, value: Any) -> Any:

@@ -25,7 +25,12 @@ if TYPE_CHECKING:
 app = typer.Typer(cls=Group, help="Inspect and convert head traces, or write synthetic ones.", no_args_is_help=True)
 
 _TRACE = Option(
-    "A file, or the bare name of a shipped recording.", required=True, name="trace", metavar="TRACE", positional=True
+    "A file, or the bare name of a shipped recording.",
+    required=True,
+    name="trace",
+    metavar="TRACE",
+    positional=True,
+    names_files=True,
 )
 _OUT = Option("The file to write.", Path, required=True, name="out", metavar="OUT", positional=True)
 _PLOT = Option("Draw the motion into this PNG: way from above, angles, speeds, view sphere.", Path, name="plot")

@@ -44,6 +44,7 @@ class WarpOptions(Declared):
         "encoding for float colour. Or the colour alone: a PNG, a JPEG, or an EXR file, which may have its own Z.",
         kind=Path,
         positional=True,
+        names_files=True,
     )
     to: Path = option(attrs.NOTHING, "POSE.json: fov or intrinsics, position_m, orientation_xyzw.", kind=Path)
     out: Path = out_field(

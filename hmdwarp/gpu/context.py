@@ -7,6 +7,7 @@ import functools
 import os
 import sys
 import threading
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -15,7 +16,7 @@ import moderngl
 
 from ..errors import InputError, MachineError
 from . import egl
-from .raw_gl import reset_status_of
+from .raw_gl import gl_function, reset_status_of
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
 
@@ -60,6 +61,21 @@ _RESET_REASONS = {  # GL_GUILTY_CONTEXT_RESET and the two after it
 }
 
 _thread = threading.local()  # .gpu: GL calls of this thread go to its context
+_MANY = 1000  # released objects that moderngl still keeps
+_process: int | None = None  # which first made a context
+
+
+def check_not_forked() -> None:
+    """Do nothing where OpenGL can be used.
+
+    Errors: InputError in a process forked from one that had a context. There llvmpipe waits for
+    ever for its threads, which a fork does not copy; other drivers share one state with the parent.
+    """
+    if _process not in (None, os.getpid()):
+        raise InputError(
+            "this process was forked from one that already used OpenGL, which does not survive a fork: start it with "
+            "multiprocessing.get_context('spawn') or 'forkserver', or fork before the first use"
+        )
 
 
 @functools.cache
@@ -73,13 +89,18 @@ class Gpu:
 
     Use as a context manager, or call close(). The newest Gpu of a thread is current there; close()
     makes the previous one current again. Use an older one inside `with gpu.current():`, or its GL
-    calls go to another context and give black pictures.
+    calls go to another context and give black pictures. A forked process cannot use it.
+    Errors: as check_not_forked and create_context.
     """
 
     def __init__(self, gl: moderngl.Context | None = None) -> None:
+        global _process  # noqa: PLW0603 (a fork copies it)
+        check_not_forked()
         self.gl = gl if gl is not None else create_context()
+        _process = self._process = os.getpid()
         self._before: Gpu | None = getattr(_thread, "gpu", None)
         self._closed = False
+        self._dropped: deque[Callable[[], object]] = deque()
         _thread.gpu = self
         self.renderer: str = self.gl.info["GL_RENDERER"]
         self.version: str = self.gl.info["GL_VERSION"]
@@ -87,6 +108,11 @@ class Gpu:
         self.shaders = ShaderLibrary(self.gl)
         self.timer = StageTimer(self.gl)
         self._reset_status = reset_status_of(self.gl)
+
+    @property
+    def closed(self) -> bool:
+        """Whether it is closed, or of the process that this one was forked from."""
+        return self._closed or self._process != os.getpid()
 
     @property
     def is_software(self) -> bool:
@@ -111,6 +137,13 @@ class Gpu:
                 "if it comes back use smaller pictures, or another device with HMDWARP_EGL_DEVICE"
             )
 
+    def wait(self) -> None:
+        """Wait until everything is drawn, while other threads go on: moderngl's calls hold them up.
+
+        Half a second of 2048x2048 pixels on a CPU, after which reading takes a few ms.
+        """
+        gl_function("glFinish", None)()
+
     def give_back_memory(self) -> None:
         """Give freed memory, of textures too, back to the system, where the CPU renders.
 
@@ -122,12 +155,38 @@ class Gpu:
             self.gl.finish()
             trim(0)
 
+    def free_later(self, free: Callable[[], object]) -> None:
+        """Call `free` when the context is next made current; for finalizers, in any thread."""
+        self._dropped.append(free)
+
+    def _free_dropped(self) -> None:
+        """Free what was dropped without release(). The context must be current."""
+        if not self._dropped and len(self.gl.objects) < _MANY:
+            return
+        while self._dropped:
+            self._dropped.popleft()()
+        self._collect()
+        self.give_back_memory()
+
+    def _collect(self) -> None:
+        while self.gl.objects:
+            thing = self.gl.objects.popleft()
+            if hasattr(thing, "release"):  # not the husk of what was released by hand
+                thing.release()
+
     @contextmanager
     def current(self) -> Iterator[Gpu]:
-        """Direct GL calls of this thread to this context inside the block, and back after it."""
+        """Direct GL calls of this thread to this context inside the block, and back after it.
+
+        Errors: InputError if it is closed; as check_not_forked.
+        """
+        check_not_forked()
+        if self.closed:
+            raise InputError("this OpenGL context is closed: make another Gpu, and what uses it")
         before = getattr(_thread, "gpu", None)
         _make_current(self)
         try:
+            self._free_dropped()
             yield self
         finally:
             # Not where nothing has changed: making a context current flushes it, even if it is.
@@ -142,8 +201,11 @@ class Gpu:
         _make_current(self._before)
 
     def close(self) -> None:
-        """Free all resources of the context; further calls do nothing."""
-        if self._closed:
+        """Free all resources of the context.
+
+        Does nothing after the first time, and in a forked process.
+        """
+        if self.closed:
             return
         before = getattr(_thread, "gpu", None)
         _make_current(self)
@@ -155,12 +217,7 @@ class Gpu:
         _make_current(self._before if before is self else before)
 
     def _release(self) -> None:
-        # An object released by hand is queued again when it dies, as a husk without release(), and
-        # gc() fails on it.
-        living = [thing for thing in self.gl.objects if hasattr(thing, "release")]
-        self.gl.objects.clear()
-        self.gl.objects.extend(living)
-        self.gl.gc()
+        self._collect()
         # A context that is destroyed while current stays so in EGL, and GLX then refuses a window's
         # in the same thread (BadAccess).
         self.gl.__exit__(None, None, None)
@@ -172,7 +229,7 @@ class Gpu:
     def __exit__(self, *_: object) -> None:
         """Close it. Errors: MachineError if it was lost, in place of what failed by that."""
         try:
-            if not self._closed:
+            if not self.closed:
                 with self.current():
                     self.check_not_lost()
         finally:
@@ -181,7 +238,7 @@ class Gpu:
 
 def _make_current(gpu: Gpu | None) -> None:
     """Make `gpu` current; if it is closed the one before it; or none at all."""
-    while gpu is not None and gpu._closed:
+    while gpu is not None and gpu.closed:
         gpu = gpu._before
     now = getattr(_thread, "gpu", None)
     if now is not None and now is not gpu:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import InputError, unknown_name
 from ..geometry import Fov
-from ..options.tables import Table
+from ..options.tables import Table, parsed, text_of
 from ._model import COLOURS, Headset, RadialLens
 
 _FOLDER = Path(__file__).parent
@@ -27,19 +26,13 @@ def load_headset(name: str) -> Headset:
     Errors: InputError naming the file and its fault.
     """
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
-    if not path.is_file():
-        if name.endswith(".toml"):
-            found = "is a directory: expected a .toml file" if path.is_dir() else "does not exist"
-            raise InputError(f"headset file {name} {found}")
+    if not name.endswith(".toml") and not path.is_file():
         raise unknown_name("headset", name, [*headset_names(), "FILE.toml"])
+    text, example = text_of(path, "a headset, as a .toml file"), "hmdwarp/headsets/rift-dk1.toml"
     try:
-        return _headset(
-            Table(tomllib.loads(path.read_text(encoding="utf-8")), example="hmdwarp/headsets/rift-dk1.toml")
-        )
-    except OSError as error:
-        raise InputError(f"headset file {path}: {error.strerror}") from error
-    except (InputError, ValueError) as error:  # not TOML and not UTF-8 are ValueErrors
-        raise InputError(f"headset file {path}: {error}") from error
+        return parsed(text, path, _headset, example)
+    except InputError as error:  # the model's own name no file
+        raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
 
 
 def _headset(data: Table) -> Headset:
@@ -47,7 +40,7 @@ def _headset(data: Table) -> Headset:
     width_m, height_m = panel.numbers("eye_size_m", 2)
     size_m = width_m, height_m
     lens = data.table("lens") if "lens" in data else None
-    made = Headset(
+    return Headset(
         name=data.text("name"),
         summary=data.text("summary"),
         source=data.text("source"),
@@ -60,8 +53,6 @@ def _headset(data: Table) -> Headset:
         peak_cd_m2=panel.number("peak_cd_m2") if "peak_cd_m2" in panel else None,
         black_cd_m2=panel.number("black_cd_m2") if "black_cd_m2" in panel else None,
     )
-    data.refuse_unread()
-    return made
 
 
 def _lens(data: Table, size_m: tuple[float, float]) -> RadialLens:

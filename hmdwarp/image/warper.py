@@ -6,11 +6,12 @@ import atexit
 import math
 import threading
 import warnings
+import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
 from numbers import Real
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NoReturn
 
 import attrs
 import moderngl
@@ -24,7 +25,7 @@ from ..colour import srgb8_from_linear, srgb_from_linear
 from ..errors import InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
-from ..gpu.context import Gpu
+from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_unit
@@ -44,13 +45,20 @@ _turn = threading.RLock()
 def _shared_gpu() -> Iterator[Gpu]:
     """Lend the shared context to this thread for the duration of the block."""
     global _shared  # noqa: PLW0603 (made late, because importing must not start a GL driver)
+    check_not_forked()  # first: in a forked process the lock may be held by a thread that is not there
     with _turn:
         if _shared is None:
             _shared = Gpu()
             _shared.step_aside()
-            atexit.register(_shared.close)
+            atexit.register(_close_shared, _shared)
         with _shared.current():
             yield _shared
+
+
+def _close_shared(shared: Gpu) -> None:
+    if not shared.closed:
+        _turn.acquire()  # to the end: a daemon thread that calls now waits, and does not outlive its context
+        shared.close()
 
 
 @attrs.frozen(eq=False)
@@ -84,12 +92,16 @@ class WarpedTextures:
     colour: moderngl.Texture
     # r32f in 1/m in the shown view, -1 where it is unknown; None unless asked for.
     inverse_depth: moderngl.Texture | None
+    # Keeps the textures.
+    _warper: Warper = attrs.field(repr=False)
 
 
 class Warper:
     """Warp pictures with depth, one after the other, into views of one size.
 
-    Compiles and allocates at the start. Use as a context manager, or call close().
+    Compiles and allocates at the start. Use as a context manager, or call close(): then any call is
+    an InputError. What one holds that is dropped without it is freed by the next call of another
+    Warper of its context.
 
     size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
     effects, repair: as warp_image takes them; a fill that remembers learns from each picture.
@@ -97,6 +109,7 @@ class Warper:
     thread, which then makes all calls; by default one is shared with all threads, one at a time.
     Take `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then
     your textures can be read without a copy, and you bind your own state again after each call.
+    OpenGL does not survive a fork: see warp_image.
     Errors: as warp_image.
     """
 
@@ -118,8 +131,7 @@ class Warper:
         self.repair = parse_repairs(repair)
         self.size = checked_size(size)
         self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
-        self._cleanup = ExitStack()
-        with self._gpu() as current, ExitStack() as stack:
+        with self._context() as current, ExitStack() as stack:
             check_size(current.gl, self.rendered_size)
             check_size(current.gl, self.size)
             self._compensator = Compensator(current, self.plan, None, self.rendered_size, self.size)
@@ -141,6 +153,8 @@ class Warper:
             if self._confidence is not None:
                 stack.callback(self._confidence.release)
             self._cleanup = stack.pop_all()
+        self._dropped = weakref.finalize(self, current.free_later, self._cleanup.close)
+        self._dropped.atexit = False
 
     def warp(
         self,
@@ -247,7 +261,7 @@ class Warper:
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
-            return WarpedTextures(made.shown.texture, made.inverse_depth)
+            return WarpedTextures(made.shown.texture, made.inverse_depth, self)
 
     @property
     def time_ms(self) -> dict[str, float]:
@@ -256,9 +270,15 @@ class Warper:
             return _summed(gpu.timer.collect())
 
     def close(self) -> None:
-        """Free all textures and buffers; further calls do nothing."""
-        with self._gpu():
-            self._cleanup.close()
+        """Free all textures and buffers.
+
+        Does nothing after the first time, after its context was closed, and in a forked process.
+        """
+        gpu = _shared if self._own_gpu is None else self._own_gpu
+        if self._dropped.alive and gpu is not None and not gpu.closed:
+            with self._context():
+                self._dropped.detach()
+                self._cleanup.close()
 
     def __enter__(self) -> Warper:
         return self
@@ -266,7 +286,17 @@ class Warper:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _gpu(self) -> AbstractContextManager[Gpu]:
+    def __reduce__(self) -> NoReturn:
+        raise InputError("a Warper cannot be copied or sent to another process: make one there")
+
+    @contextmanager
+    def _gpu(self) -> Iterator[Gpu]:
+        with self._context() as gpu:
+            if not self._dropped.alive:
+                raise InputError("this Warper is closed: make another")
+            yield gpu
+
+    def _context(self) -> AbstractContextManager[Gpu]:
         if self._own_gpu is None:
             return _shared_gpu()
         if threading.get_ident() != self._thread:
@@ -457,8 +487,10 @@ def warp_image(
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
     by default as `colour` is. depth: whether the result has the depth of what is shown.
     For many pictures of one size take a Warper, which compiles and allocates once.
-    Errors: InputError for arguments that do not fit; PlanError for a warp that needs more than such
-    pictures; UnknownNameError; MachineError without OpenGL 4.3.
+    A process forked after the first call cannot use OpenGL: take multiprocessing's "spawn" or
+    "forkserver", or fork before.
+    Errors: InputError for arguments that do not fit, and in such a process; PlanError for a warp
+    that needs more than such pictures; UnknownNameError; MachineError without OpenGL 4.3.
     """
     picture = checked_picture(colour, depth_m, depth_scale, encoding)
     views = _checked_views(rendered, shown)

@@ -32,6 +32,7 @@ from .guard_options import (
     rendered_size_field,
 )
 from .limits import Number, names_in, one_of
+from .named_files import PICTURE_FILE, RATINGS, check_inside, opened, text_in
 from .paths import FORCE, force_field, out_field, path_of
 from .several import several, split_names
 from .tables import KeyFault, Table, parsed, quoted, text_of
@@ -43,6 +44,11 @@ __all__ = [
     "quoted",
     "text_of",
     "AUTO",
+    "PICTURE_FILE",
+    "RATINGS",
+    "check_inside",
+    "opened",
+    "text_in",
     "CONDITION",
     "DISPLAY",
     "FORCE",

@@ -40,6 +40,8 @@ class Option:
     numeric: bool = False
     # DISPLAY, PICTURE, CONDITION, or why a study's file may not set it.
     study: str = CONDITION
+    # Whether the file or folder that it names may name other files; see named_files.
+    names_files: bool = False
     # Converts the written text to the field's value.
     parse: Callable[[Any], Any] | None = None
     # Heading under which a command's help lists it; "" for the first, of what matters most.

@@ -86,7 +86,10 @@ class PipelineOptions(Declared):
     draws_truth: ClassVar[bool] = False
 
     scene: str = option(
-        "room", f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.", study=PICTURE
+        "room",
+        f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.",
+        study=PICTURE,
+        names_files=True,
     )
     # Where the scene is a file.
     scene_options: SceneOptions = group(SceneOptions)
@@ -94,6 +97,7 @@ class PipelineOptions(Declared):
         None,
         "Recorded RGB-D folder used instead of a scene, shown as its camera saw it; see hmdwarp list layouts.",
         kind=Path,
+        names_files=True,
         convert=attrs.converters.optional(Path),
         study=DISPLAY,
     )

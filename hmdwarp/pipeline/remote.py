@@ -33,7 +33,7 @@ from .feed_layers import misfit, wanted_alone, wanted_of
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
 _ANSWER_NS = 30_000_000_000
-_TELL_NS = 2_000_000_000
+_TELL_NS = 1_500_000_000
 # Kinds of frames that are left out, each with a line.
 _MOST_TOLD = 20
 # Requests that may be without an answer; what is older is never answered.
@@ -272,7 +272,7 @@ class Remote:
             self._away_ns += self._heard_ns - self._lost_ns
             self._lost_ns = None
         elif self._lost_ns is None and self._pending and silent_ns >= _TELL_NS:
-            self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.0f} s; the last one stays")
+            self._say(f"{self._caller.address}: no frame for {silent_ns / 1e9:.1f} s; the last one stays")
             self._lost_ns = since_ns
             self._losses += 1
 

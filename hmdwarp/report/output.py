@@ -6,7 +6,6 @@ the command that made it; `force` (`--force`) overrides it.
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import uuid
@@ -18,6 +17,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from ..errors import InputError, MachineError
+from ..options.documents import json_in
+from ..options.named_files import RESULTS
 from ..resources import __version__
 from .files import keep_private, lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
@@ -175,8 +176,8 @@ class OutputFolder:
                 )
 
     def _is_ours(self) -> bool:
-        with suppress(OSError, ValueError, RecursionError):
-            data = json.loads((self.folder / self._last).read_bytes())
+        with suppress(InputError):
+            data = json_in(self.folder / self._last, RESULTS)
             return isinstance(data, dict) and MARK in data
         return False
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,8 @@ import attrs
 
 from ..errors import InputError
 from ..headsets import Headset, load_headset
+from ..options.documents import json_in
+from ..options.named_files import RESULTS
 from ..pipeline.auto.levels import QualityLevel, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
@@ -45,14 +46,8 @@ def read_rows(path: Path) -> list[Row]:
 
     Errors: InputError naming the file and its fault.
     """
-    try:
-        bench = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            f"{path}: {error.strerror or error}; expected the bench.json that hmdwarp bench wrote"
-        ) from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: no JSON ({error}); expected the bench.json that hmdwarp bench wrote") from error
+    wanted = attrs.evolve(RESULTS, what="the bench.json that hmdwarp bench wrote")
+    bench = json_in(path, wanted)
     if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
         raise InputError(f"{path}: it has no list of 'rows'; expected the bench.json that hmdwarp bench wrote")
     if bench.get("schema") != SCHEMA:

@@ -58,6 +58,7 @@ class RunOptions(PipelineOptions):
         "A head trace file, or the name of a shipped recording, like look-around; with --frames by default the "
         "recording's own head.",
         positional=True,
+        names_files=True,
         default=None,
     )
     start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())

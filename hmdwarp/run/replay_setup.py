@@ -31,6 +31,9 @@ from .options import RunOptions
 from .schedule import Schedule, schedule_for, schedule_of
 from .setup import EmulatedScreen, RunSetup
 
+_MANY = 10_000  # refreshes
+_SECONDS_EACH = 0.05, 0.5  # of a refresh with its metrics, on a GPU and on Mesa's llvmpipe
+
 
 @attrs.frozen(eq=False)
 class ReplaySetup:
@@ -157,7 +160,10 @@ def set_up_replay(
         options = run.options
         schedule = schedule or schedule_of(trace.track, options, rate_hz)
         name = track.name or trace.path.stem
-        say(f"making ready: {source.title}, OpenGL, measuring; then {schedule.count} refreshes of '{name}'")
+        say(
+            f"making ready: {source.title}, OpenGL, measuring; then {schedule.count} refreshes of "
+            f"'{name}'{_cost(schedule.count)}"
+        )
         gpu = stack.enter_context(Gpu())
         poses = RecordedSource(track)
         poses.start()
@@ -169,6 +175,14 @@ def set_up_replay(
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
         notes.extend(options.notes)
         return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all())
+
+
+def _cost(refreshes: int) -> str:
+    """Return about how long a long run takes, "" for a short one."""
+    if refreshes < _MANY:
+        return ""
+    least, most = (refreshes * each / 3600 for each in _SECONDS_EACH)
+    return f", about {least:.1f} h on a GPU to {most:.1f} h without one; --seconds shows less"
 
 
 def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:

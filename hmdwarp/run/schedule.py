@@ -13,6 +13,8 @@ from ..pipeline.source import Source
 from ..poses import LoadedTrace, PoseTrack
 from .options import RunOptions
 
+_DAY_S = 86_400.0
+
 
 @attrs.frozen
 class Schedule:
@@ -110,6 +112,11 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
         )
     start_s = max(options.start_s, first)
     seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
+    if options.seconds is None and seconds > _DAY_S and rate_hz > 1:
+        raise InputError(
+            f"the trace '{track.name}' has {seconds / _DAY_S:.1f} days to show, {math.floor(seconds * rate_hz)} "
+            "refreshes: expected at most one day unless stated; say how much of it by --seconds"
+        )
     # Within 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes despite rounding.
     count = max(1, math.floor(seconds * rate_hz + 1e-6))
     return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, count, age, ahead)

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import attrs
 
-from ..options import Declared, group, option, same_as
+from ..options import Declared, Number, group, option, same_as
 from ..pipeline.options import PipelineOptions
 from ..scenes.options import SceneOptions
+from ..sources.feed.sockets import MOST_OF_ADDRESS
 
 _PIPELINE = attrs.fields(PipelineOptions)
 
@@ -32,4 +33,9 @@ class ServeOptions(Declared):
         metavar="NAME",
     )
     token_file: Path | None = option(None, "File with the secret that clients must share.", kind=Path)
+    per_address: int = option(
+        MOST_OF_ADDRESS,
+        "Connections from one address, at most; one that is idle makes room for another.",
+        valid=Number(least=1),
+    )
     open: bool = option(False, "Accept clients on other machines without authentication.")

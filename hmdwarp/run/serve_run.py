@@ -48,7 +48,8 @@ def serve(
         pair, is_new = key_pair(options.key_pair)
         if is_new:
             say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
-    with closing(Listener(options.listen, secret, pair, is_open=options.open, say=say)) as listener:
+    listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
+    with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
         with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors)) as server:
             say(f"listening at {listener.address}: scene '{scene.name}'")
@@ -102,6 +103,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
     frame = _drawn(server, ask, needs)
+    server.gpu.wait()
     pictures = list(_pictures(frame, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE}
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()

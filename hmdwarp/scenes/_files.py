@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, SceneError
 from ..geometry import Pose
+from ..options.named_files import SCENE, opened
 from ._draft import Draft
 from ._gltf_scene import GltfContent
 from ._mesh import Body, Texture
@@ -55,15 +57,11 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
 
 
 def _check_there(path: Path) -> None:
-    known = f"expected a {', '.join(ENDINGS[:-1])} or {ENDINGS[-1]} file"
-    if path.is_dir():
-        raise SceneError(f"{path} is a directory; {known}")
-    if not path.is_file():
-        raise SceneError(f"{path}: no such scene file; {known}, or the name of a scene")
-    if path.stat().st_size == 0:
-        raise SceneError(f"{path}: the file is empty; {known}")
+    with opened(path, attrs.evolve(SCENE, what=f"{SCENE.what}, or the name of a scene")) as file:
+        if not file.read(1):
+            raise SceneError(f"{path}: the file is empty; expected {SCENE.what}")
     if path.suffix.lower() not in ENDINGS:
-        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; {known}: export it as .glb")
+        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
 
 
 def _note_unstated(options: SceneOptions, notes: Notes) -> None:

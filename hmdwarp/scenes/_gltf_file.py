@@ -11,7 +11,6 @@ from __future__ import annotations
 import base64
 import binascii
 import io
-import json
 import struct
 from pathlib import Path
 from typing import Any
@@ -21,13 +20,16 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import SceneError
+from ..errors import InputError, SceneError
+from ..options.documents import DocumentError, parse_json
+from ..options.named_files import GLTF, SCENE, content_of
 from ..resources import install_line
 from ._gltf_specular import SPECULAR
 from ._notes import Notes
 from ._picture_files import read_beside, rgba_of
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
+_LONGEST_NAME = 1000  # characters of a path
 _HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk
 _NUMBERS: dict[Any, Any] = {
     5120: np.int8,
@@ -50,11 +52,12 @@ class GltfFile:
     unpacked: dict[int, NDArray[Any]] = attrs.field(
         factory=dict
     )  # numbers of accessors that came compressed, by accessor
+    lists: dict[str, list[dict[str, Any]]] = attrs.field(factory=dict, init=False)  # by kind, once they are checked
 
     @classmethod
     def read(cls, path: Path) -> GltfFile:
         """Read a .glb, or a .gltf and its files. Errors: SceneError if not glTF 2.0, or cut off."""
-        data = path.read_bytes()
+        data = content_of(path, GLTF if path.suffix.lower() == ".gltf" else SCENE)
         if data[:4] == struct.pack("<I", _MAGIC) or path.suffix.lower() == ".glb":
             return cls.parse(path, data)
         return cls._with_buffers(path, _header_of(path, data), None)
@@ -86,16 +89,22 @@ class GltfFile:
     def _with_buffers(cls, path: Path, header: dict[str, Any], binary: bytes | None) -> GltfFile:
         """Return the file with all its buffers; the first may be that of a GLB, `binary`."""
         bare = cls(path, header, ())
-        found = []
+        found, left = [], SCENE.most_bytes
         for index, buffer in enumerate(bare.items("buffers")):
             if "uri" in buffer:
                 found.append(bare.bytes_at(buffer["uri"], f"buffer {index}"))
             else:
                 found.append(binary or b"" if index == 0 else b"")
+            left -= len(found[-1])
+            if left < 0:
+                raise bare.error(f"buffers of more than {SCENE.most_bytes} bytes; expected fewer: simplify the scene")
         return cls(path, header, tuple(found or [binary or b""]))
 
     def bytes_at(self, uri: object, user: str) -> bytes:
-        """Return the bytes of a data URI or of a file next to this one. Errors: SceneError."""
+        """Return the bytes of a data URI or of a file next to this one.
+
+        Errors: SceneError, and InputError for one that is refused, see read_beside.
+        """
         if not isinstance(uri, str):
             raise self.error(f"{user}: {uri!r} in place of a file's name; export it again")
         if uri.startswith("data:"):
@@ -104,8 +113,12 @@ class GltfFile:
                 return base64.b64decode(unquote(data), validate=True) if ";base64" in head else unquote_to_bytes(data)
             except (binascii.Error, ValueError) as error:
                 raise self.error(f"{user}: its data cannot be decoded ({error}); export it again") from error
+        if len(uri) > _LONGEST_NAME:
+            raise self.error(f"{user}: a name of {len(uri)} characters in place of a file's; export it again")
         try:
             return read_beside(self.path.parent, uri)
+        except InputError as error:
+            raise InputError(f"{self.path}: {user}: {error}") from error
         except (OSError, ValueError) as error:
             raise self.error(f"{user} lies in '{uri}', which cannot be read: {error}") from error
 
@@ -115,10 +128,12 @@ class GltfFile:
 
     def items(self, kind: str) -> list[dict[str, Any]]:
         """Return all items of a kind, such as "nodes"; none if the file lacks the list."""
+        if kind in self.lists:
+            return self.lists[kind]
         found = self.header.get(kind, [])
         if not isinstance(found, list) or not all(isinstance(item, dict) for item in found):
             raise self.error(f"its '{kind}' are not a list of objects; export it again")
-        return found
+        return self.lists.setdefault(kind, found)
 
     def item(self, kind: str, index: object, user: str) -> dict[str, Any]:
         """Return item `index` of a kind. Errors: SceneError, naming the `user` of the index."""
@@ -222,11 +237,11 @@ def _no_glb(path: Path, found: str, wanted: str) -> SceneError:
 
 def _header_of(path: Path, text: bytes) -> dict[str, Any]:
     """Return the JSON of a glTF 2.0 file."""
+    if len(text) > GLTF.most_bytes:
+        raise SceneError(f"{path}: its JSON has {len(text)} bytes; expected at most {GLTF.most_bytes}; export it again")
     try:
-        header = json.loads(text)
-    except UnicodeDecodeError as error:
-        raise SceneError(f"{path}: its JSON is not UTF-8 text: {error}; export it again") from error
-    except (ValueError, RecursionError) as error:
+        header = parse_json(text)
+    except DocumentError as error:
         raise SceneError(f"{path}: its JSON cannot be read: {error}; export it again") from error
     asset = header.get("asset") if isinstance(header, dict) else None
     version = asset.get("version", "2.0") if isinstance(asset, dict) else "2.0"

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import logging
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
-from ..errors import SceneError
+from ..errors import InputError, SceneError
+from ..options.named_files import SCENE, opened
 from ._draft import Draft, Look, normals_of
 from ._mesh import Material, Texture
 from ._notes import Notes
-from ._picture_files import rgba_of
+from ._picture_files import read_beside, rgba_of
 
 Array = NDArray[np.float64]
 GREY = 0.5
+_LONGEST_LINE = 10_000  # of a PLY's header
 # Diffuse colour that trimesh assumes where a file names none; its own exporter writes it as Kd 0.4.
 _TRIMESH_DEFAULT = (102, 102, 102)
 
@@ -79,20 +82,25 @@ def _parts_of(path: Path, notes: Notes) -> list[Any]:
     import trimesh
 
     kind, warned = path.suffix.lower().removeprefix("."), list[str]()
+    beside = _beside(path.parent)
     try:
-        with _warnings_to(warned.append), np.errstate(all="ignore"):
-            loaded = trimesh.load(path, file_type=kind, process=False, maintain_order=True)
+        with _warnings_to(warned.append), np.errstate(all="ignore"), opened(path, SCENE) as file:
+            loaded = trimesh.load(file, file_type=kind, resolver=beside, process=False, maintain_order=True)
             found = loaded.dump() if isinstance(loaded, trimesh.Scene) else [loaded]
-    except MemoryError:
+    except (MemoryError, SceneError):
         raise
     except Exception as error:  # trimesh's parsers let any exception through
         raise unreadable(path, error) from error
-    missing = (_missing_pictures if kind == "obj" else _missing_ply_pictures)(path)
-    for name, what in missing:
-        how = "cannot be read" if (path.parent / name).is_file() else "is missing"
+    if beside.refused:
+        raise beside.refused[0]
+    if kind == "ply":
+        beside.look_for(_pictures_of_ply(path))
+    missing = beside.missing
+    for name, how in missing.items():
+        what = "material file" if name.lower().endswith(".mtl") else "texture"
         notes.add(f"a file that it names {how}, drawn grey", f"{what} '{name}'")
     for line in warned:
-        if not any(name in line for name, _ in missing):
+        if not missing or "image" not in line:
             notes.add("trimesh, which reads it, says", " ".join(line.split())[:160])
     clouds = [part for part in found if not isinstance(part, trimesh.Trimesh)]
     if clouds:
@@ -107,45 +115,67 @@ def unreadable(path: Path, error: Exception) -> SceneError:
     return SceneError(f"{path}: not a readable {kind} file ({reason}); export it again")
 
 
-def _missing_pictures(path: Path) -> list[tuple[str, str]]:
-    """Return name and kind of each material file or picture that an OBJ names in vain."""
-    missing = []
-    for library in _named_in(path, "mtllib"):
-        if not (path.parent / library).is_file():
-            missing.append((library, "material file"))
-            continue
-        pictures = _named_in(path.parent / library, "map_Kd")
-        missing += [(name, "texture") for name in pictures if not _is_picture(path.parent / name)]
-    return missing
+def _beside(folder: Path) -> Any:
+    """Return what gives trimesh the files that one in `folder` names, and notes what it lacks."""
+    from trimesh.resolvers import Resolver
+
+    class Beside(Resolver):
+        def __init__(self) -> None:
+            self.file_name = "mesh"  # of what has no name of its own
+            self.missing = dict[str, str]()  # names with what is wrong
+            self.refused = list[InputError]()  # trimesh goes on after any error
+
+        def get(self, key: str) -> bytes:
+            try:
+                data = read_beside(folder, key)
+                if not key.lower().endswith(".mtl") and not _is_picture(data):
+                    self.missing[key] = "cannot be read"
+                return data
+            except InputError as error:
+                self.refused.append(error)
+                raise
+            except OSError:
+                self.missing[key] = "is missing"
+                raise
+
+        def look_for(self, names: list[str]) -> None:
+            for name in names:
+                with suppress(OSError):
+                    self.get(name)
+
+        def keys(self) -> list[str]:
+            return []
+
+        def namespaced(self, namespace: str) -> Any:
+            return self
+
+        def write(self, name: str, data: Any) -> None:
+            raise OSError("it is only read")
+
+    return Beside()
 
 
-def _is_picture(path: Path) -> bool:
+def _is_picture(data: bytes) -> bool:
     from PIL import Image
 
     try:
-        with Image.open(path):
+        with Image.open(io.BytesIO(data)):
             return True
-    except (OSError, ValueError, SyntaxError):
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError):
         return False
 
 
-def _missing_ply_pictures(path: Path) -> list[tuple[str, str]]:
-    """Return the same for pictures named in a PLY's header, as MeshLab and others write them."""
+def _pictures_of_ply(path: Path) -> list[str]:
+    """Return the pictures named in a PLY's header, as MeshLab and others write them."""
     names = []
-    with path.open("rb") as file:
-        for line in file:
+    with opened(path, SCENE) as file:
+        while line := file.readline(_LONGEST_LINE):
             words = line.decode("utf-8", "replace").split(maxsplit=2)
             if words[:1] == ["end_header"]:
                 break
             if words[:2] == ["comment", "TextureFile"] and len(words) == 3:
                 names.append(words[2].strip())
-    return [(name, "texture") for name in names if not (path.parent / name).is_file()]
-
-
-def _named_in(path: Path, keyword: str) -> list[str]:
-    with path.open(encoding="utf-8", errors="replace") as file:
-        lines = (line.split(maxsplit=1) for line in file if line.lstrip().startswith(keyword))
-        return list(dict.fromkeys(words[1].strip() for words in lines if len(words) == 2 and words[0] == keyword))
+    return names
 
 
 def _check_shape(path: Path, part: Any) -> None:

@@ -9,6 +9,8 @@ from urllib.parse import unquote
 import numpy as np
 from numpy.typing import NDArray
 
+from ..options.named_files import BESIDE, content_of
+
 _NETWORK = ("http:", "https:", "ftp:")
 
 
@@ -25,25 +27,28 @@ def read_beside(folder: Path, uri: str) -> bytes:
     """Return the bytes of the file that a URI names next to a scene file.
 
     Exporters write backslashes, another case than the disk, and queries: they are followed.
-    Errors: OSError with the reason in plain words.
+    Errors: OSError with the reason in plain words; FileNotFoundError for none; InputError, as
+    content_of.
     """
     if uri.lower().startswith(_NETWORK):
         raise OSError("it is on the network; download it, and name the copy")
     names = [uri, unquote(uri), unquote(uri.partition("?")[0].partition("#")[0])]
     names += [name.replace("\\", "/") for name in names]
     names = [name.removeprefix("file://") for name in dict.fromkeys(names) if "\0" not in name]
-    whole = next((folder / name for name in names if (folder / name).is_file()), None)
+    whole = next((folder / name for name in names if _is_file(folder / name)), None)
     found = [whole] if whole is not None else _in_any_case(folder, names)
     if len(found) > 1:
         raise OSError(f"{len(found)} files have that name in upper and lower case; rename the others")
     if found:
-        try:
-            return found[0].read_bytes()
-        except OSError as error:
-            raise OSError(f"{error.strerror or error}: {found[0]}") from error
+        return content_of(found[0], BESIDE, folder)
     if any((folder / name).is_dir() for name in names):
         raise OSError("it is a folder; name a file")
-    raise OSError("there is no such file; put it beside the scene file")
+    raise FileNotFoundError("there is no such file; put it beside the scene file")
+
+
+def _is_file(path: Path) -> bool:
+    """Return whether there is anything but a folder, which content_of looks at."""
+    return path.exists() and not path.is_dir()
 
 
 def _in_any_case(folder: Path, names: list[str]) -> list[Path]:
@@ -52,7 +57,7 @@ def _in_any_case(folder: Path, names: list[str]) -> list[Path]:
         places = [Path("/") if name.startswith("/") else folder]
         for part in PurePosixPath(name).parts:
             places = [path for place in places for path in _called(place, part)]
-        if found := [place for place in places if place.is_file()]:
+        if found := [place for place in places if _is_file(place)]:
             return found
     return []
 

@@ -24,6 +24,7 @@ _STEPS = (1 << POSITION_BITS) - 1
 _MOST_SPLITS = 64
 # Digits of a place in a triangle, base 4, and of the index of a point, base 2.
 _TRIANGLE_DIGITS, _INDEX_BITS = 8, 24
+_QUARTERS = 3 * np.vstack([np.zeros(3), np.eye(3)])  # the middle one, and those at the corners
 
 
 @attrs.frozen(eq=False)
@@ -155,15 +156,16 @@ def _in_triangle(place: Array) -> Array:
     Each digit, base 4, chooses one of the quarters into which its middles divide it.
     Source: Basu and Owen 2015, Low discrepancy constructions in the triangle.
     """
-    corners = np.broadcast_to(np.eye(3), (len(place), 3, 3))
+    digits = []
     for _ in range(_TRIANGLE_DIGITS):
-        digit = np.minimum(np.floor(4 * place), 3)
-        place = 4 * place - digit
-        middles = (corners + np.roll(corners, -1, axis=1)) / 2  # ab, bc, ca
-        quarters = [middles[:, [1, 2, 0]]]
-        quarters += [(corners + corners[:, [k]]) / 2 for k in range(3)]
-        corners = np.select([(digit == k)[:, None, None] for k in range(4)], quarters)
-    return np.asarray(corners.mean(axis=1))
+        digits.append(np.minimum(np.floor(4 * place), 3).astype(int))
+        place = 4 * place - digits[-1]
+    # Three times the middle of the last quarter, in weights of the corners of the one before, and
+    # so on back to the triangle's: halves of whole numbers, so exact.
+    weights = np.ones((len(place), 3))
+    for digit in reversed(digits):
+        weights = np.where(digit[:, None] == 0, 3 - weights, weights + _QUARTERS[digit]) / 2
+    return np.asarray(weights / 3)
 
 
 def octahedral(normals: Array) -> NDArray[np.uint8]:

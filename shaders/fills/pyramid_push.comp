@@ -14,7 +14,7 @@
 layout(rgba16f) readonly uniform image2D above_colour;
 layout(rgba32f) readonly uniform image2D above_depth;
 uniform ivec2 above_size;
-uniform float least_border;
+uniform float least_border, texel_pixels;
 
 vec4 colour_above(ivec2 texel) {
     return imageLoad(above_colour, texel);

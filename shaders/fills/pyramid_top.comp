@@ -14,6 +14,7 @@ uniform int levels;        // above it; the last one has one texel
 uniform int local_levels;  // of those, as lib/push_pull.glsl has it
 // Of local levels, and of the others:
 uniform vec2 least_borders, least_shares;
+uniform float first_pixels; // along a side of a texel of the first level above
 
 const int MOST_LEVELS = 6;
 const int TEXELS = 1365; // 32^2 + 16^2 + .. + 1
@@ -22,7 +23,7 @@ const float crack_border = 1.0;
 shared uvec2 colours[TEXELS];
 shared float depths[3 * TEXELS];
 
-float least_border;
+float least_border, texel_pixels;
 ivec2 below_size, above_size;
 int below_first, above_first; // index of a level's first texel; -1: in the image
 
@@ -98,6 +99,7 @@ void main() {
         above_size = sizes[level + 1];
         above_first = firsts[level + 1];
         least_border = least_borders[level + 1 < local_levels ? 0 : 1];
+        texel_pixels = first_pixels * float(1 << level);
         float least_holes = least_shares[level < local_levels ? 0 : 1];
         for (int index = thread; index < sizes[level].x * sizes[level].y; index += THREADS) {
             int at = firsts[level] + index;

@@ -1,8 +1,12 @@
 // What the level above says of a texel, and the texel completed by it. Who includes it has
-// colour_above() and depth_above(), and above_size.
+// colour_above() and depth_above(), above_size, and texel_pixels: the pixels along a side of a texel.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the preference for the
 // farther one inside holes is this project's.
 #include "lib/push_pull.glsl"
+// From pixels of the shown picture to the rendered one, as in lib/warp_map.glsl.
+uniform mat3 back_H;
+uniform vec3 back_e;
+uniform vec2 rendered_size;
 
 // Of a texel and the three nearest to its place, the farthest surface. holes is that of all four.
 struct Guess {
@@ -32,14 +36,24 @@ Guess from_above(ivec2 texel) {
                  dot(four.holes, shares), sum.border);
 }
 
+// 1 where the rendered view contains what lies at a texel and inverse depth, 0 where it does not. In
+// between over one texel, so that nothing jumps while the head turns.
+float in_rendered_view(ivec2 texel, float inverse_depth) {
+    vec3 place = back_H * vec3((vec2(texel) + 0.5) * texel_pixels, 1.0) + inverse_depth * back_e;
+    vec2 at = place.xy / place.z, gap = min(at, rendered_size - at);
+    return place.z > 0.0 ? clamp(0.5 + min(gap.x, gap.y) / texel_pixels, 0.0, 1.0) : 0.0;
+}
+
 // least_holes: the share of holes from which on a level's background overrides the one below.
 Texel pushed(ivec2 texel, vec4 colour, vec3 depth, float least_holes) {
     float own = or_nearest(depth.r);
     Guess up = from_above(texel);
     // If they are one surface, both count. Where the level above is mostly hole, its colours are
-    // those of the hole's two sides, and the nearer side was not what was occluded.
+    // those of the hole's two sides, and the nearer side was not what was occluded. Where the level
+    // above lies outside the rendered view nothing was occluded: there the nearer side counts too.
     float not_nearer = is_beside(own, up.depth);
-    float behind_counts = smoothstep(0.5 * least_holes, 1.5 * least_holes, up.holes);
+    float behind_counts = smoothstep(0.5 * least_holes, 1.5 * least_holes, up.holes)
+                        * in_rendered_view(texel, up.depth < MOST_KNOWN ? up.depth : 0.0);
     float keep = mix(1.0, colour.a, are_same(vec4(own), up.depth).x) * mix(1.0, not_nearer, behind_counts);
     keep = colour.a == 0.0 || up.weight == 0.0 ? sign(colour.a) : keep;
     bool both_known = max(own, up.depth) < MOST_KNOWN;

@@ -295,6 +295,24 @@ def test_a_folder_is_listed_as_it_was_read_and_its_sky_noted(recorded_sky):
     assert any("--no-depth far" in note for note in answer["notes"])
 
 
+@pytest.mark.parametrize(("apart", "rate_hz"), [(1, 10), (2, 20), (3, 1000)])
+def test_of_a_long_folder_it_takes_24_frames_where_the_camera_moves_most(apart, rate_hz, tmp_path):
+    """0.1 s apart, or nearer where the folder is shorter."""
+    first, last = 11, 11 + 23 * apart
+    for folder in ("color", "depth"):
+        (tmp_path / folder).mkdir()
+    poses = []
+    for k in range(93):
+        Image.fromarray(np.full((2, 2, 3), 90, np.uint8)).save(tmp_path / "color" / f"{k}.png")
+        Image.fromarray(np.full((2, 2), 2000, np.uint16)).save(tmp_path / "depth" / f"{k}.png")
+        fast = min(max(k, first), last)
+        poses.append(f"{0.01 * fast + 0.001 * (k - fast)} 0 0 0 0 0 1\n")
+    (tmp_path / "pose.txt").write_text("".join(poses), encoding="utf-8")
+    said = {"depth_scale": 0.001, "intrinsics": "2,2,0.5,0.5", "frames_rate": rate_hz}
+    found = [frame.view.pose.position_m[0] for frame in read_stated([tmp_path], SequenceOptions.of(said)).frames]
+    assert found == pytest.approx([0.01 * k for k in range(first, last + 1, apart)])
+
+
 @pytest.fixture
 def recorded_sky(tmp_path):
     """A folder of the layout `numbered` whose upper third has no depth."""

@@ -5,6 +5,7 @@ One line that names it, the right exit status, and earlier results as they were.
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -269,7 +270,7 @@ def test_scene_files_that_cannot_be_used(name, data, command, quick, kept, tmp_p
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [(None, "does not exist"), ("name = ", "Invalid value"), ('name = "x"\n', "missing"), ("\x00", "mine.toml")],
+    [(None, "no such file"), ("name = ", "Invalid value"), ('name = "x"\n', "missing"), ("\x00", "mine.toml")],
 )
 def test_headset_files_that_cannot_be_used(text, told, command, quick, kept, tmp_path):
     path = tmp_path / "mine.toml"
@@ -385,3 +386,17 @@ def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
 
     monkeypatch.setattr(hmdwarp.run.measuring.Probe, "read", broken)
     command("replay", "still", *quick).refused("a fault of hmdwarp", "ZeroDivisionError", "HMDWARP_DEBUG=1", status=1)
+
+
+# --- what a file names
+# --------------------------------------------------------------------------------------------------
+
+
+def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path):
+    scene = tmp_path / "scene" / "scene.gltf"
+    scene.parent.mkdir()
+    for name, says in (("/dev/zero", "is a device"), ("/etc/passwd", "lies outside"), ("../there.bin", "lies outside")):
+        (tmp_path / "there.bin").write_bytes(bytes(36))
+        scene.write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": [{"uri": name, "byteLength": 36}]}))
+        command("plan", "--scene", scene).refused(name, says)
+    command("plan", "--scene", scene, "--allow-outside").refused("no triangles")  # it is read

@@ -40,7 +40,7 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--bandwidth", "0"), "leave it out for a link without a limit"),
         (("--bandwidth", "abc"), "expected Mbit/s"),
         (("--bandwidth", "50,queue=100"), "--queue"),
-        (("--delay-trace", "nowhere.csv"), "nowhere.csv: the delay trace cannot be read"),
+        (("--delay-trace", "nowhere.csv"), "nowhere.csv: no such file"),
         (("--link-seed", "-1"), "seed -1"),
         (("--codec", "h265"), "unknown codec 'h265': did you mean"),
         (("--codec", "h264", "--crf", "99"), "expected 0 (best) to 51"),

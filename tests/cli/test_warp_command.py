@@ -10,14 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PIL import Image
-from properties import ONE_FIXTURE_FOR_ALL
 
-from hmdwarp.errors import InputError
 from hmdwarp.image import usable_fills, usable_warps
-from hmdwarp.sources.sequences import read_frame, read_view
 
 FOV = [-math.atan(0.5), math.atan(0.5), -math.atan(0.4), math.atan(0.4)]
 POSE = {"fov": FOV, "position_m": [0.0, 0.0, 0.0], "orientation_xyzw": [0.0, 0.0, 0.0, 1.0]}
@@ -246,58 +241,6 @@ def zip_bytes(members: dict[str, bytes]) -> bytes:
         for name, data in members.items():
             archive.writestr(name, data)
     return file.getvalue()
-
-
-# Each example rewrites the same file, which the function-scoped tmp_path is fine for.
-@settings(max_examples=300, suppress_health_check=ONE_FIXTURE_FOR_ALL)
-@given(data=st.data())
-def test_damaged_frames_are_read_or_refused(data, tmp_path):
-    """Whatever bytes of a frame are changed, cut off or doubled.
-
-    The arrays, or one error of ours.
-    """
-    compressed = data.draw(st.booleans())
-    file = io.BytesIO()
-    (np.savez_compressed if compressed else np.savez)(file, **arrays())
-    content = bytearray(file.getvalue())
-    for _ in range(data.draw(st.integers(1, 6))):
-        at = data.draw(st.integers(0, len(content) - 1))
-        content[at] = data.draw(st.integers(0, 255))
-    content = content[: data.draw(st.sampled_from([len(content), len(content) // 3, len(content) - 5]))]
-    path = tmp_path / "frame.npz"
-    path.write_bytes(bytes(content))
-    try:
-        view = read_frame(path).view
-    except InputError as error:
-        assert str(path) in str(error)
-    else:
-        assert np.isfinite(view.pose.position_m).all()
-
-
-json_values = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
-    lambda inner: (
-        st.lists(inner, max_size=5)
-        | st.dictionaries(st.sampled_from(["fov", "position_m", "orientation_xyzw", "x"]), inner, max_size=4)
-    ),
-    max_leaves=12,
-)
-
-
-@settings(max_examples=300, suppress_health_check=ONE_FIXTURE_FOR_ALL)
-@given(
-    value=json_values
-    | st.fixed_dictionaries({"fov": json_values, "position_m": json_values, "orientation_xyzw": json_values})
-)
-def test_any_json_is_a_view_or_refused(value, tmp_path):
-    path = tmp_path / "pose.json"
-    path.write_text(json.dumps(value), encoding="utf-8")
-    try:
-        view = read_view(path)
-    except InputError as error:
-        assert str(path) in str(error) and "\n" not in str(error)
-    else:
-        assert np.isfinite(view.pose.orientation_xyzw).all()
 
 
 def test_depth_is_repaired_where_asked_for(warp, tmp_path):

@@ -13,6 +13,7 @@ import pytest
 from client_scene import ClientScene
 from hypothesis import given
 from hypothesis import strategies as st
+from together import together
 from worlds import World
 
 from hmdwarp.client import (
@@ -72,7 +73,7 @@ def plan_of(warp: str, fill: str, lens: str, geometry: bool) -> Plan:
 # --- what is in it ------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+@together("choice", POSSIBLE)
 def test_everything_read_was_written_before(choice):
     plan = plan_of(*choice)
     known = {*readable_names(), *((CLIENT_MODEL,) if choice[3] else ())}
@@ -82,7 +83,7 @@ def test_everything_read_was_written_before(choice):
     assert SHOWN in known
 
 
-@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+@together("choice", POSSIBLE)
 def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     warp, fill, lens, geometry = choice
     plan = plan_of(*choice)
@@ -106,7 +107,7 @@ def test_every_stage_runs_or_is_left_out_with_a_reason(choice):
     assert (PANEL in {w for step in plan.steps for w in step.writes}) == (lens != "none")
 
 
-@pytest.mark.parametrize("choice", POSSIBLE, ids=str)
+@together("choice", POSSIBLE)
 def test_a_frame_carries_what_is_read_of_it_and_no_more(choice):
     plan = plan_of(*choice)
     read = [plan.warp.reads_for(plan.choice.settings), *(fill.entry.reads for fill in parse_fills(choice[1]))]

@@ -12,6 +12,7 @@ from operator import or_
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from together import together
 
 from hmdwarp.client import SHOWN, SHOWN_DEPTH, build_plan
 from hmdwarp.client.effects import RenderedPass, effects
@@ -30,7 +31,7 @@ def plan_of(declared: tuple[str, ...], warp: str = "forward", fill: str = "none"
     return build_plan(declared, warp, fill, lens, client_geometry=True, **more)
 
 
-@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
+@together("declared", SETS)
 def test_declared_effects_are_compensated_and_the_rest_left_out_with_a_reason(declared):
     plan = plan_of(declared, fill="interpolate", lens="radial")
     done = [effect.name for pass_ in plan.effect_passes for effect in pass_.effects]
@@ -57,7 +58,7 @@ def test_declared_effects_are_compensated_and_the_rest_left_out_with_a_reason(de
         assert all(effect.name in step.reason and effect.summary in step.reason for effect in pass_.effects)
 
 
-@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
+@together("declared", SETS)
 def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
     plan = plan_of(declared)
     needs = reduce(or_, (effect.needs for pass_ in plan.effect_passes for effect in pass_.effects), Needs())
@@ -104,7 +105,7 @@ def test_a_warp_that_draws_leaves_nothing_to_compensate(warp):
     )
 
 
-@pytest.mark.parametrize("declared", SETS, ids=lambda e: "+".join(e) or "none")
+@together("declared", SETS)
 def test_an_imposter_compensates_only_what_is_asked_for_by_name(declared):
     imposters = [warp.name for warp in warps if warp.imposter]
     assert imposters == ["none"]

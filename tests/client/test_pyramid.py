@@ -22,8 +22,8 @@ from .filled import filled
 from .rendered_pictures import square_before_a_wall
 
 
-def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
-    (choice,) = parse_fills("pyramid")
+def wanted_of(holed: Holed, text: str = "pyramid") -> tuple[np.ndarray, np.ndarray]:
+    (choice,) = parse_fills(text)
     settings = choice.settings
     chosen = Chosen(
         settings.holes,
@@ -32,6 +32,8 @@ def wanted_of(holed: Holed) -> tuple[np.ndarray, np.ndarray]:
         LEAST_LOCAL,
         LEAST_BORDER,
         CRACK_BORDER,
+        holed.inputs.middle,
+        (holed.inputs.rendered.view, holed.size),
     )
     return pyramid(holed.colour, holed.inverse_depth, chosen)
 
@@ -66,6 +68,16 @@ def test_it_equals_its_twin(gpu, size, empty, unknown):
     assert np.abs(got - wanted).max() <= tolerance(holed)
     assert np.array_equal(depth < 0, wanted_depth < 0)
     assert np.abs(depth - wanted_depth).max() <= 1e-3  # weights are rounded as above, 2^-10 of depths of about 1
+
+
+def test_without_a_floor_what_is_infinitely_far_is_one_surface(gpu):
+    """Its depths differ by 0 of 0; a third of the picture is nearer."""
+    text, holed = "pyramid:floor=0", Holed(gpu, 8, (31, 17), 0.5)
+    holed.inverse_depth[(holed.inverse_depth >= 0) & (np.arange(31) % 3 > 0)] = 0
+    got, depth = holed.fill(gpu, text)
+    wanted, wanted_depth = wanted_of(holed, text)
+    assert np.abs(got - wanted).max() <= tolerance(holed)
+    assert np.abs(depth - wanted_depth).max() <= 1e-3
 
 
 def test_a_hole_between_near_and_far_takes_colour_and_depth_of_what_is_far(gpu):

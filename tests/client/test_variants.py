@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 import typing
+from itertools import product
 
 import attrs
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from together import together
 
 from hmdwarp.client import parse_warp
 from hmdwarp.client.warps import Warp, warps
@@ -73,7 +75,7 @@ def test_blanks_and_order_do_not_matter(choice, data):
     assert parse_warp(f"{name}: " + " , ".join(part.replace("=", " = ") for part in parts)) == choice
 
 
-@pytest.mark.parametrize("name", warps.names())
+@together("name", warps.names())
 def test_a_name_alone_means_the_defaults(name):
     choice = parse_warp(name)
     assert choice.entry is warps.get(name)
@@ -82,8 +84,7 @@ def test_a_name_alone_means_the_defaults(name):
     assert parse_warp(f"{name}:") == choice
 
 
-@pytest.mark.parametrize("name", warps.names())
-@pytest.mark.parametrize("setting", ["no_such_setting=1", "no_such_setting", "=", "=3"])
+@together("name, setting", product(warps.names(), ["no_such_setting=1", "no_such_setting", "=", "=3"]))
 def test_a_setting_it_has_not_is_refused_with_those_it_has(name, setting):
     with pytest.raises(InputError) as refused:
         parse_warp(f"{name}:{setting}")
@@ -99,29 +100,29 @@ def numbers() -> list[tuple[str, str]]:
     return [(warp.name, field) for warp in warps for field, kind, _ in fields_of(warp) if kind in (int, float)]
 
 
-@pytest.mark.parametrize(("name", "field"), numbers())
-@pytest.mark.parametrize("value", ["", "x", "1,5", "--1", "1e", "0x1g"])
-def test_a_number_that_is_none_is_refused(name, field, value):
+@together("number, value", product(numbers(), ["", "x", "1,5", "--1", "1e", "0x1g"]))
+def test_a_number_that_is_none_is_refused(number, value):
+    name, field = number
     with pytest.raises(InputError) as refused:
         parse_warp(f"{name}:{field}={value}")
     assert "\n" not in str(refused.value)
     assert f"{name}:{field}" in str(refused.value)
 
 
-@pytest.mark.parametrize(("name", "field"), numbers())
-@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "-1"])
-def test_a_number_that_cannot_be_meant_is_refused(name, field, value):
+@together("number, value", product(numbers(), ["nan", "inf", "-inf", "-1"]))
+def test_a_number_that_cannot_be_meant_is_refused(number, value):
     """A negative tolerance or a step count that is not a number would make a picture that looks
     like a fault of the method.
     """
+    name, field = number
     with pytest.raises(InputError) as refused:
         parse_warp(f"{name}:{field}={value}")
     assert field in str(refused.value)
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    ("name", "field"),
+@together(
+    "name, field",
     [(warp.name, field) for warp in warps for field, kind, _ in fields_of(warp) if typing.get_args(kind)],
 )
 def test_a_word_it_does_not_know_is_refused(name, field):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from together import together
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import DepthLayer, inverse_depth_from_clip, inverse_depth_from_metres, metres_from_inverse_depth
@@ -21,10 +22,6 @@ LAYERS = [
     for (low, high), near, far in itertools.product(RANGES, PLANES, PLANES)
     if near != far
 ]
-
-
-def layer_id(layer: DepthLayer) -> str:
-    return f"{layer.min_depth:g}..{layer.max_depth:g},{layer.near_z:g},{layer.far_z:g}"
 
 
 def tolerance(layer: DepthLayer) -> float:
@@ -143,13 +140,13 @@ def test_known_values():
 # --- every legal combination --------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+@together("layer", LAYERS)
 def test_the_ends_of_the_range_are_the_planes(layer):
     ends = layer.inverse_depth([layer.min_depth, layer.max_depth])
     assert np.abs(ends - [1 / layer.near_z, 1 / layer.far_z]).max() <= tolerance(layer)
 
 
-@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+@together("layer", LAYERS)
 def test_round_trip(layer):
     metres = depths_between(layer)
     inverse = inverse_depth_from_metres(metres)
@@ -159,7 +156,7 @@ def test_round_trip(layer):
     assert np.abs(again - inverse).max() <= tolerance(layer)
 
 
-@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+@together("layer", LAYERS)
 def test_nearer_is_always_on_the_same_side(layer):
     inverse = layer.inverse_depth(np.linspace(layer.min_depth, layer.max_depth, 101))
     steps = np.diff(inverse)
@@ -167,7 +164,7 @@ def test_nearer_is_always_on_the_same_side(layer):
     assert (inverse >= 0).all()
 
 
-@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+@together("layer", LAYERS)
 def test_depths_beyond_the_planes_are_clamped_when_written(layer):
     near, far = sorted((layer.near_z, layer.far_z))
     ends = {layer.near_z: layer.min_depth, layer.far_z: layer.max_depth}
@@ -175,7 +172,7 @@ def test_depths_beyond_the_planes_are_clamped_when_written(layer):
     assert layer.encode(1 / far / 3) == pytest.approx(ends[far], abs=2 * UNIT)
 
 
-@pytest.mark.parametrize("layer", LAYERS, ids=layer_id)
+@together("layer", LAYERS)
 def test_no_depth_stays_no_depth(layer):
     margin = 0.05 * (layer.max_depth - layer.min_depth)
     got = layer.inverse_depth([layer.min_depth - margin, layer.max_depth + margin, math.nan, math.inf, -math.inf])

@@ -13,6 +13,7 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
+from together import together
 from worlds import every_choice
 
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
@@ -208,7 +209,7 @@ def test_every_define_the_program_sets_is_read(variants):
             assert re.search(rf"\b{name}\b", text), f"{path} is given {name} and does not know it"
 
 
-@pytest.mark.parametrize("name", FILES)
+@together("name", FILES)
 def test_every_file_says_what_it_is(name):
     """Three lines or more at the top: what it computes.
 
@@ -227,7 +228,7 @@ def test_every_file_says_what_it_is(name):
     assert "\t" not in text
 
 
-@pytest.mark.parametrize("name", [n for n in STAGES if n.endswith(".comp")])
+@together("name", [n for n in STAGES if n.endswith(".comp")])
 def test_every_compute_shader_checks_its_bounds_first(name):
     outputs = {"OUTPUT": "lib/to_shown.glsl"}
     main = flatten(name, outputs).text.partition("void main() {")[2]
@@ -236,7 +237,7 @@ def test_every_compute_shader_checks_its_bounds_first(name):
     assert re.search(r"if \(.*>=.*\) return;", "\n".join(main.splitlines()[:4]))
 
 
-@pytest.mark.parametrize("name", FILES)
+@together("name", FILES)
 def test_writeonly_images_are_never_read(name):
     """Mesa compiles it, NVIDIA refuses it."""
     assert not read_though_writeonly((ROOT / name).read_text(encoding="utf-8"))
@@ -270,7 +271,7 @@ def test_reading_what_is_writeonly_is_noticed():
 ARRAY_OF_BOOL = re.compile(r"\bbool\s+\w+\s*\[|\bbool\s*\[")
 
 
-@pytest.mark.parametrize("name", FILES)
+@together("name", FILES)
 def test_there_is_no_array_of_bool(name):
     """Zink over lavapipe makes no pipeline of one (Mesa 22.3), and crashes where it should run."""
     assert not ARRAY_OF_BOOL.search(re.sub(r"//.*", "", (ROOT / name).read_text(encoding="utf-8")))

@@ -146,7 +146,7 @@ def test_one_s_own_file(tmp_path):
 def test_unknown_names_and_absent_files(tmp_path):
     with pytest.raises(UnknownNameError, match="did you mean 'rift-dk1'"):
         load_headset("rift-dk")
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="no such file"):
         load_headset(str(tmp_path / "none.toml"))
     (tmp_path / "folder.toml").mkdir()
     with pytest.raises(InputError, match="is a directory"):
@@ -159,14 +159,14 @@ KEYS = re.findall(r"^(\w+) = ", DK1, re.MULTILINE)
 @pytest.mark.parametrize("key", KEYS)
 def test_a_missing_key_is_named_with_its_table(tmp_path, key):
     without = "\n".join(line for line in DK1.splitlines() if not line.startswith(f"{key} = "))
-    with pytest.raises(InputError, match=rf"mine\.toml: the key (\w+\.)?{key} is missing") as caught:
+    with pytest.raises(InputError, match=rf"mine\.toml:\d+: the key (\w+\.)?{key} is missing") as caught:
         load_text(tmp_path, without)
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("table", ["panel", "eyes", "fov_deg"])
 def test_a_missing_table_is_named(tmp_path, table):
-    with pytest.raises(InputError, match=rf"mine\.toml: the key {table} is missing"):
+    with pytest.raises(InputError, match=rf"mine\.toml:\d+: the key {table} is missing"):
         load_text(tmp_path, re.sub(rf"\[{table}\].*?(?=\n\[)", "", DK1, flags=re.DOTALL))
 
 
@@ -219,7 +219,7 @@ def test_a_bad_value_is_named(tmp_path, found, put, says):
     assert found in DK1
     with pytest.raises(InputError, match=says) as caught:
         load_text(tmp_path, DK1.replace(found, put))
-    assert str(caught.value).startswith(f"headset file {tmp_path / 'mine.toml'}: ")
+    assert str(caught.value).startswith(f"{tmp_path / 'mine.toml'}:")
     assert "\n" not in str(caught.value)
 
 

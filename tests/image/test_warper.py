@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
+import subprocess
+import sys
 import threading
 
 import bench_warper
@@ -236,6 +240,28 @@ def test_textures_in_other_forms_are_taken_over(form, encoding, gpu):
     given.release()
 
 
+@pytest.mark.parametrize(("encoding", "largest", "least"), [("linear", 65504, -65504), ("srgb", 1, 0)])
+def test_what_textures_or_depth_buffers_cannot_hold_is_cut_off(encoding, largest, least, gpu):
+    """A half ends at 65504, sRGB at 0 and 1.
+
+    Depth that is off by half a step of 16 bits is at its plane.
+    """
+    colour, depth = gpu.gl.texture(SIZE, 4, dtype="f4"), allocate(gpu.gl, SIZE, SCALAR)
+    upload(colour, np.broadcast_to(np.array([np.inf, -np.inf, 0.5, 1], np.float32), (*SIZE[::-1], 4)))
+    values = np.full(SIZE[::-1], 1 + 5e-6, np.float32)
+    values[0], values[1], values[2] = -5e-6, 1 + 1e-5, -1e-5
+    upload(depth, values)
+    with Warper(SIZE, warp="none", fill="none", depth=True, gpu=gpu) as warper:
+        layer = DepthLayer(0, 1, 0.125, np.inf)
+        out = warper.warp_textures(colour, depth, view(), view(), depth_as=layer, encoding=encoding)
+        light, inverse = download(out.colour)[..., :2], download(out.inverse_depth)
+    covered = np.abs(values - 0.5) < 0.5 + 8e-6
+    assert (light[covered] == (largest, least)).all() and (light[~covered] == 0).all()
+    assert (inverse == np.where(covered, np.where(values < 0, 8, 0), -1)).all()
+    colour.release()
+    depth.release()
+
+
 def test_a_shared_context_may_be_used_from_any_thread():
     colour, depth = picture(8)
     found = []
@@ -262,11 +288,13 @@ def test_a_context_of_its_own_belongs_to_its_thread(gpu):
     assert len(errors) == 1
 
 
-def test_everything_is_freed(gpu):
-    def living() -> int:
-        gc.collect()
-        return sum(hasattr(thing, "release") for thing in gc.get_objects() if isinstance(thing, moderngl.Texture))
+def living() -> int:
+    """Return how many textures are not released."""
+    gc.collect()
+    return sum(hasattr(thing, "release") for thing in gc.get_objects() if isinstance(thing, moderngl.Texture))
 
+
+def test_everything_is_freed(gpu):
     before = living()
     warper = Warper(SIZE, fill="memory+pyramid", depth=True, gpu=gpu)
     warper.warp(*picture(0), view(), view())
@@ -274,6 +302,138 @@ def test_everything_is_freed(gpu):
     warper.close()
     del warper
     assert living() <= before
+
+
+@pytest.mark.parametrize("is_shared", [True, False], ids=["shared", "own"])
+def test_what_a_dropped_warper_held_is_freed_by_the_next_call(is_shared, gpu):
+    """Also where another thread drops it, and by a call of a Warper that was there before."""
+    own = {} if is_shared else {"gpu": gpu}
+    with Warper(SIZE, **own) as kept:
+        kept.warp(*picture(0), view(), view())
+        before = living()
+        dropped = [Warper(SIZE, fill="memory+pyramid", depth=True, **own)]
+        dropped[0].warp(*picture(0), view(), view())
+        thread = threading.Thread(target=dropped.clear)
+        thread.start()
+        thread.join()
+        gc.collect()
+        kept.warp(*picture(0), view(), view())
+        assert living() == before
+
+
+def test_textures_of_a_result_outlive_the_name_of_their_warper(gpu):
+    pair = textures_of(gpu, np.full((30, 40, 4), [0.5, 0.5, 0.5, 1]), np.ones((30, 40)))
+    out = Warper(SIZE, gpu=gpu).warp_textures(*pair, view(), view())
+    gc.collect()
+    with Warper(SIZE, gpu=gpu):
+        assert (download(out.colour) == [0.5, 0.5, 0.5, 1]).all()
+    for texture in pair:
+        texture.release()
+
+
+def test_nothing_of_a_released_object_is_kept(gpu):
+    """Else each call of warp_image leaves thirty in the context's queue."""
+    for _ in range(80):
+        with Warper((1, 1), gpu=gpu):
+            pass
+    gc.collect()
+    assert len(gpu.gl.objects) < 1100
+
+
+@pytest.mark.parametrize("closed", ["Warper", "Gpu"])
+def test_a_closed_warper_is_told(closed, gpu):
+    with Gpu() as own, Warper(SIZE, gpu=own) as warper, Warper(SIZE, gpu=gpu) as other:
+        pair = textures_of(own, np.ones((30, 40, 4)), np.ones((30, 40)))
+        (warper if closed == "Warper" else own).close()
+        for call in (
+            lambda: warper.warp(*picture(0), view(), view()),
+            lambda: warper.warp_textures(*pair, view(), view()),
+            lambda: warper.time_ms,
+        ):
+            with pytest.raises(InputError, match="closed: make another"):
+                call()
+        assert other.warp(*picture(0), view(), view()).coverage.any()
+        assert other.warp(*picture(0), view(), view()).hole_share < 1
+
+
+def test_a_warper_is_not_copied(gpu):
+    with Warper(SIZE, gpu=gpu) as warper:
+        for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+            with pytest.raises(InputError, match="cannot be copied or sent to another process: make one there"):
+                copied(warper)
+
+
+PROCESSES = """
+import multiprocessing, os, sys, threading
+import numpy as np
+from hmdwarp import Fov, InputError, Pose, View, Warper, warp_image
+from hmdwarp.gpu import Gpu
+
+VIEW = View(Pose(), Fov.symmetric(1.5, 1.2))
+ARRAYS = np.full((6, 8, 3), 90, np.uint8), np.full((6, 8), 2.0)
+
+def mean(_=None):
+    try:
+        return warp_image(*ARRAYS, VIEW, VIEW).colour.mean()
+    except InputError as error:
+        return str(error)
+
+def pooled(method):
+    with multiprocessing.get_context(method).Pool(1) as pool:
+        return pool.apply(mean)
+
+if __name__ == "__main__":
+    exec(sys.argv[1])
+"""
+CASES = {
+    "pools": (
+        "print(pooled('fork'), mean(), pooled('spawn'), pooled('forkserver'), pooled('fork'), mean())",
+        "90.0 90.0 90.0 90.0 told 90.0",
+    ),
+    # Forked while another thread draws; the child leaves a block, and ends as a program does.
+    "child": (
+        """
+inside, done = threading.Event(), threading.Event()
+def draw():
+    with Warper((8, 6)) as other, other._gpu(): inside.set(), done.wait()
+thread = threading.Thread(target=draw)
+thread.start(), inside.wait()
+with Warper((8, 6), gpu=(own := Gpu())) as held, own:
+    child = os.fork()
+    if not child: print(mean(), flush=True), sys.exit(0)
+done.set(), thread.join(), os.waitpid(child, 0), print(mean())
+""",
+        "told 90.0",
+    ),
+    # At the end of the program: a live Warper, one in a cycle, and a daemon thread that goes on.
+    "exit": (
+        """
+warper, cycle = Warper((8, 6)), [Warper((8, 6))]
+cycle.append(cycle)
+begun = threading.Event()
+def on():
+    while True: mean(), begun.set()
+threading.Thread(target=on, daemon=True).start()
+begun.wait(), print(mean(), mean())
+""",
+        "90.0 90.0",
+    ),
+}
+FORKED = "this process was forked from one that already used OpenGL"
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_other_processes_warp_or_are_told_what_to_do(case, tmp_path):
+    """None hangs; "told" stands for the error, which names the remedy."""
+    (tmp_path / "processes.py").write_text(PROCESSES)
+    # Python 3.12 and newer warn of a fork beside threads.
+    quiet = ["-W", "ignore::DeprecationWarning"]
+    command = [sys.executable, *quiet, str(tmp_path / "processes.py"), CASES[case][0]]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    told = ran.stdout.replace(FORKED + ",", "told").split()
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert " ".join(word for word in told if word in ("90.0", "told")) == CASES[case][1]
+    assert ("told" in told) == ("multiprocessing.get_context('spawn') or 'forkserver'" in ran.stdout)
 
 
 def test_warps_that_read_more_are_refused_by_name(gpu):

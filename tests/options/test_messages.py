@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import attrs
-import pytest
+from together import together
 
 from hmdwarp.cli._app import options_of_commands
 from hmdwarp.errors import InputError
@@ -59,7 +59,7 @@ def test_every_option_of_the_command_line_is_looked_at_here_or_has_no_limits_of_
     assert limited <= declared
 
 
-@pytest.mark.parametrize("where", FIELDS)
+@together("where", FIELDS)
 def test_a_refusal_begins_with_the_option_as_it_is_typed(where):
     field = FIELDS[where]
     option = option_of(field)

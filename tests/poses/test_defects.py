@@ -619,7 +619,7 @@ def test_15_a_directory_a_missing_file_and_a_device(tmp_path):
     import os
 
     os.mkfifo(tmp_path / "pipe.csv")
-    assert "a device or a pipe" in refusal(tmp_path / "pipe.csv")
+    assert "is a pipe" in refusal(tmp_path / "pipe.csv")
 
 
 def test_15_a_recording_meant_by_its_file_name(tmp_path):

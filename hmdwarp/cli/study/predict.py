@@ -23,6 +23,7 @@ class PredictOptions(Declared):
         kind=list,
         positional=True,
         metavar="STUDY",
+        names_files=True,
     )
     scale: str = option("", "Scale of the ratings; by default the first that all studies have.")
     pilot: bool = pilot_field()

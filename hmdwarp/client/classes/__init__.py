@@ -7,7 +7,7 @@ from pathlib import Path
 
 import attrs
 
-from ...errors import InputError, unknown_name
+from ...errors import unknown_name
 from ...options.tables import Table, parsed, text_of
 
 # What the client has of the scene, from nothing to all. reduced: every triangle for depth, and a
@@ -57,9 +57,6 @@ def load_client(name: str) -> Client:
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and not path.is_file():
         raise unknown_name("client", name, client_names())
-    if not path.is_file():
-        found = "is a directory: expected a .toml file" if path.is_dir() else "does not exist"
-        raise InputError(f"client file {name} {found}")
     example = "hmdwarp/client/classes/class-2.toml"
     return parsed(
         text_of(path, "a client class, as a .toml file"), path, lambda data: _client(path.stem, data), example

@@ -5,6 +5,7 @@ from __future__ import annotations
 import attrs
 import moderngl
 
+from ...geometry import WarpMap
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, allocate, release_all, tiles
@@ -73,7 +74,9 @@ class _Level:
 class Pyramid(Fill):
     """Average the pixels at hole borders to ever coarser levels, which fill holes of any width.
 
-    The farther side is preferred.
+    Where the rendered view could have seen what lies behind, the farther side is preferred: what is
+    empty there was occluded. Beyond the border of that view nothing was, and what is next to the
+    hole counts, near or far.
     """
 
     name = "pyramid"
@@ -105,6 +108,7 @@ class Pyramid(Fill):
                 break
         # None for a picture that is too small for it.
         self._top = shaders.compute("fills/pyramid_top.comp") if is_start else None
+        self._completing = [program for program in (self._first_push, self._push, self._top) if program is not None]
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
@@ -113,6 +117,9 @@ class Pyramid(Fill):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._pieces.find(picture, into)
+        back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
+        for program in self._completing:
+            program.uniforms.set(back_H=back.H, back_e=back.e, rendered_size=self.rendered_size)
         self._pull_all(picture)
         for below, above in reversed(list(zip(self._levels, self._levels[1:], strict=False))):
             self._push_one(below, above)
@@ -150,6 +157,7 @@ class Pyramid(Fill):
         program.uniforms.set(
             start_size=start.size,
             levels=1 + (max(level.size) - 1).bit_length(),
+            first_pixels=2.0 ** len(self._levels),
             local_levels=max(LOCAL_LEVELS - self._levels.index(level), 0),
             least_borders=(LEAST_LOCAL, LEAST_BORDER),
             least_shares=(self.settings.holes, NEVER),
@@ -169,6 +177,7 @@ class Pyramid(Fill):
         level.bind(_SECOND, write=True)
         self._read_above(program, above)
         uniforms = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
+        uniforms["texel_pixels"] = 2.0 ** (self._levels.index(level) + 1)
         program.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **uniforms)
         if first:
             program.uniforms.set(shown_size=level.size)

@@ -7,8 +7,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import attrs
+
 from ...errors import InputError, MachineError
 from ...metrics import BOUND, blocks_apart
+from ...options.documents import json_in
+from ...options.named_files import RESULTS
 from ...report import SCHEMA, OutputFolder, summary_faults
 from ..sweep import ExperimentResult
 from .bench_rows import check_parquet
@@ -58,10 +62,8 @@ def merge(options: MergeOptions) -> ExperimentResult:
 
 def _read(folder: Path) -> dict[str, Any]:
     path = folder / "bench.json"
-    try:
-        data: dict[str, Any] = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"{path}: no bench ({error}): expected a folder that 'hmdwarp bench' wrote") from error
+    wanted = attrs.evolve(RESULTS, what="a folder that 'hmdwarp bench' wrote, with its bench.json")
+    data: dict[str, Any] = json_in(path, wanted)
     rows = data.get("rows") if isinstance(data, dict) else None
     if not rows or data.get("schema") != SCHEMA or any(summary_faults(row) for row in rows):
         raise InputError(f"{path}: not what 'hmdwarp bench' writes, or damaged: run that bench again")

@@ -14,6 +14,9 @@ from urllib.parse import unquote
 
 import attrs
 
+from ...errors import InputError
+from ...options.documents import json_in
+from ...options.named_files import BAG, BESIDE, GLTF, content_of, opened
 from ...resources import __version__
 from ...resources import folder as resource_folder
 
@@ -31,7 +34,7 @@ def identity_of(kind: str, what: Any, also: Sequence[str] = ()) -> str:
 
     what: options and plain values. A file counts by its name and content, not by its place. also:
     as program_hash.
-    Errors: OSError for a file that cannot be read.
+    Errors: OSError and InputError for a file that cannot be read.
     """
     made_with = {"hmdwarp": __version__, "program": program_hash(*also), "kind": kind, "what": _content(what)}
     text = json.dumps(made_with, sort_keys=True, allow_nan=True)
@@ -88,14 +91,14 @@ def _named_by(path: Path, size: int, mtime_ns: int) -> list[str]:
     """Return the names of files in a file of a scene, relative to the scene's folder."""
     kind, uris = path.suffix.lower(), list[Any]()
     if kind == ".gltf":
-        with suppress(ValueError, RecursionError):
-            json.loads(path.read_bytes(), object_hook=lambda table: uris.append(table.get("uri")))
+        with suppress(InputError, AttributeError, TypeError):  # loading the scene says what is wrong
+            header = json_in(path, GLTF)
+            uris = [one.get("uri") for part in ("buffers", "images") for one in header.get(part, [])]
         return [unquote(uri) for uri in uris if isinstance(uri, str) and not uri.startswith("data:")]
     if (begins := _NAMING.get(kind)) is None:
         return []
-    with path.open(encoding="utf-8", errors="replace") as lines:
-        stripped = (line.strip() for line in lines)
-        return [line[len(begins) :].strip() for line in stripped if line[: len(begins)].lower() == begins]
+    lines = (line.strip() for line in content_of(path, BESIDE).decode("utf-8", "replace").splitlines())
+    return [line[len(begins) :].strip() for line in lines if line[: len(begins)].lower() == begins]
 
 
 def hash_of_files(place: str | Path) -> str:
@@ -110,7 +113,7 @@ def _hash_of_files(files: tuple[tuple[Path, int, int], ...], base: Path) -> str:
     found = hashlib.sha256()
     for path, _, _ in files:
         found.update(path.relative_to(base).as_posix().encode(errors="surrogatepass") + b"\0")
-        with path.open("rb") as stream:
+        with opened(path, BAG) as stream:
             while chunk := stream.read(_CHUNK):
                 found.update(chunk)
     return found.hexdigest()

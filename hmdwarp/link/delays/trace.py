@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import attrs
 
 from ...errors import InputError
+from ...options.named_files import DELAYS, text_in
 from . import LONGEST_MS, DelayModel, delay_models
 
 if TYPE_CHECKING:
@@ -55,19 +56,14 @@ def read_delays(path: Path, what: str = "delay") -> list[float]:
     # starts a comment; the first line may be a heading. what: what a number is, for messages.
     Errors: InputError with file, line and value.
     """
-    try:
-        with path.open(encoding="utf-8-sig") as file:
-            delays = list(_numbers(path, file, what))
-    except OSError as error:
-        raise InputError(f"{path}: the {what} trace cannot be read ({error.strerror or error})") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file; expected one {what} in milliseconds a line") from error
+    text = text_in(path, attrs.evolve(DELAYS, what=f"a trace with one {what} in milliseconds a line"))
+    delays = list(_numbers(path, text.splitlines(), what))
     if not delays:
         raise InputError(f"{path}: holds no {what}; expected one number of milliseconds a line")
     return delays
 
 
-def _numbers(path: Path, lines: Iterator[str], what: str) -> Iterator[float]:
+def _numbers(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
     may_be_heading, found = True, 0
     for number, line in enumerate(lines, start=1):
         text = line.partition("#")[0].strip()

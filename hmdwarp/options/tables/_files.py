@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+import attrs
+
 from ...errors import InputError
+from ..documents import DocumentError, parse_toml
+from ..named_files import TABLE, text_in
 from ._lines import LineFinder
 from ._table import KeyFault, Table
 
 T = TypeVar("T")
-_MOST_BYTES = 1_000_000  # these files are written by hand; a larger one is another kind of file
 
 
-def text_of(path: Path, wanted: str) -> str:
-    """Read a text file, with LF line ends and without a byte order mark.
+def text_of(path: Path, wanted: str, folder: Path | None = None) -> str:
+    """Read a text file that is written by hand. wanted: for messages, such as "a .toml file".
 
-    wanted: for messages, such as "a .toml file". Errors: InputError.
+    Errors: InputError, as `text_in`.
     """
-    try:
-        data = path.read_bytes()
-    except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
-        raise InputError(f"{path}: {getattr(error, 'strerror', None) or error}: expected {wanted}") from error
-    if len(data) > _MOST_BYTES:
-        raise InputError(f"{path}: {len(data)} bytes: expected {wanted}, of at most {_MOST_BYTES} bytes")
-    try:
-        return data.decode("utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(f"{path}:{line}: byte {data[error.start]:#x}: expected {wanted}, in UTF-8") from error
+    return text_in(path, attrs.evolve(TABLE, what=wanted), folder)
 
 
 def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:
@@ -40,9 +32,10 @@ def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: 
     path: for messages. Errors: InputError naming file, line and value.
     """
     try:
-        table = Table(tomllib.loads(text), example=example)
-    except (ValueError, RecursionError) as error:
-        raise InputError(_not_toml(path, str(error))) from error
+        table = Table(parse_toml(text), example=example)
+    except DocumentError as error:
+        place = path if error.line is None else f"{path}:{error.line}"
+        raise InputError(f"{place}: this is no TOML: {error}{_several(str(error))}") from error
     try:
         made = made_of(table)
         table.refuse_unread()
@@ -52,18 +45,9 @@ def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: 
     return made
 
 
-def _not_toml(path: Path | str, says: str) -> str:
-    """Put tomllib's line number, if any, in front."""
-    says = " ".join(says.split())
-    found = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", says)
-    if found is None:
-        return f"{path}: this is no TOML: {says}"
-    return f"{path}:{found[2]}: this is no TOML: {found[1]} (column {found[3]}){_several(found[1])}"
-
-
 def _several(says: str) -> str:
     """Suggest [[key]] for [key] written twice."""
-    found = re.fullmatch(r"Cannot declare \((.*)\) twice", says)
+    found = re.fullmatch(r"Cannot declare \((.*)\) twice(?: \(column \d+\))?", says)
     if found is None:
         return ""
     key = ".".join(part.strip().strip("'\"") for part in found[1].split(",") if part.strip())

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import HmdwarpError, TraceError
+from ...options.named_files import BAG, TABLE, opened
 from ...resources import import_extra
 from .made import Made
 from .pose_messages import PoseMessages, StampedPose, has_poses, poses_in
@@ -21,11 +22,11 @@ _METADATA = "metadata.yaml"
 
 def bag_at(path: Path) -> Path | None:
     """Return the bag that a path is, or the only one in a folder; None for no bag."""
-    if path.is_file():
+    if path.exists() and not path.is_dir():
         return path if path.suffix in ENDINGS else None
-    if (path / _METADATA).is_file():
+    if (path / _METADATA).exists():
         return path
-    found = [place for place in path.glob("*") if place.suffix in ENDINGS or (place / _METADATA).is_file()]
+    found = [place for place in path.glob("*") if place.suffix in ENDINGS or (place / _METADATA).exists()]
     return found[0] if len(found) == 1 else None
 
 
@@ -39,6 +40,7 @@ class Bag:
         self.path, self._lock = path, threading.Lock()
         highlevel = import_extra("rosbags.highlevel", "rosbags", EXTRA)
         types = import_extra("rosbags.typesys", "rosbags", EXTRA)
+        _check_plain(path)
         try:
             # Older bags of ROS 2 do not hold the definitions of their messages.
             self._reader = highlevel.AnyReader([path], default_typestore=types.get_typestore(types.Stores.LATEST))
@@ -61,6 +63,8 @@ class Bag:
             for connection, time_ns, raw in (
                 self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ()
             ):
+                if not isinstance(time_ns, int):  # any column of SQLite may hold text
+                    raise ValueError(f"a message at {time_ns!r}")  # noqa: TRY301 (said as the reader's own)
                 yield connection.topic, time_ns, self._reader.deserialize(raw, connection.msgtype)
         except HmdwarpError:
             raise
@@ -78,6 +82,15 @@ class Bag:
     def _damaged(self, error: Exception) -> TraceError:
         why = " ".join(f"{type(error).__name__}: {error}".split())
         return TraceError(f"{self.path}: cannot be read as a bag ({why}); expected one of {', '.join(ENDINGS)}")
+
+
+def _check_plain(path: Path) -> None:
+    """Refuse what rosbags would wait for; it opens files of a bag by their names."""
+    if path.is_dir():
+        opened(path / _METADATA, TABLE).close()
+    for file in path.iterdir() if path.is_dir() else (path,):
+        if file.suffix in ENDINGS or file == path:
+            opened(file, BAG).close()
 
 
 def stamp_ns(stamp: Any) -> int:

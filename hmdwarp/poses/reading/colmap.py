@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from ...options.named_files import LIST, content_of
 from .made import Made, rows_text
 
 MARK = b"Image list with two lines of data per image"  # in the comment above the images
@@ -158,10 +159,7 @@ def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[Any,
 
 
 def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise TraceError(f"{path}: cannot be read ({error.strerror or error})") from None
+    return content_of(path, attrs.evolve(LIST, error=TraceError))
 
 
 def _lines(path: Path, raw: bytes) -> list[str]:

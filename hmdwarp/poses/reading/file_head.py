@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import errno
 import gzip
 import io
 import itertools
 import os
 import re
-import stat
 import zlib
 from pathlib import Path
 from typing import BinaryIO, cast
@@ -18,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError
+from ...options.named_files import LIST, TRACE, opened
 from .bags import MAGICS as BAGS
 from .bags import table_of_bag
 from .cells import holds_vectors, table_of_cells
@@ -53,7 +52,12 @@ class Source:
         """Open the text of the rows. Errors: OSError."""
         if self.kind != "text":
             return io.BytesIO(self.made.text)
-        return cast("BinaryIO", gzip.open(path, "rb")) if self.packed else path.open("rb")
+        file = opened(path, TRACE)
+        if not self.packed:
+            return file
+        packed = gzip.GzipFile(fileobj=file)
+        packed.myfileobj = cast("io.FileIO", file)  # closed with it
+        return cast("BinaryIO", packed)
 
 
 @attrs.frozen
@@ -145,7 +149,7 @@ def _source(path: Path) -> Source:
     Errors: OSError; TraceError and MachineError as `table_of_mcap`; TraceError for an export that
     holds no poses.
     """
-    with path.open("rb") as file:
+    with opened(path, TRACE) as file:
         text = Source(packed=file.read(2) == _GZIP)
     with text.open(path) as file:
         start = file.read(LOOK_BYTES)
@@ -157,7 +161,7 @@ def _source(path: Path) -> Source:
 def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None:
     """Return the table that a file's rows are made into, None where they are rows as they are."""
     if start.startswith(MAGIC):
-        whole = io.BytesIO(file.read()) if packed else file
+        whole = io.BytesIO(_whole(path, file)) if packed else file
         size = whole.seek(0, os.SEEK_END)
         whole.seek(0)
         return table_of_mcap(path, whole, size)
@@ -166,36 +170,36 @@ def _made(path: Path, start: bytes, file: BinaryIO, packed: bool) -> Made | None
 
 def _made_of_text(path: Path, start: bytes, file: BinaryIO) -> Made | None:
     if start.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"["):
-        return table_of_json(file.read())
+        return table_of_json(_whole(path, file))
     if MARK in start[:200]:
-        return table_of_colmap(path, file.read())
+        return table_of_colmap(path, _whole(path, file))
     if (export := export_reader(path, start)) is not None:
-        return export(path, file.read().decode("utf-8-sig", "replace"))
+        return export(path, _whole(path, file).decode("utf-8-sig", "replace"))
     if holds_vectors(start.decode("utf-8", "replace").splitlines()):
-        return table_of_cells(file.read().decode("utf-8-sig", "replace"))
+        return table_of_cells(_whole(path, file).decode("utf-8-sig", "replace"))
     return None
+
+
+def _whole(path: Path, file: BinaryIO) -> bytes:
+    """Return all bytes of what is not read row by row. Errors: TraceError for too many."""
+    data = file.read(LIST.most_bytes + 1)
+    if len(data) > LIST.most_bytes:
+        raise TraceError(f"{path}: more than {LIST.most_bytes} bytes, unpacked: expected fewer in a file of its kind")
+    return data
 
 
 def _first_bytes(path: Path) -> tuple[Source, bytes, bool]:
     """Return the source of the rows, their first bytes, and whether more follow."""
     try:
-        status = path.stat()
-        if stat.S_ISDIR(status.st_mode):
+        if path.is_dir():
             raise TraceError(f"{path} is a directory: expected a file of head poses{_inside(path)}")
-        if not stat.S_ISREG(status.st_mode):
-            raise TraceError(f"{path} is a device or a pipe: expected a plain file of head poses")
         source = _source(path)
         with source.open(path) as file:
             raw, more = file.read(LOOK_BYTES), bool(file.read(1))
     except (EOFError, gzip.BadGzipFile, zlib.error) as error:
         raise TraceError(f"{path}: its gzip data are damaged ({error}): pack or copy it again") from None
-    except FileNotFoundError:
-        raise TraceError(f"{path}: no such file") from None
     except (OSError, ValueError) as error:
-        why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else str(error)
-        if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
-            raise TraceError(f"{str(path)[:60]}...: {why}") from None
-        raise TraceError(f"{path}: cannot be read: {why}") from None
+        raise TraceError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     if not raw.strip():
         raise TraceError(f"{path} is empty: expected rows of time, position and orientation")
     return source, raw, more

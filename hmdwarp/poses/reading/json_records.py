@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
 from ...errors import counted
+from ...options.documents import DocumentError, parse_json
 from ..stated import Defect
 from .columns import find_columns, names_rotation
 from .made import Made, rows_text
@@ -25,6 +25,7 @@ def table_of_json(raw: bytes) -> Made | None:
     Names of nested objects are joined by a dot; three numbers in a list become x, y and z, four of
     a rotation its q0 to q3, a list of lists the cells of a matrix. Records of another kind than the
     poses (a header, a schema, events) are left out. None where the bytes are no JSON with records.
+    Errors: DocumentError, as parse_json.
     """
     try:
         text = raw.decode("utf-8-sig")
@@ -62,12 +63,13 @@ def _text(rows: list[dict[str, Any]], names: tuple[str, ...]) -> bytes:
 def _parsed(text: str) -> Any:
     """Return a document, or the list of the records of JSON lines; None for neither."""
     try:
-        return json.loads(text)
-    except ValueError:
-        pass
+        return parse_json(text)
+    except DocumentError as error:
+        if error.line is None:  # it is JSON, of a kind that is refused
+            raise
     try:
-        return [json.loads(line) for line in text.splitlines() if line.strip()]
-    except ValueError:
+        return [parse_json(line) for line in text.splitlines() if line.strip()]
+    except DocumentError:
         return None
 
 

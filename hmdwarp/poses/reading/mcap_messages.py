@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import IO, Any
 
 from ...errors import HmdwarpError, TraceError
+from ...options.documents import parse_json
 from ...resources import import_extra
 from ..stated import Defect
 from .made import Made
@@ -99,5 +99,12 @@ class _Reading(PoseMessages):
 
     def _decoder_of(self, schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
         if encoding == "json":
-            return lambda data: json.loads(data, object_hook=lambda found: SimpleNamespace(**found))
+            return lambda data: _by_name(parse_json(data))
         return next(filter(None, (f.decoder_for(encoding, schema) for f in self._factories)), None)
+
+
+def _by_name(value: Any) -> Any:
+    """Return JSON with attributes in place of keys."""
+    if isinstance(value, dict):
+        return SimpleNamespace(**{key: _by_name(one) for key, one in value.items()})
+    return [_by_name(one) for one in value] if isinstance(value, list) else value

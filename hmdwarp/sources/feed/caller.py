@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import struct
 import threading
 import time
 from collections import deque
@@ -13,11 +14,24 @@ import attrs
 from .alignment import Alignment, Exchange
 from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Message, Refusal, Stub, decode, encode, token_of
 from .shared_frames import IS_ABLE, read
-from .sockets import SEAL_BYTES, address_of, is_file, waiting_parts, zmq_module
+from .sockets import (
+    LINK,
+    LOOK_NS,
+    SEAL_BYTES,
+    SILENCE_NS,
+    Hearing,
+    address_of,
+    cut,
+    is_file,
+    set_options,
+    waiting_parts,
+    zmq_module,
+)
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
 _MOST_UNREAD = 3
+_MOST_PATIENCE = 4
 
 
 @attrs.frozen(eq=False)
@@ -31,9 +45,10 @@ class Arrival:
 class Caller:
     """One client of a server, with a thread of its own so that arrivals are noted as they happen.
 
-    A server that goes away is called again until it is back; requests without a connection are
-    dropped. server_key: its public key, to encrypt; b"" for none. Errors: InputError for an address
-    that is none; MachineError without the library.
+    A server that goes away is called again until it is back, also one whose connection goes silent
+    without an end; requests without a connection are dropped. server_key: its public key, to
+    encrypt; b"" for none. Errors: InputError for an address that is none; MachineError without the
+    library.
     shares: whether frames may come by shared memory, at an address of this machine (ipc://) and
     without encryption.
     """
@@ -43,6 +58,9 @@ class Caller:
         self.address, self._token = address_of(address), token_of(secret)
         self._server_key = server_key
         self._shares = shares and IS_ABLE and is_file(self.address) and not server_key
+        # The connection that there is, and whether its silence is told.
+        self._hearing: Hearing | None = None
+        self._is_told, self._patience = False, 1
         # Frames in shared memory that could not be read, in a row.
         self._unread = 0
         self.clock = Alignment()
@@ -103,7 +121,6 @@ class Caller:
     def _work(self, orders: Any) -> None:
         socket = self._context.socket(self._zmq.DEALER)
         options = {
-            "LINGER": 0,
             "SNDHWM": 64,
             "RCVHWM": 4,
             "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES,
@@ -111,28 +128,30 @@ class Caller:
             "IPV6": "[" in self.address,
             "RECONNECT_IVL": 50,
             "RECONNECT_IVL_MAX": 1000,
+            "CONNECT_TIMEOUT": 5000,
         }
-        for name, value in options.items():
-            socket.setsockopt(getattr(self._zmq, name), value)
+        set_options(self._zmq, socket, LINK | options)
         if self._server_key:
             socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
             socket.curve_serverkey = self._server_key
-        failures = socket.get_monitor_socket(
-            self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
-        )
+        failed = self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
+        events = socket.get_monitor_socket(failed | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED)
         socket.connect(self.address)
         poller = self._zmq.Poller()
         poller.register(socket, self._zmq.POLLIN)
         poller.register(orders, self._zmq.POLLIN)
-        poller.register(failures, self._zmq.POLLIN)
+        poller.register(events, self._zmq.POLLIN)
         try:
             while True:
-                ready = dict(poller.poll())
+                ready = dict(poller.poll(LOOK_NS // 1_000_000 if self._hearing is not None else None))
                 if socket in ready and (parts := waiting_parts(self._zmq, socket)):
                     self._receive(parts, time.monotonic_ns())
-                if failures in ready:
-                    failures.recv_multipart()
-                    self._note(f"{self.address}: refused: {self._no_handshake()}")
+                if events in ready:
+                    kind, descriptor = struct.unpack_from("=HI", events.recv_multipart()[0])
+                    self._hear(kind, descriptor)
+                    if kind & failed:
+                        self._note(f"{self.address}: refused: {self._no_handshake()}")
+                self._cut_if_silent(time.monotonic_ns())
                 if orders in ready:
                     data = orders.recv()
                     if not data:
@@ -142,9 +161,27 @@ class Caller:
                         socket.send(data, self._zmq.NOBLOCK)
         finally:
             socket.disable_monitor()
-            failures.close(0)
+            events.close(0)
             socket.close(0)
             orders.close(0)
+
+    def _hear(self, kind: int, descriptor: int) -> None:
+        if kind == self._zmq.EVENT_CONNECTED:
+            self._hearing = Hearing(descriptor, time.monotonic_ns())
+        elif self._hearing is not None and descriptor == self._hearing.descriptor:
+            self._hearing = None
+
+    def _cut_if_silent(self, now_ns: int) -> None:
+        """Cut a connection over which nothing comes any more; the library makes another."""
+        hearing = self._hearing
+        if hearing is None or now_ns - hearing.looked_ns < LOOK_NS or not hearing.is_silent(now_ns, self._patience):
+            return
+        # A tunnel may hide how long the way is, and the first answer then takes longer.
+        self._hearing, self._patience = None, min(2 * self._patience, _MOST_PATIENCE)
+        cut(hearing.descriptor)
+        if not self._is_told:
+            self._note(f"{self.address}: not a byte for {SILENCE_NS / 1e9:g} s: connecting anew")
+            self._is_told = True
 
     def _no_handshake(self) -> str:
         if self._server_key:
@@ -176,7 +213,7 @@ class Caller:
         if self.clock.add(Exchange(message.asked_ns, message.received_ns, message.sent_ns, heard_ns)):
             self._note(f"{self.address}: the clock there has jumped, it is aligned anew")
         with self._changed:
-            self._newest = max(self._newest, message.number)
+            self._newest, self._is_told, self._patience = max(self._newest, message.number), False, 1
             self._arrived.append(Arrival(message, heard_ns))
             self._held += message.bytes
             while len(self._arrived) > _MOST_FRAMES or (self._held > _MOST_HELD and len(self._arrived) > 1):

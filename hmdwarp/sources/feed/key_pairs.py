@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import attrs
 
 from ...errors import InputError
+from ...options.named_files import SECRET, opened
 from .sockets import zmq_module
 
 _PUBLIC, _SECRET = ".key", ".key_secret"
@@ -66,9 +67,11 @@ def _read(path: Path, option: str) -> tuple[bytes, bytes]:
     from zmq.auth import load_certificate
 
     try:
-        public, secret = load_certificate(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{option}: {error}; expected a file that 'hmdwarp serve --key-pair' made") from error
+        with opened(path, SECRET) as file:
+            public, secret = load_certificate(f"/proc/self/fd/{file.fileno()}")
+    except (InputError, OSError, ValueError, IndexError) as error:
+        why = error if isinstance(error, InputError) else f"{path} has no public key"
+        raise InputError(f"{option}: {why}; expected a file that 'hmdwarp serve --key-pair' made") from error
     if len(public) != _LETTERS or (secret and len(secret) != _LETTERS):
         raise InputError(f"{option}: {path} has no key of {_LETTERS} letters; 'hmdwarp serve --key-pair' makes one")
     return public, secret or b""

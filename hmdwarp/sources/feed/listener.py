@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import hmac
+import math
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Collection
 from typing import Any
 
 import attrs
 
-from ...errors import InputError, counted
+from ...errors import InputError
 from .key_pairs import KeyPair
 from .message import (
     LARGEST_ASK,
+    MOST_BYTES,
     Ask,
     BadRequest,
     Data,
@@ -25,37 +27,69 @@ from .message import (
     encode,
     token_of,
 )
-from .shared_frames import IS_ABLE, SharedFrames
-from .sockets import KERNEL_BYTES, SEAL_BYTES, Connections, address_of, is_file, is_local, waiting_parts, zmq_module
+from .shared_frames import IS_ABLE, MOST_OF_CLIENT, SharedFrames
+from .sockets import (
+    KERNEL_BYTES,
+    LINK,
+    MOST_OF_ADDRESS,
+    SEAL_BYTES,
+    SILENT_NS,
+    Connection,
+    Connections,
+    address_of,
+    is_file,
+    is_local,
+    set_options,
+    waiting_parts,
+    zmq_module,
+)
 
-# Frames and bytes that a client was sent and has not acknowledged: as much as it may lag.
-_MOST_FRAMES, _MOST_BYTES = 64, 256 << 20
+# Bytes of frames that wait for all clients, or lie in memory that they share.
+MOST_OF_ALL = 4 * MOST_OF_CLIENT
+# Frames that wait for a client: the one that is under way, and the next. In shared memory more.
+_MOST_WAITING, _MOST_SHARED = 2, 64
 _MOST_CLIENTS = 64
-_SILENT_NS = 10_000_000_000
-_EACH_NS = 1_000_000_000  # bad messages are reported once in this time, however many come
+# What a frame waits for may come at any time, but tells nobody.
+_LOOK_MS = 2
+# Frames that wait longer than this for their client make room for others'.
+_STUCK_NS = 1_000_000_000
+# When a frame waits that does not.
+_NEVER_NS = 1 << 63
+# Lines of one kind and address, and all lines, in a second.
+_MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
+
+
+@attrs.frozen(eq=False)
+class _Waiting:
+    """A frame that the library was given."""
+
+    bytes: int
+    since_ns: int
+    # The library's; done once it has handed over the last byte to the system.
+    tracker: Any
 
 
 @attrs.define(eq=False)
 class _Client:
     name: str
     received_ns: int
+    # None where the system does not say.
+    connection: Connection | None
     newest: int = 0
     ask: tuple[Ask, int] | None = None
     passed_over: int = 0
-    sent: deque[tuple[int, int]] = attrs.field(factory=deque)
+    waiting: deque[_Waiting] = attrs.field(factory=deque)
+
+    @property
+    def address(self) -> str:
+        """Its host, as connections are counted."""
+        return self.connection.address if self.connection is not None else ""
 
     def note(self, ask: Ask, now_ns: int) -> None:
         """Take a request; what it replaces was never drawn."""
         self.received_ns, self.newest = now_ns, ask.number
         self.passed_over += self.ask is not None
         self.ask = ask, now_ns
-        while self.sent and self.sent[0][0] <= ask.received:
-            self.sent.popleft()
-
-    @property
-    def has_room(self) -> bool:
-        """Whether what was sent has been taken, as far as it must."""
-        return len(self.sent) < _MOST_FRAMES and sum(size for _, size in self.sent) < _MOST_BYTES
 
 
 @attrs.frozen(eq=False)
@@ -67,14 +101,41 @@ class Asked:
     received_ns: int
 
 
+class _Log:
+    """Pass on so many lines a second of each kind and address, and of all; count the rest."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self._second = self._left_out = 0
+        self._said: Counter[tuple[str, str]] = Counter()
+
+    def say(self, kind: str, address: str, text: str) -> None:
+        """Say a line; what came from a client is in it as letters that a terminal only shows."""
+        self.next_second()
+        self._said[kind, address] += 1
+        if self._said[kind, address] > _MOST_LINES or self._said.total() - self._left_out > _MOST_LINES_IN_ALL:
+            self._left_out += 1
+        else:
+            self._say("".join(letter if letter.isprintable() else " " for letter in text))
+
+    def next_second(self) -> None:
+        """Begin to count anew once the second is over."""
+        if (second := time.monotonic_ns() // 1_000_000_000) != self._second:
+            if self._left_out:
+                self._say(f"left out {self._left_out} more lines like these")
+            self._second, self._left_out = second, 0
+            self._said.clear()
+
+
 class Listener:
     """Receive requests, and answer each client at its own pace.
 
     Of each client the newest request counts; it waits while the client has frames to take, and one
     that is replaced before it was drawn is passed over. No client waits for another: a frame that
-    cannot be sent at once is dropped.
-    pair: encrypts; clients without its public key are ignored. say: called with each line for the
-    log.
+    cannot be sent at once is dropped. What waits is counted here, by what the library has handed to
+    the system, whatever a client says that it has.
+    per_address: connections from one address, at most. pair: encrypts; clients without its public
+    key are ignored. say: called with each line for the log.
     Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
     without a secret or a pair, unless is_open; MachineError without the library.
     """
@@ -86,6 +147,7 @@ class Listener:
         pair: KeyPair | None = None,
         *,
         is_open: bool = False,
+        per_address: int = MOST_OF_ADDRESS,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         where = address_of(address)
@@ -95,36 +157,30 @@ class Listener:
                 "or --token-file FILE, or --open to let anybody in"
             )
         self._zmq: Any = zmq_module()
-        self._token, self._say = token_of(secret), say
+        self._token, self._log, self._is_encrypted = token_of(secret), _Log(say), pair is not None
         self._clients: dict[bytes, _Client] = {}
         self._turns: deque[bytes] = deque()
-        self._bad, self._reported_ns = 0, -_EACH_NS
+        # What still waits for clients that are forgotten.
+        self._left: list[_Waiting] = []
         self._count = 0
         self._shared: SharedFrames | None = None
         self._context = self._zmq.Context()
         self._socket = self._context.socket(self._zmq.ROUTER)
-        for name, value in (
-            ("LINGER", 0),
-            ("SNDHWM", _MOST_FRAMES),
-            ("RCVHWM", 256),
-            ("RCVBUF", KERNEL_BYTES),
-            ("MAXMSGSIZE", LARGEST_ASK + SEAL_BYTES),
-            ("ROUTER_MANDATORY", 1),
-            ("ROUTER_HANDOVER", 0),
-            ("IPV6", "[" in where),
-        ):
-            self._socket.setsockopt(getattr(self._zmq, name), value)
+        # Frames of any size are given without a copy, so that it is known when they have left.
+        self._socket.copy_threshold = 0
+        own = {"SNDHWM": 64, "RCVHWM": 256, "RCVBUF": KERNEL_BYTES, "MAXMSGSIZE": LARGEST_ASK + SEAL_BYTES}
+        own |= {"ROUTER_MANDATORY": 1, "ROUTER_HANDOVER": 0, "IPV6": "[" in where}
+        set_options(self._zmq, self._socket, LINK | own)
         if pair is not None:
             self._socket.curve_publickey, self._socket.curve_secretkey = pair.public, pair.secret
             self._socket.curve_server = True
-        self._connections = Connections(self._zmq, self._socket)
+        self._connections = Connections(self._zmq, self._socket, per_address)
         try:
             self._socket.bind(where)
         except self._zmq.ZMQError as error:
             self.close()
             raise InputError(f"--listen {address}: {error}: take another port or stop what listens there") from error
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
-        self._reported_cut = 0
         self._shared = self._sharing(pair)
 
     def _sharing(self, pair: KeyPair | None) -> SharedFrames | None:
@@ -134,25 +190,98 @@ class Listener:
         try:
             return SharedFrames()
         except OSError as error:
-            self._say(f"frames go by the socket: no shared memory ({error.strerror})")
+            self._log.say("memory", "", f"frames go by the socket: no shared memory ({error.strerror})")
             return None
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time."""
-        self._receive(0 if self._has_turn() else wait_ms)
-        self._forget_silent()
-        self._report_cut()
-        for _ in range(len(self._turns)):
-            who = self._turns[0]
-            self._turns.rotate(-1)
-            client = self._clients[who]
-            if client.ask is not None and client.has_room:
-                (ask, received_ns), client.ask = client.ask, None
-                return Asked(who, ask, received_ns)
+        waits = any(client.ask is not None for client in self._clients.values())
+        self._receive(0 if self._turn() else min(wait_ms, _LOOK_MS) if waits else wait_ms)
+        # While a frame is drawn nobody listens, and who asks meanwhile is not silent.
+        self._connections.listened_ns = time.monotonic_ns()
+        self._forget_ended()
+        who = self._turn()
+        if who is None:
+            return None
+        self._turns.remove(who)
+        self._turns.append(who)
+        client = self._clients[who]
+        assert client.ask is not None, "it has a turn"
+        (ask, received_ns), client.ask = client.ask, None
+        return Asked(who, ask, received_ns)
+
+    def _turn(self) -> bytes | None:
+        """Return the next client that a frame can be drawn for."""
+        for who in list(self._turns):
+            # One that is stuck may go meanwhile.
+            if who not in self._clients or (asked := self._clients[who].ask) is None:
+                continue
+            ask, _ = asked
+            # Raw, without further layers; what it is in the end is counted before it is sent. More
+            # than a message may have waits for nothing: it is refused.
+            if self._has_room(who, min(12 * math.prod(ask.size) * len(ask.views), MOST_BYTES)):
+                return who
         return None
 
-    def _has_turn(self) -> bool:
-        return any(client.ask is not None and client.has_room for client in self._clients.values())
+    def _has_room(self, who: bytes, size: int) -> bool:
+        """Return whether so many bytes may wait; where all would be too many, cut what is stuck."""
+        client, held = self._clients[who], self._held(who)
+        shared = self._shared.count(who) if self._shared is not None else 0
+        if len(client.waiting) >= _MOST_WAITING or shared >= _MOST_SHARED or (held and held + size > MOST_OF_CLIENT):
+            return False
+        self._left = [one for one in self._left if not one.tracker.done]
+        if self._held_in_all() + size > MOST_OF_ALL:
+            self._make_room(who)
+            return False
+        return True
+
+    def _held_in_all(self) -> int:
+        """Return the bytes that wait for all, also for those that are gone, and of all segments."""
+        waiting = [*self._left, *(one for client in self._clients.values() for one in client.waiting)]
+        return sum(one.bytes for one in waiting) + (self._shared.held if self._shared is not None else 0)
+
+    def _held(self, who: bytes) -> int:
+        """Return the bytes that wait for a client, or that it shares."""
+        client = self._clients[who]
+        while client.waiting and client.waiting[0].tracker.done and self._has_left(client):
+            client.waiting.popleft()
+        shared = self._shared.bytes_of(who) if self._shared is not None else 0
+        return sum(one.bytes for one in client.waiting) + shared
+
+    def _has_left(self, client: _Client) -> bool:
+        # An encrypted frame is another one, which the library holds until the system has taken it.
+        is_last = len(client.waiting) == 1 or not client.waiting[1].tracker.done
+        return not (self._is_encrypted and is_last and client.connection) or client.connection.takes_more()
+
+    def _make_room(self, who: bytes) -> None:
+        """Cut the client with the oldest frame, of those of the address that holds most.
+
+        Not the one that asks, nor for a frame that has just begun to wait.
+        """
+        held: Counter[str] = Counter()
+        for other, client in self._clients.items():
+            held[client.address] += self._held(other)
+        if self._shared is not None:
+            self._shared.drop_free()
+        now_ns, most = time.monotonic_ns(), max(held.values())
+        stuck = [
+            (self._since(other), other)
+            for other, client in self._clients.items()
+            if other != who and held[client.address] == most and now_ns - self._since(other) > _STUCK_NS
+        ]
+        if stuck:
+            self._cut(min(stuck)[1], "its frames wait, and there is no room for others'")
+
+    def _since(self, who: bytes) -> int:
+        """Return when the oldest frame of a client began to wait; far from now if none does."""
+        waiting = self._clients[who].waiting
+        shared = self._shared.since_ns(who) if self._shared is not None else _NEVER_NS
+        return min(waiting[0].since_ns if waiting else _NEVER_NS, shared)
+
+    def _cut(self, who: bytes, why: str) -> None:
+        if (connection := self._clients[who].connection) is not None:
+            self._connections.cut(connection, why)
+        self._forget(who, why)
 
     def _receive(self, wait_ms: int) -> None:
         # A flood does not keep the server from drawing.
@@ -163,14 +292,14 @@ class Listener:
             frames = waiting_parts(self._zmq, self._socket, copy=False)
             if not frames:
                 return
-            self._connections.took(frames)
+            connection = self._connections.took(frames)
             who, *parts = (frame.bytes for frame in frames)
             try:
-                self._take(who, parts)
+                self._take(who, parts, connection)
             except Malformed as error:
-                self._report_bad(error)
+                self._log.say("left out", connection.address if connection else "", f"left out: {error}")
 
-    def _take(self, who: bytes, parts: list[bytes]) -> None:
+    def _take(self, who: bytes, parts: list[bytes], connection: Connection | None) -> None:
         now_ns = time.monotonic_ns()
         if len(parts) != 1:
             raise Malformed(f"{len(parts)} parts: expected one")
@@ -190,42 +319,41 @@ class Listener:
                 self._send(who, encode(Refusal(ask.number, f"{_MOST_CLIENTS} clients are here already")))
                 raise Malformed(f"a client too many: there are {_MOST_CLIENTS}")
             self._count += 1
-            client = self._clients[who] = _Client(f"client {self._count}", now_ns)
+            client = self._clients[who] = _Client(f"client {self._count}", now_ns, connection)
             self._turns.append(who)
-            self._say(f"{client.name}: here, {len(ask.views)} eyes of {ask.size[0]}x{ask.size[1]} pixels")
+            here = f"{client.name}: here, {len(ask.views)} eyes of {ask.size[0]}x{ask.size[1]} pixels"
+            self._log.say("here", client.address, here)
         if ask.number <= client.newest:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
         client.note(ask, now_ns)
+        if connection is not None:
+            connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
         if self._shared is not None:
             self._shared.received(who, ask.received)
 
-    def _report_bad(self, error: Malformed) -> None:
-        self._bad += 1
-        now_ns = time.monotonic_ns()
-        if now_ns - self._reported_ns >= _EACH_NS:
-            self._say(
-                f"left out {self._bad} messages that are none: {error}" if self._bad > 1 else f"left out: {error}"
-            )
-            self._bad, self._reported_ns = 0, now_ns
-
-    def _report_cut(self) -> None:
-        cut = self._connections.cut
-        if cut > self._reported_cut:
-            self._say(f"{counted(cut - self._reported_cut, 'connection')} cut: a message without an end, or too many")
-            self._reported_cut = cut
-
-    def _forget_silent(self) -> None:
-        now_ns = time.monotonic_ns()
+    def _forget_ended(self) -> None:
+        """Forget clients that are silent or whose connection has ended, and report those cut."""
+        now_ns, gone = time.monotonic_ns(), set()
+        while self._connections.gone:
+            gone.add(self._connections.gone.popleft())
         for who, client in list(self._clients.items()):
-            if now_ns - client.received_ns > _SILENT_NS:
-                self._forget(who, f"silent for {_SILENT_NS // 10**9} s")
+            if now_ns - client.received_ns > SILENT_NS:
+                self._cut(who, f"silent for {SILENT_NS // 10**9} s")
+            elif client.connection in gone:
+                self._forget(who, "disconnected")
+        while self._connections.cuts:
+            address, why = self._connections.cuts.popleft()
+            self._log.say(f"cut {why}", address, f"{address or 'a local connection'} cut: {why}")
+        self._log.next_second()
 
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
         self._turns.remove(who)
+        self._left += client.waiting
         if self._shared is not None:
             self._shared.forget(who)
-        self._say(f"{client.name}: gone ({why}), {client.passed_over} requests passed over")
+        gone = f"{client.name}: gone ({why}), {client.passed_over} requests passed over"
+        self._log.say("gone", client.address, gone)
 
     @property
     def clients(self) -> Collection[bytes]:
@@ -234,25 +362,29 @@ class Listener:
 
     def answer(self, asked: Asked, frame: FrameMessage) -> bool:
         """Send a frame; return whether it could be sent at once."""
-        shared = self._shared if asked.ask.shares and asked.client in self._clients else None
-        stub = shared.put(asked.client, frame) if shared is not None else None
-        sent = self._send(asked.client, copied(stub or frame))
-        if not sent and shared is not None:
-            shared.take_back(asked.client, frame.number)
-        if sent and asked.client in self._clients:
-            self._clients[asked.client].sent.append((frame.number, frame.bytes))
+        who = asked.client
+        if who not in self._clients or not self._has_room(who, frame.bytes):
+            return False
+        shared = self._shared if asked.ask.shares else None
+        stub = shared.put(who, frame) if shared is not None else None
+        if shared is None or stub is None:
+            return self._send(who, copied(frame))
+        sent = self._send(who, encode(stub))
+        if not sent:
+            shared.take_back(who, frame.number)
         return sent
 
     def refuse(self, asked: Asked, why: str) -> None:
         """Say why there is no frame."""
         why = " ".join(why.split())
         if asked.client in self._clients:  # else it has gone meanwhile
-            self._say(f"{self._clients[asked.client].name}: refused: {why}")
+            client = self._clients[asked.client]
+            self._log.say("refused", client.address, f"{client.name}: refused: {why}")
             self._send(asked.client, encode(Refusal(asked.ask.number, why)))
 
     def _send(self, who: bytes, data: Data) -> bool:
         try:
-            self._socket.send_multipart([who, data], self._zmq.NOBLOCK, copy=False)
+            tracker = self._socket.send_multipart([who, data], self._zmq.NOBLOCK, copy=False, track=True)
         except self._zmq.Again:
             return False
         except self._zmq.ZMQError as error:
@@ -261,6 +393,8 @@ class Listener:
             if who in self._clients:
                 self._forget(who, "disconnected")
             return False
+        if who in self._clients and not isinstance(data, bytes):
+            self._clients[who].waiting.append(_Waiting(len(data), time.monotonic_ns(), tracker))
         return True
 
     def close(self) -> None:

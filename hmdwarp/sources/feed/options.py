@@ -8,6 +8,7 @@ import attrs
 
 from ...errors import InputError
 from ...options import Declared, option
+from ...options.named_files import SECRET, text_in
 
 _STUDY = "a study shows scenes that it draws itself, with a latency that it sets"
 
@@ -47,10 +48,7 @@ def secret_in(path: Path | None) -> str:
     """Return the secret in a file, "" for none. Errors: InputError."""
     if path is None:
         return ""
-    try:
-        text = path.read_text(encoding="utf-8").strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"--token-file {path}: cannot be read ({error})") from error
+    text = text_in(path, SECRET).strip()
     if not text:
         raise InputError(f"--token-file {path}: it is empty; expected a secret, such as 32 random letters")
     return text

@@ -17,6 +17,7 @@ import re
 import secrets
 import stat
 import sys
+import time
 from collections import defaultdict
 from pathlib import Path
 
@@ -32,6 +33,8 @@ SHARED = Path("/dev/shm")
 PREFIX = "hmdwarp"
 _SEGMENT = re.compile(rf"{PREFIX}-([0-9a-f]{{16}})-\d{{1,10}}")
 _OWNER = re.compile(rf"{PREFIX}-([0-9a-f]{{16}})")
+# Bytes of frames that wait for a client; one frame may always wait, even if it is larger.
+MOST_OF_CLIENT = 256 << 20
 # Segments of a client that hold no frame: more are removed.
 _MOST_FREE = 3
 IS_ABLE = sys.platform == "linux" and SHARED.is_dir() and os.access(SHARED, os.W_OK)
@@ -41,8 +44,9 @@ IS_ABLE = sys.platform == "linux" and SHARED.is_dir() and os.access(SHARED, os.W
 class _Segment:
     name: str
     memory: mmap.mmap
-    # The frame in it; 0 while it may be written.
+    # The frame in it, 0 while it may be written, and since when.
     number: int = 0
+    since_ns: int = 0
 
     @property
     def size(self) -> int:
@@ -73,8 +77,25 @@ class SharedFrames:
         if segment is None:
             return None
         write(pieces, np.frombuffer(segment.memory, np.uint8))
-        segment.number = frame.number
+        segment.number, segment.since_ns = frame.number, time.monotonic_ns()
         return Stub(frame.number, length, segment.name)
+
+    @property
+    def held(self) -> int:
+        """Bytes of all segments."""
+        return sum(block.size for mine in self._of.values() for block in mine)
+
+    def bytes_of(self, client: bytes) -> int:
+        """Return the bytes of a client's segments that hold frames."""
+        return sum(block.size for block in self._of.get(client, ()) if block.number)
+
+    def count(self, client: bytes) -> int:
+        """Return how many frames a client has not confirmed."""
+        return sum(block.number > 0 for block in self._of.get(client, ()))
+
+    def since_ns(self, client: bytes) -> int:
+        """Return since when the oldest of these is there; far from now without any."""
+        return min((block.since_ns for block in self._of.get(client, ()) if block.number), default=1 << 63)
 
     def _free(self, client: bytes, length: int) -> _Segment | None:
         mine = self._of[client]
@@ -82,6 +103,9 @@ class SharedFrames:
             # One that is far too large came before the client took a smaller size.
             if block.number == 0 and length <= block.size <= 2 * length + mmap.PAGESIZE:
                 return block
+        for block in [block for block in mine if block.number == 0]:
+            if sum(other.size for other in mine) + length > MOST_OF_CLIENT:
+                self._remove(client, block)
         self._made += 1
         name = f"{self._owner}-{self._made}"
         try:
@@ -91,6 +115,16 @@ class SharedFrames:
         mine.append(_Segment(name, memory))
         return mine[-1]
 
+    def drop_free(self) -> None:
+        """Remove the segments that hold no frame."""
+        for client, mine in self._of.items():
+            for block in [block for block in mine if block.number == 0]:
+                self._remove(client, block)
+
+    def _remove(self, client: bytes, block: _Segment) -> None:
+        block.remove()
+        self._of[client].remove(block)
+
     def received(self, client: bytes, number: int) -> None:
         """Note that a client has read all frames up to that one."""
         free = 0
@@ -98,8 +132,7 @@ class SharedFrames:
             if block.number <= number:
                 block.number, free = 0, free + 1
                 if free > _MOST_FREE:
-                    block.remove()
-                    self._of[client].remove(block)
+                    self._remove(client, block)
 
     def take_back(self, client: bytes, number: int) -> None:
         """Note that a frame was never announced."""

@@ -11,16 +11,26 @@ import contextlib
 import ipaddress
 import os
 import re
+import select
 import socket
 import struct
 import sys
 import threading
+import time
+from collections import Counter, deque
+from collections.abc import Mapping
 from types import ModuleType
 from typing import Any
+
+import attrs
 
 from ...errors import InputError
 from ...resources import import_extra
 from . import EXTRA
+
+if sys.platform == "linux":
+    import fcntl
+    import termios
 
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1
@@ -29,17 +39,44 @@ _MOST_PATH = 107  # of a local socket, less its last zero
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
 # Wire bytes of whole messages that may wait in the library and the kernel stay well below this.
 MOST_UNREAD = 1 << 18
-MOST_CONNECTIONS = 96
+MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
+# Without a valid request for so long a connection is silent, and one is idle from which another may
+# take its place.
+SILENT_NS, IDLE_NS = 10_000_000_000, 2_000_000_000
+# Without a byte from a server for so long, beside the time of a round trip, a connection is dead;
+# and how often a client looks.
+SILENCE_NS, LOOK_NS = 1_500_000_000, 100_000_000
+# Both ends call within half a second, so that silence is known; how long is too long is judged by
+# the system's count of bytes, as the library hears nothing within a long message. Its own limits
+# are for where the system does not say.
+LINK = {
+    "LINGER": 0,
+    "HEARTBEAT_IVL": 500,
+    "HEARTBEAT_TIMEOUT": 60_000,
+    "HANDSHAKE_IVL": SILENT_NS // 1_000_000,
+    "TCP_KEEPALIVE": 1,
+    "TCP_KEEPALIVE_IDLE": 5,
+    "TCP_KEEPALIVE_INTVL": 1,
+    "TCP_KEEPALIVE_CNT": 5,
+    "TCP_MAXRT": SILENT_NS // 1_000_000,
+}
 # Buffer of the kernel for each connection.
 KERNEL_BYTES = 1 << 14
 _EVERY_MS = 20
-# struct tcp_info of Linux: tcpi_bytes_received.
+# Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.
+_RTT, _RTT_AT = struct.Struct("=I"), 68
 _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
 
 
 def zmq_module() -> ModuleType:
     """Return the library. Errors: MachineError where it is not installed."""
     return import_extra("zmq", "pyzmq", EXTRA)
+
+
+def set_options(zmq: ModuleType, one: Any, options: Mapping[str, int]) -> None:
+    """Set options of a socket by their names in the library."""
+    for name, value in options.items():
+        one.setsockopt(getattr(zmq, name), value)
 
 
 def waiting_parts(zmq: ModuleType, one: Any, *, copy: bool = True) -> list[Any]:
@@ -86,64 +123,117 @@ def is_local(address: str) -> bool:
         return False
 
 
-class Connections:
-    """Cut connections that send on without finishing a message, and those beyond the most.
+@attrs.define(eq=False)
+class Connection:
+    """A connection to a server, by the system's count."""
 
-    Watches from a thread of its own, as the server may be drawing. On Linux, for TCP; elsewhere
-    nothing is cut.
+    descriptor: int
+    # The peer's host, or its /64 of IPv6; "" for a file's.
+    address: str
+    # When it came, or was last heard with a valid request.
+    heard_ns: int
+    asks: bool = False
+    # Wire bytes that came out as messages.
+    taken: int = 0
+
+    def is_idle(self, listened_ns: int) -> bool:
+        """Return whether another may have its place, by when all that had come was taken."""
+        return not self.asks or listened_ns - self.heard_ns > IDLE_NS
+
+    def takes_more(self) -> bool:
+        """Return whether the system has room for bytes to it: the library then holds none."""
+        waiting = select.poll()
+        waiting.register(self.descriptor, select.POLLOUT)
+        return bool(waiting.poll(0))
+
+
+class Connections:
+    """Cut connections that send on without finishing a message, that are silent, or too many.
+
+    Where there are too many, an idle one makes room: one that has never made a valid request first.
+    Watches from a thread of its own, as the server may be drawing. Endless messages: on Linux, over
+    TCP.
     """
 
-    def __init__(self, zmq: Any, router: Any) -> None:
-        self._zmq = zmq
-        # By file descriptor: wire bytes that came out as messages.
-        self._taken: dict[int, int] = {}
-        self.cut = 0
+    def __init__(self, zmq: Any, router: Any, most_of_address: int) -> None:
+        self._zmq, self._most_of_address = zmq, most_of_address
+        self._of: dict[int, Connection] = {}
+        # Those that have ended, and the address and the reason of each that was cut.
+        self.gone: deque[Connection] = deque()
+        self.cuts: deque[tuple[str, str]] = deque(maxlen=1000)
+        # When the server last took all that had come; it may be drawing since.
+        self.listened_ns = 0
         self._ended = threading.Event()
         self._accepted = router.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED)
         self._thread = threading.Thread(target=self._watch, name="connections", daemon=True)
         self._thread.start()
 
-    def took(self, parts: list[Any]) -> None:
-        """Note a whole message, as frames of the library."""
+    def took(self, parts: list[Any]) -> Connection | None:
+        """Note a whole message, as frames of the library; return where it came from."""
         with contextlib.suppress(self._zmq.ZMQError):  # not of a connection that has a descriptor
-            descriptor = parts[-1].get(self._zmq.SRCFD)
-            # Whatever the library adds to a part on the wire is less than this.
-            self._taken[descriptor] = self._taken.get(descriptor, 0) + sum(len(part) + 64 for part in parts)
+            found = self._of.get(parts[-1].get(self._zmq.SRCFD))
+            if found is not None:
+                # Whatever the library adds to a part on the wire is less than this.
+                found.taken += sum(len(part) + 64 for part in parts)
+            return found
+        return None
 
     def _watch(self) -> None:
+        due_ns = 0
         while not self._ended.is_set():
+            # Those that come and go must not keep it from looking at the others.
             if self._accepted.poll(_EVERY_MS):
                 self._note(self._accepted.recv_multipart())
-                continue
-            for descriptor in list(self._taken):
-                self._check(descriptor)
+            if time.monotonic_ns() >= due_ns:
+                for one in list(self._of.values()):
+                    self._check(one)
+                due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
 
     def _note(self, event: list[bytes]) -> None:
         kind, descriptor = struct.unpack_from("=HI", event[0])
-        if kind == self._zmq.EVENT_ACCEPTED:
-            self._taken[descriptor] = 0
-            if len(self._taken) > MOST_CONNECTIONS:
-                self._cut(descriptor, -1)
-        else:
-            self._taken.pop(descriptor, None)
-
-    def _check(self, descriptor: int) -> None:
-        self._cut(descriptor, MOST_UNREAD + self._taken.get(descriptor, 0))
-
-    def _cut(self, descriptor: int, most: int) -> None:
-        """Cut the connection if it has sent more than that."""
-        try:
-            one = socket.socket(fileno=os.dup(descriptor))
-        except OSError:  # closed since
-            self._taken.pop(descriptor, None)
+        if kind != self._zmq.EVENT_ACCEPTED:
+            self._leave(descriptor)
             return
-        with one, contextlib.suppress(OSError, AttributeError):
-            if _received(one) > most:
-                # The library closes it at once, and its client learns of it even if it sends on.
-                one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-                one.shutdown(socket.SHUT_RDWR)
-                self._taken.pop(descriptor, None)
-                self.cut += 1
+        try:
+            with _socket_of(descriptor) as one:
+                new = Connection(descriptor, _host_of(one), time.monotonic_ns())
+        except OSError:  # closed since
+            return
+        self._of[descriptor] = new
+        self._make_place(new)
+
+    def _make_place(self, new: Connection) -> None:
+        of_address = [one for one in self._of.values() if one.address == new.address]
+        if len(of_address) > self._most_of_address:
+            self._cut_idle(of_address, new, f"more than {self._most_of_address} from one address, see --per-address")
+        elif len(self._of) > MOST_CONNECTIONS:
+            counts = Counter(one.address for one in self._of.values())
+            most = [one for one in self._of.values() if counts[one.address] == max(counts.values())]
+            self._cut_idle([*most, new], new, f"more than {MOST_CONNECTIONS} in all")
+
+    def _cut_idle(self, among: list[Connection], new: Connection, why: str) -> None:
+        # The newcomer has made no request either, and came last.
+        idle = [one for one in among if one.is_idle(self.listened_ns) and one is not new]
+        self.cut(min(idle, key=lambda one: (one.asks, one.heard_ns), default=new), why)
+
+    def _check(self, one: Connection) -> None:
+        if self.listened_ns - one.heard_ns > SILENT_NS:
+            self.cut(one, f"silent for {SILENT_NS // 10**9} s")
+            return
+        with contextlib.suppress(OSError), _socket_of(one.descriptor) as wire:
+            if _received(wire) > MOST_UNREAD + one.taken:
+                self.cut(one, "a message without an end")
+
+    def cut(self, one: Connection, why: str) -> None:
+        """Cut a connection; the library closes it at once, and its client learns of it."""
+        if self._of.get(one.descriptor) is one:
+            self._leave(one.descriptor)
+            self.cuts.append((one.address, why))
+            cut(one.descriptor)
+
+    def _leave(self, descriptor: int) -> None:
+        if (left := self._of.pop(descriptor, None)) is not None:
+            self.gone.append(left)
 
     def close(self) -> None:
         """Stop watching; before the socket is closed."""
@@ -152,9 +242,73 @@ class Connections:
         self._accepted.close(0)
 
 
+@attrs.define(eq=False)
+class Hearing:
+    """Whether a connection is silent, by the system's count of bytes.
+
+    A server calls every half second while it lives, so nothing for three such times and what a
+    message takes to come is a connection that leads nowhere.
+    """
+
+    descriptor: int
+    looked_ns: int
+    received: int = 0
+    silent_ns: int = 0
+
+    def is_silent(self, now_ns: int, patience: int) -> bool:
+        """Look whether anything has come since the last look; return whether nothing has too long.
+
+        patience: how many times the usual time that is.
+        """
+        info, waiting = b"", bytes(4)
+        with contextlib.suppress(OSError), _socket_of(self.descriptor) as one:
+            info = _info_of(one)
+            waiting = fcntl.ioctl(one, termios.FIONREAD, waiting) if info else waiting
+        if not info:
+            return False
+        heard = int(_RECEIVED.unpack_from(info, _RECEIVED_AT)[0])
+        # A program that was stopped, or does not read what waits, has not listened.
+        self.silent_ns += min(now_ns - self.looked_ns, LOOK_NS * 2)
+        if heard != self.received or any(waiting):
+            self.silent_ns = 0
+        self.looked_ns, self.received = now_ns, heard
+        return self.silent_ns > patience * SILENCE_NS + 1000 * int(_RTT.unpack_from(info, _RTT_AT)[0])
+
+
+def cut(descriptor: int) -> None:
+    """Cut a connection by its descriptor, even if its peer sends on."""
+    with contextlib.suppress(OSError), _socket_of(descriptor) as one:
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        one.shutdown(socket.SHUT_RDWR)
+
+
+def _socket_of(descriptor: int) -> socket.socket:
+    """Return another handle of a connection. Errors: OSError where it is closed."""
+    return socket.socket(fileno=os.dup(descriptor))
+
+
+def _host_of(one: socket.socket) -> str:
+    """Return whom a connection is counted for. Errors: OSError where it has ended."""
+    if one.family not in (socket.AF_INET, socket.AF_INET6):
+        return ""
+    host = ipaddress.ip_address(one.getpeername()[0].partition("%")[0])
+    if isinstance(host, ipaddress.IPv6Address):
+        if host.ipv4_mapped is not None:
+            return str(host.ipv4_mapped)
+        if not host.is_loopback:
+            return str(ipaddress.ip_network((host, 64), strict=False))
+    return str(host)
+
+
+def _info_of(one: socket.socket) -> bytes:
+    """Return what the system knows of a connection, b"" where it does not say."""
+    if sys.platform != "linux" or one.family not in (socket.AF_INET, socket.AF_INET6):
+        return b""
+    info = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO_BYTES)
+    return info if len(info) >= _INFO_BYTES else b""
+
+
 def _received(one: socket.socket) -> int:
     """Return how many bytes a connection has received, 0 where that is not known."""
-    if sys.platform != "linux" or one.family not in (socket.AF_INET, socket.AF_INET6):
-        return 0
-    info = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO_BYTES)
-    return int(_RECEIVED.unpack_from(info, _RECEIVED_AT)[0]) if len(info) >= _INFO_BYTES else 0
+    info = _info_of(one)
+    return int(_RECEIVED.unpack_from(info, _RECEIVED_AT)[0]) if info else 0

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import reprlib
@@ -15,6 +14,8 @@ import numpy as np
 
 from ...errors import InputError
 from ...geometry import Fov
+from ...options.documents import json_in
+from ...options.named_files import FACTS
 
 Size = tuple[int, int]
 _PLAIN_MODELS = ("PINHOLE", "SIMPLE_PINHOLE", "OPENCV", "FULL_OPENCV", "RADIAL", "SIMPLE_RADIAL", "PERSPECTIVE")
@@ -141,10 +142,14 @@ def _of_list(where: str | Path, name: str, value: Any) -> tuple[float, ...]:
     """Return fx, fy, cx, cy of four numbers or of a 3x3 matrix, whose zeros say which way it is."""
     if isinstance(value, Mapping):  # as OpenCV writes a matrix
         value = value.get("data")
-    numbers = np.ravel(np.asarray(value, dtype=object)).tolist()
+    try:
+        shape = np.shape(value)
+    except ValueError:  # rows of several lengths
+        shape = ()
+    numbers = np.ravel(np.asarray(value, dtype=object)).tolist() if shape else []
     if name == "intrinsics" and len(numbers) == 4:
         return numbers_of(where, name, numbers, 4)
-    if np.shape(value) not in ((9,), (3, 3)):
+    if shape not in ((9,), (3, 3)):
         four = "4 numbers fx, fy, cx, cy, or " if name == "intrinsics" else ""
         raise InputError(f"{where}: {name} is {reprlib.repr(value)}; expected {four}9 numbers of a 3x3 matrix")
     matrix = np.reshape(numbers_of(where, name, numbers, 9), (3, 3))
@@ -189,19 +194,9 @@ def unread_notes(where: str | Path, data: Mapping[str, Any], known: Collection[s
     ]
 
 
-def read_json(path: Path, wanted: str = "an object") -> dict[str, Any]:
-    """Return the object in a JSON file. wanted: in words. Errors: InputError."""
-    try:
-        data = json.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error})") from error
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}, line {error.lineno}: not JSON ({error.msg})") from error
-    # A number of thousands of digits, or brackets nested without end.
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not JSON that can be read ({error})") from error
+def read_json(path: Path, wanted: str = "an object", folder: Path | None = None) -> dict[str, Any]:
+    """Return the object in a JSON file. wanted: in words. folder: as opened. Errors: InputError."""
+    data = json_in(path, FACTS, folder)
     if not isinstance(data, dict):
         raise InputError(f"{path}: found a {type(data).__name__}; expected {wanted}")
     return data
@@ -228,6 +223,11 @@ def number_of(
     if not is_number or not math.isfinite(value) or not above < value <= most:
         raise InputError(f"{where}: {key} is {reprlib.repr(value)}; expected {expected}")
     return float(value)
+
+
+def seconds_of(where: str | Path, key: str, value: Any) -> float:
+    """Return an instant in seconds that 64 bits of nanoseconds hold. Errors: InputError."""
+    return number_of(where, key, value, "seconds, -9e9 to 9e9", above=-9e9, most=9e9)
 
 
 def scale_of(where: str | Path, value: Any) -> float:

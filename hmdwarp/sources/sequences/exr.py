@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
+import io
+import os
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...options.named_files import PICTURE_FILE, opened
 from ...resources import import_extra
 
 # Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
 FAR_M = 1e9
 _COLOUR = ("R", "G", "B")
+_turn = threading.Lock()
 
 
 @attrs.frozen(eq=False)
@@ -50,14 +58,21 @@ def read_exr(path: Path) -> ExrPicture:
     package.
     """
     library = _library()
-    if not path.is_file():
-        raise InputError(f"{path}: no such file")
+    damage: list[str] = []
     try:
-        with library.File(str(path), separate_channels=True) as file:
+        with (
+            opened(path, PICTURE_FILE) as plain,
+            _printed_to(damage),
+            library.File(_by_number(plain), separate_channels=True) as file,
+        ):
             parts = len(file.parts)
             head, channels = dict(file.header()), {name: one.pixels for name, one in file.channels().items()}
+    except InputError:
+        raise
     except Exception as error:  # the library raises RuntimeError, OSError and its own for damaged files
-        raise InputError(f"{path}: not an EXR file that can be read ({error})") from error
+        raise InputError(f"{path}: not an EXR file that can be read ({[*damage, error][0]})") from error
+    if damage:
+        raise InputError(f"{path}: not an EXR file that can be read ({damage[0]})")
     if parts > 1:
         raise InputError(f"{path}: {parts} parts; expected one: write a file of one part")
     if "deep" in str(head.get("type", "")).lower():
@@ -83,6 +98,34 @@ def write_exr(path: Path, colour: NDArray[Any], coverage: NDArray[Any], depth_m:
     channels |= {"A": alpha.astype(np.float16), "Z": np.ascontiguousarray(depth_m, np.float32)}
     head = {"compression": library.ZIP_COMPRESSION, "type": library.scanlineimage}
     library.File(head, channels).write(str(path))
+
+
+def _by_number(file: BinaryIO) -> str:
+    return f"/proc/self/fd/{file.fileno()}"  # for what opens by name alone: this very file
+
+
+@contextmanager
+def _printed_to(damage: list[str]) -> Iterator[None]:
+    """Hold what the library prints of damage beside what it raises.
+
+    Its core writes to standard error, its binding prints a warning.
+    """
+    with _turn, tempfile.TemporaryFile() as held, redirect_stdout(io.StringIO()) as printed:
+        kept = os.dup(2)
+        os.dup2(held.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
+            held.seek(0)
+            for line in held.read().splitlines(keepends=True):
+                if b"EXR_ERR" in line:
+                    damage.append(" ".join(line.decode(errors="replace").rpartition(") ")[2].split()))
+                else:
+                    os.write(2, line)  # of another thread meanwhile
+            if not damage and "Exception raised" in printed.getvalue():
+                damage.append("pixels are missing")
 
 
 def _library() -> Any:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
+from ...options.named_files import PICTURE_FILE, content_of, named_in
 from ...poses.assumptions import Assumption, By, first_stated
 from ...poses.track import UNIT_WITHIN
 from .camera import Camera, camera_of, read_json, refuse_distortion, unread_notes
@@ -139,7 +140,7 @@ def find_frame(
             raise InputError(f"{path}: an .npz file holds its depth and its view: leave out --depth and --camera")
         return _in_npz(path, shared)
     if ending != EXR and ending not in PICTURES:
-        if path.is_file() and _content(path).startswith(b"PK"):
+        if path.exists() and content_of(path, PICTURE_FILE).startswith(b"PK"):
             return _in_npz(path, shared)
         if not path.exists():
             raise InputError(f"{path}: cannot be read (No such file or directory)")
@@ -148,11 +149,11 @@ def find_frame(
             f"it, or one of {', '.join((*PICTURES, EXR))}"
         )
     size, where = size_of(path), _camera_beside(path, camera, shared)
-    own = {} if where is None else read_json(where, _WANTED)
+    own = {} if where is None else read_json(where, _WANTED, None if where is camera else path.parent)
     facts, where = {**shared, **{name: value for name, value in own.items() if value is not None}}, where or path
     refuse_distortion(where, facts)
     if depth is None and "depth" in facts:
-        depth = path.parent / str(facts["depth"])
+        depth = named_in(path.parent, str(facts["depth"]))
     return FrameFile(path, where, facts, size, lambda: _pictures(path, depth))
 
 
@@ -174,7 +175,7 @@ def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -
     if camera is not None:
         return camera
     beside = path.with_suffix(JSON)
-    if beside.is_file():
+    if beside.exists():
         return beside
     if _POSE.keys() <= shared.keys():
         return None
@@ -188,7 +189,7 @@ def _camera_beside(path: Path, camera: Path | None, shared: Mapping[str, Any]) -
 def _depth_beside(path: Path) -> Path:
     """Return the file of a picture's depth. Errors: InputError without one."""
     names = [f"{path.stem}{mark}{ending}" for mark in _DEPTH_MARKS for ending in _DEPTH_ENDINGS]
-    found = next((path.parent / name for name in names if (path.parent / name).is_file()), None)
+    found = next((named_in(path.parent, name) for name in names if (path.parent / name).exists()), None)
     if found is None:
         own = ", and no Z in it" if path.suffix.lower() == EXR else ""
         raise InputError(
@@ -228,7 +229,7 @@ def _head_of_npz(data: Any) -> tuple[dict[str, NDArray[Any]], dict[str, None], t
 
 def _from_npz(path: Path, read: Callable[[Any], Any]) -> Any:
     """Return what `read` takes from the archive. Errors: InputError for a damaged one."""
-    content = _content(path)
+    content = content_of(path, PICTURE_FILE)
     wanted = "expected NumPy's .npz form, as numpy.savez writes it"
     if not content.startswith(b"PK"):  # NumPy would take it for a pickle
         raise InputError(f"{path}: not an .npz file; {wanted}")
@@ -251,13 +252,6 @@ def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
     _check_keys(path, data, tuple(_VIEW))
     camera = None if "fov" in data else camera_of(path, data)
     return _view(path, data, size if camera is None or camera.size is None else camera.size)
-
-
-def _content(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
 
 
 def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...options.named_files import PICTURE_FILE, opened
 from .exr import read_exr
 
 EXR, NPY = ".exr", ".npy"
@@ -89,19 +92,20 @@ def fitted_depth(depth: NDArray[Any], colour: NDArray[Any], where: object) -> ND
     return np.asarray(depth[row[:, None], column])
 
 
-def _opened(path: Path) -> Any:
+@contextmanager
+def _opened(path: Path) -> Iterator[Any]:
     from PIL import Image
 
-    try:
-        return Image.open(path)
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    except Image.DecompressionBombError as error:
-        raise InputError(f"{path}: too large a picture ({error})") from error
-    except (OSError, ValueError, SyntaxError) as error:
-        raise InputError(
-            f"{path}: not a picture that can be read; expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
-        ) from error
+    with opened(path, PICTURE_FILE) as file:
+        try:
+            picture = Image.open(file)
+        except Image.DecompressionBombError as error:
+            raise InputError(f"{path}: too large a picture ({error})") from error
+        except (OSError, ValueError, SyntaxError) as error:
+            raise InputError(
+                f"{path}: not a picture that can be read; expected {', '.join((*PICTURES, EXR))}, or {NPY} for depth"
+            ) from error
+        yield picture
 
 
 def _loaded(path: Path, picture: Any) -> Any:
@@ -115,19 +119,23 @@ def _loaded(path: Path, picture: Any) -> Any:
 def _most_of_pgm(path: Path) -> int:
     """Return the largest value that the head of a PGM file states."""
     words: list[bytes] = []
-    for line in path.read_bytes()[:1000].splitlines():
+    for line in _head(path).splitlines():
         words += line.partition(b"#")[0].split()
         if len(words) >= 4:
             break
     return int(words[3])
 
 
+def _head(path: Path) -> bytes:
+    with opened(path, PICTURE_FILE) as file:
+        return file.read(1000)
+
+
 def _npy(path: Path) -> NDArray[Any]:
     try:
-        values = np.load(path, allow_pickle=False)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except ValueError as error:
+        with opened(path, PICTURE_FILE) as file:
+            values = np.load(file, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
         raise InputError(f"{path}: not an .npy file of numbers ({error})") from error
     if not isinstance(values, np.ndarray) or values.ndim == 3 and values.shape[2] != 1 or values.ndim not in (2, 3):
         raise InputError(f"{path}: shape {getattr(values, 'shape', None)}; expected depth of (h, w)")

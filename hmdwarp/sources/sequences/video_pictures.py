@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...options.named_files import VIDEO, opened
 from .picture_files import Size
 
 
@@ -59,7 +60,8 @@ class VideoPictures:
 
     def _from(self, av: Any, instant: int | None) -> Iterator[Any]:
         """Yield the pictures from an instant of the stream's clock on; None for all."""
-        with av.open(str(self.path)) as container:
+        # Of this form alone: playlists, for instance, name other files.
+        with opened(self.path, VIDEO) as file, av.open(file, format="mp4") as container:
             stream = container.streams.video[0]
             if instant is not None:
                 # A second before: pictures just after a seek may need those before it.

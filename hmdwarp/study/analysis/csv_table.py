@@ -12,9 +12,9 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
+from ...options import RATINGS, text_in
 from ...report import raw_text
 
-_MOST_BYTES = 200_000_000
 # Names of the columns for each role; the first name that the table has counts.
 ROLES: Mapping[str, tuple[str, ...]] = {
     "participant": (
@@ -54,7 +54,7 @@ class Line:
 
 def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[str, str]]:
     """Return all rows by role, and the name of each role's column."""
-    text = _text(path)
+    text = text_in(path, RATINGS)
     if not text.strip():
         raise InputError(f"{path}: is empty: expected a table of ratings, a header and one row for each rating")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=_delimiter(text), strict=True)
@@ -79,19 +79,6 @@ def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[s
     if not lines:
         raise InputError(f"{path}: has no rows below its header: expected one for each rating")
     return lines, {role: header[place] for role, place in roles.items()}
-
-
-def _text(path: Path) -> str:
-    try:
-        if path.stat().st_size > _MOST_BYTES:
-            raise InputError(
-                f"{path}: {path.stat().st_size} bytes: expected a table of ratings, of at most {_MOST_BYTES}"
-            )
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: byte {error.start} is no UTF-8: save the table as UTF-8") from error
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}: expected a table of ratings (.csv, .tsv)") from error
 
 
 def _delimiter(text: str) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import attrs
 from PIL.Image import Image
 
 from ...errors import InputError
-from ...options import Table, quoted, text_of
+from ...options import PICTURE_FILE, Table, opened, quoted, text_of
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import Checker
 from .condition_settings import PICTURE
@@ -23,7 +24,7 @@ _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
 def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
     """Load a shipped scale, or a .toml file next to the study's. Errors: KeyFault."""
     try:
-        return load_scale(str(folder / name) if name.endswith(".toml") else name)
+        return load_scale(str(folder / name), folder) if name.endswith(".toml") else load_scale(name)
     except InputError as error:
         raise table.fault(key, f"has '{name}': {error}", *within) from error
 
@@ -215,7 +216,7 @@ def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> P
     if path.suffix.lower() in ENDINGS:
         if checked:
             try:
-                open_picture(path)
+                open_picture(path, folder)
             except InputError as error:
                 raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
         return Page(title, picture=str(path))
@@ -225,7 +226,7 @@ def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> P
 def _text_of(table: Table, folder: Path) -> str:
     path = folder / table.text("file")
     try:
-        text = text_of(path, "a text that participants read")
+        text = text_of(path, "a text that participants read", folder)
     except InputError as error:
         raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
     if not text.strip():
@@ -234,14 +235,15 @@ def _text_of(table: Table, folder: Path) -> str:
 
 
 ENDINGS = (".png", ".jpg", ".jpeg")
+PNG_OR_JPEG = attrs.evolve(PICTURE_FILE, what="a PNG or JPEG file")
 
 
-def open_picture(path: Path | str) -> Image:
-    """Load a picture, RGBA. Errors: InputError for a file that is none."""
+def open_picture(path: Path | str, folder: Path | None = None) -> Image:
+    """Load a picture, RGBA. folder: as `opened` takes it. Errors: InputError."""
     from PIL import Image
 
     try:
-        with Image.open(path) as file:
+        with opened(path, PNG_OR_JPEG, folder) as plain, Image.open(plain) as file:
             return file.convert("RGBA")
     except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
         raise InputError(f"no picture ({error}): expected a PNG or JPEG file") from error

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...headsets import Headset, load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
-from ...options import options_of, quoted
+from ...options import check_inside, options_of, quoted
 from ...pipeline import SceneKey, Source, guarded_size
 from ...run import EmulatedScreen, LiveOptions, RunSetup, checked_source, on_screen
 
@@ -82,14 +82,20 @@ def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence
 
     folder: of the study file. others: keys of the same table that are no settings, for hints.
     """
-    return {name: _resolved(folder, name, value) for _, name, value in _named(settings, others)}
+    return {name: _resolved(folder, key, name, value) for key, name, value in _named(settings, others)}
 
 
-def _resolved(folder: Path, name: str, value: object) -> object:
+def _resolved(folder: Path, key: str, name: str, value: object) -> object:
     is_file = name in FILES or (
         isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value))
     )
-    return str(folder.absolute() / value) if is_file and isinstance(value, str) else value
+    if not is_file or not isinstance(value, str):
+        return value
+    path = folder.absolute() / value
+    try:
+        return str(check_inside(path, folder, f"the file of {name}"))
+    except InputError as error:
+        raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
 
 
 def _is_scene_file(name: str, value: str) -> bool:

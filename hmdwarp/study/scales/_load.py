@@ -24,15 +24,15 @@ def scale_names() -> list[str]:
     return sorted(p.stem for p in FOLDER.glob("*.toml"))
 
 
-def load_scale(name: str) -> Scale:
+def load_scale(name: str, folder: Path | None = None) -> Scale:
     """Load a shipped scale by name, or any .toml file by path.
 
-    Errors: InputError naming the file, the line and the value.
+    folder: as text_of takes it. Errors: InputError naming the file, the line and the value.
     """
     path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and name not in scale_names():
         raise unknown_name("scale", name, [*scale_names(), "FILE.toml"])
-    text = text_of(path, f"a .toml file, or one of {', '.join(scale_names())}")
+    text = text_of(path, f"a .toml file, or one of {', '.join(scale_names())}", folder)
     return parsed(text, path, lambda data: _scale(data, path.stem), _EXAMPLE)
 
 

@@ -18,7 +18,9 @@ from ..store import PERSON, PILOT, SIMULATED
 class SessionOptions(Declared):
     """A session. Errors: InputError for options that contradict each other."""
 
-    study: str = option(attrs.NOTHING, "Study: a .toml file, or the name of a shipped one.", positional=True)
+    study: str = option(
+        attrs.NOTHING, "Study: a .toml file, or the name of a shipped one.", positional=True, names_files=True
+    )
     participant: str = option(attrs.NOTHING, "Participant's code, never a name; new draws one.")
     part: str | None = option(None, "Part of the plan, where it has several.")
     resume: bool = option(False, "Continue an interrupted session at its first undone step.")

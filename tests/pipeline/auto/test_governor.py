@@ -160,6 +160,8 @@ def test_the_way_up_waits_until_there_has_been_room_for_long_enough():
     changes = run(governor, steady(1.0), 3 * waited)
     assert [c.after.total_ms for c in changes] == [9.0]
     assert changes[0].refresh - down.refresh == waited
+    fresh = run(Governor(LADDER, BUDGET), steady(0.4), 3 * waited)  # nor is the start of a run shorter
+    assert fresh[0].refresh == waited - 1 and fresh[0].after.total_ms == 20.0
 
 
 def test_a_level_that_disappoints_is_tried_ever_more_rarely():

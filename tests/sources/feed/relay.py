@@ -21,6 +21,11 @@ class Relay:
         # Each way; None for no limit.
         self.bytes_s: float | None = None
         self.is_stalled = self.is_down = False
+        # Ways that nothing crosses, though all connections stay open: "up" to the port, and "down".
+        self.silent: set[str] = set()
+        # Whether the next large piece that goes down is the last of its connection, both ways.
+        self.freezes_within = False
+        self._frozen: dict[tuple[socket.socket, socket.socket], set[str]] = {}
         # What went by, both ways, where it is a bytearray.
         self.seen: bytearray | None = None
         # How many connections there were.
@@ -52,10 +57,10 @@ class Relay:
             with self._lock:
                 self._ways[here, there] = 2
             self.accepted += 1
-            for source, target in ((here, there), (there, here)):
+            for way, source, target in (("up", here, there), ("down", there, here)):
                 waiting: queue.Queue[tuple[float, bytes]] = queue.Queue(64)
                 self._start(self._read, source, waiting)
-                self._start(self._write, target, source, waiting, (here, there))
+                self._start(self._write, way, target, source, waiting, (here, there))
 
     def _connected(self) -> socket.socket | None:
         try:
@@ -75,14 +80,25 @@ class Relay:
             if not data:
                 return
 
-    def _write(self, target: socket.socket, source: socket.socket, waiting: queue.Queue, connection) -> None:
+    def freeze(self, *ways: str) -> None:
+        """Let nothing cross the connections of now any more; they stay open, and new ones work."""
+        with self._lock:
+            self._frozen |= dict.fromkeys(self._ways, set(ways))
+
+    def _holds(self, way: str, connection) -> bool:
+        return self.is_stalled or way in self.silent or way in self._frozen.get(connection, ())
+
+    def _write(self, way: str, target: socket.socket, source: socket.socket, waiting: queue.Queue, connection) -> None:
         is_open = True
         while True:
             due, data = waiting.get()
+            while is_open and not self._ended and (self._holds(way, connection) or time.monotonic() < due):
+                time.sleep(0.001)
             if not data:
                 break
-            while is_open and not self._ended and (self.is_stalled or time.monotonic() < due):
-                time.sleep(0.001)
+            if self.freezes_within and way == "down" and len(data) > 10_000:
+                self._frozen[connection] = {"up", "down"}
+                self.freezes_within, data = False, data[:5000]
             if self.bytes_s:
                 time.sleep(len(data) / self.bytes_s)
             if self.seen is not None:

@@ -61,6 +61,17 @@ def test_coded_frames_come_back_in_fewer_bytes(colour, depth):
         assert depth_off.mean() <= STEP and (back.inverse_depths[0] == 0).sum() == (frame.inverse_depths[0] == 0).sum()
 
 
+@pytest.mark.parametrize(("colour", "depth"), [(H264, DEPTH_VIDEO), (RGBA8, DEPTH_EXACT)])
+def test_a_stream_is_decoded_from_its_beginning_alone(colour, depth):
+    encoder = asked(colour, depth)
+    first, second = (encoder.encode(drawn(number)) for number in range(2))
+    assert len(encode(second)) < len(encode(first)) or colour == RGBA8, "each frame was coded by itself"
+    decoder = FeedDecoder()
+    with pytest.raises(Undecodable):
+        decoder.decode(second)
+    assert decoder.wants_anew and decoder.decode(first)
+
+
 @pytest.mark.parametrize("colour", [H264, RGBA8, ANY])
 def test_depth_that_is_not_wished_is_left_out_and_all_of_the_picture_counts_as_drawn(colour):
     encoder, decoder = asked(colour, NONE), FeedDecoder()

@@ -1,24 +1,35 @@
 """Hostile clients: whatever they send, memory stays bounded and the next one is served."""
 
+import contextlib
 import random
 import socket
 import struct
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import attrs
+import numpy as np
 import pytest
 
+from hmdwarp.sources.feed import listener as listening
+from hmdwarp.sources.feed import sockets
 from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.key_pairs import KeyPair
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import LARGEST_ASK, encode
 from hmdwarp.sources.feed.parts import Wanted
-from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_UNREAD
+from hmdwarp.sources.feed.shared_frames import IS_ABLE, MOST_OF_CLIENT, SHARED
+from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST_UNREAD
 
-from .exchange import exchanged, port_of
-from .test_message import ASK
+from .exchange import answered, exchanged, port_of
+from .test_message import ASK, FRAME
 
-pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+MIB = 1 << 20
 
 # ZMTP 3.0 (ZeroMQ RFC 23): greeting for NULL security, then READY of a DEALER.
 GREETING = b"\xff" + bytes(8) + b"\x7f\x03\x00" + b"NULL".ljust(20, b"\0") + bytes(32)
@@ -47,8 +58,9 @@ def raw(listener) -> socket.socket:
 
 
 def resident() -> int:
-    """Bytes of this process in memory."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
+    """Bytes of this process in memory that are its own."""
+    _, all_of_it, shared, *_ = map(int, Path("/proc/self/statm").read_text().split())
+    return (all_of_it - shared) * 4096
 
 
 def serves(listener) -> None:
@@ -57,12 +69,36 @@ def serves(listener) -> None:
     caller.close()
 
 
+CHURN = """
+import socket, sys
+while True:
+    try:
+        socket.create_connection(("127.0.0.1", int(sys.argv[1]))).close()
+    except OSError:
+        pass
+"""
+
+
+@contextlib.contextmanager
+def churning(port: int, count: int) -> Iterator[None]:
+    """Processes that connect and leave, as fast as they can."""
+    churners = [subprocess.Popen([sys.executable, "-c", CHURN, str(port)]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for one in churners:
+            one.kill()
+            one.wait()
+
+
+@pytest.mark.parametrize("churners", [0, 2])
 @pytest.mark.parametrize("part", [b"", b"x" * 200], ids=["empty parts", "parts of 200 bytes"])
-def test_a_message_without_an_end_is_cut_and_takes_no_more_memory_than_it_may(listener, part):
+def test_a_message_without_an_end_is_cut_and_takes_no_more_memory_than_it_may(listener, part, churners):
+    """Whatever else connects and leaves meanwhile."""
     # Flags "more", length, bytes.
     parts = (b"\x01" + bytes([len(part)]) + part) * 2000
     before = resident()
-    with raw(listener) as one, pytest.raises(OSError):
+    with churning(port_of(listener.address), churners), raw(listener) as one, pytest.raises(OSError):
         for _ in range(10_000):
             one.sendall(parts)
     # A part of two bytes takes 64 in the library; it may go on for a few looks of the watcher.
@@ -95,16 +131,183 @@ def test_the_longest_request_is_taken_and_one_byte_more_is_not(listener):
         assert "token" in listener.told[0]
 
 
-def test_more_connections_than_there_may_be_are_cut(listener):
-    there = "127.0.0.1", port_of(listener.address)
-    open_now = [socket.create_connection(there) for _ in range(MOST_CONNECTIONS + 5)]
-    try:
-        while not any("too many" in line for line in listener.told):
+@pytest.mark.parametrize("stage", ["nothing", "greeting", "ready"])
+def test_silent_connections_make_room_for_those_that_ask(listener, stage):
+    """As many as there may be in all, from one address."""
+    with ExitStack() as held:
+        for _ in range(MOST_CONNECTIONS):
+            one = held.enter_context(socket.create_connection(("127.0.0.1", port_of(listener.address))))
+            if stage != "nothing":
+                one.sendall(GREETING + READY * (stage == "ready"))
+        serves(listener)
+        while not any(f"more than {MOST_OF_ADDRESS} from one address" in line for line in listener.told):
             listener.next(10)
-    finally:
-        for connection in open_now:
-            connection.close()
+        serves(listener)
+
+
+def test_where_all_of_an_address_ask_the_newcomer_is_cut():
+    told: list[str] = []
+    with closing(Listener("127.0.0.1:*", per_address=2, say=told.append)) as listener, ExitStack() as open_now:
+        callers = [open_now.enter_context(closing(Caller(listener.address))) for _ in range(2)]
+        for caller in callers:
+            exchanged(caller, listener)
+        with socket.create_connection(("127.0.0.1", port_of(listener.address))):
+            while not any("more than 2 from one address" in line for line in told):
+                for caller in callers:
+                    exchanged(caller, listener)
+        # Both kept their connection.
+        assert sum("here" in line for line in told) == 2 and not any("gone" in line for line in told)
+
+
+def test_more_connections_than_there_may_be_make_room_in_the_address_that_has_most():
+    told: list[str] = []
+    with closing(Listener("127.0.0.1:*", per_address=200, say=told.append)) as listener, ExitStack() as open_now:
+        caller = open_now.enter_context(closing(Caller(listener.address)))
+        exchanged(caller, listener)
+        there = "127.0.0.1", port_of(listener.address)
+        for _ in range(MOST_CONNECTIONS + 5):
+            open_now.enter_context(socket.create_connection(there, source_address=("127.0.0.9", 0)))
+        while not any(f"more than {MOST_CONNECTIONS} in all" in line for line in told):
+            listener.next(10)
+        exchanged(caller, listener)
+        assert all("127.0.0.9" in line for line in told if "cut" in line)
+        assert not any("gone" in line for line in told)
+
+
+@pytest.mark.parametrize("asks", [False, True])
+def test_a_connection_that_falls_silent_is_cut(listener, monkeypatch, asks):
+    monkeypatch.setattr(sockets, "SILENT_NS", 200_000_000)
+    with raw(listener) as one:
+        if asks:
+            request = encode(attrs.evolve(ASK, token=bytes(32)))
+            one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
+            while not answered(listener):
+                pass
+        with contextlib.suppress(ConnectionError):
+            while one.recv(1 << 16):  # what the library calls, and the frame
+                listener.next(10)
+    while not any("cut: silent" in line for line in listener.told):
+        listener.next(10)
+    assert any("gone" in line for line in listener.told) == asks
+
+
+def test_who_asks_while_the_server_draws_is_not_silent(listener, monkeypatch):
+    monkeypatch.setattr(sockets, "SILENT_NS", 200_000_000)
+    monkeypatch.setattr(listening, "SILENT_NS", 200_000_000)
+    with closing(Liar(listener)) as client:
+        assert client.asks()
+        client.socket.send(client.next_request())
+        time.sleep(0.5)  # as long as another frame takes
+        assert listener.next(1000) is not None
+        assert not any("silent" in line for line in listener.told)
+
+
+def test_a_client_that_leaves_is_forgotten_at_once(listener):
+    """Those that have left must not keep others out."""
+    for _ in range(80):  # more than there may be at a time
+        with raw(listener) as one:
+            request = encode(attrs.evolve(ASK, token=bytes(32)))
+            one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
+            while not answered(listener):
+                pass
     serves(listener)
+    assert not any("clients are here already" in line for line in listener.told)
+
+
+def test_log_lines_are_limited_whatever_comes(listener):
+    begun = time.monotonic()
+    with raw(listener) as one:
+        for number in range(600):
+            bad = b"HWFD\x1b[2J" + bytes(number % 7)
+            one.sendall(b"\x00" + bytes([len(bad)]) + bad)
+            listener.next(0)
+        while not any("more lines" in line for line in listener.told):
+            listener.next(10)
+    seconds = 2 + time.monotonic() - begun
+    # Of one kind and address, and a line a second on the rest.
+    assert 0 < len(listener.told) <= 5 * seconds
+    assert all(line.isprintable() for line in listener.told)
+
+
+def large(number: int):
+    """A frame of 2048x2048 pixels: 48 MiB."""
+    side = 2048
+    pictures = {
+        "colours": (np.ones((side, side, 4), np.float16),),
+        "inverse_depths": (np.ones((side, side), np.float32),),
+    }
+    return attrs.evolve(FRAME, number=number, views=ASK.views[:1], **pictures)
+
+
+class Liar:
+    """A client that says it has everything and reads nothing."""
+
+    def __init__(
+        self, listener: Listener, pair: KeyPair | None = None, *, shares: bool = False, received: int = 2**64 - 1
+    ) -> None:
+        self._context = zmq.Context()
+        self.socket = self._context.socket(zmq.DEALER)
+        for name, value in (("LINGER", 0), ("RCVHWM", 1), ("RCVBUF", 4096)):
+            self.socket.setsockopt(getattr(zmq, name), value)
+        if pair is not None:
+            self.socket.curve_publickey, self.socket.curve_secretkey = zmq.curve_keypair()
+            self.socket.curve_serverkey = pair.public
+        self.socket.connect(listener.address)
+        own = {"size": (2048, 2048), "views": ASK.views[:1], "shares": shares, "received": received}
+        self._ask, self._listener, self._number = attrs.evolve(ASK, token=bytes(32), **own), listener, 0
+
+    def asks(self) -> bool:
+        """Ask for a frame; return whether it was sent."""
+        self.socket.send(self.next_request())
+        asked = self._listener.next(200)
+        return asked is not None and self._listener.answer(asked, large(asked.ask.number))
+
+    def next_request(self) -> bytes:
+        self._number += 1
+        return encode(attrs.evolve(self._ask, number=self._number))
+
+    def close(self) -> None:
+        self.socket.close(0)
+        self._context.term()
+
+
+def shared_bytes() -> int:
+    """Bytes of all segments of this machine."""
+    return sum(path.stat().st_size for path in SHARED.glob("hmdwarp-*")) if IS_ABLE else 0
+
+
+@pytest.mark.parametrize("way", ["tcp", "encrypted", "ipc", "shared memory"])
+@pytest.mark.parametrize("received", [0, 2**64 - 1], ids=["honest", "false"])
+def test_what_waits_for_a_client_is_bounded_whatever_it_says_that_it_has(tmp_path, way, received):
+    where = f"ipc://{tmp_path}/feed" if way in ("ipc", "shared memory") else "127.0.0.1:*"
+    pair = KeyPair(*zmq.curve_keypair()) if way == "encrypted" else None
+    with closing(Listener(where, pair=pair)) as listener:
+        with closing(Liar(listener, pair, shares=way == "shared memory", received=received)) as liar:
+            before, shared = resident(), shared_bytes()
+            sent = sum(liar.asks() for _ in range(20))
+            # One frame more is being made, and is not sent.
+            assert resident() - before + shared_bytes() - shared < MOST_OF_CLIENT + 64 * MIB
+        assert sent == 20 if (way, received) == ("shared memory", 2**64 - 1) else 0 < sent < 8
+        while listener.clients:
+            listener.next(10)
+        assert shared_bytes() == shared
+        if pair is None:
+            serves(listener)
+
+
+def test_what_waits_for_all_is_bounded_and_the_one_that_takes_nothing_makes_room(monkeypatch):
+    monkeypatch.setattr(listening, "MOST_OF_ALL", 200 * MIB)
+    monkeypatch.setattr(listening, "_STUCK_NS", 0)
+    told: list[str] = []
+    with closing(Listener("127.0.0.1:*", say=told.append)) as listener, ExitStack() as open_now:
+        before = resident()
+        for _ in range(5):
+            liar = open_now.enter_context(closing(Liar(listener)))
+            for _ in range(3):
+                liar.asks()
+            assert resident() - before < 300 * MIB
+        assert any("no room for others'" in line for line in told)
+        serves(listener)
 
 
 def test_a_thousand_connections_of_noise_leave_it_serving(listener):

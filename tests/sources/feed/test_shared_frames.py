@@ -255,11 +255,10 @@ def test_a_segment_that_is_cut_while_it_is_read_is_a_short_read(tmp_path, monkey
             read(stub)
 
 
-def test_segments_go_with_their_client(address, names, monkeypatch):
+def test_segments_go_with_their_client(address, names):
     with closing(Listener(address)) as listener:
         with closing(Caller(address)) as caller:
             exchanged(caller, listener)
-        monkeypatch.setattr("hmdwarp.sources.feed.listener._SILENT_NS", 0)
         while len(left(names)) > 1:  # the lock, which is the server's
             listener.next(1)
 

@@ -52,7 +52,7 @@ WRONG = [
         ("line 2", "quaternion of length 2"),
     ),
     ("stray_scanner", "rgb.mp4", "no video", ("rgb.mp4", "not a video")),
-    ("stray_scanner", "camera_matrix.csv", None, ("camera_matrix.csv", "cannot be read")),
+    ("stray_scanner", "camera_matrix.csv", None, ("camera_matrix.csv", "no such file")),
     ("rtabmap", "map_camera_poses.txt", "1.0 0 0 0 0 0 0 1\n", ("poses.txt, line 1", "--poses_format 11")),
     ("rtabmap", "map_calib/8.yaml", None, ("8.yaml", "expected the calibration of its image")),
     ("rtabmap", "map_calib/8.yaml", "image_width: 36\n", ("8.yaml", "camera_matrix of 9 numbers")),

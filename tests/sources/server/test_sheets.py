@@ -245,6 +245,16 @@ def test_a_hidden_pane_is_known_where_no_other_is_seen_and_only_there(gpu):
     assert (parts["veil"][at_front & behind_wall][:, 2] == 0).all()  # nothing of the one behind the wall shines through
 
 
+@pytest.mark.parametrize("channel", range(3))
+def test_a_sheet_is_absent_that_takes_less_than_1_of_256_of_every_colour(gpu, channel):
+    for share, there in ((1 / 200, True), (1 / 300, False)):
+        tint = [1.0, 1.0, 1.0]
+        tint[channel] -= share
+        clear = pane("clear", Quad((0, 1.6, -1), (2, 0, 0), (0, 2, 0), -1, (1, 1, 1)), opacity=0.0, tint=tuple(tint))
+        parts = picture(gpu, Scene("clear", "", (clear,)), View(Pose((0, 1.6, 0)), FOV), LAYERS)
+        assert ((parts["depth"] > 0) == there).all()
+
+
 def test_a_fence_of_alpha_is_a_surface_with_holes(gpu):
     image = np.zeros((8, 8, 4), np.uint8)
     image[:, 4:] = (255, 200, 100, 255)

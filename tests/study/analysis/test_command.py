@@ -153,7 +153,7 @@ WRONG = [
     ((PUBLISHED, "--column", "grade"), "expected ROLE=NAME"),
     ((PUBLISHED, "--scale", "acr"), "thesis_ratings.csv:46: rating 6"),
     ((PUBLISHED, "--pilot", "--simulated"), "never mixed"),
-    ((PUBLISHED, "--claims", "none.toml"), "none.toml: No such file"),
+    ((PUBLISHED, "--claims", "none.toml"), "none.toml: no such file"),
 ]
 
 

@@ -149,6 +149,10 @@ def test_simulated_sessions_count_only_on_request(contents, design, tmp_path):
         export(programs, design, tmp_path / "out")
     with pytest.raises(InputError, match="no session of a person to analyse: run one first"):
         from_contents(attrs.evolve(contents, sessions=()), design)
+    with pytest.raises(InputError, match="no session of a pilot to analyse: it holds simulated ones: use --simulated"):
+        from_contents(programs, design, PILOT)
+    with pytest.raises(InputError, match="no session of a pilot to analyse: run one with --pilot first"):
+        from_contents(attrs.evolve(contents, sessions=()), design, PILOT)
     assert from_contents(programs, design, SIMULATED).origin == SIMULATED
 
 

@@ -36,6 +36,8 @@ from hmdwarp.study.dialogs import (
     width_of,
     wrapped,
 )
+from hmdwarp.study.dialogs.buttons import Button
+from hmdwarp.study.dialogs.canvas import Canvas
 
 from .made_scales import SHIPPED, any_scale, asked_of, said
 
@@ -155,6 +157,21 @@ def test_the_buttons_of_a_panel_are_where_they_are_drawn():
     asked.handle(said("skip"))
     asked.handle(said(("press", (0.75, _up(asked.panel(), "yes")))))
     assert asked.skipped
+
+
+def test_a_button_s_text_keeps_clear_of_its_edges():
+    """By 8 pixels on each side: a smaller size is taken instead."""
+    text = "Stop for today"
+    for px in (28, 24):
+        for spare in (0, 8, 15, 16):
+            right = 10 + width_of(text, px) + spare
+            inks = []
+            for written in (text, ""):
+                canvas = Canvas(60)
+                Button("stop", written, 10, 2, right).draw(canvas, marked=False)
+                inks.append(canvas.ink().copy())
+            at = np.flatnonzero((inks[0] != inks[1]).any(axis=0))
+            assert len(at) and at.min() >= 10 + 7 and at.max() <= right - 7
 
 
 def _up(panel, name: str) -> float:

@@ -187,7 +187,7 @@ def test_a_shipped_model_that_lacks_a_scale_names_the_remedy_and_no_file_of_the_
 def test_an_unknown_model_is_refused():
     with pytest.raises(InputError, match="thesis"):
         load_model("thesiss")
-    with pytest.raises(InputError, match="No such file"):
+    with pytest.raises(InputError, match="no such file"):
         load_model("nowhere.toml")
 
 

@@ -6,13 +6,15 @@ Source: BIDS specification 1.9, "Motion".
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
+import attrs
 import numpy as np
 
 from ....errors import TraceError
+from ....options.documents import json_in
+from ....options.named_files import FACTS, text_in
 from ...assumptions import By
 from ...options import Euler
 from ..axes import parse_axes
@@ -21,6 +23,7 @@ from ..made import Made, rows_text
 
 KIND = "bids"
 _ENDING = "_motion.tsv"
+_BESIDE = attrs.evolve(FACTS, what="what describes a table of BIDS", error=TraceError)
 _COLUMNS = ("type", "component", "tracked_point", "units", "reference_frame")
 _LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
 _QUATERNION = ("quat_x", "quat_y", "quat_z", "quat_w")
@@ -91,21 +94,14 @@ def _turn_parts(at: dict[str, int]) -> list[str]:
 
 
 def _channels(path: Path, table: Path) -> list[dict[str, str]]:
-    try:
-        with path.open(encoding="utf-8-sig") as file:
-            rows = csv.DictReader(file, delimiter="\t")
-            return [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in rows]
-    except FileNotFoundError:
-        raise TraceError(f"{table}: BIDS describes its columns in {path.name}, which is not beside it") from None
+    if not path.exists():
+        raise TraceError(f"{table}: BIDS describes its columns in {path.name}, which is not beside it")
+    rows = csv.DictReader(text_in(path, _BESIDE, path.parent).splitlines(), delimiter="\t")
+    return [{key: row.get(key) or "n/a" for key in _COLUMNS} for row in rows]
 
 
 def _json(path: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        return {}
-    except ValueError as error:
-        raise TraceError(f"{path} is no JSON: {error}") from None
+    found = json_in(path, _BESIDE, path.parent) if path.exists() else {}
     return found if isinstance(found, dict) else {}
 
 

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from ....errors import InputError
+from ....options.named_files import enter
 from ....registry import Registry
 from ..options import SequenceOptions
 from ..recorded import Sequence
@@ -25,6 +26,8 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     options, place = options or SequenceOptions(), Path(path)
     if not place.exists():
         raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
+    if place.is_dir():
+        enter(place)
     if options.layout is not None:
         return _read(readers.get(options.layout), place, options)
     chances = {reader.name: reader.fits(place) for reader in readers}

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ....errors import InputError
 from ....geometry import Pose
+from ....options.named_files import LIST, text_in
 from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
@@ -106,7 +107,7 @@ def facts_of(
     numbers that are often right. only_for: (w, h) of the pictures that those numbers are for.
     Errors: InputError.
     """
-    stated = read_json(folder / CAMERA) if (folder / CAMERA).is_file() else {}
+    stated = read_json(folder / CAMERA) if (folder / CAMERA).exists() else {}
     camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
     named = stated.get("depth_scale")
     if named is not None and options.depth_scale is None:
@@ -385,12 +386,7 @@ class Row:
 
 def rows_of(path: Path) -> list[Row]:
     """Return the lines of a file; comments and empty lines are left out."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin files with a mark
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: not a text file ({error})") from error
+    text = text_in(path, LIST)
     lines = (line.partition("#")[0].replace(",", " ").split() for line in text.splitlines())
     return [Row(f"{path}, line {number}", words) for number, words in enumerate(lines, 1) if words]
 

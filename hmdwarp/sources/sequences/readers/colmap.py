@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InputError, TraceError
+from ....options.named_files import PICTURE_FILE, content_of, named_in
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ....poses.reading.colmap import ColmapCamera, ColmapImage, read_cameras, read_images
@@ -90,7 +91,7 @@ class ColmapReader(SequenceReader):
 def _model(path: Path) -> Path | None:
     """Return the file of a model's images."""
     files = (path / place / f"images{ending}" for place in _MODELS for ending in (".txt", ".bin"))
-    return next((file for file in files if file.is_file()), None)
+    return next((file for file in files if file.exists()), None)
 
 
 def _depths(path: Path) -> Path | None:
@@ -101,9 +102,9 @@ def _with_depth(images: list[ColmapImage], pictures: Path, depths: Path) -> Iter
     """Yield number, image and depth of the images that have both files."""
     for at, image in enumerate(images):
         names = [depths / f"{image.name}{ending}" for ending in _OWN]
-        names += [(depths / image.name).with_suffix(ending) for ending in DEPTHS]
-        depth = next((file for file in names if file.is_file()), None)
-        if depth is not None and (pictures / image.name).is_file():
+        names += [named_in(depths, image.name).with_suffix(ending) for ending in DEPTHS]
+        depth = next((file for file in names if file.exists()), None)
+        if depth is not None and named_in(pictures, image.name).exists():
             yield at, image, depth
 
 
@@ -128,8 +129,8 @@ def _depth(path: Path) -> NDArray[Any]:
     """Return depth; that of COLMAP's stereo is 'width&height&channels&' and then floats by rows."""
     if not path.name.endswith(_OWN):
         return read_depth(path)
-    wide, high, channels, *rest = path.read_bytes().split(b"&", 3)
     try:
+        wide, high, channels, *rest = content_of(path, PICTURE_FILE).split(b"&", 3)
         shape = (int(high), int(wide))
         values = np.frombuffer(rest[0], "<f4").reshape(shape)
     except (ValueError, IndexError):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from ....colour import linear_from_srgb
 from ....errors import InputError
 from ....geometry import Fov
 from ....poses.assumptions import Assumption, By
-from ..camera import read_json, scale_of
+from ..camera import read_json, scale_of, seconds_of
 from ..frame_files import JSON, NPZ, OWN_FACTS, FrameFile, assumptions_of, find_frame, is_depth
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, PICTURES
@@ -39,10 +40,10 @@ class FolderReader(SequenceReader):
 
     def fits(self, path: Path) -> int:
         found = _frames_in(path)
-        return 60 if found and (found[0].suffix.lower() == NPZ or found[0].with_suffix(JSON).is_file()) else 0
+        return 60 if found and (found[0].suffix.lower() == NPZ or found[0].with_suffix(JSON).exists()) else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
-        shared = read_json(path / CAMERA) if (path / CAMERA).is_file() else {}
+        shared = read_json(path / CAMERA) if (path / CAMERA).exists() else {}
         found = [find_frame(frame, shared=shared) for frame in _frames_in(path)]
         times = _times(path, found, options)
         frames = [_frame(one, time_ns, options) for one, time_ns in zip(found, times, strict=True)]
@@ -77,11 +78,13 @@ def _times(path: Path, found: list[FrameFile], options: SequenceOptions) -> list
 
 def _time_ns(found: FrameFile) -> int:
     key = "time_ns" if "time_ns" in found.facts else "time_s"
-    value: Any = np.asarray(found.facts[key])
-    whole = key == "time_ns"
-    if value.shape != () or value.dtype.kind not in ("iu" if whole else "iuf") or not np.isfinite(value):
-        raise InputError(f"{found.where}: {key} is {found.facts[key]!r}; expected {'a whole' if whole else 'a'} number")
-    return int(value) if whole else round(float(value) * 1e9)
+    value: Any = found.facts[key]
+    value = value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value
+    if key == "time_s":
+        return round(seconds_of(found.where, key, value) * 1e9)
+    if not isinstance(value, int) or isinstance(value, bool) or abs(value) >= 2**63:
+        raise InputError(f"{found.where}: {key} is {reprlib.repr(value)}; expected a whole number")
+    return value
 
 
 def _frame(found: FrameFile, time_ns: int, options: SequenceOptions) -> RecordedFrame:

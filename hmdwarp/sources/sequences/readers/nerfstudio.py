@@ -12,9 +12,10 @@ import attrs
 
 from ....errors import InputError, listed
 from ....geometry import Pose
+from ....options.named_files import enter, named_in
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import parse_axes
-from ..camera import Camera, camera_of, number_of, read_json, scale_of, unread_notes
+from ..camera import Camera, camera_of, number_of, read_json, scale_of, seconds_of, unread_notes
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import PICTURES, read_depth, size_of
 from ..recorded import AXES, CLOCK, INTRINSICS, NO_DEPTH, POSE, RecordedFrame, Sequence
@@ -58,11 +59,12 @@ class NerfstudioReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 90 if _file(path).is_file() else 0
+        return 90 if _file(path).exists() else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         file = _file(path)
         data = read_json(file)
+        enter(file.parent)
         listed = data.get("frames")
         if not isinstance(listed, list) or not all(isinstance(entry, dict) for entry in listed):
             raise InputError(f"{file}: frames is {reprlib.repr(listed)}; expected a list of frames")
@@ -151,9 +153,9 @@ def _frame(
 def _picture(file: Path, where: str, name: object) -> Path:
     if not isinstance(name, str) or not name:
         raise InputError(f"{where}: file_path is {name!r}; expected the name of a picture")
-    path = file.parent / name
+    path = named_in(file.parent, name)
     tried = [path, *(path.with_name(path.name + ending) for ending in PICTURES)] if not path.suffix else [path]
-    return next((path for path in tried if path.is_file()), path)
+    return next((path for path in tried if path.exists()), path)
 
 
 def _positive(where: str | Path, key: str, data: Mapping[str, Any]) -> float | None:
@@ -172,7 +174,7 @@ def _times(wheres: list[str], whole: list[Mapping[str, Any]], options: SequenceO
     if not key or options.frames_rate_hz is not None and key == "timestamp":
         return [round(number * step_ns) for number in range(len(whole))], clock_of(options)
     values = [entry.get(key) for entry in whole]
-    found = [number_of(where, key, one, "seconds") for where, one in zip(wheres, values, strict=True)]
+    found = [seconds_of(where, key, one) for where, one in zip(wheres, values, strict=True)]
     if key == "time" and _is_share(found):
         last, spread = len(found) - 1, max(found) - min(found)
         times = [round((value - min(found)) / (spread or 1) * last * step_ns) for value in found]

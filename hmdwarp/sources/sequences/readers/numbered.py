@@ -43,7 +43,7 @@ class NumberedReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        if not _poses(path).is_file() or not (path / "depth").is_dir():
+        if not _poses(path).exists() or not (path / "depth").is_dir():
             return 0
         return 80 if all(len(row.words) == 7 for row in rows_of(_poses(path))[:1]) else 20  # others are traces
 
@@ -61,7 +61,7 @@ class NumberedReader(SequenceReader):
 
 
 def _poses(path: Path) -> Path:
-    return next((path / name for name in POSES if (path / name).is_file()), path / POSES[0])
+    return next((path / name for name in POSES if (path / name).exists()), path / POSES[0])
 
 
 readers.register(NumberedReader())

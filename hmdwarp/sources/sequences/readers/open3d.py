@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
 from ....errors import InputError
+from ....options.named_files import FACTS, opened
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera, camera_of, read_json
@@ -96,9 +98,9 @@ def _trajectory(path: Path) -> Path | None:
 
 
 def _head_and_tail(file: Path) -> bytes:
-    with file.open("rb") as stream:
+    with opened(file, FACTS) as stream:
         head = stream.read(_HEAD)
-        stream.seek(max(0, file.stat().st_size - _HEAD))
+        stream.seek(max(0, stream.seek(0, io.SEEK_END) - _HEAD))
         return head + stream.read()
 
 

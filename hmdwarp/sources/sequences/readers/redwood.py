@@ -62,7 +62,7 @@ class RedwoodReader(SequenceReader):
         file = _log(path)
         if file is None:
             raise InputError(f"{path}: no trajectory.log; expected {self.summary}")
-        named = next((path / name for name in _INTRINSICS if (path / name).is_file()), None)
+        named = next((path / name for name in _INTRINSICS if (path / name).exists()), None)
         stated = read_json(named) if named is not None else {}
         own = camera_of(named, stated) if named is not None else None
         facts = facts_of(path, options, PRIMESENSE, _UNIT, own=own, own_scale=_scale(named, stated), by=By.NOBODY)
@@ -93,7 +93,7 @@ def _scale(where: Path | None, stated: Mapping[str, Any]) -> float | None:
 
 def _log(path: Path) -> Path | None:
     """Return the trajectory of a folder, by its usual names, or the only .log file there is."""
-    named = next((path / name for name in _LOGS if (path / name).is_file()), None)
+    named = next((path / name for name in _LOGS if (path / name).exists()), None)
     others = sorted(path.glob("*.log")) if path.is_dir() else []
     return named or (others[0] if len(others) == 1 else None)
 

@@ -50,7 +50,7 @@ class ReplicaReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 90 if (path / POSES).is_file() and any((path / "results").glob("frame*.*")) else 0
+        return 90 if (path / POSES).exists() and any((path / "results").glob("frame*.*")) else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         camera, scale = _stated(path)
@@ -73,7 +73,7 @@ class ReplicaReader(SequenceReader):
 
 def _stated(path: Path) -> tuple[Camera | None, float | None]:
     """Return the camera and the depth scale of cam_params.json, if there is one."""
-    file = next((place / FACTS for place in (path, path.resolve().parent) if (place / FACTS).is_file()), None)
+    file = next((place / FACTS for place in (path, path.resolve().parent) if (place / FACTS).exists()), None)
     if file is None:
         return None, None
     data: Any = read_json(file).get("camera")

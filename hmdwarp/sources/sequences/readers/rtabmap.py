@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....errors import InputError
+from ....options.named_files import TABLE, text_in
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera, refuse_distortion
@@ -129,10 +130,7 @@ class _Calibration:
 
 def _calibration(file: Path) -> _Calibration:
     """Return what a calibration states. Errors: InputError."""
-    try:
-        text = file.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{file}: cannot be read ({error}); expected the calibration of its image") from error
+    text = text_in(file, attrs.evolve(TABLE, what="the calibration of its image"))
     try:
         lists = {name: [float(word) for word in numbers.split(",")] for name, numbers in _LIST.findall(text)}
     except ValueError as error:

@@ -88,7 +88,7 @@ class ScanNetReader(SequenceReader):
 def _file(path: Path, name: str) -> Path | None:
     """Return a file of the calibration: of the full sets, or of their frames_25k."""
     places = (path / "intrinsic" / f"{name}.txt", path / f"{name.replace('intrinsic_', 'intrinsics_')}.txt")
-    return next((place for place in places if place.is_file()), None)
+    return next((place for place in places if place.exists()), None)
 
 
 def _camera(file: Path | None) -> Camera | None:

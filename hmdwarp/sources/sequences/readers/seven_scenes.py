@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from ....errors import InputError
+from ....options.named_files import LIST, content_of
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera, camera_of, number_of
@@ -92,10 +93,11 @@ class _Stated:
 def _stated(path: Path) -> _Stated:
     """Return what files of the sequence or of its scene state. Errors: InputError."""
     places = (path, path.resolve().parent)
-    info = next((place / name for place in places for name in _INFO if (place / name).is_file()), None)
-    if info is not None and "m_calibrationColorIntrinsic" in (text := info.read_text("utf-8", "replace")):
+    info = next((place / name for place in places for name in _INFO if (place / name).exists()), None)
+    text = "" if info is None else content_of(info, LIST).decode("utf-8", "replace")
+    if info is not None and "m_calibrationColorIntrinsic" in text:
         return _of_info(info, text)
-    file = next((place / _MATRIX for place in places if (place / _MATRIX).is_file()), None)
+    file = next((place / _MATRIX for place in places if (place / _MATRIX).exists()), None)
     if file is None:
         return _Stated()
     matrix = matrix_in(file, 3)

@@ -44,7 +44,7 @@ class StrayScannerReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 93 if (path / ODOMETRY).is_file() and (path / VIDEO).is_file() else 0
+        return 93 if (path / ODOMETRY).exists() and (path / VIDEO).exists() else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         rows, matrix = _rows(path / ODOMETRY), matrix_in(path / CAMERA, 3)

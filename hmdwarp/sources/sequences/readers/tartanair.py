@@ -85,7 +85,7 @@ def _side(path: Path) -> str | None:
         (
             side
             for side in _CAMERAS
-            if (path / f"pose_{side}.txt").is_file()
+            if (path / f"pose_{side}.txt").exists()
             and all((path / f"{kind}_{side}").is_dir() for kind in ("image", "depth"))
         ),
         None,

@@ -149,10 +149,10 @@ def _number(picture: Path) -> Decimal | None:
 
 def _camera(path: Path) -> Camera | None:
     """Return the camera of a file next to it, None where there is none. Errors: InputError."""
-    file = next((path / name for name in _INTRINSICS if (path / name).is_file()), None)
+    file = next((path / name for name in _INTRINSICS if (path / name).exists()), None)
     if file is not None:
         return camera_of(file, read_json(file))
-    file = next((path / name for name in _MATRICES if (path / name).is_file()), None)
+    file = next((path / name for name in _MATRICES if (path / name).exists()), None)
     if file is None:
         return None
     rows = rows_of(file)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ....errors import InputError, TraceError
+from ....options.named_files import named_in
 from ....poses import Origin, TraceOptions, load_trace
 from ....poses.assumptions import Assumption, By
 from ..camera import Camera
@@ -57,7 +58,7 @@ class TumReader(SequenceReader):
     )
 
     def fits(self, path: Path) -> int:
-        return 95 if all((path / name).is_file() for name in (COLOUR, DEPTH, TRAJECTORY)) else 0
+        return 95 if all((path / name).exists() for name in (COLOUR, DEPTH, TRAJECTORY)) else 0
 
     def read(self, path: Path, options: SequenceOptions) -> Sequence:
         name, own = path.resolve().name, _calibration(path)
@@ -76,7 +77,7 @@ class TumReader(SequenceReader):
             if sample.origin is Origin.HELD:
                 lost += 1
             else:
-                pairs.append(Pair(path / colour, path / depth, sample.time_ns, sample.pose))
+                pairs.append(Pair(named_in(path, colour), named_in(path, depth), sample.time_ns, sample.pose))
         notes = [*map(str, trace.defects)]
         if facts.camera is ADVISED and re.search("freiburg[12]", name):
             notes.append(
@@ -90,7 +91,7 @@ class TumReader(SequenceReader):
 def _calibration(path: Path) -> Camera | None:
     """Return the camera of ETH3D's file of fx fy cx cy; None without one. Errors: InputError."""
     file = path / CALIBRATION
-    if not file.is_file():
+    if not file.exists():
         return None
     rows = rows_of(file)
     if len(rows) != 1:

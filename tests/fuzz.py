@@ -1,0 +1,778 @@
+"""Every reader against damaged files: each is read or refused in one line, within limits.
+
+Each case is a valid file or folder, damaged inside its container (lengths and checksums are put
+right, so that the damage gets past them), and read in a process of its own with limits.
+
+    .venv/bin/python tests/fuzz.py --seconds 600 --seed 7
+    .venv/bin/python tests/fuzz.py --again out/fuzz/FINDING          one finding, with its traceback
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import gzip
+import importlib
+import importlib.util
+import io
+import json
+import os
+import random
+import re
+import resource
+import shutil
+import signal
+import sqlite3
+import struct
+import sys
+import tempfile
+import time
+import traceback
+import warnings
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+MOST_MIB, MOST_CPU_S, MOST_WALL_S = 1024, 20, 900
+READ, REFUSED, FAULT = 0, 2, 1
+IN = "taken"  # some layouts have a file beside their folder
+HERE = Path(__file__).resolve()
+ROOT = HERE.parents[1]
+
+
+# Damage
+
+
+NUMBERS = [b"0", b"-1", b"1e999", b"-1e308", b"1e-320", b"nan", b"inf", b"9" * 25, b"4294967296", b"65536", b"1e5"]
+WORDS = [b"", b'""', b"null", b"true", b"[]", b"{}", b"\xff\xfe", b"\0", b"'", b"x" * 3000, b"=", b"\n\n", b"[[", b"1"]
+VALUES = [None, True, 0, -1, 2, 65536, 2**31, 2**64, 10**30, 0.5, 1e308, 1e-320, float("nan"), float("inf"), "", "x"]
+VALUES += ["../x", "\0", "x" * 300, [], {}, [0], [[]], {"a": 1}, [1e308] * 3, ["x"] * 16]
+WHOLES = [0, 1, 2, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 2**24, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**64 - 1]
+FLOATS = [float("nan"), float("inf"), -1e300, 1e300, 1e-320, 0.0]
+TOKEN = re.compile(rb"[-+]?\d[\d.eE+-]*|[A-Za-z_]\w*|\"[^\"\n]*\"|[^\s\w]")
+
+
+def damaged_bytes(data: bytes, rng: random.Random) -> bytes:
+    """Return the data with a piece cut out, doubled, moved, overwritten or replaced by a number."""
+    out, at, length = bytearray(data), rng.randrange(len(data) + 1), rng.choice([1, 1, 2, 4, 8, rng.randrange(120)])
+    match rng.randrange(8):
+        case 0:
+            del out[at : at + length]
+        case 1:
+            out[at:at] = out[at : at + length] * rng.choice([1, 1, 50])
+        case 2:
+            piece = out[at : at + length]
+            del out[at : at + length]
+            to = rng.randrange(len(out) + 1)
+            out[to:to] = piece
+        case 3:
+            del out[at:]
+        case 4:
+            out[at : at + length] = rng.randbytes(length)
+        case 5:
+            if out:
+                out[at % len(out)] ^= 1 << rng.randrange(8)
+        case 6:
+            width = rng.choice("BHIQ")
+            whole = rng.choice(WHOLES) % 2 ** (8 * struct.calcsize(width))
+            number = struct.pack(rng.choice("<>") + width, whole)
+            out[at : at + len(number)] = number
+        case _:
+            number = struct.pack("<" + rng.choice("fd"), 0.0)
+            with contextlib.suppress(OverflowError):
+                number = struct.pack("<" + rng.choice("fd"), rng.choice(FLOATS))
+            out[at : at + len(number)] = number
+    return bytes(out)
+
+
+def damaged_text(data: bytes, rng: random.Random) -> bytes:
+    """Return the data with one of its numbers, words or signs replaced, or a line moved."""
+    found = list(TOKEN.finditer(data[:200_000]))
+    if not found or rng.random() < 0.2:
+        lines = data.split(b"\n")
+        one, other = rng.randrange(len(lines)), rng.randrange(len(lines))
+        lines[one : one + rng.choice([0, 1, 1, 3])] = [lines[other]] * rng.choice([0, 1, 1, 20])
+        return b"\n".join(lines)
+    token = rng.choice(found)
+    other = rng.choice(found).group()
+    return data[: token.start()] + rng.choice([*NUMBERS, *WORDS, *[other] * 6]) + data[token.end() :]
+
+
+def made_up(rng: random.Random) -> bytes:
+    """Return a table of anything, or random bytes."""
+    if rng.random() < 0.2:
+        return rng.randbytes(rng.randrange(600))
+    names = rng.choice(
+        [b"", b"time,x,y,z,qx,qy,qz,qw", b"timestamp viewpoint w x y z", b"t;qw;qx;qy;qz", b"Device,time_ns,x"]
+    )
+    sign = rng.choice([b",", b";", b" ", b"\t", b", "])
+    fields = [
+        *NUMBERS,
+        *WORDS[:6],
+        b"12:34:56.7",
+        b"2020-01-01T00:00:00",
+        b"0,5",
+        b"HMD",
+        b'"1"',
+        b"0x1",
+        b"1",
+        b"2",
+        b"3",
+    ]
+    rows = [sign.join(rng.choices(fields, k=rng.randrange(4, 9))) for _ in range(rng.randrange(8))]
+    return b"\n".join([names, *rows])
+
+
+def damaged_json(data: bytes, rng: random.Random) -> bytes:
+    """Return the JSON with a value anywhere in it replaced, left out, or named otherwise."""
+    root = [json.loads(data)]
+    places: list[tuple[Any, Any]] = []
+
+    def walk(value: Any) -> None:
+        for key in list(value) if isinstance(value, dict) else range(len(value)):
+            places.append((value, key))
+            if isinstance(value[key], dict | list):
+                walk(value[key])
+
+    walk(root)
+    inside, key = rng.choice(places)
+    match rng.randrange(6):
+        case 0 if inside is not root:
+            del inside[key]
+        case 1 if isinstance(inside, dict):
+            inside[rng.choice(["", "x", str(key).upper()])] = inside.pop(key)
+        case 2:
+            there, other = rng.choice(places)
+            inside[key] = json.loads(json.dumps(there[other]))
+        case 3 if isinstance(inside[key], int | float) and not isinstance(inside[key], bool):
+            inside[key] *= rng.choice([-1, 1.5, 2**16, 10**12])
+        case _:
+            inside[key] = rng.choice(VALUES)
+    return json.dumps(root[0]).encode()
+
+
+def damaged_zip(data: bytes, rng: random.Random) -> bytes:
+    """Return the archive with one member damaged, gone, or under another name."""
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        members = {name: archive.read(name) for name in archive.namelist()}
+    name, out = rng.choice(list(members)), io.BytesIO()
+    match rng.randrange(8):
+        case 0:
+            del members[name]
+        case 1:
+            members[rng.choice(["x.npy", *members])] = members.pop(name)
+        case _:
+            members[name] = damaged(members[name], rng)
+    with zipfile.ZipFile(out, "w", rng.choice([zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED])) as archive:
+        for name, member in members.items():
+            archive.writestr(name, member)
+    return out.getvalue()
+
+
+def damaged_npy(data: bytes, rng: random.Random) -> bytes:
+    """Return the array with its header or a number of it replaced."""
+    begin = 10
+    end = begin + int.from_bytes(data[8:10], "little")
+    head, body = data[begin:end], data[end:]
+    if rng.random() < 0.6:
+        types = [
+            b"<f4",
+            b"<f8",
+            b"<f2",
+            b"|u1",
+            b"<u2",
+            b"<i8",
+            b"<c8",
+            b"|O",
+            b"<U4",
+            b"|b1",
+            b"|V4",
+            b"<M8[ns]",
+            b">f8",
+        ]
+        if rng.random() < 0.5:
+            head = re.sub(rb"'descr': '[^']*'", b"'descr': '" + rng.choice(types) + b"'", head)
+        else:
+            head = damaged_text(head, rng)[:60_000]
+    else:
+        kind = np.dtype(re.search(rb"'descr': '([^']*)'", head)[1].decode())
+        numbers = np.frombuffer(body[: len(body) // kind.itemsize * kind.itemsize], kind).copy()
+        if kind.kind == "f" and numbers.size:
+            share = rng.choice([numbers.size, 1])
+            with np.errstate(over="ignore"):
+                numbers[:share] = rng.choice([*FLOATS, -1.0])
+        body = numbers.tobytes()
+    return data[:8] + len(head).to_bytes(2, "little") + head + body
+
+
+def damaged_png(data: bytes, rng: random.Random) -> bytes:
+    """Return the picture with a chunk damaged, moved or gone; checksums fit."""
+    chunks, at = [], 8
+    while at + 12 <= len(data):
+        length = int.from_bytes(data[at : at + 4], "big")
+        chunks.append([data[at + 4 : at + 8], data[at + 8 : at + 8 + length]])
+        at += 12 + length
+    one = rng.choice(chunks)
+    match rng.randrange(6):
+        case 0:
+            chunks.remove(one)
+        case 1:
+            chunks.insert(rng.randrange(len(chunks)), one)
+        case 2 if one[0] == b"IDAT":
+            one[1] = zlib.compress(damaged_bytes(zlib.decompress(one[1]), rng))
+        case _:
+            one[1] = damaged_bytes(one[1], rng)
+    return data[:8] + b"".join(
+        struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body)) for name, body in chunks
+    )
+
+
+def damaged_glb(data: bytes, rng: random.Random) -> bytes:
+    """Return the scene with a value of its JSON, or its binary chunk, damaged; lengths fit."""
+    length = int.from_bytes(data[12:16], "little")
+    header, binary = data[20 : 20 + length], data[28 + length :]
+    if rng.random() < 0.75 or not binary:
+        header = damaged_json(header, rng)
+    else:
+        binary = damaged_bytes(binary, rng)
+    parts = [(b"JSON", header + b" " * (-len(header) % 4)), (b"BIN\0", binary + b"\0" * (-len(binary) % 4))]
+    body = b"".join(struct.pack("<I", len(part)) + kind + part for kind, part in parts)
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(body)) + body
+
+
+def damaged_exr(data: bytes, rng: random.Random) -> bytes:
+    """Return the picture with the value of one attribute of its header damaged; lengths fit."""
+    attributes, at = [], 8
+    while data[at]:
+        kind_at = data.index(b"\0", at) + 1
+        size_at = data.index(b"\0", kind_at) + 1
+        end = size_at + 4 + int.from_bytes(data[size_at : size_at + 4], "little")
+        attributes.append((data[at:size_at], data[size_at + 4 : end]))
+        at = end
+    k = rng.randrange(len(attributes))
+    name, value = attributes[k]
+    match rng.randrange(6):
+        case 0:
+            del attributes[k]
+        case 1:
+            attributes.append((b"x" + name, value))
+        case _:
+            attributes[k] = name, damaged_bytes(value, rng)
+    head = b"".join(name + struct.pack("<I", len(value)) + value for name, value in attributes)
+    # The table of offsets follows, up to where the first one points: each moves with the header.
+    rest, moved = data[at + 1 :], 8 + len(head) - at
+    count = min(max(0, (int.from_bytes(rest[:8], "little") - at - 1) // 8), 4096)
+    table = b"".join(struct.pack("<Q", int.from_bytes(rest[8 * i : 8 * i + 8], "little") + moved) for i in range(count))
+    return data[:8] + head + b"\0" + table + rest[8 * count :]
+
+
+def damaged_mcap(data: bytes, rng: random.Random) -> bytes:
+    """Return the recording with a record damaged, in a chunk too; lengths fit, no checksums."""
+    records = [list(record) for record in _records(data[8:-8])]
+    # Without the summary, whose offsets would no longer fit: up to the end of data, and a footer.
+    records = records[: 1 + [kind for kind, _ in records].index(15)]
+    inside = [record for record in records if record[0] == 6]
+    one = rng.choice(records)
+    if inside and rng.random() < 0.7:
+        one = rng.choice(inside)
+        name_length = int.from_bytes(one[1][28:32], "little")
+        packed = one[1][40 + name_length :]
+        if one[1][32 : 32 + name_length] == b"zstd":
+            import zstandard
+
+            packed = zstandard.ZstdDecompressor().decompress(packed, int.from_bytes(one[1][16:24], "little"))
+        inner = [list(record) for record in _records(packed)]
+        damage = rng.choice(inner)
+        damage[1] = (damaged_bytes if rng.random() < 0.5 else damaged_text)(damage[1], rng)
+        body = _packed(inner)
+        one[1] = one[1][:16] + struct.pack("<QIIQ", len(body), 0, 0, len(body)) + body
+    else:
+        one[1] = damaged_bytes(one[1], rng)
+    return data[:8] + _packed([*records, [2, bytes(20)]]) + data[-8:]
+
+
+def _records(data: bytes) -> Iterator[tuple[int, bytes]]:
+    at = 0
+    while at + 9 <= len(data):
+        length = int.from_bytes(data[at + 1 : at + 9], "little")
+        yield data[at], data[at + 9 : at + 9 + length]
+        at += 9 + length
+
+
+def _packed(records: list[list[Any]]) -> bytes:
+    return b"".join(bytes([kind]) + struct.pack("<Q", len(body)) + body for kind, body in records)
+
+
+def damaged_sqlite(data: bytes, rng: random.Random) -> bytes:
+    """Return the database with one value of one row replaced."""
+    base = sqlite3.connect(":memory:")
+    base.deserialize(data)
+    tables = [name for (name,) in base.execute("SELECT name FROM sqlite_master WHERE type = 'table'")]
+    table = rng.choice(tables)
+    columns = [row[1] for row in base.execute(f'PRAGMA table_info("{table}")')]
+    rows = [row for (row,) in base.execute(f'SELECT rowid FROM "{table}"')]
+    if rows:
+        column, row = rng.choice(columns), rng.choice(rows)
+        (value,) = base.execute(f'SELECT "{column}" FROM "{table}" WHERE rowid = ?', (row,)).fetchone()
+        if isinstance(value, bytes | str) and rng.random() < 0.8:
+            new = damaged(value if isinstance(value, bytes) else value.encode(), rng)
+            value = new if isinstance(value, bytes) else new.decode(errors="replace")
+        else:
+            value = rng.choice([None, -1, 0, 2**62, 1e308, "", "x", b"\xff"])
+        with contextlib.suppress(sqlite3.Error):  # a constraint holds
+            base.execute(f'UPDATE "{table}" SET "{column}" = ? WHERE rowid = ?', (value, row))
+    base.commit()
+    return base.serialize()
+
+
+def damaged_message(data: bytes, rng: random.Random) -> bytes:
+    """Return the message of the feed damaged after its head, whose length fits."""
+    body = damaged_bytes(data[12:], rng)
+    return data[:8] + struct.pack("<I", 12 + len(body)) + body
+
+
+STRUCTURED: list[tuple[bytes, Callable[[bytes, random.Random], bytes]]] = [
+    (b"PK\x03\x04", damaged_zip),
+    (b"\x93NUMPY", damaged_npy),
+    (b"\x89PNG", damaged_png),
+    (b"glTF", damaged_glb),
+    (b"\x76\x2f\x31\x01", damaged_exr),
+    (b"\x89MCAP0", damaged_mcap),
+    (b"SQLite format 3\0", damaged_sqlite),
+    (b"HWFD", damaged_message),
+    (b"\x1f\x8b", lambda data, rng: gzip.compress(damaged(gzip.decompress(data), rng), 1)),
+    (b"{", damaged_json),
+    (b"[{", damaged_json),
+]
+
+
+def damaged(data: bytes, rng: random.Random) -> bytes:
+    """Return the data damaged in the way of their format, or in any."""
+    if rng.random() < 0.03:
+        return made_up(rng)
+    inside = next((way for magic, way in STRUCTURED if data.lstrip()[: len(magic)] == magic), None)
+    if inside is not None and rng.random() < 0.75:
+        with contextlib.suppress(Exception):  # damaged before, it may be of no format
+            return inside(data, rng)
+    is_text = b"\0" not in data[:4096]
+    return (damaged_text if is_text and rng.random() < 0.7 else damaged_bytes)(data, rng)
+
+
+# What is read
+
+Rng = random.Random | None  # for options of a reader, which are left alone for a valid file
+
+
+@attrs.frozen
+class Target:
+    """A kind of file or folder: who writes a valid one into a folder, and who reads it."""
+
+    write: Callable[[Path], object]
+    read: Callable[[Path, Rng], object]
+    needs: str | None = None  # a package
+
+
+def the_file(folder: Path, name: str) -> Path:
+    """Return the one file of that name, or the first with that ending."""
+    return next(iter(sorted(folder.glob(name))), folder / name.lstrip("*"))
+
+
+def _trace(path: Path, rng: Rng, stated: dict[str, Any] | None = None) -> None:
+    from hmdwarp.poses import TraceOptions, analyse, load_trace
+    from hmdwarp.poses.formats import formats
+
+    stated = dict(stated or {})
+    if rng is not None and rng.random() < 0.4:
+        stated |= {
+            "format": rng.choice([None, *formats.names()]),
+            "quat_order": rng.choice([None, "xyzw", "wxyz"]),
+            "up": rng.choice([None, "z", "x,y,z", "0.1,1,0.2"]),
+            "scale": rng.choice([None, 0.01, 1e6]),
+            "rate": rng.choice([None, 90.0, 1e-3]),
+            "segment": rng.choice([None, 1, 2]),
+        }
+    track = load_trace(path, TraceOptions(**stated)).track
+    assert len(track) >= 2 and track.start_ns == 0
+    for instant in (-1, 0, track.end_ns // 2, track.end_ns + 1):
+        track.at(instant)
+    analyse(track, latencies_ms=(20,))
+
+
+def _traces() -> Iterator[tuple[str, Target]]:
+    from poses import layouts
+    from poses import test_other_files as files
+    from poses.traces import head, rows, save, write
+    from ros_bags import BEGINS_NS
+
+    from hmdwarp import resources
+    from hmdwarp.poses.formats import formats
+
+    def reads(name: str = "trace*", stated: dict[str, Any] | None = None) -> Callable[[Path, Rng], None]:
+        return lambda folder, rng: _trace(the_file(folder, name), rng, stated)
+
+    track, table = head(60), rows(head(60), "wxyz")
+    for layout in layouts.LAYOUTS:
+        yield f"trace {layout.name}", Target(partial(_layout, layouts, layout, track), reads("*", layout.stated))
+    for form in formats:
+        if form.writes:
+            needs = "mcap" if form.name == "mcap" else None
+            there = track.evolve(epoch_ns=BEGINS_NS)
+            yield (
+                f"trace {form.name}",
+                Target(lambda folder, n=form.name, t=there: save(t, folder / f"trace.{n}", n), reads(), needs),
+            )
+    texts = {
+        "multi": "\n".join(["timestamp viewpoint w x y z"] + [" ".join([r[0], "0", *r[4:]]) for r in table]),
+        "frames": "\n".join(" ".join([r[0], str(i), *r[4:]]) for i, r in enumerate(table)),
+        "ticks": "\n".join(",".join([str(638 * 10**15 + i * 166667), *r[1:]]) for i, r in enumerate(table)),
+        "commas": "\n".join(
+            ["Device;Time;PosX;PosY;PosZ;QuatW;QuatX;QuatY;QuatZ"]
+            + [";".join([str(i % 2), *r]).replace(".", ",") for i, r in enumerate(table)]
+        ),
+        "unity": files.VECTORS["Unity in quotes"],
+        "iwer": json.dumps({"schema": [], "frames": files.iwer_frames(track)}),
+        "json": json.dumps(files.JSON_FORMS["columns and data"]),
+        "motive": "\n".join(files.motive()),
+        "qualisys": "\n".join(files.qualisys()),
+        "unreal": "\n".join(files.unreal("rotator")),
+        "recording": (resources.folder("recordings") / "walk.csv").read_text()[:20_000],
+    }
+    for name, text in texts.items():
+        stated = {"quat_order": "wxyz"} if name == "ticks" else None
+        yield f"trace {name}", Target(partial(_text, text), reads(stated=stated))
+    yield (
+        "trace named",
+        Target(lambda folder: write(folder / "trace.csv", rows(track), "t,x,y,z,qx,qy,qz,qw"), reads()),
+    )
+    yield "trace bids", Target(_bids, reads("*motion.tsv"))
+
+
+def _text(text: str, folder: Path) -> None:
+    (folder / "trace.csv").write_text(text, encoding="utf-8")
+
+
+def _layout(layouts: Any, layout: Any, track: Any, folder: Path) -> None:
+    layouts.written(layout, track, folder)
+
+
+def _bids(folder: Path) -> None:
+    from poses import test_other_files as files
+
+    places, turns = files.in_axes(files.TRACK, "unity")
+    channels = [(f"h_{p}", p, "ORNT", "head", "n/a", "global") for p in ("quat_w", "quat_x", "quat_y", "quat_z")]
+    channels += [(f"h_{p}", p, "POS", "head", "mm", "global") for p in "xyz"]
+    table = np.column_stack([turns[:, [3, 0, 1, 2]], 1000 * places])
+    files.bids(folder, channels, table, {"SpatialAxes": "RSA", "RotationRule": "left-hand"})
+
+
+def _sequences() -> Iterator[tuple[str, Target]]:
+    from published_folders import PUBLISHED, Form
+    from recorded_folders import LAYOUTS, taken
+    from ros_bags import BAGS
+
+    def read(form: Form, folder: Path, rng: Rng) -> None:
+        from hmdwarp.sources import sequences
+
+        for frame in sequences.open(folder, form.options).frames[:4]:
+            frame.read()
+
+    for name, form in ({name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS).items():
+        needs = "rosbags" if name in BAGS else "OpenEXR" if name == "exr" else None
+        yield (
+            f"frames {name}",
+            Target(lambda folder, form=form: form.write(folder, taken(3)), partial(read, form), needs),
+        )
+        if name in BAGS:
+            yield f"trace {name}", Target(lambda folder, form=form: form.write(folder, taken(3)), _bag, needs)
+
+
+def _bag(folder: Path, rng: Rng) -> None:
+    _trace(next(path for path in sorted(folder.iterdir()) if path.suffix in (".bag", ".db3", ".mcap")), rng)
+
+
+def _frame_files() -> Iterator[tuple[str, Target]]:
+    from hmdwarp.sources.sequences import frame_files
+
+    def write(pack: Callable[..., None], folder: Path) -> None:
+        facts = {"fov": [-0.6, 0.6, -0.5, 0.5], "position_m": [0, 1, 2], "orientation_xyzw": [0, 0, 0, 1]}
+        (folder / "pose.json").write_text(json.dumps(facts))
+        pack(folder / "frame.npz", colour=np.full((8, 10, 3), 9, np.uint8), depth_m=np.full((8, 10), 2.0), **facts)
+
+    for name, pack in (("stored", np.savez), ("packed", np.savez_compressed)):
+        yield (
+            f"frame {name}",
+            Target(partial(write, pack), lambda folder, _: frame_files.read_frame(folder / "frame.npz")),
+        )
+    yield "pose", Target(partial(write, np.savez), lambda folder, _: frame_files.read_view(folder / "pose.json"))
+
+
+def _scenes() -> Iterator[tuple[str, Target]]:
+    import trimesh
+    from scenes.glb import Glb
+
+    def read(ending: str, folder: Path, rng: Rng) -> None:
+        from hmdwarp.scenes import SceneOptions, load_scene
+
+        animation = "all" if rng is not None and ending.startswith("gl") and rng.random() < 0.5 else None
+        load_scene(folder / f"scene.{ending}", SceneOptions(animation=animation))
+
+    def glb() -> Glb:
+        made = Glb().skin().animate("rotation", (0, 1), ((0, 0, 0, 1), (0, 1, 0, 0)), node=2)
+        picture = np.full((8, 8, 4), 200, np.uint8)
+        return made.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorTexture": made.texture(picture)})
+
+    yield "scene glb", Target(lambda folder: (folder / "scene.glb").write_bytes(glb().data()), partial(read, "glb"))
+    for inside in (True, False):
+        yield (
+            f"scene gltf {'whole' if inside else 'with files'}",
+            Target(lambda folder, i=inside: glb().write_gltf(folder / "scene.gltf", inside=i), partial(read, "gltf")),
+        )
+    for ending in ("obj", "ply"):
+        yield (
+            f"scene {ending}",
+            Target(
+                lambda folder, e=ending: trimesh.creation.box().export(folder / f"scene.{e}"), partial(read, ending)
+            ),
+        )
+
+
+def _tables() -> Iterator[tuple[str, Target]]:
+    from hmdwarp.client.classes import load_client
+    from hmdwarp.headsets import load_headset
+    from hmdwarp.study.analysis import load_claims
+    from hmdwarp.study.design import load_design
+    from hmdwarp.study.respondents import load_model
+    from hmdwarp.study.scales import load_scale
+
+    package = ROOT / "hmdwarp"
+    kinds: dict[str, tuple[str, Callable[[str], object]]] = {
+        "headset": ("headsets/*.toml", load_headset),
+        "client": ("client/classes/*.toml", load_client),
+        "scale": ("study/scales/*.toml", load_scale),
+        "model": ("study/respondents/*.toml", load_model),
+        "study": ("study/ready/[!_]*.toml", partial(load_design, checked=False)),
+        "claims": ("study/ready/*_claims.toml", lambda name: load_claims(Path(name))),
+    }
+    for kind, (where, load) in kinds.items():
+        for file in sorted(package.glob(where)):
+            if kind != "study" or "_" not in file.stem:
+                yield (
+                    f"{kind} {file.stem}",
+                    Target(partial(shutil.copy, file), lambda folder, _, f=file, load=load: load(str(folder / f.name))),
+                )
+
+
+def _results() -> Iterator[tuple[str, Target]]:
+    from hmdwarp.link.delays.trace import read_delays
+    from hmdwarp.run.bench_levels import read_rows
+    from hmdwarp.study.analysis import from_csv
+
+    def bench(folder: Path) -> None:
+        from bench_files import a_row
+
+        (folder / "bench.json").write_text(json.dumps({"schema": 1, "rows": [a_row("none", "none", 1.0, 0.3)] * 2}))
+
+    ratings = sorted((ROOT / "hmdwarp" / "study" / "ready").glob("*_ratings.csv"))
+    yield "bench", Target(bench, lambda folder, _: read_rows(folder / "bench.json"))
+    yield (
+        "delays",
+        Target(
+            lambda folder: (folder / "delays.txt").write_text("delay\n" + "12.5\n80 # late\n" * 9),
+            lambda folder, _: read_delays(folder / "delays.txt"),
+        ),
+    )
+    for file in ratings:
+        yield (
+            f"ratings {file.stem}",
+            Target(partial(shutil.copy, file), lambda folder, _, f=file: from_csv(folder / f.name)),
+        )
+
+
+def _messages() -> Iterator[tuple[str, Target]]:
+    def write(name: str, folder: Path) -> None:
+        from sources.feed import test_message as made
+
+        (folder / "message").write_bytes(bytes(made.encode(getattr(made, name))))
+
+    def read(folder: Path, rng: Rng) -> None:
+        from hmdwarp.errors import InputError
+        from hmdwarp.sources.feed import message
+
+        try:
+            message.decode((folder / "message").read_bytes())
+        except message.Malformed as error:
+            raise InputError(str(error)) from error
+
+    for name in ("ASK", "FRAME", "BYTES", "CODED", "LAYERED"):
+        yield f"message {name.lower()}", Target(partial(write, name), read)
+
+
+def targets() -> dict[str, Target]:
+    """Return all that this machine has the packages for, by name."""
+    found: dict[str, Target] = {}
+    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _messages):
+        found.update(kind())
+    return {name: one for name, one in found.items() if one.needs is None or importlib.util.find_spec(one.needs)}
+
+
+# Cases
+
+
+@attrs.frozen
+class Outcome:
+    """How one case ended."""
+
+    status: int
+    text: str
+    cpu_s: float
+    peak_mib: float  # beyond what the process had before
+
+
+def in_child(work: Callable[[], int], told: Path) -> Outcome:
+    """Run it in a process of its own, with limits; what it writes goes to `told`."""
+    told.unlink(missing_ok=True)
+    had = [int(pages) * resource.getpagesize() for pages in Path("/proc/self/statm").read_text().split()[:2]]
+    child = os.fork()
+    if not child:
+        try:
+            descriptor = os.open(told, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+            os.dup2(descriptor, 1)
+            os.dup2(descriptor, 2)
+            signal.setitimer(signal.ITIMER_REAL, MOST_WALL_S)
+            resource.setrlimit(resource.RLIMIT_CPU, (MOST_CPU_S, MOST_CPU_S + 1))
+            resource.setrlimit(resource.RLIMIT_AS, (had[0] + MOST_MIB * 2**20,) * 2)
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+            os._exit(work())
+        except BaseException:
+            os.write(2, traceback.format_exc().encode())
+        finally:
+            os._exit(FAULT)
+    _, status, used = os.wait4(child, 0)
+    code = os.waitstatus_to_exitcode(status)
+    text = told.read_text(errors="replace") if told.exists() else ""
+    ended = {-signal.SIGXCPU: f"over {MOST_CPU_S} s of CPU", -signal.SIGALRM: f"hangs for {MOST_WALL_S} s"}
+    if code < 0:
+        text += ended.get(code) or f"killed by {signal.Signals(-code).name}"
+    return Outcome(code, text, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024 - had[1] / 2**20)
+
+
+def read(target: Target, folder: Path, seed: str | None) -> int:
+    """Return READ or REFUSED; anything else is raised. seed: of the options, None for none."""
+    from hmdwarp.errors import InputError
+
+    warnings.simplefilter("ignore")
+    try:
+        target.read(folder, None if seed is None else random.Random(seed))
+    except InputError as error:
+        assert str(error) and "\n" not in str(error), f"not one line: {str(error)!r}"
+        print(error)
+        return REFUSED
+    return READ
+
+
+def _valid(target: Target, folder: Path) -> int:
+    """Write and read a valid one, and print the modules that it took."""
+    target.write(folder)
+    status = read(target, folder, None)
+    if status == READ:
+        print("\n".join(sys.modules), flush=True)
+    return status
+
+
+class Fuzzer:
+    """Valid files of every target, and cases made of them."""
+
+    def __init__(self, folder: Path, seed: str, only: str) -> None:
+        self.folder, self.seed = folder, seed
+        self.targets = {name: one for name, one in targets().items() if only in name}
+        for number, (name, one) in enumerate(self.targets.items()):
+            where = folder / "valid" / str(number) / IN
+            where.mkdir(parents=True)
+            made = in_child(partial(_valid, one, where), folder / "told")
+            assert made.status == READ, f"{name}: {made.text}"
+            # Else each case imports them again.
+            for module in made.text.split():
+                with contextlib.suppress(Exception):
+                    importlib.import_module(module)
+
+    def case(self, number: int) -> tuple[str, Path, str]:
+        """Return the name of a target, a folder with a damaged copy, and a seed for options."""
+        name, seed = list(self.targets)[number % len(self.targets)], f"{self.seed}-{number}"
+        rng, folder = random.Random(seed), self.folder / "case"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(self.folder / "valid" / str(number % len(self.targets)), folder)
+        files = sorted(path for path in folder.rglob("*") if path.is_file())
+        for _ in range(rng.choice([1, 1, 1, 2, 4])):
+            path = rng.choice(files)
+            path.write_bytes(damaged(path.read_bytes(), rng))
+        return name, folder, seed
+
+    def run(self, number: int) -> tuple[str, Outcome]:
+        """Try one case."""
+        name, folder, seed = self.case(number)
+        return name, in_child(lambda: read(self.targets[name], folder / IN, seed), self.folder / "told")
+
+
+def keep(fuzzer: Fuzzer, number: int, name: str, outcome: Outcome, out: Path) -> str:
+    """Save a finding, and return a command that repeats it."""
+    _, folder, seed = fuzzer.case(number)
+    kept = out / f"{re.sub('[^a-z0-9]+', '-', name.lower())}-{fuzzer.seed}-{number}"
+    shutil.rmtree(kept, ignore_errors=True)
+    shutil.copytree(folder, kept / "case")
+    (kept / "finding.json").write_text(json.dumps({"target": name, "seed": seed, "text": outcome.text}))
+    return f".venv/bin/python tests/fuzz.py --again {kept}"
+
+
+def again(kept: Path) -> int:
+    """Read a finding here, without limits."""
+    said = json.loads((kept / "finding.json").read_text())
+    status = read(targets()[said["target"]], kept / "case" / IN, said["seed"])
+    print({READ: "read", REFUSED: "refused in one line"}[status])
+    return 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="how long")
+    parser.add_argument("--cases", type=int, default=10**9, help="how many cases")
+    parser.add_argument("--seed", default="1", help="another seed, other damage")
+    parser.add_argument("--only", default="", help="targets with this in their name")
+    parser.add_argument("--out", type=Path, default=Path("out/fuzz"), help="where findings are kept")
+    parser.add_argument("--again", type=Path, help="the folder of a finding, to be read with its traceback")
+    options = parser.parse_args()
+    if options.again:
+        return again(options.again)
+    ends, ended, found = time.monotonic() + options.seconds, Counter[int](), Counter[str]()
+    peak, longest = (0.0, ""), (0.0, "")
+    with tempfile.TemporaryDirectory() as folder:
+        fuzzer = Fuzzer(Path(folder), options.seed, options.only)
+        for number in range(options.cases):
+            if time.monotonic() > ends:
+                break
+            name, outcome = fuzzer.run(number)
+            ended[outcome.status] += 1
+            peak = max(peak, (outcome.peak_mib, name))
+            longest = max(longest, (outcome.cpu_s, name))
+            if outcome.status not in (READ, REFUSED):
+                last = (outcome.text.strip().splitlines() or ["it ended"])[-1][:200]
+                found[name] += 1
+                if found[name] <= 5:
+                    print(f"{name}: {last}\n  {keep(fuzzer, number, name, outcome, options.out)}", flush=True)
+    tried = sum(ended.values())
+    print(
+        f"fuzz: seed {options.seed}, {len(fuzzer.targets)} targets, {tried} cases: {ended[READ]} read, "
+        f"{ended[REFUSED]} refused, {found.total()} findings; at most {peak[0]:.0f} MiB ({peak[1]}), "
+        f"{longest[0]:.1f} s ({longest[1]})"
+    )
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,347 @@
+"""Files that the user or another file names: whatever they are, one line says so, at once.
+
+Every reader of a file is here: an entry of READERS, or a layout of recorded frames.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import shutil
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import attrs
+import numpy as np
+import pytest
+from PIL import Image
+from published_folders import PUBLISHED, Form
+from recorded_folders import HAS_EXR, LAYOUTS, taken
+from ros_bags import BAGS, HAS_ROSBAGS
+
+from hmdwarp.client.classes import load_client
+from hmdwarp.errors import InputError
+from hmdwarp.experiments.bench import MergeOptions, merge
+from hmdwarp.headsets import load_headset
+from hmdwarp.link.delays.trace import read_delays
+from hmdwarp.options import opened, text_in
+from hmdwarp.options.named_files import TABLE, allow_outside
+from hmdwarp.poses import load_trace
+from hmdwarp.resources import folder as shipped
+from hmdwarp.run.bench_levels import read_rows
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources import sequences
+from hmdwarp.sources.feed.key_pairs import public_key
+from hmdwarp.sources.feed.options import secret_in
+from hmdwarp.sources.sequences import read_frame, read_view
+from hmdwarp.study.analysis import load_claims
+from hmdwarp.study.analysis.csv_table import lines_of
+from hmdwarp.study.design import load_design, resolve_paths
+from hmdwarp.study.respondents import load_model
+from hmdwarp.study.scales import load_scale
+
+GIB = 1 << 30
+# Name of the file, and what reads it.
+READERS: dict[str, tuple[str, Callable[[Path], object]]] = {
+    "trace": ("head.csv", load_trace),
+    "packed trace": ("head.csv.gz", load_trace),
+    "headset": ("mine.toml", lambda path: load_headset(str(path))),
+    "client": ("mine.toml", lambda path: load_client(str(path))),
+    "study": ("mine.toml", lambda path: load_design(str(path))),
+    "scale": ("mine.toml", lambda path: load_scale(str(path))),
+    "respondents": ("mine.toml", lambda path: load_model(str(path))),
+    "published figures": ("mine.toml", load_claims),
+    "ratings": ("mine.csv", lambda path: lines_of(path, {})),
+    "delays": ("delays.csv", read_delays),
+    "token": ("token", secret_in),
+    "server's key": ("server.key", public_key),
+    "bench": ("bench.json", read_rows),
+    "bench to merge": (
+        "bench.json",
+        lambda path: merge(MergeOptions(folders=(path.parent, path.parent), out=path / "out")),
+    ),
+    "view": ("pose.json", read_view),
+    **{f"scene {ending}": (f"scene.{ending}", load_scene) for ending in ("glb", "gltf", "obj", "ply")},
+    **{f"frame {ending}": (f"frame.{ending}", read_frame) for ending in ("npz", "png", "tiff")},
+}
+
+
+def put_fifo(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def put_socket(path: Path) -> None:
+    here = Path.cwd()
+    os.chdir(path.parent)  # the name of a socket has 108 bytes at most
+    try:
+        with socket.socket(socket.AF_UNIX) as one:
+            one.bind(path.name)
+    finally:
+        os.chdir(here)
+
+
+def put_device(path: Path) -> None:
+    path.symlink_to("/dev/zero")
+
+
+def put_folder(path: Path) -> None:
+    path.mkdir()
+
+
+def put_large(path: Path) -> None:
+    with path.open("wb") as file:
+        file.truncate(2 * 1024 * GIB if path.suffix in (".bag", ".db3", ".mcap", ".mp4") else 10 * GIB)
+
+
+OTHERS = {
+    "a pipe": put_fifo,
+    "a socket": put_socket,
+    "a device": put_device,
+    "a directory": put_folder,
+    "bytes: expected": put_large,
+}
+
+
+@pytest.fixture(autouse=True)
+def little_memory():
+    """What is read is known to be unfit before it is in memory."""
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    yield
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 * 1024  # KiB; what imports take
+
+
+def refused(read: Callable[[], object], *words: str) -> str:
+    with pytest.raises(InputError) as caught:
+        read()
+    said = str(caught.value)
+    assert "\n" not in said and all(word in said for word in words), said
+    return said
+
+
+@pytest.mark.parametrize("what", OTHERS)
+@pytest.mark.parametrize("name", READERS)
+def test_a_file_that_the_user_names_is_plain_and_of_bounded_size(name, what, tmp_path):
+    called, read = READERS[name]
+    OTHERS[what](tmp_path / called)
+    refused(lambda: read(tmp_path / called), what)
+
+
+def test_a_file_that_the_user_names_may_lie_anywhere(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    shutil.copy(shipped("recordings") / "walk.csv", tmp_path / "elsewhere" / "walk.csv")
+    (tmp_path / "link.csv").symlink_to(tmp_path / "elsewhere" / "walk.csv")
+    assert len(load_trace(tmp_path / "link.csv").track) == len(load_trace("walk").track)
+
+
+def test_a_file_that_grows_while_it_is_read_is_refused(tmp_path):
+    path = tmp_path / "growing.toml"
+    path.write_text("a = 1\n")
+    with opened(path, TABLE) as file:
+        with path.open("a") as writer:
+            writer.write("b = 2\n")
+        refused(file.read, "grew while it was read")
+
+
+def test_names_that_no_file_can_have_are_one_line(tmp_path):
+    for name in ("a\0b", "half \ud800 a character", "x" * 5000, "a\nb"):
+        assert len(refused(lambda name=name: text_in(tmp_path / name, TABLE))) < 700
+
+
+# --- layouts of recorded frames
+
+
+FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
+FRAMES = taken(3)
+
+
+@pytest.fixture(scope="module", params=FORMS)
+def recorded(request, tmp_path_factory):
+    if (request.param == "exr" and not HAS_EXR) or (request.param in BAGS and not HAS_ROSBAGS):
+        pytest.skip("its optional package is not installed")
+    folder = tmp_path_factory.mktemp(request.param) / "taken"
+    folder.mkdir()
+    FORMS[request.param].write(folder, FRAMES)
+    return FORMS[request.param], folder
+
+
+def read_all(form: Form, folder: Path) -> list[object]:
+    options = attrs.evolve(form.options, layout=form.reader)
+    return [frame.read() for frame in sequences.open(folder, options).frames]
+
+
+def one_of_each_kind(folder: Path) -> list[Path]:
+    """The first file of each folder and ending."""
+    found = {(path.parent, path.suffix): path for path in sorted(folder.rglob("*"), reverse=True) if path.is_file()}
+    return sorted(found.values())
+
+
+def in_its_place(path: Path, put: Callable[[Path], None], read: Callable[[], object]) -> str | None:
+    """What is said where something else is at a path; None where it is not missed."""
+    kept = path.with_name(path.name + ".kept")
+    path.rename(kept)
+    try:
+        put(path)
+        read()
+    except InputError as error:
+        return str(error)
+    finally:
+        if path.is_dir() and not path.is_symlink():
+            path.rmdir()
+        else:
+            path.unlink(missing_ok=True)
+        kept.rename(path)
+    return None
+
+
+def test_every_file_of_a_layout_is_plain_bounded_and_inside_its_folder(recorded, tmp_path):
+    form, folder = recorded
+    for path in one_of_each_kind(folder):
+        if in_its_place(path, lambda path: None, lambda: read_all(form, folder)) is None:
+            continue  # this reader does without it
+        for put in OTHERS.values():
+            said = in_its_place(path, put, lambda: read_all(form, folder))
+            assert said is not None and "\n" not in said, (path.name, put.__name__)
+        outside = tmp_path / path.name
+        shutil.copy(path, outside)
+        said = in_its_place(path, lambda path: path.symlink_to(outside), lambda: read_all(form, folder))  # noqa: B023
+        assert said is not None and "lies outside" in said and "--allow-outside" in said, (path.name, said)
+
+
+NAMES_OUTSIDE = {"a way up": "../secret.png", "an absolute name": "{}/secret.png"}
+
+
+@pytest.mark.parametrize("how", NAMES_OUTSIDE)
+@pytest.mark.parametrize("kind", ["nerfstudio", "tum", "depth of a picture"])
+def test_frames_name_files_of_their_own_folder_alone(kind, how, tmp_path, monkeypatch):
+    form = FORMS[{"depth of a picture": "pictures"}.get(kind, kind)]
+    folder = tmp_path / "taken"
+    folder.mkdir()
+    form.write(folder, FRAMES)
+    name = NAMES_OUTSIDE[how].format(tmp_path)
+    at = {"nerfstudio": "transforms.json", "tum": "depth.txt"}.get(kind)
+    path = folder / at if at else min(folder.glob("*.json"))
+    text = path.read_text()
+    if kind == "tum":
+        first = next(line for line in text.splitlines() if not line.startswith("#"))
+        target, text = folder / first.split()[1], text.replace(first.split()[1], name, 1)
+    else:
+        facts = json.loads(text)
+        facts, key = (facts["frames"][0], "depth_file_path") if kind == "nerfstudio" else (facts, "depth")
+        target = folder / facts.get("depth_file_path", path.with_suffix(".depth.png").name)
+        whole = json.loads(text)
+        (whole["frames"][0] if kind == "nerfstudio" else whole)[key] = name
+        text = json.dumps(whole)
+    shutil.copy(target, tmp_path / "secret.png")
+    path.write_text(text)
+    refused(lambda: read_all(form, folder), "secret.png", "lies outside", "--allow-outside")
+    monkeypatch.setenv("HMDWARP_ALLOW_OUTSIDE", "")  # given back after the test
+    allow_outside(True)
+    assert len(read_all(form, folder)) == len(FRAMES)
+
+
+# --- scenes
+
+TRIANGLE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
+GLTF = {
+    "asset": {"version": "2.0"},
+    "buffers": [{"uri": "beside.bin", "byteLength": len(TRIANGLE)}],
+    "bufferViews": [{"buffer": 0, "byteLength": len(TRIANGLE)}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "nodes": [{"mesh": 0}],
+    "scenes": [{"nodes": [0]}],
+}
+OBJ = "mtllib {}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"
+
+
+def gltf_naming(folder: Path, name: str) -> Path:
+    (folder / "scene.gltf").write_text(json.dumps({**GLTF, "buffers": [{"uri": name, "byteLength": len(TRIANGLE)}]}))
+    return folder / "scene.gltf"
+
+
+def gltf_with_picture(folder: Path, name: str) -> Path:
+    (folder / "own.bin").write_bytes(TRIANGLE)
+    more = {
+        "images": [{"uri": name}],
+        "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+        "accessors": [*GLTF["accessors"], {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"}],
+    }
+    (folder / "scene.gltf").write_text(json.dumps({**GLTF, **more, "buffers": [{"uri": "own.bin", "byteLength": 36}]}))
+    return folder / "scene.gltf"
+
+
+def obj_naming(folder: Path, name: str) -> Path:
+    (folder / "scene.obj").write_text(OBJ.format(name))
+    return folder / "scene.obj"
+
+
+def obj_with_picture(folder: Path, name: str) -> Path:
+    (folder / "own.mtl").write_text(f"newmtl m\nmap_Kd {name}\n")
+    return obj_naming(folder, "own.mtl")
+
+
+def ply_with_picture(folder: Path, name: str) -> Path:
+    head = f"ply\nformat ascii 1.0\ncomment TextureFile {name}\nelement vertex 3\n"
+    head += "".join(f"property float {axis}\n" for axis in "xyz")
+    head += "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    (folder / "scene.ply").write_text(f"{head}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
+    return folder / "scene.ply"
+
+
+SCENES = {
+    "buffer": (gltf_naming, "beside.bin"),
+    "picture": (gltf_with_picture, "beside.png"),
+    "materials": (obj_naming, "beside.mtl"),
+    "picture of materials": (obj_with_picture, "beside.png"),
+    "picture of a ply": (ply_with_picture, "beside.png"),
+}
+
+
+def write_beside(path: Path) -> None:
+    if path.suffix == ".png":
+        Image.new("RGB", (2, 2)).save(path)
+    else:
+        path.write_bytes(TRIANGLE if path.suffix == ".bin" else b"newmtl m\nKd 1 0 0\n")
+
+
+@pytest.mark.parametrize("kind", SCENES)
+def test_files_of_a_scene_are_plain_bounded_and_inside_its_folder(kind, tmp_path, monkeypatch):
+    write, name = SCENES[kind]
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    for what, put in OTHERS.items():
+        put(folder / name)
+        scene = write(folder, name)
+        if what == "a directory":  # as if there were none
+            assert "picture" not in kind or load_scene(scene).notes
+        else:
+            refused(lambda scene=scene: load_scene(scene), what)
+        (folder / name).rmdir() if what == "a directory" else (folder / name).unlink()
+    write_beside(folder / name)
+    assert load_scene(write(folder, name)).triangle_count == 1
+    (folder / name).rename(tmp_path / name)
+    outside = [f"../{name}", str(tmp_path / name), f"file://{tmp_path / name}", name]
+    (folder / name).symlink_to(tmp_path / name)
+    for way in outside:
+        scene = write(folder, way)
+        refused(lambda scene=scene: load_scene(scene), "lies outside", "--allow-outside")
+    monkeypatch.setenv("HMDWARP_ALLOW_OUTSIDE", "")
+    allow_outside(True)
+    assert load_scene(write(folder, outside[0])).triangle_count == 1
+
+
+# --- a study
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [("scene", "secret.glb"), ("headset", "secret.toml"), ("delay_trace", "secret.csv"), ("frames", "secret")],
+)
+def test_a_study_names_files_of_its_own_folder_alone(key, name, tmp_path):
+    (tmp_path / "study").mkdir()
+    for value in (f"../{name}", str(tmp_path / name)):
+        refused(lambda value=value: resolve_paths(tmp_path / "study", {key: value}), key, "lies outside")
