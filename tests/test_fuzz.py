@@ -36,6 +36,13 @@ FOUND = {
     "an instant beyond 64 bits": ("frames pictures", "1.json", rb'"time_s": [\d.]+', b'"time_s": 1e308'),
     "an instant that is a list of lists": ("frames pictures", "1.json", rb'"time_s": [\d.]+', b'"time_s": [1, [2]]'),
     "pixels whose library prints three lines of its own": ("frames exr", "1.exr", rb"(?s).{40}\Z", b"\xff" * 40),
+    "a display window of 10^16 pixels": (
+        "frames exr",
+        "1.exr",
+        rb"(?s)(?<=displayWindow\x00box2i\x00.{12}).{8}",
+        b"\xff\xff\xff\x05" * 2,
+    ),
+    "2^64 points of an image": ("frames colmap_dense", "sparse/images.bin", rb"(?s).{8}(?=.{24}\Z)", b"\xff" * 8),
 }
 
 

@@ -31,13 +31,14 @@ SMALL = {
     "replay": Small({"SECONDS": "0.1", "OPTIONS": "--size 48x40 --scene planes --workers 0"}, "report: "),
     "test-kill": Small({"KILLS": "1", "OPTIONS": "-p no:cacheprovider"}, "1 kills"),
     # The same cases each time, after a valid file of each target, which must be read.
-    "fuzz": Small({"OPTIONS": "--cases 226"}, "226 cases"),
+    "fuzz": Small({"SECONDS": "inf", "OPTIONS": "--cases 113"}, " 0 findings"),
     "bench-quick": Small({"OPTIONS": "--rounds 1 --seconds 0"}, "warpFrame"),
     "bench-live": Small({"OPTIONS": "--frames 2"}, "A refresh outside OpenGL", statuses=(0, 1)),
     "bench-gpu": Small({"OPTIONS": "--quick"}, "page: "),
     "docs": Small({"OPTIONS": "readme"}),
 }
 LISTED = {
+    "test-requests": "runs for an hour or two; tests/sources/feed has a short run of it",
     "test-soak": "runs for an hour; tests/feed has short runs over the same relay",
     "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
     "test": "is the suite itself",

@@ -133,7 +133,10 @@ def _images_in_binary(path: Path) -> Iterator[ColmapImage]:
         name = stream.read(max(0, end - begin))
         stream.read(1)
         yield _image(f"{path}, image {number}", name.decode("utf-8", "replace"), camera_id, pose)
-        stream.seek(_POINT_BYTES * _count(path, stream), io.SEEK_CUR)
+        points = _POINT_BYTES * _count(path, stream)
+        if points > len(raw) - stream.tell():
+            raise _cut(path)
+        stream.seek(points, io.SEEK_CUR)
 
 
 def _cameras_in_binary(path: Path) -> Iterator[tuple[int, ColmapCamera]]:
@@ -154,8 +157,12 @@ def _count(path: Path, stream: io.BytesIO) -> int:
 def _unpacked(path: Path, stream: io.BytesIO, form: struct.Struct) -> tuple[Any, ...]:
     data = stream.read(form.size)
     if len(data) < form.size:
-        raise TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
+        raise _cut(path)
     return form.unpack(data)
+
+
+def _cut(path: Path) -> TraceError:
+    return TraceError(f"{path}: it ends in the middle; expected a whole binary model of COLMAP")
 
 
 def _bytes(path: Path) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import tempfile
 import threading
@@ -22,6 +23,8 @@ from ...resources import import_extra
 # Renderers write a large number where nothing was hit: Blender 1e10, others the largest float.
 FAR_M = 1e9
 _COLOUR = ("R", "G", "B")
+# A display window larger than both is no picture's: what surrounds the pixels is filled with zeros.
+_MOST_PIXELS, _MOST_AROUND = 2**24, 16
 _turn = threading.Lock()
 
 
@@ -141,6 +144,8 @@ def _placed(path: Path, head: dict[str, Any], pixels: NDArray[Any]) -> NDArray[n
         raise InputError(f"{path}: a channel of {pixels.shape[1]}x{pixels.shape[0]} in a window of another size")
     if pixels.shape == tuple(size) and tuple(low) == tuple(left_top):
         return pixels.astype(np.float32)
+    if min(size) < 1 or math.prod(map(int, size)) > max(_MOST_PIXELS, _MOST_AROUND * pixels.size):
+        raise InputError(f"{path}: a display window of {size[1]}x{size[0]} around {wanted[1]}x{wanted[0]} pixels")
     whole = np.zeros(tuple(size), np.float32)
     row, column = (int(a - b) for a, b in zip(low[::-1], left_top[::-1], strict=True))
     rows, columns = (
