@@ -69,8 +69,8 @@ check-shaders: setup
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)
 
-test-kill: setup  ## kill sessions of a study at 500 random moments, sweeps at a twelfth (KILLS=, SEED=): ten minutes
-	@STUDY_KILLS=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py -q $(OPTIONS)
+test-kill: setup  ## kill sessions of a study at 500 random moments, damage 500 stores, kill sweeps (KILLS=, SEED=): ten minutes
+	@STUDY_KILLS=$(KILLS) STUDY_DAMAGES=$(KILLS) STUDY_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/study/test_kill.py tests/study/store/test_damage.py -q $(OPTIONS)
 	@SWEEP_KILLS=$$(($(KILLS) / 12)) SWEEP_KILL_SEED=$(SEED) .venv/bin/python -m pytest tests/experiments/sweep/test_kill.py -q $(OPTIONS)
 
 test-requests: setup  ## 100,000 random requests to a server of the feed, all drawn (REQUESTS=, SEED=): an hour or two

@@ -3,6 +3,9 @@ from .charts import binned as binned
 from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
 from .files import atomic as atomic
+from .files import inert_text as inert_text
+from .files import keep_private as keep_private
+from .files import raw_text as raw_text
 from .files import refuse_source as refuse_source
 from .files import sync as sync
 from .files import write_bytes as write_bytes

@@ -129,6 +129,17 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise write_error(error, path) from error
 
 
+def keep_private(*paths: Path) -> None:
+    """Let only their owner read or enter files and folders, however they were made.
+
+    What belongs to others stays as it is, and so does all on a disk without permissions.
+    """
+    for path in paths:
+        with suppress(OSError):
+            if not path.is_symlink():
+                path.chmod(path.stat().st_mode & 0o700)
+
+
 def sync(path: Path) -> None:
     """Sync a file's content, or a folder's list of files. Errors: OSError."""
     handle = os.open(path, os.O_RDONLY)
@@ -226,6 +237,7 @@ def _plain(value: Any) -> Any:
 def write_csv(path: str | os.PathLike[str], rows: Iterable[Mapping[str, Any]], columns: Sequence[str]) -> None:
     """Write rows under `columns`; None and missing values are empty, floats keep all their digits.
 
+    Texts are inert_text.
     Errors: HmdwarpError for a row with a key that is no column; else as write_bytes.
     """
     known = set(columns)
@@ -240,7 +252,23 @@ def write_csv(path: str | os.PathLike[str], rows: Iterable[Mapping[str, Any]], c
             writer.writerow(["" if row.get(name) is None else _field(row[name]) for name in columns])
 
 
+_FORMULA = re.compile(r"[\s']*[=+\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")  # the wide ones too, as Excel reads them
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def inert_text(text: str) -> str:
+    """Return a text for a table, with an apostrophe before one that a spreadsheet would run."""
+    return f"'{text}" if _FORMULA.match(text) and not _NUMBER.fullmatch(text) else text
+
+
+def raw_text(cell: str) -> str:
+    """Return the text that inert_text was given."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell[1:]) else cell
+
+
 def _field(value: Any) -> Any:
+    if isinstance(value, str):
+        return inert_text(value)
     # repr(np.float64) would write "np.float64(1.0)"; float() is the same number.
     return repr(float(value)) if isinstance(value, float | np.floating) else value
 

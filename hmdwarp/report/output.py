@@ -20,7 +20,7 @@ from ..errors import InputError, MachineError
 from ..options.documents import json_in
 from ..options.named_files import RESULTS
 from ..resources import __version__
-from .files import lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
+from .files import keep_private, lock, write_bytes, write_csv, write_error, write_json, write_png, write_text
 
 STAGING = ".partial-"
 MARK = "hmdwarp"  # key of the version in the last file of a folder, by which it is known as ours
@@ -46,6 +46,8 @@ class OutputFolder:
     everything beside it is of one run. Files of an earlier run that match an `owned` pattern and
     were not written again are removed; no other file is.
 
+    A `private` one and its files are for their owner only.
+
     Files in the way are overwritten only next to a `last` that hmdwarp wrote, or by force.
 
     Errors: InputError if the folder cannot be written or holds such files of others, MachineError
@@ -59,8 +61,9 @@ class OutputFolder:
         owned: Sequence[str] = (),
         last: str = "summary.json",
         force: bool = False,
+        private: bool = False,
     ) -> None:
-        self.folder = Path(path)
+        self.folder, self._private = Path(path), private
         self._owned, self._last = tuple(owned), last
         self._may_replace = force
         self._made: Path | None = None
@@ -73,7 +76,7 @@ class OutputFolder:
                 # One that was killed while it gave the names has no `last` next to them.
                 self._may_replace |= self._clean_up()
                 self._refuse_others(path for pattern in (*self._owned, last) for path in self.folder.glob(pattern))
-                self._staging.mkdir()
+                self._staging.mkdir(mode=0o700 if private else 0o777)
                 self._lock = _lock(self._staging)
             probe = self._staging / "probe"
             with probe.open("wb") as file:
@@ -133,6 +136,8 @@ class OutputFolder:
         self._refuse_others(self.folder / name for name in final)
         current = self.folder / self._last
         try:
+            if self._private:
+                keep_private(self.folder, *(self._staging / name for name in staged))
             current.unlink(missing_ok=True)
             for pattern in self._owned:
                 for old in self.folder.glob(pattern):
@@ -141,6 +146,8 @@ class OutputFolder:
             for name in final:
                 current = self.folder / name
                 current.parent.mkdir(parents=True, exist_ok=True)
+                if self._private:
+                    keep_private(*(self.folder / parent for parent in name.parents))
                 (self._staging / name).replace(current)
         except OSError as error:
             raise write_error(error, current) from error

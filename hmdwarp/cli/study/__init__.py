@@ -5,7 +5,7 @@ from __future__ import annotations
 import typer
 
 from .._help import Group
-from . import analyse, export, measure, merge, plan, power, predict, run, withdraw
+from . import analyse, export, measure, merge, plan, power, predict, recover, run, withdraw
 
 app = typer.Typer(cls=Group, help="Rating studies: plan, run, export, analyse.", no_args_is_help=True)
 
@@ -19,3 +19,4 @@ app.command("analyse")(analyse.analyse)
 app.command("predict")(predict.predict)
 app.command("power")(power.power)
 app.command("withdraw")(withdraw.withdraw)
+app.command("recover")(recover.recover)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import attrs
 
 from ...errors import InputError
 from ...options import option, same_as
+from ...study import design as designs
 from ...study.measure_options import MeasureOptions
 
 
@@ -43,3 +44,33 @@ def origin_of(pilot: bool, simulated: bool) -> str:
     if pilot and simulated:
         raise InputError("--pilot and --simulated: their data lie apart and are never mixed: one after the other")
     return PILOT if pilot else SIMULATED if simulated else PERSON
+
+
+class _Chosen(Protocol):
+    """Options that name a study and its data."""
+
+    @property
+    def study(self) -> str: ...
+
+    @property
+    def store(self) -> Path | None: ...
+
+    @property
+    def pilot(self) -> bool: ...
+
+    @property
+    def simulated(self) -> bool: ...
+
+
+def store_of(options: _Chosen) -> tuple[Path, designs.Design | None]:
+    """Return folder of data and study; with --store the file of the study may be broken."""
+    from ...study.store import store_folder
+
+    origin = origin_of(options.pilot, options.simulated)
+    try:
+        design = designs.load_design(options.study, checked=False)
+    except InputError:
+        if options.store is None:
+            raise
+        return options.store, None
+    return store_folder(design, options.store, origin), design

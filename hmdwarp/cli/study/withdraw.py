@@ -10,7 +10,7 @@ import typer
 
 from ...options import Declared, option
 from .._options import Said, takes
-from ._options import origin_of, pilot_field, simulated_field, store_field, study_field
+from ._options import pilot_field, simulated_field, store_field, store_of, study_field
 
 
 @attrs.frozen
@@ -33,8 +33,8 @@ def withdraw(said: Said) -> None:
 
     options = WithdrawOptions.of(said)
     code = options.code
-    folder, name = _where(options)
-    with Store(folder, study=name, say=typer.echo) as opened:
+    folder, design = store_of(options)
+    with Store(folder, study=None if design is None else design.name, say=typer.echo) as opened:
         if not options.yes and not opened.finish_withdrawal(code):
             if not sys.stdin.isatty():
                 raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
@@ -48,19 +48,3 @@ def withdraw(said: Said) -> None:
     typer.echo(
         f"Participant {known} has withdrawn; erased: {amount}. The code stays marked, and their order is free. {BEYOND}"
     )
-
-
-def _where(options: WithdrawOptions) -> tuple[Path, str | None]:
-    """Return folder and name of the study; with --store a broken study file does not matter."""
-    from ...errors import InputError
-    from ...study.design import load_design
-    from ...study.store import store_folder
-
-    origin = origin_of(options.pilot, options.simulated)
-    try:
-        design = load_design(options.study, checked=False)
-    except InputError:
-        if options.store is None:
-            raise
-        return options.store, None
-    return store_folder(design, options.store, origin), design.name

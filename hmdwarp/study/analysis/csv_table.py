@@ -13,6 +13,7 @@ import attrs
 
 from ...errors import InputError
 from ...options import RATINGS, text_in
+from ...report import raw_text
 
 # Names of the columns for each role; the first name that the table has counts.
 ROLES: Mapping[str, tuple[str, ...]] = {
@@ -61,7 +62,8 @@ def lines_of(path: Path, columns: Mapping[str, str]) -> tuple[list[Line], dict[s
     try:
         header = [name.strip() for name in next(reader, [])]
         roles = _roles_of(header, columns, str(path))
-        for fields in reader:
+        for cells in reader:
+            fields = [raw_text(cell) for cell in cells]
             if not any(field.strip() for field in fields):
                 continue
             if len(fields) != len(header):

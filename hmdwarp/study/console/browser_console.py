@@ -13,11 +13,13 @@ import secrets
 import shlex
 import shutil
 import socket
+import stat
 import subprocess
 import sys
 import tempfile
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -65,16 +67,29 @@ class BrowserConsole(ProgramConsole):
         screen = shlex.join(_program("show", door))
         with socket.create_server((LOOPBACK, 0)) as listener:
             self.address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/{token}/"
+            given = {"listener": listener.fileno(), "token": token, "title": self._title, "command": screen}
             self.server = subprocess.Popen(
-                _program("serve", str(listener.fileno()), token, self._title, screen, str(self._folder)),
+                _program("serve"),
                 stdin=subprocess.PIPE,  # its end tells the server that this program is gone
                 stdout=2,
                 pass_fds=[listener.fileno()],
                 env={**os.environ, "PYTHONUTF8": "1"},
                 start_new_session=True,  # Ctrl-C is for this program
             )
-        print(f"console: open {self.address} in a browser on this machine", file=sys.stderr, flush=True)
+        assert self.server.stdin is not None
+        with suppress(BrokenPipeError):  # it died: tell() goes on with lines
+            self.server.stdin.write(json.dumps({**given, "folder": str(self._folder)}).encode() + b"\n")
+            self.server.stdin.flush()
+        print(f"console: open {self._told()} in a browser on this machine", file=sys.stderr, flush=True)
         return self
+
+    def _told(self) -> str:
+        """Return the address, or a file that has it: a log is kept, and read by others."""
+        if not stat.S_ISREG(os.fstat(2).st_mode):
+            return self.address
+        page = self._folder / "console.html"
+        page.write_text(f'<meta http-equiv="refresh" content="0; url={self.address}">', encoding="utf-8")
+        return page.as_uri()
 
     def tell(self, state: ConsoleState) -> None:
         """Show a new state."""

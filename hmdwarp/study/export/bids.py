@@ -175,12 +175,17 @@ class _Tree:
 
     def _facts(self, session: Session, showing: Showing) -> Mapping[str, Any]:
         """Return the facts of the run of the program that showed it; a session may be resumed."""
-        resumed = [
-            event.data
-            for event in self.contents.events
-            if (event.session, event.kind) == (session.id, "resume") and event.at_utc <= showing.started_utc
-        ]
-        return next((facts for facts in reversed(resumed) if facts), session.facts)
+        facts = session.facts
+        for event in self.contents.events:  # in their order: the clock may have been set back meanwhile
+            if event.session != session.id:
+                continue
+            if event.kind == "showing" and (event.key, event.data["presentation"]) == (
+                showing.key,
+                showing.presentation,
+            ):
+                break
+            facts = (event.kind == "resume" and event.data) or facts
+        return facts
 
     def scans(self, session: Session, files: Sequence[Row]) -> None:
         """List the files with their times since the beginning of the session."""

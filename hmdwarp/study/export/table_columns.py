@@ -15,6 +15,7 @@ from typing import Any, Literal
 import attrs
 
 from ...metrics import metrics_in_order
+from ...report import inert_text
 from ...resources import __version__, import_extra
 from ..actual import COUNTS, FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
@@ -206,7 +207,8 @@ def label_of(text: str) -> str:
 def field_text(value: Any) -> str:
     """Format one value, n/a for a missing one.
 
-    Numbers are the shortest text that reads back as the same one, whole ones without a point.
+    Numbers are the shortest text that reads back as the same one, whole ones without a point; texts
+    are report.inert_text.
     """
     if value is None or value == "":
         return MISSING
@@ -214,7 +216,7 @@ def field_text(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, float):
         return str(int(value)) if value.is_integer() and abs(value) < 2**53 else repr(float(value))
-    return str(value)
+    return inert_text(str(value))
 
 
 def csv_text(rows: Iterable[Mapping[str, Any]], columns: Sequence[Column]) -> str:

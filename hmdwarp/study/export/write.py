@@ -95,7 +95,7 @@ def export(
         _refuse_full(out)
     answers = answer_rows(kept, design)
     ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] == RATING]
-    with OutputFolder(out, owned=OWNED, last="README", force=options.force) as folder:
+    with OutputFolder(out, owned=OWNED, last="README", force=options.force, private=True) as folder:
         notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
             notes.append(
@@ -250,7 +250,10 @@ columns.json: meaning, units and values of each column. bids/: the same as a BID
 motion of the heads.
 In bids/ authors, licence and institution are left for you to fill in.
 Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last
-one counts.
+one counts. A text that begins with = + - or @ (blanks, apostrophes, a tab or a line end before it
+count as well) and is no number has an apostrophe put before it, so that no spreadsheet runs it:
+take that one off for the text as it was typed, as 'hmdwarp study analyse' does. Parquet has it as
+typed.
 
 Privacy: participants are random words, which cannot be traced back from this folder. It holds no
 date and no time of day: instants count from the beginning of a session, which BIDS writes as

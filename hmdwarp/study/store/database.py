@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import sqlite3
+import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from ...errors import HmdwarpError, InputError, MachineError
-from ...report import sync
-from .folders import DATABASE
+from ...report import counted, sync
+from .folders import DATABASE, TRACES, Journal, noted_journal
+from .page_reader import rows_in
+from .records import from_json, to_json
 
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
-RECOVER = "keep the folder as it is and work on a copy; `sqlite3 FILE .recover` saves what can be"
+NOT_A_DATABASE = "it is no database, or another file"
 _TEXTS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
     ("SQLITE_FULL", MachineError, f"no room is left on the disk; {KEPT}: make room and resume (study run --resume)"),
     ("SQLITE_READONLY", InputError, f"it may not be written to; {KEPT}: make it writable, or use a copy (--store)"),
@@ -37,24 +42,32 @@ _TEXTS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
         MachineError,
         "another program holds it: close programs that read the study's data, and try again",
     ),
-    (
-        "SQLITE_NOTADB",
-        InputError,
-        "it is no database: it is damaged, or another file; keep it as it is and use an earlier copy",
-    ),
-    ("SQLITE_CORRUPT", InputError, f"it is damaged ({{error}}): {RECOVER}"),
 )
 
 
 def store_error(error: sqlite3.Error, path: Path) -> HmdwarpError:
     """Translate an error; a violated constraint and unknown errors are internal errors."""
     name = getattr(error, "sqlite_errorname", None) or ""
+    # SQLITE_ERROR: the schema is not what the file says it is.
+    if name in ("SQLITE_ERROR", "SQLITE_NOTADB") or name.startswith("SQLITE_CORRUPT") or "UTF-8" in str(error):
+        return damaged(path, NOT_A_DATABASE if name == "SQLITE_NOTADB" else str(error))
     if name.startswith("SQLITE_IOERR") and _is_full(path.parent):
         name = "SQLITE_FULL"  # the shared memory of the log reports it so
     for begins, kind, words in _TEXTS:
         if name.startswith(begins):
             return kind(f"{path}: {words.format(error=error)}")
     return HmdwarpError(f"{path}: {error} ({name or type(error).__name__})")
+
+
+def damaged(path: Path, why: str) -> InputError:
+    """Return the error of a damaged database, with what of it can be rescued and how."""
+    found = rows_in(path, shapes())
+    rows = ", ".join(counted(len(found[table]), table) for table in ("session", "showing", "answer"))
+    traces = counted(len([*(path.parent / TRACES).glob("*.csv")]), "head trace")
+    return InputError(
+        f"{path}: damaged ({' '.join(why.split())}): {rows} and {traces} can be read; keep the folder as it is and "
+        f"work on a copy: `hmdwarp study recover STUDY --store {path.parent} --out NEW` writes one"
+    )
 
 
 def _is_full(folder: Path) -> bool:
@@ -178,17 +191,19 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
     """
     path = folder / DATABASE
     with translated(path):
+        with suppress(OSError):  # SQLite says why; its log gets the same mode
+            os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600))
         db = _connect(path, "mode=rwc")
         try:
             new = _is_empty(db)
-            if not new:
+            if new:
+                _refuse_lost(path)
+            else:
                 _check_schema(db, path)
             _set_up(db, path)
             if new:
                 _make(db, path, study, made_by)
-            found = db.execute("PRAGMA integrity_check(1)").fetchone()[0]
-            if found != "ok":
-                raise InputError(f"{path}: damaged ({found.splitlines()[-1]}): {RECOVER}")
+            check(db, path)
             return db
         except BaseException:
             db.close()
@@ -224,6 +239,7 @@ def open_to_read(folder: Path) -> sqlite3.Connection | None:
     """
     path = folder / DATABASE
     if not path.is_file():
+        _refuse_lost(path)
         return None
     with translated(path):
         try:
@@ -231,7 +247,7 @@ def open_to_read(folder: Path) -> sqlite3.Connection | None:
         except sqlite3.OperationalError as error:
             if not os.access(folder, os.W_OK):
                 return _reader(path, _frozen(path))
-            if not error.sqlite_errorname.startswith("SQLITE_READONLY"):
+            if not getattr(error, "sqlite_errorname", "").startswith("SQLITE_READONLY"):
                 raise
         # A program that died while it created the file left a journal: the reader must roll it
         # back.
@@ -243,9 +259,11 @@ def _reader(path: Path, how: str) -> sqlite3.Connection | None:
     try:
         db.execute("PRAGMA query_only = ON")
         if _is_empty(db):
+            _refuse_lost(path)
             db.close()
             return None
         _check_schema(db, path)
+        check(db, path)
         return db
     except BaseException:
         db.close()
@@ -275,11 +293,138 @@ def _frozen(path: Path) -> str:
     return "immutable=1"
 
 
+def _refuse_lost(path: Path) -> None:
+    """Refuse to take a study for a new one whose database is gone."""
+    if os.path.lexists(path) and not path.is_file():
+        raise damaged(path, "it is no regular file")
+    if noted_journal(path.parent)[0] or any((path.parent / TRACES).glob("*.csv")):
+        raise damaged(path, "there is no data in it, and there were sessions")
+
+
+def check(db: sqlite3.Connection, path: Path) -> None:
+    """Check a database from end to end. Errors: InputError as `damaged`.
+
+    SQLite finds damage of its own structures; seals find that of what they hold, and the count
+    beside it that a log or a newer file is gone.
+    """
+    noted = noted_journal(path.parent)  # first: another program may be writing
+    db.execute("BEGIN")
+    try:
+        _check(db, path, noted)
+    finally:
+        if db.in_transaction:
+            db.execute("ROLLBACK")
+
+
+def _check(db: sqlite3.Connection, path: Path, noted: Journal) -> None:
+    wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]
+    wrong = wrong or [
+        f"a {table} without its {parent}" for table, _, parent, _ in db.execute("PRAGMA foreign_key_check")
+    ]
+    if wrong:
+        raise damaged(path, wrong[0].splitlines()[-1])
+    entries, last, seal_ = noted
+    if (missing := entries - journal_of(db)[0]) > 0:
+        raise damaged(path, f"the last {missing} of {entries} entries of its journal are not there: was its log lost?")
+    if (
+        last
+        and db.execute(
+            "SELECT 1 FROM event WHERE id = ? AND json_extract(data, '$.seal[0]') <> ?", (last, seal_)
+        ).fetchone()
+    ):
+        raise damaged(path, f"entry {last} of its journal is another one: was it, or its log, put in place of another?")
+    if (lonely := answers_alone(db)) > 0:
+        raise damaged(path, f"{lonely} more answers than entries of its journal about them")
+    for id_, data in db.execute("SELECT id, data FROM event ORDER BY id").fetchall():
+        if is_broken(db, id_, from_json(data)):
+            raise damaged(path, f"entry {id_} of its journal, or what it tells of, is not as it was written")
+
+
+_SEALED = {
+    "": "SELECT 0 WHERE ? IS NOT NULL",
+    "session": """SELECT s.number, s.part, s.order_row, s.order_names, s.started_utc, s.facts, plan.text, plan.meaning,
+      p.code, p.sub, p.origin FROM session s JOIN plan ON plan.id = s.plan JOIN participant p ON p.id = s.participant
+      WHERE s.id = ?""",
+    "showing": """SELECT session, key, trial, repeat, condition, presentation, settings, started_utc FROM showing
+      WHERE id = ?""",
+    "shown": "SELECT session, key, complete, actual, trace FROM showing WHERE id = ?",
+    "answer": """SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing
+      FROM answer WHERE id = ?""",
+}
+
+
+def answers_alone(db: sqlite3.Connection) -> int:
+    """Return how many more answers there are than entries of the journal about them."""
+    query = "SELECT (SELECT count(*) FROM answer) - (SELECT count(*) FROM event WHERE kind = 'answer')"
+    return int(db.execute(query).fetchone()[0])
+
+
+def journal_of(db: sqlite3.Connection) -> Journal:
+    """Return how far the journal is, as Lock.note takes it."""
+    query = "SELECT id, coalesce(json_extract(data, '$.seal[0]'), 0) FROM event ORDER BY id DESC LIMIT 1"
+    entries = db.execute("SELECT seq FROM sqlite_sequence WHERE name = 'event'").fetchone() or (0,)
+    last, seal_ = db.execute(query).fetchone() or (0, 0)
+    return int(entries[0]), int(last), int(seal_)
+
+
+def seal(db: sqlite3.Connection, event: int, what: str = "", row: int = 0) -> None:
+    """Write a checksum of an entry of the journal, and of the row that it tells of, into the entry.
+
+    what: one of _SEALED.
+    """
+    data = from_json(db.execute("SELECT data FROM event WHERE id = ?", (event,)).fetchone()[0])
+    data.pop("seal", None)
+    sealed = {**data, "seal": [_checksum(db, event, data, what, row), what, row]}
+    db.execute("UPDATE event SET data = ? WHERE id = ?", (to_json(sealed), event))
+
+
+def is_broken(db: sqlite3.Connection, event: int, data: Any) -> bool:
+    """Return whether an entry or its row differs from the seal; older entries have none."""
+    if not isinstance(data, dict):
+        return True
+    match data.pop("seal", None):
+        case None:
+            return False
+        case [crc, str(what), int(row)] if what in _SEALED:
+            return bool(crc != _checksum(db, event, data, what, row))
+    return True
+
+
+def _checksum(db: sqlite3.Connection, event: int, data: dict[str, Any], what: str, row: int) -> int:
+    entry = db.execute("SELECT session, kind, key, at_utc, mono_ns FROM event WHERE id = ?", (event,)).fetchone()
+    return zlib.crc32(repr((entry, to_json(data), db.execute(_SEALED[what], (row,)).fetchone())).encode())
+
+
+@functools.cache
+def columns() -> dict[str, dict[str, str]]:
+    """Return the columns of each table, and the type of each."""
+    with closing(sqlite3.connect(":memory:")) as db:
+        db.executescript(TABLES)
+        tables = db.execute("SELECT name FROM sqlite_master WHERE sql LIKE '%STRICT'").fetchall()
+        return {table: columns_of(db, table) for (table,) in tables}
+
+
+def columns_of(db: sqlite3.Connection, table: str) -> dict[str, str]:
+    """Return the columns that a table has in a database, and the type of each."""
+    return dict(db.execute("SELECT name, type FROM pragma_table_info(?)", (table,)).fetchall())
+
+
+def shapes() -> dict[str, tuple[int, frozenset[int]]]:
+    """Return the shapes of the tables, as rows_in takes them."""
+    types = {table: [*own.values()] for table, own in columns().items()}
+    return {
+        table: (len(own), frozenset(n for n, kind in enumerate(own) if kind == "TEXT")) for table, own in types.items()
+    }
+
+
 def _check_schema(db: sqlite3.Connection, path: Path) -> None:
     application, version = (db.execute(f"PRAGMA {name}").fetchone()[0] for name in ("application_id", "user_version"))
-    if application != APPLICATION_ID:
+    fits = all(columns_of(db, table) == own for table, own in columns().items())
+    if application != APPLICATION_ID and not fits:
         raise InputError(f"{path}: a database, but not of an hmdwarp study: choose another folder (--store)")
-    if version > SCHEMA:
+    if version > SCHEMA and application == APPLICATION_ID:
         raise InputError(
             f"{path}: written by a newer hmdwarp (schema {version}; this one knows {SCHEMA}): update hmdwarp"
         )
+    if not fits or (application, version) != (APPLICATION_ID, SCHEMA):
+        raise damaged(path, f"its tables are not those of schema {SCHEMA}, it says schema {version}")

@@ -12,11 +12,13 @@ from datetime import datetime
 from pathlib import Path
 
 from ...errors import HmdwarpError, InputError, MachineError
-from ...report import sync
+from ...report import keep_private, sync
 from ..design import Design
 from .records import ORIGINS, PERSON
 
 LOCK = "lock"
+_WORDS = 1024  # bytes of the file
+Journal = tuple[int, int, int]  # entries it has had, with erased ones; id and seal of its last one
 _HELD = frozenset({errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES})
 _NOT_HERE = frozenset({errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EINVAL})
 
@@ -49,16 +51,23 @@ class Lock:
             raise
 
     def _sign(self, since: datetime) -> None:
-        text = json.dumps(
-            {
-                "pid": os.getpid(),
-                "host": socket.gethostname(),
-                "since": since.astimezone().isoformat(timespec="seconds"),
-            }
-        )
+        self._words = {
+            "pid": os.getpid(),
+            "host": socket.gethostname(),
+            "since": since.astimezone().isoformat(timespec="seconds"),
+            "journal": noted_journal(self.path.parent),
+        }
+        self._write()
+
+    def note(self, journal: Journal) -> None:
+        """Write how far the journal is: a log that is lost later is missed."""
+        self._words["journal"] = journal
+        self._write()
+
+    def _write(self) -> None:
         with suppress(OSError):  # a full disk: the lock is held all the same
-            os.ftruncate(self._file, 0)
-            os.pwrite(self._file, text.encode(), 0)
+            os.pwrite(self._file, json.dumps(self._words).encode().ljust(_WORDS), 0)  # at once, over all before
+            os.ftruncate(self._file, _WORDS)
 
     def _holder(self) -> str:
         """Return "since 14:03 on 2026-01-31, process 123 on HOST"; "" where it is not known."""
@@ -71,10 +80,19 @@ class Lock:
     def close(self) -> None:
         """Free the lock. The file stays: without it two could lock two files of one name."""
         if self._file >= 0:
-            with suppress(OSError):
-                os.ftruncate(self._file, 0)
+            self._words = {"journal": self._words["journal"]}
+            self._write()
             os.close(self._file)
             self._file = -1
+
+
+def noted_journal(folder: Path) -> Journal:
+    """Return how far the journal is at least, as Lock.note has it; zeros where not known."""
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+        if (path := folder / LOCK).is_file():
+            entries, last, seal = json.loads(path.read_bytes()[:_WORDS])["journal"]
+            return int(entries), int(last), int(seal)
+    return 0, 0, 0
 
 
 def _no_place(error: OSError, folder: Path) -> HmdwarpError:
@@ -191,6 +209,7 @@ def _check_ours(folder: Path) -> None:
 def sync_trace(path: Path) -> bool:
     """Sync a trace and its folder; False where there is no trace. Errors: MachineError."""
     try:
+        keep_private(path)
         sync(path)
         sync(path.parent)
     except FileNotFoundError:

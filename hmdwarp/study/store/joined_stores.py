@@ -18,6 +18,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...report import keep_private
 from ...resources import __version__
 from . import database, queries
 from .admission import insert
@@ -136,6 +137,7 @@ def _written(
             into.execute("PRAGMA journal_mode = DELETE")  # all of it in one file
         for site, db in opened.items():
             _copy_traces(db, sites[site] / TRACES, making / TRACES)
+        keep_private(*making.rglob("*"))
         making.rename(out)
     except BaseException:
         shutil.rmtree(making, ignore_errors=True)
@@ -176,7 +178,12 @@ class _Copy:
             of,
             lambda row: {"session": sessions[row["session"]], "showing": showings.get(row["showing"])},
         )
-        self._table("event", of, lambda row: {"session": sessions[row["session"]]})
+        events = self._table("event", of, lambda row: {"session": sessions[row["session"]]})
+        told = {"session": sessions, "showing": showings, "shown": showings, "answer": answers}
+        for old, new in events.items():
+            data = from_json(self._source.execute("SELECT data FROM event WHERE id = ?", (old,)).fetchone()[0])
+            _, what, row = data.get("seal", (0, "", 0))
+            database.seal(self._into, new, what, told.get(what, {}).get(row, 0))
         gone = "SELECT code FROM withdrawn UNION SELECT code FROM participant WHERE withdrawing"
         for (code,) in self._source.execute(gone):
             # Their bytes were never here.

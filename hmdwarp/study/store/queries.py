@@ -45,7 +45,9 @@ def _showing_of(row: tuple[Any, ...]) -> Showing:
 
 
 def _event_of(row: tuple[Any, ...]) -> Event:
-    fields = [*row[:-1], from_json(row[-1])]
+    data = from_json(row[-1])
+    data.pop("seal", None)  # checked when the store was opened
+    fields = [*row[:-1], data]
     return Event(*fields)
 
 

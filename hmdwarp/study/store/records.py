@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import sqlite3
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,18 @@ def to_json(data: Mapping[str, Any]) -> str:
     return json.dumps(_plain(data), ensure_ascii=False, allow_nan=False, separators=(",", ":"))
 
 
+class DamagedRow(sqlite3.DatabaseError):
+    """A row is not as it was written, which SQLite cannot know."""
+
+    sqlite_errorname = "SQLITE_CORRUPT"
+
+
 def from_json(text: str) -> Any:
-    """Decode a text that to_json wrote."""
-    return json.loads(text)
+    """Decode a text that to_json wrote. Errors: DamagedRow."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise DamagedRow(f"no JSON in {text[:20]!r}") from error
 
 
 def clean(text: str) -> str:

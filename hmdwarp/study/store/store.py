@@ -97,7 +97,7 @@ class Store(StoreConnection):
             id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
             session = queries.session(db, id_)
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
-            self._event(session, "begin", data=data)
+            self._event(session, "begin", data=data, row=("session", id_))
             session = queries.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
             self._say(
@@ -191,7 +191,8 @@ class Store(StoreConnection):
                 condition=step.condition.name, presentation=presentation, settings=to_json(settings), trace=trace,
                 started_utc=self._now(),
             )  # fmt: skip
-            self._event(session, "showing", step.key, {"showing": id_, "presentation": presentation})
+            told = {"showing": id_, "presentation": presentation}
+            self._event(session, "showing", step.key, told, ("showing", id_))
             return queries.showing(db, id_)
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
@@ -203,7 +204,8 @@ class Store(StoreConnection):
         with self._running(session) as db:
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
-            self._event(session, "shown", showing.key, {"showing": showing.id, "complete": complete})
+            told = {"showing": showing.id, "complete": complete}
+            self._event(session, "shown", showing.key, told, ("shown", showing.id))
             return queries.showing(db, showing.id)
 
     def answer(
@@ -228,12 +230,12 @@ class Store(StoreConnection):
             query = "SELECT coalesce(max(revision), 0) + 1 FROM answer WHERE session = ? AND key = ?"
             revision = db.execute(query, (session.id, step.key)).fetchone()[0]
             words = {"text": text} if text else {}
-            self._event(session, "answer", step.key, {"value": value, "revision": revision, **words})
             id_ = admission.insert(
                 db, "answer", session=session.id, key=step.key, revision=revision, phase=step.phase, trial=step.trial,
                 scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
                 at_utc=self._now(), showing=showing.id if isinstance(showing, Showing) else showing,
             )  # fmt: skip
+            self._event(session, "answer", step.key, {"value": value, "revision": revision, **words}, ("answer", id_))
             return queries.answer(db, id_)
 
     # --- data ---

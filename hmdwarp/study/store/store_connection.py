@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Protocol, Self
 
 from ...errors import HmdwarpError, InputError
+from ...report import keep_private
 from ...resources import __version__
 from . import database, queries
 from .database import transaction
@@ -120,6 +121,7 @@ class StoreConnection:
             make_folders(self.folder)
         else:
             _ = self._db  # there must be one
+        keep_private(self.folder, *self.folder.rglob("*"))
         lock = Lock(self.folder, self._clock.utc())
         try:
             db = database.open_to_write(self.folder, study or "", __version__)
@@ -164,6 +166,7 @@ class StoreConnection:
         assert self._lock is not None, "writing needs the lock"
         with transaction(self._db, self._path) as db:
             yield db
+        self._lock.note(database.journal_of(self._db))
 
     @contextmanager
     def _running(self, session: Session) -> Iterator[sqlite3.Connection]:
@@ -183,8 +186,18 @@ class StoreConnection:
         """Return the time of day as rows hold it."""
         return text_of(self._clock.utc())
 
-    def _event(self, session: Session, kind: str, key: str = "", data: Mapping[str, Any] | None = None) -> None:
-        """Append to the journal; an event before it notes a clock that was set back."""
+    def _event(
+        self,
+        session: Session,
+        kind: str,
+        key: str = "",
+        data: Mapping[str, Any] | None = None,
+        row: tuple[str, int] = ("", 0),
+    ) -> None:
+        """Append to the journal; an event before it notes a clock that was set back.
+
+        row: what the entry tells of, as database.seal takes it.
+        """
         now, mono_ns = self._now(), self._clock.mono_ns()
         latest = self._db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
         insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, ?, ?, ?, ?, ?)"
@@ -197,4 +210,5 @@ class StoreConnection:
                 f"the machine's clock was set back by {back_s:.0f} s: nothing is lost; the order of the data does "
                 "not depend on it"
             )
-        self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))
+        entry = self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {}))).lastrowid
+        database.seal(self._db, entry or 0, *row)

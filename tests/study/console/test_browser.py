@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from pathlib import Path
 
 import needs
@@ -126,14 +126,104 @@ def test_a_page_shows_the_session_and_sends_its_commands(tmp_path):
         assert played.asked() == [("answer", 3.5), ("stop", None)]
 
 
-def test_only_this_machine_and_only_the_whole_address_gets_in(tmp_path):
-    async def statuses(urls: list[str]) -> list[int]:
-        found = []
+async def answers(requests: list[tuple[str, dict[str, str]]]) -> list[tuple[int, Mapping[str, str]]]:
+    """Status and headers of each."""
+    found = []
+    async with aiohttp.ClientSession() as client:
+        for url, headers in requests:
+            async with client.get(url, headers=headers) as answer:
+                found.append((answer.status, answer.headers))
+    return found
+
+
+async def statuses(urls: list[str]) -> list[int]:
+    return [status for status, _ in await answers([(url, {}) for url in urls])]
+
+
+def test_no_process_names_the_token_nor_does_a_log_file(tmp_path):
+    with playing(tmp_path / "log") as played:
+        token = played.address.rsplit("/", 2)[1].encode()
+        assert asyncio.run(statuses([played.address])) == [200], "the server runs"
+        for process in Path("/proc").glob("[0-9]*"):
+            for name in ("cmdline", "environ", "comm"):
+                with contextlib.suppress(OSError):
+                    assert token not in (process / name).read_bytes()
+    log = tmp_path / "stderr"
+    code = f"""
+import os, sys; os.dup2(os.open({str(log)!r}, os.O_WRONLY | os.O_CREAT), 2)
+from hmdwarp.study.console import make_console
+with make_console("browser", "x") as console:
+    from urllib.request import url2pathname
+    page = open(2, closefd=False) and open({str(log)!r}).read().split()[2].removeprefix("file://")
+    print(console.address, os.stat(os.path.dirname(page)).st_mode & 0o777, console.address in open(page).read())
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    address, mode, there = done.stdout.split()
+    assert address not in log.read_text() and address.rsplit("/", 2)[1] not in log.read_text()
+    assert (int(mode), there) == (0o700, "True")
+
+
+def test_pages_of_other_origins_and_other_names_of_this_machine_are_refused(tmp_path):
+    with playing(tmp_path / "log") as played:
+        own = played.address.split("/")[2]
+        port, page, ws = own.rsplit(":", 1)[1], played.address, f"{played.address}ws?width=80&height=24"
+        upgrade = {"Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
+                   "Sec-WebSocket-Key": base64.b64encode(bytes(16)).decode()}  # fmt: skip
+        foreign = ["http://evil.example", "null", "http://127.0.0.1", f"https://{own}", f"http://127.0.0.2:{port}",
+                   f"http://{own}.evil.example", f"http://evil.example:{port}"]  # fmt: skip
+        names = ["evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port}0", f"[::1]:{port}"]
+        refused = [(url, {"Origin": origin, **upgrade}) for url in (page, ws) for origin in foreign]
+        refused += [(url, {"Host": name, **upgrade}) for url in (page, ws, f"http://{own}/wrong/") for name in names]
+        found = asyncio.run(answers(refused))
+        assert {status for status, _ in found} == {403}
+        taken = [(page, {}), (page, {"Origin": f"http://{own}"}), (page, {"Host": f"localhost:{port}"})]
+        found = asyncio.run(answers([*taken, (f"{page}static/js/textual.js", {}), (f"http://{own}/wrong/", {})]))
+        assert [status for status, _ in found] == [200, 200, 200, 200, 404]
+        for _, headers in found:
+            policy = headers["Content-Security-Policy"].split("; ")
+            assert {"default-src 'none'", "frame-ancestors 'none'"} <= {*policy}
+            assert not [rule for rule in policy if rule.startswith("script-src") and "unsafe" in rule]
+            assert headers["X-Frame-Options"] == "DENY" and headers["Cache-Control"] == "no-store"
+
+
+def test_sizes_and_messages_that_no_browser_sends_end_nothing(tmp_path):
+    async def visit(played: Played) -> None:
         async with aiohttp.ClientSession() as client:
-            for url in urls:
-                async with client.get(url) as answer:
-                    found.append(answer.status)
-        return found
+            for text in ("{", "[]", "{}", '["stdin", 5]', '["resize", {}]', '["resize", {"width": "x", "height": 1}]'):
+                async with client.ws_connect(f"{played.address}ws", origin=played.address.rsplit("/", 2)[0]) as socket:
+                    await socket.send_str(text)
+                    await Page(socket).closed()
+            huge = "9" * 12
+            async with client.ws_connect(f"{played.address}ws?width={huge}&height=-{huge}") as socket:
+                for size in (
+                    {"width": 1e300, "height": 10**12},
+                    {"width": -5, "height": 0},
+                    {"width": 80, "height": 24},
+                ):
+                    await socket.send_json(["resize", size])
+                await Page(socket).until("participant P07")
+                biggest = max(_peak_mib(process) for process in _descendants(played.program.pid))
+                await Page(socket).type("sy")
+                await Page(socket).closed()
+        assert biggest < 300
+
+    with playing(tmp_path / "log") as played:
+        asyncio.run(visit(played))
+        assert played.program.wait() == 0 and played.asked() == [("stop", None)]
+        assert played.program.stderr.read() == ""
+
+
+def _descendants(pid: int) -> list[int]:
+    children = [int(line) for line in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+    return [*children, *(grandchild for child in children for grandchild in _descendants(child))]
+
+
+def _peak_mib(pid: int) -> float:
+    line = next(line for line in Path(f"/proc/{pid}/status").read_text().splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024
+
+
+def test_only_this_machine_and_only_the_whole_address_gets_in(tmp_path):
 
     with playing(tmp_path / "log") as played:
         assert played.address.startswith("http://127.0.0.1:")

@@ -29,4 +29,10 @@ def _value(type_: str, text: str) -> Any:
         return None
     if type_ == FLAG:
         return _READ[text]
-    return {NUMBER: float, INTEGER: int}.get(type_, str)(text)
+    if type_ not in (NUMBER, INTEGER):
+        begin = text[1:].lstrip()
+        while begin.startswith("'"):
+            begin = begin[1:].lstrip()
+        blank = text[1:2] in ("\t", "\r", "\n")
+        return text[1:] if text.startswith("'") and (blank or begin[:1] in tuple("=+-@＝＋－＠")) else text
+    return {NUMBER: float, INTEGER: int}[type_](text)

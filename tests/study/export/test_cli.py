@@ -29,6 +29,17 @@ def test_it_says_what_it_wrote(study, tmp_path):
     assert "3 participants (people) in 3 sessions" in told and "11 recordings of head motion" in told
 
 
+def test_an_export_is_for_its_owner_alone_and_says_how_texts_are_written(study, tmp_path):
+    (tmp_path / "out").mkdir(mode=0o755)
+    run("export", *study, "--out", tmp_path / "out", "--remarks")
+    modes = {path.stat().st_mode & 0o777 for path in (tmp_path / "out").rglob("*") if path.is_file()}
+    folders = {
+        path.stat().st_mode & 0o777 for path in (tmp_path / "out", *(tmp_path / "out").rglob("*")) if path.is_dir()
+    }
+    assert (modes, folders) == ({0o600}, {0o700})
+    assert "apostrophe" in (tmp_path / "out" / "README").read_text()
+
+
 def test_pilots_are_exported_on_request(study, tmp_path):
     assert "1 participant (a pilot, who tried the study out) in 1 session, " in run(
         "export", *study, "--out", tmp_path / "out", "--pilot"

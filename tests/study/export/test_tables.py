@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.report import inert_text, raw_text
 from hmdwarp.study.analysis import from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export import (
@@ -62,6 +63,47 @@ def test_a_table_as_tsv_has_a_line_for_each_row_and_reads_back_but_for_white_spa
     assert [
         row for row, was in zip(read_table(text, COLUMNS, "\t"), flat, strict=True) if "n/a" not in was.values()
     ] == kept
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *(
+            "=1+1",
+            "+cmd|' /C calc'!A0",
+            "-2+3",
+            "@SUM(A1)",
+            "\t=1",
+            "\r=1",
+            "\n=1",
+            " =1",
+            "'=1",
+            "\uff1d1",
+            "-",
+            "--1",
+            "+",
+        ),
+        *("=", "- blurred", "-1;=2", "-1e", "+.", "\u00a0=1", "''\t@x"),
+    ],
+)
+def test_no_spreadsheet_runs_what_was_typed_and_it_reads_back(text):
+    flat = " ".join(text.split())
+    for made, delimiter, kept in ((csv_text, ",", text), (tsv_text, "\t", flat)):
+        written = made([{"warp": text}], COLUMNS)
+        _, cells = csv.reader(io.StringIO(written, newline=""), delimiter=delimiter)
+        cell = cells[LONG_COLUMNS.index("warp")]
+        assert cell.startswith("'") and cell[1:] == raw_text(cell) == kept
+
+
+@pytest.mark.parametrize("text", ["-1", "+1.5", "-.5e-9", "-2.", "n/a", "it's", "'tis", "a=1", "1-2", "'"])
+def test_numbers_and_other_texts_stay_as_they_are(text):
+    assert csv_text([{"warp": text}], COLUMNS).splitlines()[1].split(",")[LONG_COLUMNS.index("warp")] == text
+    assert raw_text(text) == text
+
+
+@given(st.text(st.sampled_from("'=+-@ \t\r1a＝"), max_size=6))
+def test_a_text_made_inert_has_one_text_that_it_comes_from(text):
+    assert raw_text(inert_text(text)) == text
 
 
 def test_points_are_points_whatever_the_locale():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import re
 import sqlite3
 
@@ -13,6 +14,7 @@ from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.study.design import WILLIAMS, rows_for
 from hmdwarp.study.store import (
     COMPLETE,
+    DATABASE,
     DECLINED,
     INTERRUPTED,
     PILOT,
@@ -379,7 +381,24 @@ def test_rehearsals_lie_apart_and_are_found_by_name(tmp_path):
         folder_to_read(study, None, PILOT)
 
 
-def test_the_folder_is_its_owner_s_alone(store, tmp_path):
-    assert not (tmp_path / "data").exists(), "before a session there is nothing to keep"
-    begun(store)
-    assert (tmp_path / "data").stat().st_mode & 0o077 == 0
+def test_the_folder_and_all_in_it_are_their_owner_s_alone_also_where_they_were_there_before(tmp_path):
+    data = tmp_path / "data"
+    mask = os.umask(0)
+    try:
+        (data / "traces").mkdir(parents=True)
+        with Store(data, create=True) as store:
+            session = begun(store)
+            showing = store.begin_showing(session, shows(session)[0], {})
+            (store.traces / showing.trace).write_text("pose")
+            store.end_showing(session, showing, {}, True)
+            modes = {path.name: path.stat().st_mode & 0o777 for path in (data, *data.rglob("*"))}
+            assert modes.pop("data") == modes.pop("traces") == 0o700
+            assert {f"{DATABASE}-wal", f"{DATABASE}-shm", DATABASE, "lock", showing.trace} == {*modes}
+            assert {*modes.values()} == {0o600}
+        for path in (data, *data.rglob("*")):
+            path.chmod(0o777)
+        with Store(data) as store:
+            store.resume("P01")
+            assert not [path for path in (data, *data.rglob("*")) if path.stat().st_mode & 0o077]
+    finally:
+        os.umask(mask)
