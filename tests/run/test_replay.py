@@ -20,7 +20,7 @@ from replays import contents, rows_of, run, small, suited
 
 from hmdwarp.client.fills import fills
 from hmdwarp.client.lens import lenses
-from hmdwarp.errors import HmdwarpError
+from hmdwarp.errors import HmdwarpError, InputError
 from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
 from hmdwarp.resources import __version__
@@ -500,3 +500,29 @@ def test_a_report_says_what_the_client_must_hold(tmp_path, gpu):
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
     assert "client&#39;s model, 50 % of the triangles, textures at 0.5" in page
     assert "client_models" not in run(tmp_path / "none", gpu=gpu, seconds=0.1).summary
+
+
+def long_trace(path: Path, seconds: float) -> Path:
+    """A head at rest whose poses are 50 s apart."""
+    instants = np.arange(0.0, seconds + 50, 50)
+    path.write_text("time_s,px,py,pz,qx,qy,qz,qw\n" + "".join(f"{at:.0f},0,0,0,0,0,0,1\n" for at in instants))
+    return path
+
+
+def test_more_than_a_day_at_more_than_1_hz_asks_for_seconds(tmp_path):
+    trace = long_trace(tmp_path / "week.csv", 7 * 86_400)
+    with pytest.raises(InputError, match=r"7\.0 days.*--seconds"):
+        set_up_replay(small(trace=str(trace), seconds=None))
+    for allowed in ({"seconds": 0.5}, {"seconds": None, "rate_hz": 1.0, "latency_ms": 1000.0}):
+        with set_up_replay(small(trace=str(trace), **allowed)) as setup:
+            assert setup.schedule.count >= 30
+
+
+def test_a_long_replay_says_what_it_costs_before_it_begins(tmp_path):
+    trace, sentences = long_trace(tmp_path / "long.csv", 600), []
+    for seconds in (1.0, 500.0):
+        with set_up_replay(small(trace=str(trace), seconds=seconds), say=sentences.append):
+            pass
+    short, long = (text for text in sentences if "refreshes" in text)
+    assert "60 refreshes" in short and "GPU to" not in short
+    assert "30000 refreshes" in long and "0.4 h on a GPU to 4.2 h without one; --seconds shows less" in long
