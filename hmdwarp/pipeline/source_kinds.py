@@ -8,7 +8,9 @@ from typing import Any
 import attrs
 
 from ..errors import InputError
-from ..frames.layers import PICTURE
+
+# frames.layers.PICTURE, which loads NumPy: this file is read for every --help.
+_PICTURE = ("rendered.colour", "rendered.inverse_depth")
 
 
 @attrs.frozen
@@ -38,7 +40,7 @@ class SourceKind:
 SCENE = SourceKind("scene")
 RECORDING = SourceKind(
     "recording",
-    (*PICTURE, "rendered.others"),
+    (*_PICTURE, "rendered.others"),
     has_geometry=False,
     has_head=True,
     eyes=1,
@@ -50,7 +52,7 @@ SERVER_SCENE = "server"
 # A server elsewhere.
 REMOTE = SourceKind("remote")
 # A machine near the client that warps for it, and sends the finished picture.
-PROXY = SourceKind("proxy", PICTURE[:1])
+PROXY = SourceKind("proxy", _PICTURE[:1])
 
 _DEFAULTS = {"guard": "1", "predict": "none", "lens": "none"}
 _WHY_NOT = {
