@@ -117,7 +117,7 @@ def test_drivers_that_disagree_are_named(benches, tmp_path):
 def test_benches_of_different_programs_are_refused(benches, tmp_path):
     older = elsewhere(benches[0], tmp_path / "older", program="0")
     (tmp_path / "empty").mkdir()
-    for folder, words in ((older, "different programs"), (tmp_path / "empty", "no bench")):
+    for folder, words in ((older, "different programs"), (tmp_path / "empty", "no such file")):
         with pytest.raises(InputError, match=words):
             merge(MergeOptions(folders=(benches[0], folder), out=tmp_path / "merged"))
     with pytest.raises(InputError, match="expected two or more"):

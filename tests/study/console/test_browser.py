@@ -195,16 +195,14 @@ def test_sizes_and_messages_that_no_browser_sends_end_nothing(tmp_path):
                     await Page(socket).closed()
             huge = "9" * 12
             async with client.ws_connect(f"{played.address}ws?width={huge}&height=-{huge}") as socket:
-                for size in (
-                    {"width": 1e300, "height": 10**12},
-                    {"width": -5, "height": 0},
-                    {"width": 80, "height": 24},
-                ):
+                for size in ({"width": 1e300, "height": 10**12}, {"width": -5, "height": 0}):
                     await socket.send_json(["resize", size])
-                await Page(socket).until("participant P07")
-                biggest = max(_peak_mib(process) for process in _descendants(played.program.pid))
-                await Page(socket).type("sy")
-                await Page(socket).closed()
+                await socket.receive()
+                async with client.ws_connect(f"{played.address}ws?width=80&height=24") as another:
+                    await Page(another).until("participant P07")
+                    biggest = max(_peak_mib(process) for process in _descendants(played.program.pid))
+                    await Page(another).type("sy")
+                    await Page(another).closed()
         assert biggest < 300
 
     with playing(tmp_path / "log") as played:

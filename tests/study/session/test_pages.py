@@ -96,7 +96,7 @@ def test_a_picture_keeps_its_colours_on_the_display(gpu, tmp_path):
     [
         ('[ready]\ntext = "a"\nfile = "b.txt"', "needs either text, or file"),
         ("[thanks]", "needs either text, or file"),
-        ('[instructions]\nfile = "none.png"', "no picture"),
+        ('[instructions]\nfile = "none.png"', "none.png: no such file"),
         ('[instructions]\nfile = "small.png"', "no picture"),
         ('[instructions]\nfile = "none.txt"', "none.txt"),
         ('[instructions]\ntext = "a"\npages = 3', "pages"),

@@ -178,7 +178,7 @@ def test_a_plan_is_the_same_from_another_working_folder_and_when_its_folder_was_
         for path in ("s.toml", "moved/s.toml", tmp_path / "s.toml", tmp_path.parent / "s.toml")
     )
     assert here == there == whole_path == elsewhere
-    other = plan_signature(design_from_text(text.replace("mine.glb", "../mine.glb"), "s.toml", checked=False), "one")
+    other = plan_signature(design_from_text(text.replace("mine.glb", "other/mine.glb"), "s.toml", checked=False), "one")
     assert signature_changes(here, other)
 
 
