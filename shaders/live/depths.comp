@@ -10,7 +10,8 @@ uniform int slot;
 
 void main() {
     ivec2 p = first_pixel();
-    for (int row = 0; row < ROWS && p.x < points && p.y < points; ++row, ++p.y) {
+    if (p.x >= points) return;
+    for (int row = 0; row < ROWS && p.y < points; ++row, ++p.y) {
         ivec2 cell = (2 * ivec2(p.x, points - 1 - p.y) + 1) * size / (2 * points);
         depths[(slot * points + p.y) * points + p.x] = imageLoad(inverse_depth, ivec2(cell.x, size.y - 1 - cell.y)).r;
     }

@@ -31,6 +31,7 @@ from hmdwarp.image.picture_arrays import ENCODINGS
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
+from hmdwarp.run.seen_offset import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.server import MIRRORS, Server
 
@@ -90,6 +91,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         with Copier(gpu, 16):
             pass
         HoleCounter(gpu).close()
+        DepthSamples(gpu).close()
         _take_textures_over(gpu)
         for spec, depth in product(("difference", "difference:warped=off", "points"), (False, True)):
             choice = parse_warp(spec)
