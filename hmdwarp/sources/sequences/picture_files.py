@@ -135,8 +135,10 @@ def _npy(path: Path) -> NDArray[Any]:
     try:
         with opened(path, PICTURE_FILE) as file:
             values = np.load(file, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
-        raise InputError(f"{path}: not an .npy file of numbers ({error})") from error
+    except InputError:
+        raise
+    except Exception as error:  # NumPy and Python's tokenizer raise many kinds for a damaged head
+        raise InputError(f"{path}: not an .npy file of numbers ({' '.join(str(error).split())})") from error
     if not isinstance(values, np.ndarray) or values.ndim == 3 and values.shape[2] != 1 or values.ndim not in (2, 3):
         raise InputError(f"{path}: shape {getattr(values, 'shape', None)}; expected depth of (h, w)")
     if values.dtype.kind not in "fiu":

@@ -62,6 +62,8 @@ class VideoPictures:
         """Yield the pictures from an instant of the stream's clock on; None for all."""
         # Of this form alone: playlists, for instance, name other files.
         with opened(self.path, VIDEO) as file, av.open(file, format="mp4") as container:
+            if not container.streams.video:
+                raise InputError(f"{self.path}: no pictures in it: expected a video")
             stream = container.streams.video[0]
             if instant is not None:
                 # A second before: pictures just after a seek may need those before it.
