@@ -45,7 +45,7 @@ replay: setup  ## the main job: replay a recorded head 200 ms late and report on
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
-	@$(if $(CI),.venv/bin/python tests/fuzz.py --seconds 120 || fuzzed=1;) \
+	@$(if $(CI),.venv/bin/python tests/fuzz.py --cases 1000 || fuzzed=1;) \
 	  $(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5) \
 	  && exit $${fuzzed:-0}
 
