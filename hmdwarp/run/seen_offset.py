@@ -81,7 +81,7 @@ class DepthSamples:
     """
 
     def __init__(self, gpu: Gpu) -> None:
-        self._gl, self._count = gpu.gl, 0
+        self._gl = gpu.gl
         self._program = gpu.shaders.compute("live/depths.comp")
         size = 4 * _MOST_EYES * _POINTS**2
         self._now, self._before = (gpu.gl.buffer(reserve=size) for _ in range(2))

@@ -1,5 +1,7 @@
-// Multiplies the light that is shown with the albedo that the client draws at the same pose, and adds what shines there.
-// In: shown light, albedo with what shines, and that alone if any, whole pixels. Out: linear colour, coverage as the light's.
+// Multiplies the light that is shown with the albedo that the client draws at the same pose, and
+// adds what shines there.
+// In: shown light, albedo with what shines, and that alone if any, whole pixels. Out: linear colour,
+// coverage as the light's.
 // Source: Barrow and Tenenbaum 1978, Recovering Intrinsic Scene Characteristics from Images.
 #include "lib/rows.glsl"
 layout(rgba16f) readonly uniform image2D light;

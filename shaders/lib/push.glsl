@@ -1,5 +1,5 @@
 // What the level above says of a texel, and the texel completed by it. Who includes it has
-// colour_above() and depth_above(), above_size, and texel_pixels: the pixels along a side of a texel.
+// colour_above() and depth_above(), above_size, and texel_pixels: pixels along a texel's side.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the preference for the
 // farther one inside holes is this project's.
 #include "lib/push_pull.glsl"

@@ -1,4 +1,4 @@
-// Samples a picture on a grid, at the middle of each cell as counted from the top left.
+// Samples a picture on a grid, at the middle of each cell.
 // In: inverse depth in 1/m, whole pixels. Out: depths[], row by row from the bottom, slot after slot.
 // Source: none; the nearest pixel.
 #include "lib/rows.glsl"
@@ -12,7 +12,6 @@ void main() {
     ivec2 p = first_pixel();
     if (p.x >= points) return;
     for (int row = 0; row < ROWS && p.y < points; ++row, ++p.y) {
-        ivec2 cell = (2 * ivec2(p.x, points - 1 - p.y) + 1) * size / (2 * points);
-        depths[(slot * points + p.y) * points + p.x] = imageLoad(inverse_depth, ivec2(cell.x, size.y - 1 - cell.y)).r;
+        depths[(slot * points + p.y) * points + p.x] = imageLoad(inverse_depth, (2 * p + 1) * size / (2 * points)).r;
     }
 }

@@ -176,9 +176,13 @@ class Pyramid(Fill):
         program = self._first_push if first else self._push
         level.bind(_SECOND, write=True)
         self._read_above(program, above)
-        uniforms = {"level_colour": _SECOND[0], "level_depth": _SECOND[1], "level_size": level.size}
-        uniforms["texel_pixels"] = 2.0 ** (self._levels.index(level) + 1)
-        program.uniforms.set(least_holes=self.settings.holes if self._is_local(level) else NEVER, **uniforms)
+        program.uniforms.set(
+            level_colour=_SECOND[0],
+            level_depth=_SECOND[1],
+            level_size=level.size,
+            texel_pixels=2.0 ** (self._levels.index(level) + 1),
+            least_holes=self.settings.holes if self._is_local(level) else NEVER,
+        )
         if first:
             program.uniforms.set(shown_size=level.size)
             self._pieces.run_coarse(program)

@@ -27,7 +27,7 @@ from .message import (
     encode,
     token_of,
 )
-from .shared_frames import IS_ABLE, MOST_OF_CLIENT, SharedFrames
+from .shared_frames import IS_ABLE, MOST_OF_CLIENT, NEVER_NS, SharedFrames
 from .sockets import (
     KERNEL_BYTES,
     LINK,
@@ -53,8 +53,6 @@ _MOST_CLIENTS = 64
 _LOOK_MS = 2
 # Frames that wait longer than this for their client make room for others'.
 _STUCK_NS = 1_000_000_000
-# When a frame waits that does not.
-_NEVER_NS = 1 << 63
 # Lines of one kind and address, and all lines, in a second.
 _MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
 
@@ -275,8 +273,8 @@ class Listener:
     def _since(self, who: bytes) -> int:
         """Return when the oldest frame of a client began to wait; far from now if none does."""
         waiting = self._clients[who].waiting
-        shared = self._shared.since_ns(who) if self._shared is not None else _NEVER_NS
-        return min(waiting[0].since_ns if waiting else _NEVER_NS, shared)
+        shared = self._shared.since_ns(who) if self._shared is not None else NEVER_NS
+        return min(waiting[0].since_ns if waiting else NEVER_NS, shared)
 
     def _cut(self, who: bytes, why: str) -> None:
         if (connection := self._clients[who].connection) is not None:

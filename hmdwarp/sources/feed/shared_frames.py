@@ -35,6 +35,8 @@ _SEGMENT = re.compile(rf"{PREFIX}-([0-9a-f]{{16}})-\d{{1,10}}")
 _OWNER = re.compile(rf"{PREFIX}-([0-9a-f]{{16}})")
 # Bytes of frames that wait for a client; one frame may always wait, even if it is larger.
 MOST_OF_CLIENT = 256 << 20
+# When a frame waits that does not.
+NEVER_NS = 1 << 63
 # Segments of a client that hold no frame: more are removed.
 _MOST_FREE = 3
 IS_ABLE = sys.platform == "linux" and SHARED.is_dir() and os.access(SHARED, os.W_OK)
@@ -95,7 +97,7 @@ class SharedFrames:
 
     def since_ns(self, client: bytes) -> int:
         """Return since when the oldest of these is there; far from now without any."""
-        return min((block.since_ns for block in self._of.get(client, ()) if block.number), default=1 << 63)
+        return min((block.since_ns for block in self._of.get(client, ()) if block.number), default=NEVER_NS)
 
     def _free(self, client: bytes, length: int) -> _Segment | None:
         mine = self._of[client]

@@ -45,8 +45,10 @@ _TEXTS: tuple[tuple[str, type[HmdwarpError], str], ...] = (
 )
 
 
-def store_error(error: sqlite3.Error, path: Path) -> HmdwarpError:
+def store_error(error: sqlite3.Error | UnicodeDecodeError, path: Path) -> HmdwarpError:
     """Translate an error; a violated constraint and unknown errors are internal errors."""
+    if isinstance(error, UnicodeDecodeError):  # SQLite's own message holds bytes of a broken schema
+        return damaged(path, "its schema holds bytes that are no text")
     name = getattr(error, "sqlite_errorname", None) or ""
     # SQLITE_ERROR: the schema is not what the file says it is.
     if name in ("SQLITE_ERROR", "SQLITE_NOTADB") or name.startswith("SQLITE_CORRUPT") or "UTF-8" in str(error):
@@ -83,7 +85,7 @@ def translated(path: Path) -> Iterator[None]:
     """Raise SQLite's errors in this block as store_error translates them."""
     try:
         yield
-    except sqlite3.Error as error:
+    except (sqlite3.Error, UnicodeDecodeError) as error:
         raise store_error(error, path) from error
 
 

@@ -67,14 +67,20 @@ def refuse_moved(where: str, matrix: NDArray[np.float64]) -> None:
         raise InputError(f"{where}: no unit matrix; expected depth that is registered to the colour")
 
 
-def same_size(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
-    """Return the depth. Errors: InputError where it has other pixels than its colour."""
+def depth_fit(
+    size: Size, of_depth: Size, camera: Camera, camera_of_depth: Camera | None
+) -> Callable[..., NDArray[Any]]:
+    """Return what takes depth to the colour's pixels: as it is where both have as many."""
+    return _same_size if size == of_depth else _through_cameras(camera, camera_of_depth)
+
+
+def _same_size(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
     if depth.shape != colour.shape[:2]:
         raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
     return depth
 
 
-def through_cameras(camera: Camera, of_depth: Camera | None) -> Callable[..., NDArray[Any]]:
+def _through_cameras(camera: Camera, of_depth: Camera | None) -> Callable[..., NDArray[Any]]:
     """Return what takes the depth of another camera in the same place to the colour's pixels."""
     if of_depth is None:
         return fitted_depth

@@ -15,17 +15,7 @@ from ..picture_files import size_of
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
 from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
-from ._dataset import (
-    axes_of,
-    by_number,
-    clock_of,
-    left_out,
-    matrix_in,
-    poses_in_files,
-    refuse_moved,
-    same_size,
-    through_cameras,
-)
+from ._dataset import axes_of, by_number, clock_of, depth_fit, left_out, matrix_in, poses_in_files, refuse_moved
 
 _WORLD = "x,z,y"  # z up
 _UNIT = 0.001
@@ -81,7 +71,7 @@ class ScanNetReader(SequenceReader):
         pairs = [Pair(colours[at], depths[at], at_rate(options, at), poses[at]) for at in whole]
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
         more = (axes_of(axes), way, clock_of(options, By.FORMAT))
-        fit = through_cameras(facts.camera, cameras["depth"]) if size != depth_size else same_size
+        fit = depth_fit(size, depth_size, facts.camera, cameras["depth"])
         return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
 
 

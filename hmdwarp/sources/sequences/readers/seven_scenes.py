@@ -17,17 +17,7 @@ from ..picture_files import size_of
 from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
 from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, intrinsics_fact, scale_fact, sequence_of
-from ._dataset import (
-    axes_of,
-    by_number,
-    clock_of,
-    left_out,
-    matrix_in,
-    poses_in_files,
-    refuse_moved,
-    same_size,
-    through_cameras,
-)
+from ._dataset import axes_of, by_number, clock_of, depth_fit, left_out, matrix_in, poses_in_files, refuse_moved
 
 # The data set's page gives them for depth and says that neither camera was calibrated.
 KINECT = Camera(585.0, 585.0, 320.0, 240.0, size=(640, 480))
@@ -76,8 +66,8 @@ class SevenScenesReader(SequenceReader):
         notes = [] if stated.colour or options.intrinsics else [_UNREGISTERED]
         notes += left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
         more = (axes_of(axes), way, clock_of(options))
-        same = not whole or size_of(colours[whole[0]]) == size_of(depths[whole[0]])
-        fit = same_size if same else through_cameras(facts.camera, stated.depth)
+        size, of_depth = (size_of(side[whole[0]]) if whole else (1, 1) for side in (colours, depths))
+        fit = depth_fit(size, of_depth, facts.camera, stated.depth)
         return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
 
 
