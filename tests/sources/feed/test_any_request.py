@@ -17,8 +17,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.pipeline.feed_coding import FeedEncoder
-from hmdwarp.run import serve_run
-from hmdwarp.run.serve_options import ServeOptions
+from hmdwarp.run import ServeOptions, serve_run
 from hmdwarp.sources.feed.listener import Asked
 from hmdwarp.sources.feed.message import FrameMessage, decode
 
@@ -84,7 +83,19 @@ def clients(serving):
         {"size": (2048, 2048), "eyes": (foreign.eye(),) * 2, "formats": (4, 2)},
         {"size": (2048, 2048), "eyes": (foreign.eye(),) * 2, "formats": (255, 3)},
     ],
-    ids="far,narrow,peeled,most peeled,cube,drawn cube,overlay,large,late,large videos,large depth".split(","),
+    ids=[
+        "far",
+        "narrow",
+        "peeled",
+        "most peeled",
+        "cube",
+        "drawn cube",
+        "overlay",
+        "large",
+        "late",
+        "large videos",
+        "large depth",
+    ],
 )
 def test_a_request_that_no_server_should_draw_is_refused_and_others_notice_nothing(serving, clients, wrong):
     hostile, other, _ = clients
@@ -98,7 +109,7 @@ def test_a_request_that_no_server_should_draw_is_refused_and_others_notice_nothi
 
 @pytest.mark.parametrize(("formats", "side"), [((4, 2), 1479), ((4, 3), 1207), ((3, 3), 1707)])
 def test_the_largest_videos_take_a_bounded_time(serving, clients, formats, side):
-    """CRF 0 takes longest. Thrice the time that docs/feed.md says, for a machine with other work."""
+    """CRF 0 takes longest. Thrice what docs/feed.md says, for a machine with other work."""
     largest = {"eyes": (foreign.eye(),) * 2, "formats": formats, "quality": 1}
     asked(clients[0], foreign.request(1, size=(64, 64), **largest))
     worked = cpu_s(serving.process.pid)
