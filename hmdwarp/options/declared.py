@@ -1,4 +1,4 @@
-"""Declaration of options, their limits, and construction of objects from the texts that users write."""
+"""Declaration of options, their limits, and objects made from the texts that users write."""
 
 from __future__ import annotations
 
