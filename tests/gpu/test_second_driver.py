@@ -115,7 +115,8 @@ def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, recor
 @pytest.mark.slow(60)
 def test_the_selected_tests_pass_there(tmp_path, record_property):
     results = tmp_path / "results.xml"
-    done = on_zink("-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", f"--junitxml={results}", "-k", FEWER, *SELECTED)
+    options = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", f"--junitxml={results}", "-k", FEWER)
+    done = on_zink("-m", "pytest", *options, *SELECTED)
     assert done.returncode == 0, said(done)
     cases = list(ElementTree.parse(results).iter("testcase"))
     reasons = (found.get("message", "") for case in cases for found in case.iter("skipped"))
