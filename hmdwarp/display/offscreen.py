@@ -15,7 +15,7 @@ import moderngl
 from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
-from ..poses.pose_source import LoopedSource
+from ..poses.track import LoopedSource
 from . import Command, DisplayOptions, Label, Picture, Status, Tick
 from .desktop.layout import SwitchableView
 from .present import Presenter

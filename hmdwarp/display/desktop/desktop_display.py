@@ -12,7 +12,7 @@ from contextlib import ExitStack
 from ...gpu.context import Gpu
 from ...headsets import load_headset
 from ...poses import PoseSource
-from ...poses.pose_source import LoopedSource
+from ...poses.track import LoopedSource
 from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Picture, Tick
 from ..status import Status

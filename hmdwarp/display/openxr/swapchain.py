@@ -12,7 +12,7 @@ import xr
 from ...errors import MachineError
 from ...geometry import View
 from ...gpu.context import Gpu
-from ...gpu.raw_gl import depth_framebuffer
+from ...gpu.egl import depth_framebuffer
 from .runtime import Calls
 
 SRGB8_A8, RGBA16F, RGBA8 = 0x8C43, 0x881A, 0x8058

@@ -11,7 +11,7 @@ from typing import Any
 from ...errors import HmdwarpError, TraceError
 from ...options.named_files import BAG, TABLE, opened
 from ...resources import import_extra
-from .made import Made
+from .columns import Made
 from .pose_messages import PoseMessages, StampedPose, has_poses, poses_in
 
 EXTRA = "bags"

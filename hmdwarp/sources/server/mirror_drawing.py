@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...frames import EyeImage
 from ...geometry import Fov, Mirror, Pose, View
-from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
+from ...geometry.view import mirrors_in_eye, tangents_of_pixels
 from ...gpu.context import drawing_into
 from ...scenes import Mesh, SceneMirror
 from .moving import Place

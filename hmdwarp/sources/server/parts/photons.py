@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ....frames.layers.photons import PhotonMap
-from ....frames.photon_bundles import (
+from ....frames.layers.photons import (
     CUBE_BYTES,
     BundleSender,
     Cube,
+    PhotonMap,
     PhotonUpdate,
     Sent,
     bundle_bytes,

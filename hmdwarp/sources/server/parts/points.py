@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames.layers.points import Cloud
-from ....frames.point_blocks import (
+from ....frames.layers.points import (
     HEAD_BYTES,
     POINT_BYTES,
     SKY_BYTES,
     Block,
+    Cloud,
     PointSender,
     PointUpdate,
     Sent,

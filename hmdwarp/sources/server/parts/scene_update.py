@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames.deliveries import Outbox, Update
+from ....frames.layers import Outbox, Update
 from ....frames.layers.scene_update import Delivery
 from ....geometry import View
 from ....scenes import COARSE, FULL, HALF, Mesh, Scene, pieces_of
