@@ -36,9 +36,10 @@ class Points(Delivered):
     something = frozenset({Cloud()})
 
 
-# A cell of the scene has an endless sequence of points of which any run is spread evenly. A block is
-# a run of it with all that the receiver needs, so blocks may come in any order. Where the receiver's
-# room runs out, a cell is forgotten as a whole: its age rises, and older blocks mean nothing.
+# A cell of the scene has an endless sequence of points of which any run is spread evenly. A block
+# is a run of it with all that the receiver needs, so blocks may come in any order. Where the
+# receiver's room runs out, a cell is forgotten as a whole: its age rises, and older blocks mean
+# nothing.
 
 # Room is given in pages of so many points.
 PAGE = 16

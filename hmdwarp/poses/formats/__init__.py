@@ -15,9 +15,9 @@ from ..assumptions import Assumption, By, Defect, Layout
 from ..options import AXIS_ANGLE, INVERSE, VECTOR, Euler, TraceOptions, parse_euler
 from ..reading.axes import AXES, CLOCK, COLUMNS, DIRECTION, LENGTH, OPENXR, ORIENTATION, POSE, parse_axes
 from ..reading.cleaning import Cleaner, LoadedTrace
-from ..reading.columns import UNRANKED, Columns, direction_of, find_columns, head_rank
+from ..reading.columns import UNRANKED, Columns, direction_of, find_columns, head_rank, named_matrices
 from ..reading.file_head import Head, is_number
-from ..reading.matrix_cells import Matrix, matrix_in, named_matrices, read_matrix
+from ..reading.matrix_cells import Matrix, matrix_in, read_matrix
 from ..reading.rows import RowReader
 from ..reading.times import UNIT_NAMES
 from ..track import PoseTrack
