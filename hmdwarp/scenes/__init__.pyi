@@ -38,7 +38,7 @@ from ._scene import SceneMirror as SceneMirror
 from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
-from ._targets import with_targets as with_targets
+from ._viewpoint import with_targets as with_targets
 from ._voxels import VoxelGrid as VoxelGrid
 from ._voxels import VoxelSurfaces as VoxelSurfaces
 from ._voxels import voxel_surfaces as voxel_surfaces

@@ -13,10 +13,10 @@ from itertools import count
 
 import numpy as np
 import pytest
+from hmdwarp.display.status import KEPT
 
 from hmdwarp.display import CONTROLS, Command, Status, control
 from hmdwarp.display.desktop import PANEL_REMEDY, installed, make_control_panel
-from hmdwarp.display.status import KEPT
 
 if not installed():
     pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)

@@ -1,14 +1,14 @@
 from .control_panel import PANEL_REMEDY as PANEL_REMEDY
 from .control_panel import installed as installed
 from .control_panel import make_control_panel as make_control_panel
+from .desktop_display import UNSYNCED as UNSYNCED
 from .desktop_display import DesktopDisplay as DesktopDisplay
+from .desktop_display import Pacer as Pacer
 from .layout import WindowView as WindowView
 from .layout import flat_size as flat_size
 from .layout import viewports as viewports
 from .layout import window_size as window_size
 from .layout import window_view as window_view
-from .pacing import UNSYNCED as UNSYNCED
-from .pacing import Pacer as Pacer
 from .window_input import FASTER as FASTER
 from .window_input import MOVES as MOVES
 from .window_input import Keys as Keys

@@ -17,11 +17,10 @@ from ...geometry import View
 from .. import Command, DisplayOptions, EyePicture, Label, Picture, Status, Tick
 from ..notice import Notice
 from ..present import Presenter
-from .connection import IDLE_S, Connected, Connection, connect
+from .connection import IDLE_S, NEAR_M, Connected, Connection, Swapchain, connect
 from .diagnosis import RUNTIME_LABEL
 from .graphics import Graphics, open_graphics
 from .runtime import Calls, Instance
-from .swapchain import NEAR_M, Swapchain
 from .tracking import HeadTracker, RuntimeEyes
 
 if TYPE_CHECKING:
