@@ -1,5 +1,3 @@
-from .front import error_and_time as error_and_time
-from .front import pareto as pareto
 from .job import REGIONS as REGIONS
 from .job import Compared as Compared
 from .job import Input as Input
@@ -53,6 +51,8 @@ from .summary import at_instants as at_instants
 from .summary import block_length as block_length
 from .summary import differ as differ
 from .summary import difference as difference
+from .summary import error_and_time as error_and_time
 from .summary import excludes_zero as excludes_zero
 from .summary import interval_of_mean as interval_of_mean
 from .summary import middle_and_tail as middle_and_tail
+from .summary import pareto as pareto

@@ -53,10 +53,10 @@ from .style import PAPER as PAPER
 from .style import css_variables as css_variables
 from .style import dashes_of as dashes_of
 from .style import markers_of as markers_of
-from .style import trace_plot_png as trace_plot_png
 from .style import warp_of as warp_of
 from .thesis_page import render_thesis_page as render_thesis_page
 from .thesis_page import summary_markdown as summary_markdown
+from .trace_plot import trace_plot_png as trace_plot_png
 from .video import VideoWriter as VideoWriter
 from .video import available_encoders as available_encoders
 from .words import ALPHA as ALPHA

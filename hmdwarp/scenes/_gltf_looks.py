@@ -1,4 +1,9 @@
-"""Materials of a glTF file as looks: base colour, emission, alpha, glass and mirrors."""
+"""Materials of a glTF file as looks: base colour, emission, alpha, glass and mirrors.
+
+Those of specular and glossiness become those of metal and roughness, which glTF has today.
+Source: Khronos 2017, KHR_materials_pbrSpecularGlossiness, its example of a conversion between the
+two (https://github.com/KhronosGroup/glTF/tree/main/extensions/2.0/Archived).
+"""
 
 from __future__ import annotations
 
@@ -11,13 +16,12 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import SceneError
 from ._draft import Look
-from ._gltf_file import KTX2, GltfFile, is_mirror
+from ._gltf_file import KTX2, SPECULAR, GltfFile, is_mirror
 from ._mesh import Emission, Material, Texture
 from ._notes import Notes
 
 Array = NDArray[np.float64]
 
-SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 Image = NDArray[np.uint8] | None
 _DIELECTRIC = 0.04  # the specular colour of every glTF material that is not a metal
 _BRIGHTNESS = np.array([0.299, 0.587, 0.114])

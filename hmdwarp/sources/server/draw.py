@@ -14,11 +14,10 @@ from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...scenes import Scene
 from .lighting import Lighting
-from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import ScenePasses
 from .targets import Framebuffers, Renderer, Target
-from .upload import SceneBuffers, SceneTextures
+from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
 MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"

@@ -13,10 +13,8 @@ from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Draw
 from ...scenes import Scene
 from .lighting import Indirect, Lighting
-from .moving import STAYS, Moving, Place
-from .projection import clip_from_eye, eye_from_scene, visible, world_from_ndc
-from .upload import Batch, SceneBuffers, emits
-from .visibility import Draws, Visibility, draws_of
+from .upload import STAYS, Batch, Moving, Place, SceneBuffers, emits
+from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
 
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
 # room for drivers that round differently.

@@ -10,8 +10,7 @@ import moderngl
 from imgui_bundle import imgui, implot
 
 from ... import Command
-from ...controls import CONTROLS, Control
-from ...status import Status
+from ...controls import CONTROLS, Control, Status
 from . import panel_style as style
 from .imgui_input import ImGuiInput, NoInput
 from .plots import Stages, draw_plots, right_aligned

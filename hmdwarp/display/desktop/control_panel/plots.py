@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from imgui_bundle import imgui, implot
 
-from ...status import KEPT, Status
+from ...controls import KEPT, Status
 from . import panel_style as style
 
 HEIGHT = 34.0  # of a plot, at a content scale of 1

@@ -8,8 +8,7 @@ import attrs
 from imgui_bundle import imgui
 
 from ... import Command
-from ...controls import CONTROLS, Control
-from ...status import Status
+from ...controls import CONTROLS, Control, Status
 from . import panel_style as style
 
 LABEL, KEY = 60.0, 50.0  # widths of the columns, at a content scale of 1

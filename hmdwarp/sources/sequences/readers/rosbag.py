@@ -30,8 +30,7 @@ from ..recorded import (
     as_pictures,
     in_metres,
 )
-from ..ros_pictures import COLOURS, DEPTHS, encoding_of, pixels_of
-from ..ros_transforms import Matrix, Motion, Transforms
+from ..ros_pictures import COLOURS, DEPTHS, Matrix, Motion, Transforms, encoding_of, pixels_of
 from . import readers
 from ._base import SequenceReader, at_rate, facts_of, made, pose_of_matrix
 from ._dataset import axes_of, clock_of, left_out, refuse_y_up
