@@ -193,7 +193,6 @@ SAME_NAME = {
     "sources": "of frames; of a study's analysis",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
-    "tables": "TOML tables; tables of a report",
     "textures": "on the GPU; of the scenes",
 }
 # Names that differ by an s.
