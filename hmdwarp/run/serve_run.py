@@ -17,7 +17,7 @@ from ..frames import Frame, Needs
 from ..frames.layers import RENDERED, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
-from ..pipeline.feed_coding import FeedEncoder
+from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..scenes import load_scene
 from ..sources.feed import bounds
@@ -28,8 +28,8 @@ from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .serve_options import ServeOptions
 
-# Of the videos of all clients; what is beyond begins anew. An encoder holds some 30 bytes a pixel.
-_MOST_CODED_PIXELS = 1 << 25
+# Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
+_MOST_CODED_BYTES = 1 << 30
 _WAIT_MS = 200  # between looks at whether to stop
 
 
@@ -78,7 +78,7 @@ class _Coders:
             found = FeedEncoder(asked.ask)
         coded = found.encode(frame)
         self._of[asked.client] = found  # not where that failed: its eyes may be at different places
-        while sum(coder.pixels for coder in self._of.values()) > _MOST_CODED_PIXELS and len(self._of) > 1:
+        while sum(coder.bytes for coder in self._of.values()) > _MOST_CODED_BYTES and len(self._of) > 1:
             del self._of[next(iter(self._of))]
         return coded
 
@@ -102,6 +102,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
+    check_work(ask)
     frame = _drawn(server, ask, needs)
     server.gpu.wait()
     pictures = list(_pictures(frame, ask))
