@@ -28,10 +28,10 @@ from .metric import Metric as Metric
 from .metric import measure as measure
 from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
-from .mismatch import Mismatch as Mismatch
-from .mismatch import SharedSurface as SharedSurface
 from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
+from .picture_pairs import Mismatch as Mismatch
+from .picture_pairs import SharedSurface as SharedSurface
 from .picture_pairs import block_means as block_means
 from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text

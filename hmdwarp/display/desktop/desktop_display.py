@@ -20,11 +20,10 @@ from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Picture, Tick
 from ..controls import Status
 from .control_panel import column_width
-from .layout import SwitchableView
 from .painter import NO_PANEL, Painter, StatusViews
 from .window import Window
 from .window_input import Keys, WindowInput
-from .window_system import start
+from .window_system import SwitchableView, start
 
 TITLE = "hmdwarp"
 MINIMISED_S = 0.1

@@ -16,9 +16,9 @@ from .depth_codec import DepthVideoDecoder as DepthVideoDecoder
 from .depth_codec import DepthVideoEncoder as DepthVideoEncoder
 from .depth_codec import VectorDecoder as VectorDecoder
 from .depth_codec import VectorEncoder as VectorEncoder
-from .packed_layers import pack as pack
-from .packed_layers import unpack as unpack
 from .stream import ColourDecoder as ColourDecoder
 from .stream import ColourEncoder as ColourEncoder
 from .stream import Packet as Packet
 from .stream import Undecodable as Undecodable
+from .stream import pack as pack
+from .stream import unpack as unpack

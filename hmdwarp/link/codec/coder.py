@@ -12,8 +12,19 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...options import Declared, names_in, one_of, option
 from .codecs import Codec, codecs
-from .packed_layers import bytes_from_light, covered, light_from_bytes, pack, stops_of, unpack
-from .stream import ColourDecoder, ColourEncoder, Packet, from_two_parts, two_parts
+from .stream import (
+    ColourDecoder,
+    ColourEncoder,
+    Packet,
+    bytes_from_light,
+    covered,
+    from_two_parts,
+    light_from_bytes,
+    pack,
+    stops_of,
+    two_parts,
+    unpack,
+)
 
 # See two_parts. The fields: powers of 2 beyond 1, the light of uncovered pixels as half floats; the
 # parts: coverage and video.

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import Codec, require
-from .packed_layers import covered
-from .stream import Packet, Undecodable, VideoDecoder, VideoEncoder, from_two_parts, padded, two_parts
+from .stream import Packet, Undecodable, VideoDecoder, VideoEncoder, covered, from_two_parts, padded, two_parts
 
 # 1/m: up to 64 per metre, which is 16 mm from the eye.
 STEP = 2.0**-10

@@ -20,13 +20,12 @@ from ...errors import TraceError
 from ...options.named_files import LIST, TRACE, opened
 from ..assumptions import By, Defect
 from ..options import Euler
-from .bags import MAGICS as BAGS
-from .bags import table_of_bag
 from .colmap import MARK, table_of_colmap
 from .columns import Made, names_rotation, rows_text
 from .json_records import table_of_json
 from .motion_capture import export_reader
-from .pose_messages import MAGIC, table_of_mcap
+from .pose_messages import MAGIC, table_of_bag, table_of_mcap
+from .pose_messages import MAGICS as BAGS
 
 LOOK_BYTES = 256 * 1024
 _SAMPLE_ROWS = 64

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...poses import Origin, PoseTrack
-from ...poses.reading.bags import stamp_ns
+from ...poses.reading.pose_messages import stamp_ns
 
 # Bytes a pixel, and which of its channels are red, green and blue.
 COLOURS = {

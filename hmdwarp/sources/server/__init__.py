@@ -1,8 +1,7 @@
 """The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses."""
 
 from .draw import MIRRORS, Server
-from .lighting import ArrivingLight, Indirect, Lighting
-from .passes import ScenePasses, clear_depth, draw_moving
+from .passes import ArrivingLight, Indirect, Lighting, ScenePasses, clear_depth, draw_moving
 from .targets import BYTES_BINDING, Framebuffers, Renderer, Target, TargetPool, display_bytes
 from .upload import DeformingMesh, SceneBuffers, SceneTextures, moving_parts
 from .visibility import Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene

@@ -13,9 +13,8 @@ from ...frames.layers import PICTURE, layers
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...scenes import Scene
-from .lighting import Lighting
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import ScenePasses
+from .passes import Lighting, ScenePasses
 from .targets import Framebuffers, Renderer, Target
 from .upload import SceneBuffers, SceneTextures, moving_parts
 

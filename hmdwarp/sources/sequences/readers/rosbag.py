@@ -13,8 +13,7 @@ import numpy as np
 from ....errors import InputError, TraceError
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
-from ....poses.reading.bags import Bag, bag_at, stamp_ns
-from ....poses.reading.pose_messages import part_of
+from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
 from ..camera import Camera, refuse_distortion
 from ..options import SequenceOptions
 from ..picture_files import fitted_depth

@@ -22,8 +22,7 @@ from ....gpu.context import Gpu, drawing_into
 from ....gpu.shaders import Compute, Uniforms
 from ....gpu.textures import COLOUR, allocate, release_all
 from ....scenes import Scene, VoxelGrid, voxel_surfaces
-from ..lighting import Indirect, Lighting
-from ..passes import ScenePasses, Viewport
+from ..passes import Indirect, Lighting, ScenePasses, Viewport
 from ..targets import Framebuffers
 from ..upload import Moving, SceneBuffers
 from . import DrawContext, Drawing, Part, parts
