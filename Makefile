@@ -47,9 +47,9 @@ replay: setup  ## the main job: replay a recorded head 200 ms late and report on
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
-	@$(if $(CI),.venv/bin/python tests/fuzz.py --cases 1000 || fuzzed=1;) \
-	  $(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5) \
-	  && exit $${fuzzed:-0}
+	@$(if $(CI),.venv/bin/python tests/fuzz.py --cases 1000 & fuzz=$$!;) \
+	  $(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5); \
+	  status=$$?; $(if $(CI),wait $$fuzz || status=1;) exit $$status
 
 test-quick: setup  ## one case of each test of the quick parts: about a minute
 	@.venv/bin/python -m pytest --quick -q $(PYTEST_OPTIONS)

@@ -38,6 +38,11 @@ from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_rows as comparison_rows
 from .replay_page import render_report as render_report
 from .replay_page import summary_table as summary_table
+from .run_diff import DIFF_PAGE as DIFF_PAGE
+from .run_diff import RunDiff as RunDiff
+from .run_diff import StoredRun as StoredRun
+from .run_diff import diff_runs as diff_runs
+from .run_diff import digests as digests
 from .run_texts import axes_of_traces as axes_of_traces
 from .run_texts import budget_rows as budget_rows
 from .run_texts import coding_rows as coding_rows

@@ -19,6 +19,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
+from ..pipeline.options import NEAREST
 from ..scenes import load_scene
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import key_pair
@@ -51,7 +52,8 @@ def serve(
     listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
     with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
-        with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors)) as server:
+        how = {"samples": options.samples, "nearest": options.sample_depth == NEAREST}
+        with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors, **how)) as server:
             say(f"listening at {listener.address}: scene '{scene.name}'")
             coders = _Coders(listener)
             while goes_on():

@@ -9,7 +9,7 @@ import pytest
 from run.lsl import lsl_on_this_machine, receiving, with_lsl  # noqa: F401
 from run.offscreen import PERIOD_NS
 
-from hmdwarp.display.present import AHEAD
+from hmdwarp.display.offscreen import AHEAD
 from hmdwarp.errors import MachineError
 from hmdwarp.study.dialogs import MessagePanel
 

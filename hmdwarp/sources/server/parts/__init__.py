@@ -17,7 +17,7 @@ from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
 from ..passes import ScenePasses
-from ..targets import Framebuffers, LastUsed, Target
+from ..targets import Framebuffers, LastUsed, Multisampled, Target
 from ..upload import SceneTextures
 
 parts: Registry[type[Part]] = Registry("part", __name__)
@@ -77,6 +77,8 @@ class DrawContext:
     passes_for: Callable[[Drawing], ScenePasses]
     # renderer(scene): a server of another scene; who makes it closes it.
     renderer: Callable[[Scene], Renderer]
+    # Where depth is that of the nearest of several samples; None where it is of the pixel's centre.
+    samples: Multisampled | None = None
 
 
 class Part(ABC):
