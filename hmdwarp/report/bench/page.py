@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import attrs
 from markupsafe import Markup
 
 from ...metrics import REGIONS, Figure, metrics, metrics_in_order
@@ -99,11 +100,12 @@ def _suite(entry: Mapping[str, Any] | None) -> Section | None:
     if not entry:
         return None
     figures = [metrics.get(name).figure for name in ("flip", "psnr_db")]
+    figures.insert(1, attrs.evolve(figures[0], name="behind", label="FLIP behind the best"))
     lines = [
         (
             f"{row['latency_ms']:g} ms",
             row_name(row),
-            *(text for figure in figures for text in _mean_and_interval(figure, row.get(figure.name))),
+            *(text for figure in figures for text in _mean_and_interval(figure, row[figure.name])),
         )
         for row in entry["over_all"]
     ]
@@ -114,10 +116,9 @@ def _suite(entry: Mapping[str, Any] | None) -> Section | None:
     )
 
 
-def _mean_and_interval(figure: Figure, entry: Mapping[str, Any] | None) -> tuple[str, str]:
-    interval = (entry or {}).get("interval")
-    ends = " to ".join(map(figure.text, interval)) if interval else "–"
-    return figure.text(entry["mean"] if entry else None), ends
+def _mean_and_interval(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
+    interval = entry["interval"]
+    return figure.text(entry["mean"]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:

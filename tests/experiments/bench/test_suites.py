@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from hmdwarp.poses import KINDS
 from hmdwarp.report.bench import render_bench_page
 from hmdwarp.resources import recording_names
 
-T_OF_1, T_OF_5 = 12.706205, 2.570582  # Student's t, 97.5 %
+T_OF_2 = 4.302653  # Student's t, 97.5 %
 
 
 def test_the_standard_suite_is_wide_and_both_run_people_antialiased():
@@ -36,11 +38,11 @@ def test_what_a_suite_says_is_not_said_beside_it(said):
 
 
 def test_an_interval_takes_cases_of_one_head_for_dependent():
-    """Two heads 2 apart, the same in both scenes: as sure as two numbers are, not four."""
-    low, high = clustered_interval([1, 1, 3, 3], list("AABB"), list("xyxy"))
+    """Three heads 1 apart, the same in all scenes: as sure as three numbers are, not nine."""
+    low, high = clustered_interval([1, 1, 1, 2, 2, 2, 3, 3, 3], list("AAABBBCCC"), list("xyzxyzxyz"))
     assert (low + high) / 2 == pytest.approx(2)
-    assert high - 2 == pytest.approx(T_OF_1, rel=1e-5)
-    assert clustered_interval([1, 3], ["A", "A"], ["x", "y"]) is None
+    assert high - 2 == pytest.approx(T_OF_2 * 3**-0.5, rel=1e-5)
+    assert clustered_interval([1, 3, 1, 3], list("AABB"), list("xyxy")) is None
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -62,18 +64,23 @@ def test_means_are_over_all_cases_of_a_method_and_on_the_page():
             "latency_ms": 200.0,
             "warp": warp,
             "fill": "pyramid",
-            "quality": {"flip": {"mean": flip}, "psnr_db": {"mean": 30.0 + 10 * flip}},
+            "quality": {
+                "flip": {"mean": flip + 0.1 * (trace == "a")},
+                "psnr_db": {"mean": 30.0 - 10 * flip + (scene == "x")},
+            },
         }
         for warp, worse in (("rotation", 0.1), ("iterative", 0.0))
-        for trace, scene, flip in (("a", "x", worse), ("a", "y", worse), ("b", "x", worse), ("b", "y", worse + 0.2))
+        for trace, scene, flip in itertools.product("abc", "xyz", [worse])
     ]
     best, other = over_all(rows)
     assert (best["warp"], other["warp"]) == ("iterative", "rotation")
-    assert best["flip"]["mean"] == pytest.approx(0.05) and (best["heads"], best["scenes"]) == (2, 2)
-    assert best["psnr_db"]["interval"][0] < 30.5 < best["psnr_db"]["interval"][1]
+    assert best["flip"]["mean"] == pytest.approx(0.1 / 3) and (best["heads"], best["scenes"]) == (3, 3)
+    assert best["psnr_db"]["interval"][0] < 30.4 < best["psnr_db"]["interval"][1]
+    # Which head it is makes no difference to the difference of methods.
+    assert best["behind"]["mean"] == 0 and other["behind"]["interval"] == pytest.approx([0.1, 0.1])
     assert suite_entry("", rows) == {}
     page = render_bench_page({"rows": [], **suite_entry("quick", rows)})
-    assert "Suite quick 1: over all heads and scenes" in page and "0.0500" in page
+    assert "Suite quick 1: over all heads and scenes" in page and "0.1000 to 0.1000" in page
     assert "Suite" not in render_bench_page({"rows": []})
 
 
