@@ -125,8 +125,9 @@ def clustered_interval(
     """Return the 95 % interval of a mean of cases that share heads and scenes.
 
     None below three of each. The variances of the sums by head and by scene are added, that of
-    single cases taken off; it is at least the larger of the two. Each has the correction for few clusters, and Student's t as
-    many degrees of freedom as there are clusters of the rarer kind, less one.
+    single cases taken off; it is at least the larger of the two. Each has the correction for few
+    clusters, and Student's t as many degrees of freedom as there are clusters of the rarer kind,
+    less one.
     Source: Cameron, Gelbach and Miller 2011, Robust Inference With Multiway Clustering, 2.2.
     """
     kinds = (list(heads), list(scenes), list(range(len(values))))
