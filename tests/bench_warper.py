@@ -2,7 +2,8 @@
 
 The passes alone and the Warper take turns in one process, on the same textures. Counted is the
 processor time of the calling thread: Python and the driver's part of it, without what llvmpipe's
-own threads draw and without what other programs take.
+own threads draw and without what other programs take. With --ratios: the processor time of all
+threads of a call with arrays, over that of its warp and fill.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
 
 # The smaller one has next to nothing to draw, and shows the cost of the calls alone.
 SIZES, WARM = ((64, 48), (640, 480)), 10
+RATIO_SIZES, MOST = ((640, 480), (1280, 800), (2064, 2240)), 1.25
 WAYS = (
     "the passes alone",
     "`warp_textures`, read where they are",
@@ -73,8 +75,48 @@ def measured(size: tuple[int, int], rounds: int, gpu: Gpu) -> list[float]:
         return found
 
 
+def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str, float]:
+    """Return a line on `warp` of bytes and float32 depth, and its ratio to warp and fill alone."""
+    wide, high = size
+    rng = np.random.default_rng(0)
+    colour = rng.integers(0, 256, (high, wide, 3), np.uint8)
+    depth_m = np.broadcast_to(np.float32(2) + np.arange(wide) * 6 // wide, (high, wide)).astype(np.float32)  # steps
+    views = [View(Pose((x, 0, 0)), Fov.symmetric(1.2, 0.95)) for x in (0.0, 0.03)]
+    with Warper(size, gpu=gpu) as warper:
+        first = warper.warp(colour, depth_m, *views)
+        out = {"colour": first.colour, "coverage": first.coverage}
+        inputs = PassInputs(EyeImage(views[0], *warper._pictures[0].pair), views[1], 0)
+        took: list[list[float]] = [[], []]
+        for _ in range(rounds):
+            for times, call in zip(
+                took,
+                (
+                    lambda: (warper._compensator.run(inputs), gpu.gl.finish()),
+                    lambda: warper.warp(colour, depth_m, *views, out=out),
+                ),
+                strict=True,
+            ):
+                started = time.process_time_ns()
+                call()
+                times.append((time.process_time_ns() - started) * 1e-6)
+    passes, whole = map(median, took)
+    line = f"Warper.warp, {wide}x{high}: {whole:.1f} ms of all threads, its warp and fill {passes:.1f}"
+    return f"{line}: {whole / passes:.2f} times (limit {MOST:g})", whole / passes
+
+
+def print_ratios(gpu: Gpu, rounds: int) -> list[str]:
+    """Print a line for each size, and return those above the limit."""
+    found = [call_over_passes(gpu, size, rounds) for size in RATIO_SIZES]
+    print("\n".join(line for line, _ in found))
+    return [line for line, ratio in found if ratio > MOST]
+
+
 def main() -> None:
     """Print a table."""
+    if sys.argv[1:2] == ["--ratios"]:
+        with Gpu() as gpu:
+            print_ratios(gpu, 9)
+        return
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     with Gpu() as gpu:
         columns = [measured(size, rounds, gpu) for size in SIZES]
