@@ -3,22 +3,25 @@
 The passes alone and the Warper take turns in one process, on the same textures. Counted is the
 processor time of the calling thread: Python and the driver's part of it, without what llvmpipe's
 own threads draw and without what other programs take. With --ratios: the processor time of all
-threads of a call with arrays, over that of its warp and fill.
+threads of a call with arrays, over that of its passes.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from collections.abc import Callable
 from statistics import median
 
+import attrs
 import numpy as np
 
 from hmdwarp import Fov, Pose, View, Warper
 from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
+from hmdwarp.image.picture_arrays import raw_picture
 
 # The smaller one has next to nothing to draw, and shows the cost of the calls alone.
 SIZES, WARM = ((64, 48), (640, 480)), 10
@@ -76,32 +79,38 @@ def measured(size: tuple[int, int], rounds: int, gpu: Gpu) -> list[float]:
 
 
 def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str, float]:
-    """Return a line on `warp` of bytes and float32 depth, and its ratio to warp and fill alone."""
+    """Return a line on `warp` of bytes and float32 depth, and its ratio to all its passes."""
     wide, high = size
-    rng = np.random.default_rng(0)
-    colour = rng.integers(0, 256, (high, wide, 3), np.uint8)
-    depth_m = np.broadcast_to(np.float32(2) + np.arange(wide) * 6 // wide, (high, wide)).astype(np.float32)  # steps
-    views = [View(Pose((x, 0, 0)), Fov.symmetric(1.2, 0.95)) for x in (0.0, 0.03)]
+    colour = np.random.default_rng(0).integers(0, 256, (high, wide, 3), np.uint8)
+    depth_m = np.tile(np.float32(2) + (np.arange(wide) * 6 // wide).astype(np.float32), (high, 1))  # steps
+    late, now = (View(Pose((x, 0, 0)), Fov.symmetric(1.2, 0.95)) for x in (0.0, 0.03))
+    raw = raw_picture(colour, depth_m)
     with Warper(size, gpu=gpu) as warper:
-        first = warper.warp(colour, depth_m, *views)
-        out = {"colour": first.colour, "coverage": first.coverage}
-        inputs = PassInputs(EyeImage(views[0], *warper._pictures[0].pair), views[1], 0)
-        took: list[list[float]] = [[], []]
-        for _ in range(rounds):
-            for times, call in zip(
-                took,
-                (
-                    lambda: (warper._compensator.run(inputs), gpu.gl.finish()),
-                    lambda: warper.warp(colour, depth_m, *views, out=out),
-                ),
-                strict=True,
-            ):
-                started = time.process_time_ns()
-                call()
-                times.append((time.process_time_ns() - started) * 1e-6)
-    passes, whole = map(median, took)
-    line = f"Warper.warp, {wide}x{high}: {whole:.1f} ms of all threads, its warp and fill {passes:.1f}"
-    return f"{line}: {whole / passes:.2f} times (limit {MOST:g})", whole / passes
+        out = attrs.asdict(warper.warp(colour, depth_m, late, now), recurse=False)
+        out = {name: out[name] for name in ("colour", "coverage")}
+        pair, found, sent = warper._pictures[0].pair, warper._found, warper._take_in.send(raw)
+        made = warper._compensator.run(PassInputs(EyeImage(late, *pair), now, 0))
+        calls: list[Callable[[], object]] = [
+            lambda: warper._take_in.run(raw, sent, pair, found, 0),
+            lambda: warper._compensator.run(PassInputs(EyeImage(late, *pair), now, 0)),
+            lambda: warper._give_out.run(made.shown, made.warped, None, None, "srgb8", found),
+            lambda: warper.warp(colour, depth_m, late, now, out=out),
+        ]
+        took: list[list[float]] = [[] for _ in calls]
+        for _, (times, call) in itertools.product(range(rounds), zip(took, calls, strict=True)):
+            gpu.gl.finish()
+            started = time.process_time_ns()
+            call()
+            gpu.gl.finish()
+            times.append((time.process_time_ns() - started) * 1e-6)
+        gpu.timer.collect()
+    taking, warping, giving, whole = map(median, took)
+    ratio = whole / (taking + warping + giving)
+    line = (
+        f"Warper.warp, {wide}x{high}: {whole:.1f} ms of all threads; its passes {taking:.1f} in, {warping:.1f} warp and"
+    )
+    line += f" fill, {giving:.1f} out: {ratio:.2f} times (limit {MOST:g}); {whole / warping:.2f} times warp and fill"
+    return line, ratio
 
 
 def print_ratios(gpu: Gpu, rounds: int) -> list[str]:

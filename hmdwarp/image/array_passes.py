@@ -75,15 +75,20 @@ class TakeIn:
         self._light_of_byte.write(bits.tobytes())
         self._staged: dict[tuple[str, int, int], tuple[moderngl.Texture, moderngl.Buffer]] = {}
 
-    def run(self, picture: RawPicture, into: Pair, found: Found, number: int) -> None:
+    def send(self, picture: RawPicture) -> Pair:
+        """Return the bytes of colour and depth as textures; the next picture overwrites them."""
+        kind = np.dtype(np.uint16 if picture.depth.dtype.kind == "u" else np.float32)
+        return (
+            self._sent("colour", picture.colour, _sent_as(picture.colour)),
+            self._sent("depth", picture.depth[..., None], kind),
+        )
+
+    def run(self, picture: RawPicture, sent: Pair, into: Pair, found: Found, number: int) -> None:
         """Write rgba16f linear light with coverage and r32f inverse depth.
 
-        number: which of the pictures of `found`.
+        sent: what `send` returns for the picture. number: which of the pictures of `found`.
         """
-        kind = np.dtype(picture.colour.dtype.type if picture.colour.dtype.itemsize <= 2 else np.float32)
-        colour = self._sent("colour", picture.colour, kind)
-        is_whole = picture.depth.dtype.kind == "u"
-        depth = self._sent("depth", picture.depth[..., None], np.dtype(np.uint16 if is_whole else np.float32))
+        kind, is_whole = _sent_as(picture.colour), picture.depth.dtype.kind == "u"
         form = _UINT16 if is_whole else _INVERSE if picture.is_inverse else _METRES
         program = self._gpu.shaders.compute(
             "image/take_in.comp",
@@ -95,7 +100,7 @@ class TakeIn:
         )
         into[0].bind_to_image(0, read=False, write=True, format=_RG32UI)
         into[1].bind_to_image(1, read=False, write=True)
-        for unit, texture in enumerate((colour, depth, self._light_of_byte), start=2):
+        for unit, texture in enumerate((*sent, self._light_of_byte), start=2):
             texture.bind_to_image(unit, read=True, write=False)
         found.buffer.bind_to_storage_buffer(0)
         program.uniforms.set(rendered_size=self._size, scale=picture.scale, slot=_WORDS * number)
@@ -121,6 +126,10 @@ class TakeIn:
     def close(self) -> None:
         """Free textures and buffers."""
         release_all(self._light_of_byte, *(thing for pair in self._staged.values() for thing in pair))
+
+
+def _sent_as(colour: NDArray[Any]) -> np.dtype[Any]:
+    return np.dtype(colour.dtype.type if colour.dtype.itemsize <= 2 else np.float32)
 
 
 class GiveOut:

@@ -270,7 +270,8 @@ class Warper:
             with gpu.timer.cpu_stage("upload"):
                 if not number:
                     self._found.clear()
-                self._take_in.run(mended if self.repair.steps else picture, textures.pair, self._found, number)
+                one = mended if self.repair.steps else picture
+                self._take_in.run(one, self._take_in.send(one), textures.pair, self._found, number)
 
     def _check_numbers(self, pictures: list[RawPicture]) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""

@@ -127,7 +127,8 @@ def _take_arrays_over(gpu: Gpu) -> None:
     taking = TakeIn(gpu, (9, 7))
     for kind, channels, encoding in product((np.uint8, np.float16, np.float32), (3, 4), (None, "srgb")):
         for depth, scale in ((ones, None), (whole, 0.001), (whole.astype(np.int32), 1)):
-            taking.run(raw_picture(np.ones((7, 9, channels), kind), depth, scale, encoding), into, found, 0)
+            raw = raw_picture(np.ones((7, 9, channels), kind), depth, scale, encoding)
+            taking.run(raw, taking.send(raw), into, found, 0)
     taking.close()
 
 
