@@ -35,6 +35,7 @@ from .records import (
     Session,
     Showing,
     clean,
+    sealed,
     to_json,
 )
 from .store_connection import Clock, MachineClock, StoreConnection
@@ -268,7 +269,7 @@ class Store(StoreConnection):
         try:
             with self._write() as db:
                 changed = db.execute(
-                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
+                    "UPDATE showing SET measured = ? WHERE id = ?", (sealed(data), showing_id)
                 ).rowcount
                 if changed != 1:
                     raise KeyError(showing_id)

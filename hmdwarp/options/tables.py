@@ -1,16 +1,22 @@
-"""A TOML table with a getter per type; errors name the key in full."""
+"""TOML files that people write: a getter per type; errors name file, line and key."""
 
 from __future__ import annotations
 
+import bisect
 import difflib
 import math
 import re
 from collections.abc import Callable, Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
-from ...errors import InputError
+import attrs
 
-Path = tuple[str | int, ...]
+from ..errors import InputError
+from .documents import DocumentError, parse_toml
+from .named_files import TABLE, text_in
+
+KeyPath = tuple[str | int, ...]
 _NEEDED = object()  # no default: the key is required
 
 
@@ -28,7 +34,7 @@ class KeyFault(InputError):
     path: of the key from the top of the file: keys, and indices from 0 within arrays.
     """
 
-    def __init__(self, text: str, path: Path) -> None:
+    def __init__(self, text: str, path: KeyPath) -> None:
         super().__init__(text)
         self.path = path
 
@@ -39,7 +45,7 @@ class Table:
     Each getter takes a default for an optional key. Errors: KeyFault naming the key.
     """
 
-    def __init__(self, data: object, path: Path = (), example: str = "") -> None:
+    def __init__(self, data: object, path: KeyPath = (), example: str = "") -> None:
         """Wrap `data` of tomllib.
 
         path: in the file. example: a file with all keys, for messages.
@@ -56,8 +62,8 @@ class Table:
         return key in self._data
 
     @property
-    def path(self) -> Path:
-        """Path of the table in the file."""
+    def path(self) -> KeyPath:
+        """KeyPath of the table in the file."""
         return self._path
 
     def keys(self) -> tuple[str, ...]:
@@ -194,7 +200,7 @@ class Table:
         return KeyFault(f"the key {named} is missing{hint}", self._path)
 
 
-def _named(path: Path) -> str:
+def _named(path: KeyPath) -> str:
     """Join the keys, like 'part.condition.name'; the line number tells tables of one name apart."""
     return ".".join(part if re.fullmatch(r"[\w-]+", part) else repr(part) for part in path if isinstance(part, str))
 
@@ -222,3 +228,159 @@ def _is_number(value: object) -> bool:
     if isinstance(value, int) and not isinstance(value, bool):
         return abs(value) < 2**63  # the range of TOML; a longer one would overflow as a float
     return isinstance(value, float) and math.isfinite(value)
+
+
+_STRING = re.compile(
+    r'"""(?:\\.|[^\\])*?"""(?:"{0,2})' r"|'''.*?'''(?:'{0,2})" r'|"(?:\\.|[^"\\])*"' r"|'[^']*'",
+    re.DOTALL,
+)
+_KEY = re.compile(r"[A-Za-z0-9_-]+|\"(?:\\.|[^\"\\])*\"|'[^']*'")
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_SPACE = re.compile(r"[ \t]*")
+_SCALAR = re.compile(r"[^,\]}\n#]*")
+
+
+class LineFinder:
+    """Lines of the keys of a TOML text, which tomllib, cattrs, pydantic and msgspec do not keep."""
+
+    def __init__(self, text: str) -> None:
+        """Scan a text that tomllib parses without an error."""
+        self._text, self._at = text, 0
+        self._ends = [match.start() for match in re.finditer("\n", text)]
+        self._lines: dict[KeyPath, int] = {}
+        self._counts: dict[KeyPath, int] = {}  # tables so far in each array of tables
+        self._table: KeyPath = ()
+        self._scan()
+
+    def line(self, path: KeyPath) -> int:
+        """Return the line of a key, from 1 on; for a missing key that of its table, or 1."""
+        for length in range(len(path), 0, -1):
+            found = self._lines.get(path[:length])
+            if found is not None:
+                return found
+        return 1
+
+    def _scan(self) -> None:
+        try:
+            while self._skip(_BLANK) < len(self._text):
+                self._header() if self._text[self._at] == "[" else self._pair(self._table)
+        except (IndexError, RecursionError, ValueError):
+            return  # partial results are better than none
+
+    def _header(self) -> None:
+        start, is_array = self._at, self._text.startswith("[[", self._at)
+        self._at += 2 if is_array else 1
+        keys = self._keys()
+        path: KeyPath = ()
+        for number, key in enumerate(keys, 1):
+            path = (*path, key)
+            last = number == len(keys)
+            if is_array and last:
+                self._counts[path] = self._counts.get(path, 0) + 1
+                self._note(path, start)
+            if path in self._counts:
+                path = (*path, self._counts[path] - 1)
+            self._note(path, start)
+        self._at = self._text.index("]", self._at) + (2 if is_array else 1)
+        self._table = path
+
+    def _pair(self, table: KeyPath) -> None:
+        start, path = self._at, table
+        for key in self._keys():
+            path = (*path, key)
+            self._note(path, start)
+        self._at = self._text.index("=", self._at) + 1
+        self._skip(_SPACE)
+        self._value(path)
+
+    def _keys(self) -> list[str]:
+        keys = []
+        while True:
+            self._skip(_SPACE)
+            found = _KEY.match(self._text, self._at)
+            if found is None:
+                raise ValueError
+            keys.append(_plain(found[0]))
+            self._at = found.end()
+            self._skip(_SPACE)
+            if self._text[self._at] != ".":
+                return keys
+            self._at += 1
+
+    def _value(self, path: KeyPath) -> None:
+        first = self._text[self._at]
+        if first in "\"'":
+            self._skip(_STRING)
+        elif first in "[{":
+            self._within(path, "]" if first == "[" else "}")
+        else:
+            self._skip(_SCALAR)
+
+    def _within(self, path: KeyPath, end: str) -> None:
+        """Scan an array or an inline table."""
+        self._at += 1
+        number = 0
+        while self._skip(_BLANK) < len(self._text) and self._text[self._at] != end:
+            if self._text[self._at] == ",":
+                self._at += 1
+            elif end == "]":
+                self._note((*path, number), self._at)
+                self._value((*path, number))
+                number += 1
+            else:
+                self._pair(path)
+        self._at += 1
+
+    def _skip(self, pattern: re.Pattern[str]) -> int:
+        found = pattern.match(self._text, self._at)
+        if found is None:
+            raise ValueError
+        self._at = found.end()
+        return self._at
+
+    def _note(self, path: KeyPath, at: int) -> None:
+        self._lines.setdefault(path, bisect.bisect_left(self._ends, at) + 1)
+
+
+def _plain(key: str) -> str:
+    """Strip quotes. A key with escapes, which is rare, gets the line of its table."""
+    return key[1:-1] if key[0] in "\"'" else key
+
+
+T = TypeVar("T")
+
+
+def text_of(path: Path, wanted: str, folder: Path | None = None) -> str:
+    """Read a text file that is written by hand. wanted: for messages, such as "a .toml file".
+
+    Errors: InputError, as `text_in`.
+    """
+    return text_in(path, attrs.evolve(TABLE, what=wanted), folder)
+
+
+def parsed(text: str, path: Path | str, made_of: Callable[[Table], T], example: str = "") -> T:
+    """Parse TOML and return the result of `made_of`; refuse keys that it did not read.
+
+    path: for messages. Errors: InputError naming file, line and value.
+    """
+    try:
+        table = Table(parse_toml(text), example=example)
+    except DocumentError as error:
+        place = path if error.line is None else f"{path}:{error.line}"
+        raise InputError(f"{place}: this is no TOML: {error}{_several(str(error))}") from error
+    try:
+        made = made_of(table)
+        table.refuse_unread()
+    except KeyFault as error:
+        said = " ".join(str(error).split())  # names and texts of a file may hold line ends
+        raise InputError(f"{path}:{LineFinder(text).line(error.path)}: {said}") from error
+    return made
+
+
+def _several(says: str) -> str:
+    """Suggest [[key]] for [key] written twice."""
+    found = re.fullmatch(r"Cannot declare \((.*)\) twice(?: \(column \d+\))?", says)
+    if found is None:
+        return ""
+    key = ".".join(part.strip().strip("'\"") for part in found[1].split(",") if part.strip())
+    return f"; where a file may have several of them, each begins with [[{key}]]"
