@@ -80,7 +80,7 @@ class TakeIn:
         kind = np.dtype(np.uint16 if picture.depth.dtype.kind == "u" else np.float32)
         return (
             self._sent("colour", picture.colour, _sent_as(picture.colour)),
-            self._sent("depth", picture.depth[..., None], kind),
+            self._sent("depth", picture.depth[..., None], kind, picture.hidden),
         )
 
     def run(self, picture: RawPicture, sent: Pair, into: Pair, found: Found, number: int) -> None:
@@ -107,8 +107,10 @@ class TakeIn:
         program.run(-(-self._size[0] * kind.itemsize // 16), self._size[1])
         self._gpu.barrier()
 
-    def _sent(self, what: str, array: NDArray[Any], kind: np.dtype[Any]) -> moderngl.Texture:
-        """Copy an array (h, w, c) into a texture, converted on the way if it is of another type."""
+    def _sent(
+        self, what: str, array: NDArray[Any], kind: np.dtype[Any], hidden: NDArray[np.bool_] | None = None
+    ) -> moderngl.Texture:
+        """Copy an array (h, w, c) into a texture of that type, 0 where it is hidden."""
         channels = array.shape[2]
         key = (what, channels, kind.itemsize)
         row = -(-self._size[0] // 16) * 16 * channels * kind.itemsize
@@ -119,7 +121,10 @@ class TakeIn:
         # What is beyond a float32 is infinite there.
         with mapped(buffer, write=True) as raw, np.errstate(over="ignore"):
             steps = row, channels * kind.itemsize, kind.itemsize
-            np.copyto(np.ndarray(array.shape, kind, raw, strides=steps), array, casting="unsafe")
+            into = np.ndarray(array.shape, kind, raw, strides=steps)
+            np.copyto(into, array, casting="unsafe")
+            if hidden is not None:
+                into[hidden] = 0
         texture.write(buffer)
         return texture
 

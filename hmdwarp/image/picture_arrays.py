@@ -89,6 +89,8 @@ class RawPicture:
     is_inverse: bool = False
     # Whether floats are linear light only because nothing else was said.
     is_guessed: bool = False
+    # (h, w) where a mask hides colour or depth; None without one.
+    hidden: NDArray[np.bool_] | None = None
     # What checked_picture takes, and what it has made of that, if it was asked.
     passed: tuple[Any, ...] = ()
     checked: PictureArrays | None = None
@@ -97,7 +99,8 @@ class RawPicture:
         """Return depth in metres; what is none is 0, below 0 or NaN."""
         if self.checked is not None:
             return metres_from_inverse_depth(self.checked.inverse_depth)
-        depth = np.where(is_largest(self.depth), 0, self.depth * self.scale)
+        unknown = is_largest(self.depth) if self.hidden is None else is_largest(self.depth) | self.hidden
+        depth = np.where(unknown, 0, self.depth * self.scale)
         return depth if self.colour.shape[2] == 3 else np.where(self.colour[..., 3] > 0, depth, 0)
 
     def as_checked(self) -> PictureArrays:
@@ -118,26 +121,27 @@ def raw_picture(
 
     Errors: InputError as checked_picture, for what shows without a look at every number.
     """
+    masks = [np.ma.getmask(array) for array in (colour, depth_m)]
     try:
-        values, depth = np.asanyarray(colour), np.asanyarray(depth_m)
+        values, depth = np.asarray(colour), np.asarray(depth_m)
     except ValueError:
         values = depth = np.empty(0)
     if not _can_go_up(values, depth, depth_scale, encoding):
         return checked_picture(colour, depth_m, depth_scale, encoding).raw()
+    hidden = [mask.any(axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
     return RawPicture(
         values,
         SRGB8 if values.dtype == np.uint8 else encoding or LINEAR,
         depth,
         1.0 if depth_scale is None else float(depth_scale),
         is_guessed=values.dtype.kind == "f" and encoding is None,
+        hidden=np.logical_or(hidden[0], hidden[-1]) if hidden else None,
         passed=(colour, depth_m, depth_scale, encoding),
     )
 
 
 def _can_go_up(colour: NDArray[Any], depth: NDArray[Any], scale: float | None, encoding: str | None) -> bool:
     """Return whether the arguments are right at first sight, and of types that the GPU reads."""
-    if any(np.ma.is_masked(array) for array in (colour, depth)):
-        return False
     fits = colour.ndim == 3 and colour.shape[2] in (3, 4) and colour.size and depth.shape == colour.shape[:2]
     is_bytes = colour.dtype == np.uint8
     known = (is_bytes or colour.dtype.kind == "f") and (depth.dtype.kind == "f" or depth.dtype == np.uint16)
