@@ -2,9 +2,6 @@ from .context import HOW_TO_GET_GL as HOW_TO_GET_GL
 from .context import WANTED as WANTED
 from .context import Gpu as Gpu
 from .context import drawing_into as drawing_into
-from .egl import depth_framebuffer as depth_framebuffer
-from .egl import gl_function as gl_function
-from .egl import reset_status_of as reset_status_of
 from .memory_bandwidth import Bandwidth as Bandwidth
 from .memory_bandwidth import ClockCheck as ClockCheck
 from .memory_bandwidth import Copier as Copier
@@ -12,6 +9,9 @@ from .memory_bandwidth import check_clocks as check_clocks
 from .memory_bandwidth import copy_bandwidth as copy_bandwidth
 from .memory_bandwidth import last_cache_bytes as last_cache_bytes
 from .memory_bandwidth import suitable_bytes as suitable_bytes
+from .raw_gl import depth_framebuffer as depth_framebuffer
+from .raw_gl import gl_function as gl_function
+from .raw_gl import reset_status_of as reset_status_of
 from .shaders import VERSION as VERSION
 from .shaders import Compute as Compute
 from .shaders import Draw as Draw

@@ -12,7 +12,7 @@ from ...errors import InputError, PlanError
 from ...frames import Needs
 from ...frames.layers.points import LEAST_BUDGET, PAGE, Block, Cloud, PointRoom, unpacked
 from ...geometry import View
-from ...gpu.egl import clear_buffer
+from ...gpu.raw_gl import clear_buffer
 from ...gpu.textures import Canvas, release_all
 from ..client_scene import ClientScene, Store, receiver_of
 from ..inputs import PassInputs
