@@ -448,6 +448,10 @@ def _traces() -> Iterator[tuple[str, Target]]:
     for name, text in texts.items():
         stated = {"quat_order": "wxyz"} if name == "ticks" else None
         yield f"trace {name}", Target(partial(_text, text), reads(stated=stated))
+    from poses.test_assumptions import SAMPLES
+
+    yield "trace eyenavgs", Target(SAMPLES["eyenavgs"], reads("*"))
+    yield "trace colmap", Target(SAMPLES["colmap"], reads("sparse/0/images.txt", {"rate": 90.0}))
     yield (
         "trace named",
         Target(lambda folder: write(folder / "trace.csv", rows(track), "t,x,y,z,qx,qy,qz,qw"), reads()),
@@ -589,6 +593,28 @@ def _results() -> Iterator[tuple[str, Target]]:
 
         (folder / "bench.json").write_text(json.dumps({"schema": 1, "rows": [a_row("none", "none", 1.0, 0.3)] * 2}))
 
+    def benches(folder: Path) -> None:
+        from bench_files import a_bench, a_row
+
+        from hmdwarp.metrics import blocks_text
+
+        for host in ("one", "two"):
+            machine = {"host": host, "gl_renderer": "any", "gl_version": "4.5", "cpu_count": 1}
+            row = a_row("none", "none", 1.0, 0.3, machine=machine, blocks={"3": blocks_text(np.zeros((2, 2, 3)))})
+            about = {"hmdwarp": "0", "program": "this", "clock": "wall", "clocks": {}, "copy_gb_s": 1.0, "notes": []}
+            (folder / host).mkdir()
+            a_bench(folder / host / "bench.json", [row], machine=machine, seconds=1.0, **about)
+
+    def merge(folder: Path, rng: Rng) -> None:
+        from unittest.mock import patch
+
+        from hmdwarp.experiments.bench import MergeOptions, merge
+
+        # The page needs all that a real bench has.
+        with patch.object(sys.modules[merge.__module__], "write_bench"):
+            merge(MergeOptions(folders=(folder / "one", folder / "two"), out=folder / "merged"))
+
+    yield "bench merge", Target(benches, merge)
     ratings = sorted((ROOT / "hmdwarp" / "study" / "ready").glob("*_ratings.csv"))
     yield "bench", Target(bench, lambda folder, _: read_rows(folder / "bench.json"))
     yield (

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+import importlib.util
+import json
 import random
 import re
+import sqlite3
 
 import fuzz
 import pytest
+from published_folders import PUBLISHED, Form
+from recorded_folders import LAYOUTS
+from ros_bags import BAGS
+
+from hmdwarp import poses
+from hmdwarp.client.classes import client_names
+from hmdwarp.headsets import headset_names
+from hmdwarp.poses import load_trace
+from hmdwarp.poses.formats import formats
+from hmdwarp.sources.sequences.readers import readers
+from hmdwarp.study.scales import scale_names
 
 
 @pytest.mark.parametrize(
@@ -42,6 +56,8 @@ FOUND = {
         rb"(?s)(?<=displayWindow\x00box2i\x00.{12}).{8}",
         b"\xff\xff\xff\x05" * 2,
     ),
+    "rows of a bench that are a number": ("bench merge", "one/bench.json", rb'(?s)"rows": \[.*\]', b'"rows": 0.3'),
+    "blocks of a bench that are a list": ("bench merge", "two/bench.json", rb'"blocks": {[^}]*}', b'"blocks": [1]'),
     "2^64 points of an image": ("frames colmap_dense", "sparse/images.bin", rb"(?s).{8}(?=.{24}\Z)", b"\xff" * 8),
 }
 
@@ -78,3 +94,43 @@ def test_damage_gets_past_lengths_and_checksums():
         opened["png"] += fuzz.damaged_png(picture.getvalue(), rng)[:4] == b"\x89PNG"
         assert fuzz.damaged_glb(Glb().data(), rng)[:4] == b"glTF"
     assert min(opened.values()) == 50
+
+
+def test_every_reader_of_a_registry_has_a_target(tmp_path, monkeypatch):
+    """A new format or layout is damaged like the others from its first day."""
+    seen: set[str] = set()
+
+    def spy(path, options=None):
+        loaded = load_trace(path, options)
+        seen.add(loaded.format)
+        return loaded
+
+    monkeypatch.setattr(poses, "load_trace", spy)
+    targets = fuzz.targets()
+    for number, (name, target) in enumerate(targets.items()):
+        if name.startswith("trace "):
+            (tmp_path / str(number)).mkdir()
+            target.write(tmp_path / str(number))
+            target.read(tmp_path / str(number), None)
+    packaged = {"mcap": "mcap", "rosbag": "rosbags"}
+    here = {name for name in formats.names() if name not in packaged or importlib.util.find_spec(packaged[name])}
+    assert here <= seen
+    layouts = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BAGS
+    assert {form.reader for form in layouts.values()} >= set(readers.names())
+    for kind, names in {"headset": headset_names(), "client": client_names(), "scale": scale_names()}.items():
+        assert {f"{kind} {name}" for name in names} <= targets.keys()
+
+
+def test_a_journal_s_count_that_is_no_number_of_64_bits_is_no_fault(tmp_path, capsys):
+    target = fuzz.targets()["study store"]
+    target.write(tmp_path)
+    lock, base = tmp_path / "store" / "lock", tmp_path / "store" / "study.sqlite3"
+    noted = json.loads(lock.read_text())
+    for huge in (2**64, -(2**70), 1e400):
+        lock.write_text(json.dumps({**noted, "journal": [1, huge, huge]}))
+        assert fuzz.read(target, tmp_path, None) == fuzz.READ
+    with sqlite3.connect(base) as db:
+        db.execute("UPDATE sqlite_sequence SET seq = x'ff' WHERE name = 'event'")
+    db.close()
+    assert fuzz.read(target, tmp_path, None) == fuzz.REFUSED
+    assert "damaged" in capsys.readouterr().out

@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError, MachineError
+from ...errors import HmdwarpError, InputError, MachineError
 from ...metrics import BOUND, blocks_apart
 from ...options.documents import json_in
 from ...options.named_files import RESULTS
@@ -41,7 +41,18 @@ def merge(options: MergeOptions) -> ExperimentResult:
     """
     if options.parquet:
         check_parquet()
-    benches = [_read(folder) for folder in options.folders]
+    try:
+        return _merged(options, [_read(folder) for folder in options.folders])
+    except HmdwarpError:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        # Of all that a row may hold, `summary_faults` checks what summaries have.
+        said = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+        found = " and ".join(map(str, options.folders))
+        raise InputError(f"{found}: what one of them says is damaged ({said}): run that bench again") from error
+
+
+def _merged(options: MergeOptions, benches: Sequence[dict[str, Any]]) -> ExperimentResult:
     _check_programs(options.folders, benches)
     _tell_apart(benches)
     rows = _joined([row for bench in benches for row in bench["rows"]])

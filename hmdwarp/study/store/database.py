@@ -16,7 +16,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...report import counted, sync
 from .folders import DATABASE, TRACES, Journal, noted_journal
 from .page_reader import rows_in
-from .records import from_json, to_json, unsealed
+from .records import DamagedRow, from_json, to_json, unsealed
 
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
@@ -368,7 +368,10 @@ def journal_of(db: sqlite3.Connection) -> Journal:
     query = "SELECT id, coalesce(json_extract(data, '$.seal[0]'), 0) FROM event ORDER BY id DESC LIMIT 1"
     entries = db.execute("SELECT seq FROM sqlite_sequence WHERE name = 'event'").fetchone() or (0,)
     last, seal_ = db.execute(query).fetchone() or (0, 0)
-    return int(entries[0]), int(last), int(seal_)
+    try:
+        return int(entries[0]), int(last), int(seal_)
+    except (TypeError, ValueError) as error:
+        raise DamagedRow(f"no count of its journal in {entries[0]!r}") from error
 
 
 def seal(db: sqlite3.Connection, event: int, what: str = "", row: int = 0) -> None:

@@ -88,10 +88,11 @@ class Lock:
 
 def noted_journal(folder: Path) -> Journal:
     """Return how far the journal is at least, as Lock.note has it; zeros where not known."""
-    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError):
+    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError, OverflowError):
         if (path := folder / LOCK).is_file():
             entries, last, seal = json.loads(path.read_bytes()[:_WORDS])["journal"]
-            return int(entries), int(last), int(seal)
+            noted = int(entries), int(last), int(seal)
+            return noted if all(0 <= number < 1 << 63 for number in noted) else (0, 0, 0)
     return 0, 0, 0
 
 
