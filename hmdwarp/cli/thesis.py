@@ -16,7 +16,7 @@ def thesis(said: Said) -> None:
     Each run is kept in the folder as soon as it is done: --resume goes on there.
     """
     from ..experiments.thesis import run_thesis
-    from ..study.thesis_ratings import published_ratings
+    from ..study.analysis import published_ratings
     from ._show import run_experiment
 
     options = ThesisOptions.of(said, command=command_line())

@@ -30,7 +30,7 @@ from ..store import (
     folder_to_read,
     store_folder,
 )
-from .claims import Claims, load_claims
+from .comparisons import Claims, load_claims
 from .ratings import Preference, Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 from .table_ratings import SourceOptions, from_csv
 

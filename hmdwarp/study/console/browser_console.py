@@ -25,7 +25,7 @@ from typing import Self
 
 from ...display import Command
 from ...errors import MachineError
-from ._base import ConsoleState
+from .line_console import ConsoleState
 from .message_socket import LINES_KEPT, LONGEST_LINE, MessageSocket, PeerGone, ProgramConsole
 
 LOOPBACK = "127.0.0.1"

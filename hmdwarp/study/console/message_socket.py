@@ -15,9 +15,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...display import Command
-from ._base import ConsoleState
-from .console_commands import Subject, is_bound, subject_of
-from .line_console import LineConsole
+from .line_console import ConsoleState, LineConsole, Subject, is_bound, subject_of
 
 PACKET = 1 << 16
 LONGEST_LINE = 2000

@@ -23,9 +23,8 @@ from typing import Self
 from ...display import Command
 from ...errors import InputError, MachineError
 from ...resources import install_line
-from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
 from .browser_console import BrowserConsole
-from .line_console import LineConsole
+from .line_console import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, LineConsole, NoConsole
 from .message_socket import LONGEST_LINE, MessageSocket, PeerGone, ProgramConsole
 from .output_capture import OutputCapture
 

@@ -21,8 +21,7 @@ from ..dialogs import hints_for
 from ..store import Showing
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
-from .task_score import HeadRange, TaskScore
-from .wording import number_panel
+from .wording import HeadRange, TaskScore, number_panel
 
 BY = "hmdwarp study"
 TIME, FOUND = "time", "targets"  # ended a trial, where no one did

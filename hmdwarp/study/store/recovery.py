@@ -18,8 +18,7 @@ from ..design import Design
 from . import database
 from .folders import DATABASE, TRACES, check_place, make_folders
 from .page_reader import Row, Value, rows_in
-from .records import from_json, to_json
-from .signature import plan_signature
+from .records import from_json, plan_signature, to_json
 
 TABLES = ("plan", "participant", "session", "showing", "answer", "event", "withdrawn")  # parents first
 

@@ -14,7 +14,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.options.named_files import OUTSIDE
 from hmdwarp.run import LiveOptions
 from hmdwarp.study.design import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
-from hmdwarp.study.design.condition_settings import _NOT_SETTINGS, PICTURE
+from hmdwarp.study.design.definitions import _NOT_SETTINGS, PICTURE
 
 
 def test_every_option_of_live_is_a_setting_or_says_why_not():
