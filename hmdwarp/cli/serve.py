@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..run.serve_options import ServeOptions
+from ..run.options import ServeOptions
 from ._options import QUIET, Said, takes
 from ._show import sayer
 

@@ -17,9 +17,9 @@ from ..metrics import Compared, Mismatch, QualityJob, QualityPool, SharedSurface
 from ..pipeline.loop import Refresh
 from .combinations import Case, Combination, instants_of
 from .frame_rows import Row, stage_columns
-from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
 from .side_by_side import SideBySide
+from .truth import coverage, shown_picture
 
 # (case, warp, fill, refresh, eye): identifies a picture.
 Key = tuple[Case, str, str, int, int]

@@ -7,8 +7,7 @@ from typing import Protocol
 
 from ..display import Command, Display, Label, Lost, Tick
 from ..pipeline.loop import Refresh
-from .ending import Ending, come_back
-from .garbage import GarbageControl
+from .ending import Ending, GarbageControl, come_back
 from .host import PipelineHost
 from .live_log import LiveLog
 from .recorder import Recorder

@@ -23,8 +23,7 @@ from ..poses import Origin, PoseSample
 from ..poses.pose_source import LoopedSource, Moment
 from .bench_levels import levels_from_file
 from .options import OFFSCREEN, LiveOptions
-from .pose_request import RecentPoses
-from .setup import EmulatedScreen, RunSetup
+from .setup import EmulatedScreen, RecentPoses, RunSetup
 
 
 def checked_source(options: LiveOptions, source: Source | None = None) -> Source:

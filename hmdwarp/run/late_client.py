@@ -15,7 +15,7 @@ from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
 from .replay_setup import ReplaySetup
 from .seen_offset import SeenOffset
-from .spread import is_measured
+from .truth import is_measured
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
 

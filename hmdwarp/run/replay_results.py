@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
 from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
-from .frame_rows import Row
-from .log import ReplayLog
+from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplaySetup
 from .run_summary import Facts, auto_entry, auto_note, chosen_passes, eye_names
 

@@ -25,9 +25,8 @@ from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.source_choice import source_of
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
-from .frame_rows import Row
+from .frame_rows import ReplayLog, Row
 from .late_client import MISS_COLUMNS, LateClient, Seen
-from .log import ReplayLog
 from .measuring import MAIN, Probe
 from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions

@@ -26,7 +26,7 @@ from ..sources.feed.listener import Asked, Listener
 from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
-from .serve_options import ServeOptions
+from .options import ServeOptions
 
 # Of the videos of all clients; what is beyond begins anew. An encoder holds some 30 bytes a pixel.
 _MOST_CODED_PIXELS = 1 << 25

@@ -18,7 +18,7 @@ from ...pipeline.source import Source
 from ...report import OutputFolder
 from ...report.bench import first_cases, render_bench_page
 from ...run.combinations import Case
-from ...run.recordings import refuse_one_name
+from ...run.options import refuse_one_name
 from ..sweep import (
     MOST_SHOWN,
     ExperimentResult,

@@ -28,9 +28,9 @@ from ...poses.synth import write_synthetic
 from ...report import timeline_svg
 from ...run import RunOptions, draw_truth, figures, set_up_replay
 from ...run.combinations import Combination
-from ...run.read_back import coverage, shown_picture
 from ...run.replay_setup import ReplaySetup
 from ...run.side_by_side import refreshes
+from ...run.truth import coverage, shown_picture
 from ...scenes import load_scene
 from .hole_kinds import holes_of, seam
 from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun

@@ -17,7 +17,7 @@ from hmdwarp.pipeline.remote import Remote
 from hmdwarp.pipeline.remote_source import RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
-from hmdwarp.run.log import ReplayLog
+from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
