@@ -133,7 +133,7 @@ def _auto(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any
 
 
 def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
-    from ..pipeline.auto.levels import best_within
+    from ..pipeline.levels import best_within
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
 

@@ -11,8 +11,7 @@ import attrs
 from ..frames import Frame
 from ..link import SCALES, Link, LinkOptions, Pacer, TransitStats
 from ..sources.feed.message import request_bytes
-from .frame_coder import CodedFrame, Coder
-from .layers_read import Reads
+from .frame_coder import CodedFrame, Coder, Reads
 
 # Called with a frame, whether it arrived, and when the sender hears of it.
 Settled = Callable[["Frame", bool, int], None]

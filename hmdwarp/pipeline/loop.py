@@ -14,11 +14,10 @@ from ..geometry import Eyes, View
 from ..gpu.timers import Lap, Stages
 from ..link import ResponseTime, TransitStats
 from ..poses import PoseSample
-from .auto.adaptive import AdaptiveCompensator
 from .changes import SEEN_PX, Changes
 from .channel import Channel
-from .frame_source import FrameSource
-from .requested import PoseRequest
+from .frame_source import FrameSource, PoseRequest
+from .governor import AdaptiveCompensator
 
 
 class _Pictures(TypedDict):

@@ -23,10 +23,9 @@ from ..poses.pose_source import Moment
 from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
 from .frame_coder import Coder
-from .frame_source import FrameSource, ServerFrames, Target
+from .frame_source import FrameSource, PoseRequest, ServerFrames, Target
 from .options import PipelineOptions
 from .recorded_renderer import MomentOf
-from .requested import PoseRequest
 from .source_kinds import SCENE, SourceKind
 
 Options = TypeVar("Options", bound=PipelineOptions)

@@ -12,13 +12,12 @@ from ..display import Display
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
 from ..pipeline.build import Pipeline
-from ..pipeline.layers_read import Reads
-from ..pipeline.link_times import check_held, expected_age_ns, latency_ns
+from ..pipeline.frame_coder import Reads
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plans_for
-from ..pipeline.sizes import guarded_size
+from ..pipeline.proxy import check_names, source_of
+from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns
 from ..pipeline.source import Source
-from ..pipeline.source_choice import check_names, source_of
 from ..poses import Origin, PoseSample
 from ..poses.pose_source import LoopedSource, Moment
 from .bench_levels import levels_from_file

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..display import Display, Status, Tick
-from ..pipeline.auto.adaptive import AdaptiveCompensator
+from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, live_lines, render_live_report
 from .commands import values

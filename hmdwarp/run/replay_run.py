@@ -19,10 +19,10 @@ from ..geometry import Pose
 from ..gpu.textures import download
 from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
 from ..options import AUTO
-from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
+from ..pipeline.proxy import source_of
 from ..pipeline.recorded_source import about_second_eye, second_eye
-from ..pipeline.source_choice import source_of
+from ..pipeline.sizes import refreshes_of
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import ReplayLog, Row

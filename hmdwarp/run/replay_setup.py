@@ -16,13 +16,13 @@ from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..pipeline.auto.adaptive import AdaptiveCompensator
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
+from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
+from ..pipeline.proxy import source_of
 from ..pipeline.source import Source
-from ..pipeline.source_choice import source_of
 from ..pipeline.source_kinds import SERVER_SCENE
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene

@@ -16,8 +16,8 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..options import AUTO
-from ..pipeline.auto.adaptive import AdaptiveCompensator
 from ..pipeline.build import Pipeline
+from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import attrs
 
 from ..errors import InputError
-from ..pipeline.link_times import latency_ns, refreshes_of
+from ..pipeline.sizes import latency_ns, refreshes_of
 from ..pipeline.source import Source
 from ..poses import LoadedTrace, PoseTrack
 from .options import RunOptions

@@ -18,14 +18,12 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES
 from ..pipeline.build import Pipeline, build_pipeline
-from ..pipeline.frame_source import Target
-from ..pipeline.layers_read import Reads
-from ..pipeline.link_times import expected_age_ns
+from ..pipeline.frame_coder import Reads
+from ..pipeline.frame_source import PoseRequest, Target
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import plans_for
 from ..pipeline.recorded_renderer import MomentOf
-from ..pipeline.requested import PoseRequest
-from ..pipeline.sizes import guarded_size
+from ..pipeline.sizes import expected_age_ns, guarded_size
 from ..pipeline.source import FirstRequest, Source
 from ..poses import PoseSample, PoseSource, PoseTrack, jumps_between
 from ..poses.pose_source import Moment

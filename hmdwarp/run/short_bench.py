@@ -20,11 +20,10 @@ from ..headsets import Headset
 from ..link import LinkOptions
 from ..metrics import QualityPool, worker_count
 from ..options import AUTO
-from ..pipeline.auto.levels import best_within, levels_from
-from ..pipeline.link_times import expected_age_ns
+from ..pipeline.levels import best_within, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
-from ..pipeline.sizes import guarded_size, memory_bytes
+from ..pipeline.sizes import expected_age_ns, guarded_size, memory_bytes
 from ..pipeline.source import Source
 from ..poses import PoseSample, PoseTrack, load_trace
 from ..poses.prediction import predict

@@ -11,7 +11,7 @@ from ...client.classes import load_client
 from ...errors import InputError
 from ...headsets import Headset
 from ...metrics import check_rating
-from ...pipeline.auto.levels import choose
+from ...pipeline.levels import choose
 from ...pipeline.planning import build_plan_for
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.source import Source

@@ -17,8 +17,7 @@ from ...gpu.context import Gpu
 from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
 from ...headsets import Headset
 from ...metrics import QualityPool, clip_length, worker_count
-from ...pipeline.link_times import check_held
-from ...pipeline.sizes import eye_sizes, memory_bytes
+from ...pipeline.sizes import check_held, eye_sizes, memory_bytes
 from ...run.combination_bench import Comparison
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
 from ...run.options import RunOptions

@@ -22,10 +22,9 @@ from ...gpu.textures import Canvas, download
 from ...link import LinkOptions
 from ...metrics import Compared, QualityJob, QualityPool, sharpness
 from ...pipeline.channel import Channel, ChannelSetup
-from ...pipeline.frame_source import ServerFrames
-from ...pipeline.layers_read import Reads
+from ...pipeline.frame_coder import Reads
+from ...pipeline.frame_source import PoseRequest, ServerFrames
 from ...pipeline.loop import Loop
-from ...pipeline.requested import PoseRequest
 from ...poses import Origin, PoseSample
 from ...run.combinations import Combination, instants_of
 from ...run.frame_rows import stage_columns

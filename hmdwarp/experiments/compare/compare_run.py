@@ -22,7 +22,7 @@ from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link.codec import codecs
 from ...metrics import QUALITY, ratings_of
 from ...pipeline.planning import build_plan_for
-from ...pipeline.source_choice import source_of
+from ...pipeline.proxy import source_of
 from ...report import OutputFolder, png_bytes
 from ...report.compare_page import first_cases, render_compare_page
 from ...run.options import RunOptions

@@ -20,9 +20,9 @@ from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
 from ...link.codec import Coding
 from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
-from ...pipeline.link_times import refreshes_of
 from ...pipeline.loop import Refresh
 from ...pipeline.planning import build_plan_for
+from ...pipeline.sizes import refreshes_of
 from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
 from ...report import timeline_svg
