@@ -36,7 +36,7 @@ def merge(said: Said) -> None:
 
 
 def _tell(result: sweep.ExperimentResult) -> None:
-    from ..experiments.bench.notes import answer
+    from ..experiments.bench.bench_rows import answer
     from ..experiments.sweep import MOST_SHOWN
     from ..report import axes_of_traces
     from ..report.bench import bench_table, first_cases

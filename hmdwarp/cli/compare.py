@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..experiments import sweep
-from ..experiments.compare.options import CompareOptions
+from ..experiments.bench.options import CompareOptions
 from ._options import QUIET, Said, command_line, takes
 
 
@@ -13,7 +13,7 @@ def compare(said: Said) -> None:
 
     Error, time, traffic and memory, and which class of clients can run what.
     """
-    from ..experiments.compare import compare as run
+    from ..experiments.bench import compare as run
     from ._show import run_experiment
 
     run_experiment(run, "runs", _tell, CompareOptions.of(said, command=command_line()), quiet=said["quiet"])

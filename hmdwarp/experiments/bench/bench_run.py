@@ -26,7 +26,7 @@ from ..sweep import (
     experiment,
     program_hash,
 )
-from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, write_parquet
+from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, left_out_notes, write_parquet
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
 from .cases import (
     BenchCase,
@@ -40,7 +40,6 @@ from .cases import (
     run_options,
     source_of,
 )
-from .notes import left_out_notes
 from .options import DEFAULT_SIZES, BenchOptions
 from .sections import GRID_STEPS, fused_steps
 
