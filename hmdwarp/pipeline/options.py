@@ -43,12 +43,18 @@ from .proxy_options import (
     DEFAULT_FILL,
     DEFAULT_PREDICTOR,
     DEFAULT_WARP,
+    PROXY,
+    RECORDING,
+    REMOTE,
+    SCENE,
     ProxyOptions,
+    SourceKind,
     default_fill,
     default_guard,
     default_predictor,
+    refuse_with_frames,
+    with_frames,
 )
-from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]

@@ -34,11 +34,11 @@ from .frame_source import PoseRequest, ServerFrames, Target, settling
 from .loop import Loop, Refresh
 from .options import PipelineOptions
 from .planning import proxy_plan_for
+from .proxy_options import PROXY, RECORDING, REMOTE
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
 from .sizes import age_over_ns, check_room, eye_sizes, guarded_size, held_over, refreshes_of, rendered_entry
 from .source import Source
-from .source_kinds import PROXY, RECORDING, REMOTE
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
 _KEPT = 1 << 15

@@ -34,10 +34,10 @@ from .frame_coder import Coder
 from .frame_source import PoseRequest
 from .frame_source import Target as Shown
 from .options import PipelineOptions
+from .proxy_options import REMOTE, SERVER_SCENE
 from .recorded_renderer import MomentOf
 from .remote import Pending, Remote, ViewsApart
 from .source import FirstRequest, Options, Source, nothing
-from .source_kinds import REMOTE, SERVER_SCENE
 
 _MS = 1e6
 

@@ -25,8 +25,8 @@ from ..sources.server import Renderer, Server
 from .frame_coder import Coder
 from .frame_source import FrameSource, PoseRequest, ServerFrames, Target
 from .options import PipelineOptions
+from .proxy_options import SCENE, SourceKind
 from .recorded_renderer import MomentOf
-from .source_kinds import SCENE, SourceKind
 
 Options = TypeVar("Options", bound=PipelineOptions)
 

@@ -1,11 +1,11 @@
 from .bench_levels import LevelSet as LevelSet
 from .bench_levels import levels_from_file as levels_from_file
 from .combinations import Combination as Combination
-from .commands import CommandHandler as CommandHandler
 from .driver import Driver as Driver
 from .driver import FrameHandler as FrameHandler
 from .ending import Ending as Ending
 from .ending import Watchdog as Watchdog
+from .host import CommandHandler as CommandHandler
 from .host import PipelineHost as PipelineHost
 from .host import checked_source as checked_source
 from .host import on_screen as on_screen

@@ -150,7 +150,7 @@ class Combination:
 
     warp: str
     fill: str
-    # Of one of run.outside.OUTSIDE: a plan that reads what it reads.
+    # Of one of OUTSIDE: a plan that reads what it reads.
     plan: Plan
     # With its settings, if it was named as one.
     strategy: str = ""

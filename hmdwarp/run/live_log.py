@@ -17,16 +17,15 @@ from ..display import Display, Status, Tick
 from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, live_lines, render_live_report
-from .commands import values
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, speeds_between, stage_columns
-from .host import PipelineHost
+from .host import PipelineHost, values
+from .late_client import DepthSamples, SeenOffset
 from .live_figures import HoleCounter, LiveFigures
 from .live_summary import LiveFacts, Pictures, live_facts_of, live_summary_of
 from .markers import LiveMarkers, NoMarkers
 from .options import LiveOptions
 from .recorder import Lines
 from .run_summary import OWNED
-from .seen_offset import DepthSamples, SeenOffset
 from .trace_events import TraceEvents
 
 _STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])

@@ -27,10 +27,9 @@ from ..poses import Origin, PoseSample, load_trace
 from ..poses.synth import RATE_HZ, synthesise
 from ..report import refuse_source
 from ..scenes import check_scene_name
-from .commands import CommandHandler, choices, values
 from .driver import AfterRefresh, Driver, FrameHandler, Say
 from .ending import Ending, Watchdog, come_back
-from .host import PipelineHost, checked_source
+from .host import CommandHandler, PipelineHost, checked_source, choices, values
 from .live_log import LiveLog, LiveResult
 from .markers import LiveMarkers, Markers, NoMarkers, load_lsl, marker_stream
 from .options import DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions

@@ -28,7 +28,7 @@ from ..options import (
     several,
 )
 from ..pipeline.options import DISPLAYED, PipelineOptions
-from ..pipeline.source_kinds import RECORDING, REMOTE, SourceKind
+from ..pipeline.proxy_options import RECORDING, REMOTE, SourceKind
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions

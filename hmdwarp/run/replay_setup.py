@@ -22,8 +22,8 @@ from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
 from ..pipeline.proxy import source_of
+from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.source import Source
-from ..pipeline.source_kinds import SERVER_SCENE
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer

@@ -29,12 +29,11 @@ from ..poses import PoseSample, PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
 from .bench_levels import LevelSet, levels_from_file
-from .combination_bench import Comparison, Measured
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 from .schedule import Schedule, schedule_of
-from .side_by_side import refreshes
+from .side_by_side import Comparison, Measured, refreshes
 
 QUANTILE = 0.95
 # A guard of 2 has four times the pixels; a second wide view (`--wide`) costs half a picture and

@@ -33,10 +33,10 @@ from ...metrics import (
 )
 from ...report.bench import cases, choice_terms
 from ...resources import __version__, import_extra
-from ...run.combination_bench import Measured
 from ...run.combinations import Case
-from ...run.replay_results import summary_of_rows
 from ...run.replay_setup import ReplaySetup
+from ...run.run_summary import summary_of_rows
+from ...run.side_by_side import Measured
 from .cases import baselines
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"

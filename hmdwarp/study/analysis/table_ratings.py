@@ -181,7 +181,7 @@ class SourceOptions:
 def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  # noqa: B008  (frozen)
     """Read the ratings of a long table, one per row.
 
-    Columns are recognised by their names (csv_table.ROLES), delimiters are , ; and tab. An empty
+    Columns are recognised by their names (ROLES), delimiters are , ; and tab. An empty
     field is a missing rating. Several ratings of one participant of one condition are repeats. A
     decimal comma is read as such where no value has a point.
 

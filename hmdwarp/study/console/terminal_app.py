@@ -27,8 +27,7 @@ from textual.drivers.linux_driver import LinuxDriver
 from textual.widgets import RichLog, Static
 
 from .line_console import ConsoleState, clock
-from .message_socket import MessageSocket, PeerGone
-from .output_capture import pieces
+from .message_socket import MessageSocket, PeerGone, pieces
 from .screen_text import COLOURED, PLAIN, Entered, KeyEntry, Scene, help_text, plain
 
 ROOMY = 24  # rows from which on there are blank ones between the blocks
