@@ -1,13 +1,10 @@
 from .build import build_pipeline as build_pipeline
-from .changes import Changes as Changes
+from .channel import Changes as Changes
 from .channel import Channel as Channel
 from .channel import ChannelSetup as ChannelSetup
 from .frame_coder import CodedFrame as CodedFrame
 from .frame_coder import Coder as Coder
 from .frame_coder import Reads as Reads
-from .frame_source import PoseRequest as PoseRequest
-from .frame_source import ServerFrames as ServerFrames
-from .frame_source import Target as Target
 from .levels import QualityLevel as QualityLevel
 from .loop import Loop as Loop
 from .loop import Refresh as Refresh
@@ -21,4 +18,7 @@ from .sizes import frame_weight as frame_weight
 from .sizes import guard_notes as guard_notes
 from .sizes import guarded_size as guarded_size
 from .sizes import memory_bytes as memory_bytes
+from .source import PoseRequest as PoseRequest
+from .source import ServerFrames as ServerFrames
 from .source import Source as Source
+from .source import Target as Target

@@ -21,16 +21,14 @@ from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
 from ..poses.pose_source import Moment
 from ..sources.server import Renderer
-from .changes import Changes
-from .channel import Channel, ChannelSetup
+from .channel import Changes, Channel, ChannelSetup
 from .frame_coder import Reads
-from .frame_source import PoseRequest, Target, settling
 from .governor import AdaptiveCompensator, Governor
 from .loop import Loop
 from .options import PipelineOptions
 from .recorded_renderer import MomentOf
 from .sizes import check_held, expected_age_ns, eye_sizes
-from .source import Source
+from .source import PoseRequest, Source, Target, settling
 
 Size = tuple[int, int]
 

@@ -30,7 +30,6 @@ from ..sources.server import Renderer
 from ..sources.server.draw import MIRRORS
 from .channel import Channel, ChannelSetup
 from .frame_coder import Reads
-from .frame_source import PoseRequest, ServerFrames, Target, settling
 from .loop import Loop, Refresh
 from .options import PipelineOptions
 from .planning import proxy_plan_for
@@ -38,7 +37,7 @@ from .proxy_options import PROXY, RECORDING, REMOTE
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
 from .sizes import age_over_ns, check_room, eye_sizes, guarded_size, held_over, refreshes_of, rendered_entry
-from .source import Source
+from .source import PoseRequest, ServerFrames, Source, Target, settling
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
 _KEPT = 1 << 15

@@ -1,8 +1,6 @@
 from .bench_levels import LevelSet as LevelSet
 from .bench_levels import levels_from_file as levels_from_file
 from .combinations import Combination as Combination
-from .driver import Driver as Driver
-from .driver import FrameHandler as FrameHandler
 from .ending import Ending as Ending
 from .ending import Watchdog as Watchdog
 from .host import CommandHandler as CommandHandler
@@ -12,6 +10,8 @@ from .host import on_screen as on_screen
 from .live_figures import HoleCounter as HoleCounter
 from .live_log import LiveLog as LiveLog
 from .live_log import LiveResult as LiveResult
+from .live_run import Driver as Driver
+from .live_run import FrameHandler as FrameHandler
 from .live_run import display_options as display_options
 from .live_run import live as live
 from .live_run import open_display as open_display

@@ -28,8 +28,7 @@ from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
 from .options import RunOptions
-from .schedule import Schedule, schedule_for, schedule_of
-from .setup import EmulatedScreen, RunSetup
+from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
 
 _MANY = 10_000  # refreshes
 # Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two

@@ -32,7 +32,7 @@ from .bench_levels import LevelSet, levels_from_file
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
-from .schedule import Schedule, schedule_of
+from .setup import Schedule, schedule_of
 from .side_by_side import Comparison, Measured, refreshes
 
 QUANTILE = 0.95

@@ -27,7 +27,7 @@ from ...report import OutputFolder, png_bytes
 from ...report.compare_page import first_cases, render_compare_page
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, measured
-from ...run.schedule import first_shown_s, schedule_for
+from ...run.setup import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Separate, SweepCase, experiment
 from .cases import heads_of
 from .options import CompareOptions

@@ -23,8 +23,8 @@ from ...link import LinkOptions
 from ...metrics import Compared, QualityJob, QualityPool, sharpness
 from ...pipeline.channel import Channel, ChannelSetup
 from ...pipeline.frame_coder import Reads
-from ...pipeline.frame_source import PoseRequest, ServerFrames
 from ...pipeline.loop import Loop
+from ...pipeline.source import PoseRequest, ServerFrames
 from ...poses import Origin, PoseSample
 from ...run.combinations import Combination, instants_of
 from ...run.frame_rows import stage_columns

@@ -15,10 +15,10 @@ from ...errors import InputError
 from ...pipeline import Refresh, SceneKey, Source
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import with_targets
-from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
 from ..store import Showing
+from ..store.records import actual_of
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
 from .wording import HeadRange, TaskScore, number_panel
@@ -117,7 +117,7 @@ class TrialHandler(StepHandler):
         self.context.mark(event, self.step, at_ns, **shown, **data)
 
     def figures(self) -> dict[str, Any]:
-        """Return what the session adds to the figures of study/actual.py."""
+        """Return what the session adds to the figures of study/store/records.py."""
         score = self.score
         without = FOUND if score is not None and score.is_over and self.step.until_done else TIME
         ended_by = (self.by or without) if self.finished() and not self.interrupt else ""

@@ -54,7 +54,7 @@ class HeadRange:
         return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
 
     def figures(self) -> dict[str, float | bool | None]:
-        """Return the figures of study/actual.py; None throughout where no head was seen."""
+        """Return the figures of study/store/records.py; None throughout where no head was seen."""
         if self._first is None:
             return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
         return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}
@@ -106,7 +106,7 @@ class TaskScore:
         return np.asarray(np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1))))
 
     def figures(self, seen_s: float) -> dict[str, Any]:
-        """Return the figures of study/actual.py. seen_s: since the first picture."""
+        """Return the figures of study/store/records.py. seen_s: since the first picture."""
         found = len(self.times_s)
         spent_s = self.times_s[-1] if self.is_over else seen_s
         return {

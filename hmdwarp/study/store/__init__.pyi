@@ -1,5 +1,3 @@
-from .erasing import BEYOND as BEYOND
-from .erasing import Holdings as Holdings
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
@@ -27,5 +25,7 @@ from .records import signature_changes as signature_changes
 from .recovery import Rescued as Rescued
 from .recovery import recover as recover
 from .store import Store as Store
+from .store_connection import BEYOND as BEYOND
 from .store_connection import Clock as Clock
+from .store_connection import Holdings as Holdings
 from .store_connection import seconds_since as seconds_since

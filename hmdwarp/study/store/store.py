@@ -22,7 +22,6 @@ from typing import Any
 from ..design import Ask, Design, Show
 from . import admission, queries
 from .database import translated
-from .erasing import Holdings, erase, known
 from .folders import check_place, sync_trace, trace_name
 from .records import (
     DECLINED,
@@ -37,7 +36,7 @@ from .records import (
     clean,
     to_json,
 )
-from .store_connection import Clock, MachineClock, StoreConnection
+from .store_connection import Clock, Holdings, MachineClock, StoreConnection, erase, known
 
 
 class _Undone(Exception):  # noqa: N818 (no error: rolls a transaction back)
@@ -198,7 +197,7 @@ class Store(StoreConnection):
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """Record the end of a showing, after its trace is closed; a missing file is no trace.
 
-        actual: as study/actual.py.
+        actual: as study/store/records.py.
         """
         trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
         with self._running(session) as db:
