@@ -128,8 +128,6 @@ class Showing:
     # Head trace, a file name in the store's `traces`, "" for none; may be missing if cut off.
     trace: str = ""
     actual: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # measured meanwhile: see actual_of
-        factory=dict, hash=False
-    )  # measured meanwhile: see NUMBERS, FLAGS and TEXTS
     measured: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # by `study measure`, empty before
     started_utc: str = ""
 
