@@ -56,7 +56,7 @@ def pictures(monkeypatch, options) -> dict[int, tuple[int, list]]:
 
     with monkeypatch.context() as patched:
         patched.setattr(ReplayLog, "add", look)
-        patched.setattr("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page")
+        patched.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
         done = replay(options)
     return found, done.summary
 
