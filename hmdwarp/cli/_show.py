@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import shutil
-import signal
 import textwrap
 import threading
 import time
@@ -15,45 +14,11 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ..errors import InputError
+from ..run.requirements import Requirements, hold
+from ._signals import end_if_asked
 
 if TYPE_CHECKING:
     from rich.console import Console
-
-
-_came: list[int] = []
-
-
-class Ended(BaseException):
-    """A signal that ends the program; args: its number."""
-
-
-def end_cleanly() -> None:
-    """From now on SIGTERM and SIGHUP raise Ended, the first time.
-
-    Later ones are ignored, for cleaning up is under way.
-    """
-
-    def end(number: int, _: object) -> None:
-        signal.signal(number, signal.SIG_IGN)
-        _came.append(number)
-        raise Ended(number)
-
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        # Nohup ignores SIGHUP, and is obeyed.
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            signal.signal(number, end)
-
-
-def end_if_asked(*_: object) -> None:
-    """Raise Ended again, once, if a signal came and its exception was lost; call after every step.
-
-    Python drops what is raised inside a destructor or a callback of the garbage collector, and the
-    signal with it.
-    """
-    if _came:
-        raise Ended(_came.pop())
-
 
 LINE_EVERY_S = 10.0  # of progress where there is no terminal
 ESTIMATE_AFTER_S = 3.0
@@ -163,11 +128,20 @@ def sayer(quiet: bool) -> Callable[[str], None]:
     return (lambda text: None) if quiet else lambda text: typer.echo(text, err=True)
 
 
-def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], None], *options: Any, quiet: bool) -> None:
+def run_experiment(
+    run: Callable[..., Any],
+    what: str,
+    tell: Callable[[Any], None],
+    *options: Any,
+    quiet: bool,
+    required: Requirements | None = None,
+) -> None:
     """Run an experiment with its progress, tell what was found, then raise what failed.
 
-    what: the steps of its progress.
+    what: the steps of its progress. required: of its rows.
     """
+    if required is not None:
+        required.prepare(force=options[0].force)
     with steps(what, quiet=quiet) as (progress, _):
         result = run(*options, progress, sayer(quiet))
     if not quiet:
@@ -176,6 +150,8 @@ def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], Non
     result.raise_failures()
     if result.refused:  # after the results are written: they are good, the budget was not
         raise InputError(result.refused)
+    if required is not None:
+        hold(required.missed(result.data["rows"]))
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

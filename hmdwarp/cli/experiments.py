@@ -8,10 +8,11 @@ from ..experiments import sweep
 from ..experiments.bench import BenchOptions, MergeOptions
 from ..experiments.bench.options import CompareOptions
 from ..experiments.thesis import ThesisOptions
+from ..run.requirements import Requirements
 from ._options import QUIET, Said, command_line, takes
 
 
-@takes(BenchOptions, QUIET)
+@takes(BenchOptions, Requirements, QUIET)
 def bench(said: Said) -> None:
     """Run every combination of warps, fills, latencies, scenes, traces and sizes.
 
@@ -20,7 +21,8 @@ def bench(said: Said) -> None:
     from ..experiments.bench import bench as run
     from ._show import run_experiment
 
-    run_experiment(run, "instants", _tell_bench, BenchOptions.of(said, command=command_line()), quiet=said["quiet"])
+    required, options = Requirements.of(said), BenchOptions.of(said, command=command_line())
+    run_experiment(run, "instants", _tell_bench, options, quiet=said["quiet"], required=required)
 
 
 @takes(MergeOptions, QUIET)
@@ -59,7 +61,7 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
         paragraph(sentence)
 
 
-@takes(CompareOptions, QUIET)
+@takes(CompareOptions, Requirements, QUIET)
 def compare(said: Said) -> None:
     """Run every strategy of remote rendering on the same heads, over the same coded link.
 
@@ -68,7 +70,8 @@ def compare(said: Said) -> None:
     from ..experiments.bench import compare as run
     from ._show import run_experiment
 
-    run_experiment(run, "runs", _tell_compare, CompareOptions.of(said, command=command_line()), quiet=said["quiet"])
+    required, options = Requirements.of(said), CompareOptions.of(said, command=command_line())
+    run_experiment(run, "runs", _tell_compare, options, quiet=said["quiet"], required=required)
 
 
 def _tell_compare(result: sweep.ExperimentResult) -> None:

@@ -1,11 +1,14 @@
 from .front import error_and_time as error_and_time
 from .front import pareto as pareto
+from .job import LEAST_STEP as LEAST_STEP
 from .job import REGIONS as REGIONS
+from .job import RELATIVE_STEP as RELATIVE_STEP
 from .job import Compared as Compared
 from .job import Input as Input
 from .job import Measurement as Measurement
 from .job import QualityJob as QualityJob
 from .job import QualityResult as QualityResult
+from .job import border_holes as border_holes
 from .job import near_discontinuity as near_discontinuity
 from .job import pooled as pooled
 from .job import region_of as region_of

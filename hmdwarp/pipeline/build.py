@@ -149,7 +149,7 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = source.renderer(gpu, options.mirrors, moment_of)
+        server = source.renderer(gpu, options, moment_of)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)

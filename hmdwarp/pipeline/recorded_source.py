@@ -142,8 +142,8 @@ class RecordingSource(Source):
         if needs.others.other_eye:
             self._refuse_one_eye("recorded frames have one eye", "multi:eye=own looks into older frames alone")
 
-    def renderer(self, gpu: Gpu, mirrors: str, moment_of: MomentOf = Moment) -> RecordedRenderer:
-        """Return what gives the frames; mirrors are as they were recorded."""
+    def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> RecordedRenderer:
+        """Return what gives the frames; mirrors and edges are as they were recorded."""
         return RecordedRenderer(gpu, self.scene, self.sequence, moment_of)
 
 

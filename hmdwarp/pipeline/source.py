@@ -31,7 +31,7 @@ from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled
 from .frame_coder import Coder
-from .options import PipelineOptions
+from .options import NEAREST, PipelineOptions
 from .proxy_options import SCENE, SourceKind
 from .recorded_renderer import MomentOf
 
@@ -309,12 +309,13 @@ class Source:
     def close(self) -> None:
         """Hang up, where frames come from elsewhere."""
 
-    def renderer(self, gpu: Gpu, mirrors: str, moment_of: MomentOf = Moment) -> Renderer:
+    def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
         """Return what draws the frames and the truth; the caller closes it.
 
         moment_of: where recorded frames are at an instant.
         """
-        return Server(gpu, self.scene, mirrors)
+        nearest = options.sample_depth == NEAREST
+        return Server(gpu, self.scene, options.mirrors, samples=options.samples, nearest=nearest)
 
 
 def nothing(name: str, summary: str, **more: Any) -> Scene:

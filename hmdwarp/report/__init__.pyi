@@ -30,6 +30,11 @@ from .pictures import magma as magma
 from .pictures import png_bytes as png_bytes
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import render_report as render_report
+from .run_diff import DIFF_PAGE as DIFF_PAGE
+from .run_diff import RunDiff as RunDiff
+from .run_diff import StoredRun as StoredRun
+from .run_diff import diff_runs as diff_runs
+from .run_diff import digests as digests
 from .run_table import comparison_rows as comparison_rows
 from .run_table import summary_table as summary_table
 from .run_texts import axes_of_traces as axes_of_traces

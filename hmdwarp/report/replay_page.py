@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 from markupsafe import Markup
 
-from ..metrics import PRIMARY, Figure, Kept, metrics_in_order
+from ..metrics import PRIMARY, Figure, Kept, metrics, metrics_in_order
 from .charts import Series, time_series, timeline_svg
 from .page import (
     Article,
@@ -112,6 +112,7 @@ def render_report(
             Section("", _tiles(summary, baselines, names), style="tiles", label="Main figures"),
             notes_section(notes),
             _figures(summary, baselines, names),
+            _regions(summary),
             _levels(summary),
             transit_section(summary, ("Holes, of all pixels", filled_rows(summary)),
                             ("On the client, uncompressed", model_rows(summary))),
@@ -201,6 +202,19 @@ def _figures(summary: Summary, baselines: Sequence[Summary], names: list[str]) -
         pairs = zip(names[1:], baselines, strict=True)
         note += "".join(f" {name} ran with fill {one['fill']} and lens {one['lens']}." for name, one in pairs)
     return Section("Figures", [Table("", heads, lines, label="Figures"), Text(note)])
+
+
+def _regions(summary: Summary) -> Section | None:
+    """Return the table of the error by region; None where it was not measured."""
+    regions = summary.get("regions") or {}
+    if not any(entry["share"] for entry in regions.values()):
+        return None
+    figures = [Figure("share", "share", "%", 1, 100.0)]
+    figures += [metrics.get(name).figure for name in ("psnr_db", PRIMARY)]
+    lines = [(name, *(figure.text(entry[figure.name]) for figure in figures)) for name, entry in regions.items()]
+    heads = [("", ""), *((figure.label, figure.unit) for figure in figures)]
+    table = Table.of("", heads, lines, label="Error by region")
+    return Section("Where the error lies", [table, Text(texts("bench")["notes"]["regions"])])
 
 
 def _head(figure: Figure) -> Markup:

@@ -36,6 +36,10 @@ FRAME_COLUMNS = (
     "fill",
 )
 
+# What differs from run to run, and between machines: equal runs are equal in all else.
+TIMED_COLUMNS = ("pose_age_ms", *(f"{stage}_ms" for stage in STAGES))
+TIMED_KEYS = ("time_ms", "response_ms", "machine", "made_with", "hmdwarp", "notes", "digests")
+
 SUMMARY_KEYS = (
     "schema",
     "hmdwarp",

@@ -27,8 +27,17 @@ from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
-from ..report import FRAME_COLUMNS, SCHEMA, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
-from ..resources import __version__
+from ..report import (
+    FRAME_COLUMNS,
+    SCHEMA,
+    OutputFolder,
+    WorstFrame,
+    comparison_panels,
+    digests,
+    labelled_strip,
+    render_report,
+)
+from ..resources import __version__, made_with
 from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplaySetup
 
@@ -37,6 +46,7 @@ _MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
 OWNED = (
+    "diff.html",
     "images/*-left.png",
     "images/*-right.png",
     "images/*-camera.png",
@@ -142,6 +152,7 @@ class Facts:
             "pixels_per_degree": self.pixels_per_degree,
             "machine": self.machine,
             "clock": self.clock,
+            "made_with": {**made_with(), "options": options.digest()},
             **figures,
         }
 
@@ -312,14 +323,16 @@ def write_results(
             notes=result.summary["notes"],
         )
         out.write_text("report.html", page)
-        for strip in strips:
-            strip.result()
+        pictures = dict(strip.result() for strip in strips)
+    result.summary["digests"] = digests([*log.frames_csv()], pictures)
     out.write_json("summary.json", result.summary)
 
 
-def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> None:
+def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> tuple[str, NDArray[np.uint8]]:
     number, eye, _ = kept.key
-    out.write_png(f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept)))
+    name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept))
+    out.write_png(name, strip)
+    return name, strip
 
 
 def _panels_of(kept: Kept) -> list[tuple[str, NDArray[np.uint8]]]:

@@ -136,7 +136,7 @@ def test_a_signal_whose_exception_was_lost_ends_the_next_step(tmp_path):
     """Python drops what a handler raises while a destructor runs; the run must end all the same."""
     code = """
 import os, signal
-from hmdwarp.cli import _show as _signals
+from hmdwarp.cli import _signals
 class Thing:
     def __del__(self):
         os.kill(os.getpid(), signal.SIGTERM)

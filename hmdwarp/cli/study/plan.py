@@ -15,7 +15,7 @@ from ...study import power as study
 from ...study import respondents, scales, store
 from ...study.session import SessionOptions
 from .._options import QUIET, Said, as_json, takes
-from .._show import Ended
+from .._signals import Ended
 from ._options import study_field
 
 

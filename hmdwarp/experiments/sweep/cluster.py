@@ -19,10 +19,10 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...options.declared import HOW
 from ...resources import import_extra
 from .options import LOCAL
 from .sweep_case import (
-    HOW,
     Failure,
     Result,
     Say,

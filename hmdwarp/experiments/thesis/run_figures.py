@@ -21,7 +21,7 @@ from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
 from ...link.codec import Coding
-from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
+from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
 from ...pipeline.loop import Refresh
 from ...pipeline.planning import build_plan_for
 from ...pipeline.sizes import refreshes_of
@@ -37,9 +37,6 @@ from ...scenes import load_scene
 from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
 
 Map = NDArray[Any]
-# Two depths nearer than this are one surface: what a grazing surface changes by within a pixel, see
-# metrics.region_of.
-RELATIVE_STEP, LEAST_STEP = 0.02, 0.002
 
 
 @attrs.frozen(eq=False)

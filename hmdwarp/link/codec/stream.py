@@ -115,7 +115,7 @@ class VideoEncoder:
         context.thread_count = codec.threads
         context.color_range, context.color_trc = _LIMITED, _SRGB
         context.colorspace = context.color_primaries = _BT709
-        context.options = {"chroma_sample_location": _CHROMA, **codec.options, **options}
+        context.options = {"chroma_sample_location": _CHROMA, **codec.options_for(self.size), **options}
         try:
             context.open()
         except (OSError, ValueError, av.FFmpegError) as error:

@@ -293,7 +293,8 @@ def _regions(groups: Sequence[Case]) -> Section:
             words = f"Error by region, {group.label}: see the table below"
             blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [_regions_table(group)])]
             folds.append(Fold(group.label, blocks, is_open=not folds))
-    heading, note = "Where the error lies", Text(texts("bench")["notes"]["regions"])
+    notes = texts("bench")["notes"]
+    heading, note = "Where the error lies", Text(f"{notes['regions']} {notes['regions_chart']}")
     return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
 
 

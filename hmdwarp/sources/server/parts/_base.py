@@ -16,7 +16,7 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....scenes import Scene
 from ..passes import ScenePasses
-from ..targets import Framebuffers, LastUsed, Target
+from ..targets import Framebuffers, LastUsed, Multisampled, Target
 from ..upload import SceneTextures
 
 
@@ -74,6 +74,8 @@ class DrawContext:
     passes_for: Callable[[Drawing], ScenePasses]
     # renderer(scene): a server of another scene; who makes it closes it.
     renderer: Callable[[Scene], Renderer]
+    # Where depth is that of the nearest of several samples; None where it is of the pixel's centre.
+    samples: Multisampled | None = None
 
 
 class Part(ABC):
