@@ -17,10 +17,10 @@ import attrs
 from ...metrics import metrics_in_order
 from ...report import inert_text
 from ...resources import __version__, import_extra
+from ..actual import COUNTS, FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
 from ..store import COMPLETE, DECLINED, ORIGINS, STATUSES, UNCONSENTED
-from ..store.records import COUNTS, FLAGS, NUMBERS, TEXTS
 
 TEXT, NUMBER, INTEGER, FLAG = "text", "number", "whole", "flag"
 MISSING = "n/a"

@@ -15,10 +15,10 @@ from ...errors import InputError
 from ...pipeline import Refresh, SceneKey, Source
 from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import with_targets
+from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
 from ..store import Showing
-from ..store.records import actual_of
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
 from .wording import HeadRange, TaskScore, number_panel

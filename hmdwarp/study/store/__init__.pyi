@@ -1,3 +1,5 @@
+from .erasing import BEYOND as BEYOND
+from .erasing import Holdings as Holdings
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
@@ -20,12 +22,10 @@ from .records import Contents as Contents
 from .records import Event as Event
 from .records import Session as Session
 from .records import Showing as Showing
-from .records import plan_signature as plan_signature
-from .records import signature_changes as signature_changes
 from .recovery import Rescued as Rescued
 from .recovery import recover as recover
+from .signature import plan_signature as plan_signature
+from .signature import signature_changes as signature_changes
 from .store import Store as Store
-from .store_connection import BEYOND as BEYOND
 from .store_connection import Clock as Clock
-from .store_connection import Holdings as Holdings
 from .store_connection import seconds_since as seconds_since

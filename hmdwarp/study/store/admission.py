@@ -16,19 +16,8 @@ from ...errors import InputError
 from ..design import ADAPTIVE, Design, Order, Pair, adaptive_order, allot, draw, pair_of, rows_for, tables_of
 from ..scales import FIRST, PREFERENCE, Scale
 from . import queries
-from .records import (
-    COMPLETE,
-    INTERRUPTED,
-    PERSON,
-    PILOT,
-    RUNNING,
-    SIMULATED,
-    Session,
-    from_json,
-    plan_signature,
-    signature_changes,
-    to_json,
-)
+from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session, from_json, to_json
+from .signature import plan_signature, signature_changes
 
 HOLDING = (RUNNING, INTERRUPTED, COMPLETE)  # other sessions free their order for another participant
 NEW = "new"

@@ -24,7 +24,8 @@ from . import database, queries
 from .admission import insert
 from .database import transaction, translated
 from .folders import DATABASE, TRACES, check_place, make_folders
-from .records import PILOT, from_json, signature_changes, to_json
+from .records import PILOT, from_json, to_json
+from .signature import signature_changes
 
 _SITE = re.compile(r"[A-Za-z0-9]{1,16}")
 _MOST_CODE = 32

@@ -6,7 +6,7 @@ import sqlite3
 from pathlib import Path
 from typing import Any
 
-from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json
+from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json, unsealed
 
 # A person took no part who refused the consent and did not agree later, in a resumed run, or who
 # never agreed to the text that the session began with.
@@ -40,7 +40,7 @@ def _session_of(row: tuple[Any, ...]) -> Session:
 
 def _showing_of(row: tuple[Any, ...]) -> Showing:
     *values, complete, settings, trace, actual, measured, started = row
-    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), from_json(measured), started]
+    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), unsealed(measured), started]
     return Showing(*fields)
 
 

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sqlite3
-from collections.abc import Callable, Mapping
+import zlib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
-
-from ..design import ONE, Condition, Design
-from ..scales import Item, Scale
 
 
 def to_json(data: Mapping[str, Any]) -> str:
@@ -38,6 +33,23 @@ def from_json(text: str) -> Any:
         return json.loads(text)
     except (ValueError, RecursionError) as error:
         raise DamagedRow(f"no JSON in {text[:20]!r}") from error
+
+
+def sealed(figures: Mapping[str, Any]) -> str:
+    """Encode figures with a checksum of themselves."""
+    text = to_json(figures)
+    return to_json({**json.loads(text), "seal": zlib.crc32(text.encode())})
+
+
+def unsealed(text: str) -> dict[str, Any]:
+    """Decode what sealed wrote; older figures have no checksum. Errors: DamagedRow."""
+    figures = from_json(text)
+    if not isinstance(figures, dict):
+        raise DamagedRow(f"no figures in {text[:20]!r}")
+    seal = figures.pop("seal", None)
+    if seal is not None and seal != zlib.crc32(to_json(figures).encode()):
+        raise DamagedRow("figures of 'study measure' are not as they were written")
+    return figures
 
 
 def clean(text: str) -> str:
@@ -127,7 +139,7 @@ class Showing:
     settings: Mapping[str, Any] = attrs.field(factory=dict, hash=False)
     # Head trace, a file name in the store's `traces`, "" for none; may be missing if cut off.
     trace: str = ""
-    actual: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # measured meanwhile: see actual_of
+    actual: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # measured meanwhile: study/actual.py
     measured: Mapping[str, Any] = attrs.field(factory=dict, hash=False)  # by `study measure`, empty before
     started_utc: str = ""
 
@@ -160,187 +172,3 @@ class Contents:
     def session(self, id_: int) -> Session:
         """Return the session of that id. Errors: StopIteration."""
         return next(session for session in self.sessions if session.id == id_)
-
-
-def plan_signature(design: Design, part: str) -> dict[str, Any]:
-    """Return the signature as JSON data.
-
-    Titles, comments, breaks, the consent's text, families and other parts are not in it: they may
-    change. So may the folder of the file, together with the files beside it.
-    """
-    folder = f"{Path(design.path).parent.absolute()}{os.sep}"
-    return {
-        "conditions": [_condition(condition, folder) for condition in design.part(part).conditions],
-        "seconds": ["until done", float(design.seconds)] if design.until_done else float(design.seconds),
-        "repeats": design.repeats,
-        "order": design.order,
-        "seed": design.seed,
-        "scales": [_scale(scale) for scale in design.scales],
-        "practice": None
-        if design.practice is None
-        else [_condition(design.practice, folder), float(design.practice_seconds)],
-        "sickness": _sickness(design),
-        "before": [_scale(scale) for scale in design.before],
-        "after": [_scale(scale) for scale in design.after],
-        **_shows(design),
-        **_task(design),
-    }
-
-
-def _shows(design: Design) -> dict[str, Any]:
-    """Return what a trial shows; nothing for one condition, as older sessions have it."""
-    return {} if design.shows == ONE else {"shows": design.shows}
-
-
-def _task(design: Design) -> dict[str, Any]:
-    """Return the task; nothing without one, as sessions from before there were tasks have it."""
-    task = design.task
-    return {} if task is None else {"task": [task.count, task.size_deg, task.seed, *task.conditions]}
-
-
-def _condition(condition: Condition, folder: str) -> dict[str, Any]:
-    settings = {
-        name: value.removeprefix(folder) if isinstance(value, str) else value
-        for name, value in sorted(condition.settings.items())
-    }
-    return {"name": condition.name, "settings": settings, "reference": condition.reference}
-
-
-def _scale(scale: Scale) -> dict[str, Any]:
-    """Return the questions in their words, and the possible answers."""
-    return {
-        "name": scale.name,
-        "asked": [scale.prompt, *([item.key, item.text, *_own(item)] for item in scale.items)],
-        "range": [scale.least, scale.most, scale.step],
-        "anchors": {f"{value:g}": words for value, words in sorted(scale.anchors.items())},
-        "low_is_good": scale.low_is_good,
-    }
-
-
-def _own(item: Item) -> list[Any]:
-    """Return the answers of a question that has its own, or its own words for some."""
-    if item.anchors:
-        return [{f"{value:g}": words for value, words in item.anchors.items()}]
-    return [item.answer, list(item.choices), item.least, item.most, item.step] if item.answer else []
-
-
-def _sickness(design: Design) -> dict[str, Any] | None:
-    rule = design.sickness
-    return (
-        None
-        if rule is None
-        else {"scale": _scale(rule.scale), "every": rule.every, "stop_at": rule.stop_at, "rise": rule.rise}
-    )
-
-
-def signature_changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
-    """Describe what differs between two signatures, both decoded from JSON."""
-    changed = [key for key in {**before, **now} if before.get(key) != now.get(key)]
-    return [_conditions(before[key], now[key]) if key == "conditions" else key for key in changed]
-
-
-def _conditions(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> str:
-    was, is_ = ({condition["name"]: condition for condition in side} for side in (before, now))
-    words = [f"'{name}' is new" for name in is_ if name not in was] + [
-        f"'{name}' is gone" for name in was if name not in is_
-    ]
-    words += [f"'{name}' changed" for name in is_ if name in was and was[name] != is_[name]]
-    return f"conditions ({', '.join(words) or 'in another order'})"
-
-
-Column = Callable[[str], NDArray[np.float64]]
-
-# None where unknown.
-NUMBERS = (
-    "onset_s", "seconds", "pictures", "rate_hz", "latency_ms_median", "latency_ms_p95", "latency_ms_sd",
-    "period_ms_median", "period_ms_p95", "missed", "missed_share", "over_budget_share", "hole_share_mean",
-    "hole_share_p95", "pose_age_ms_median", "pose_age_ms_p95", "passes_ms_median", "passes_ms_p95",
-    "angular_speed_deg_s_median", "linear_speed_m_s_median", "lost_s", "tracking_lost_share", "head_turn_deg",
-    "head_shift_m", "task_targets", "task_found", "task_misses", "task_target_s", "task_turned_deg",
-)  # fmt: skip
-# Whole numbers among them.
-COUNTS = ("pictures", "missed", "task_targets", "task_found", "task_misses")
-FLAGS = ("head_still",)
-TEXTS = (
-    "warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by",
-    "task_times_s",
-)  # fmt: skip
-NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
-_EYES = (0, 1)
-
-
-def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
-    """Return NUMBERS, FLAGS and TEXTS from a live run's summary and its columns.
-
-    A summary without pictures gives None throughout. The session adds its own: onset_s, from the
-    session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
-    from where it was first; head_still: session/wording.py; ended_by: "time", or who
-    ended a trial that is shown until done, "" for one that was not seen to its end;
-    task_..: session/wording.py, of trials with a task.
-
-    seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
-    the frame to showing it. period: between two pictures. missed: refreshes without a new picture,
-    with their share of all refreshes. over_budget: drawing and passes took longer than a refresh.
-    hole_share: of both eyes' pixels, after the warp and before the fill. pose_age: from reading the
-    head to handing the picture over. passes: of both eyes together. lost_s: without a display.
-    tracking_lost: pictures for a head that was held at its last known pose.
-    """
-    if not summary:
-        return dict(NOTHING)
-    live, pictures = summary["live"], summary["frames"]
-    holes, passes = _of_eyes(column, "hole_share", np.nanmean), _of_eyes(column, "total_ms", np.nansum)
-    latency = _known(column("age_ms"))
-    numbers = {
-        "seconds": live["seconds"],
-        "pictures": pictures,
-        "rate_hz": (pictures - 1) / live["seconds"] if live["seconds"] else None,
-        **_middle_and_tail("latency_ms", latency),
-        "latency_ms_sd": float(np.std(latency, ddof=1)) if len(latency) > 1 else None,
-        **_middle_and_tail("period_ms", _known(column("period_ms"))),
-        "missed": live["missed"],
-        "missed_share": live["missed"] / (live["missed"] + pictures),
-        "over_budget_share": live["over"] / live["timed"] if live["timed"] else None,
-        "hole_share_mean": math.fsum(holes) / len(holes) if len(holes) else None,
-        "hole_share_p95": _tail(holes),
-        **_middle_and_tail("pose_age_ms", _known(column("pose_age_ms"))),
-        **_middle_and_tail("passes_ms", passes),
-        "angular_speed_deg_s_median": _middle(_known(column("angular_speed_deg_s"))),
-        "linear_speed_m_s_median": _middle(_known(column("linear_speed_m_s"))),
-        "lost_s": math.fsum(loss["away_s"] or 0.0 for loss in live["lost"]),
-        "tracking_lost_share": sum(live["notices"].values()) / pictures,
-    }
-    return {**NOTHING, **numbers, **_texts(summary)}
-
-
-def _texts(summary: Mapping[str, Any]) -> dict[str, str]:
-    machine = summary["machine"]
-    return {
-        **{name: str(summary[name]) for name in ("warp", "fill", "scene", "lens", "headset", "hmdwarp")},
-        "effects": "+".join(summary["effects"]),
-        "gpu": machine["gl_renderer"],
-        "gl": machine["gl_version"],
-        "source": summary["live"]["source"],
-        "size": "x".join(map(str, summary["size"])),
-    }
-
-
-def _of_eyes(column: Column, name: str, together: Callable[..., NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Combine both eyes of each refresh, without refreshes that were not measured."""
-    eyes = np.array([column(f"{name}/{eye}") for eye in _EYES])
-    return together(eyes[:, ~np.isnan(eyes).all(axis=0)], axis=0)
-
-
-def _known(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return values[~np.isnan(values)]
-
-
-def _middle(values: NDArray[np.float64]) -> float | None:
-    return float(np.median(values)) if len(values) else None
-
-
-def _tail(values: NDArray[np.float64]) -> float | None:
-    return float(np.percentile(values, 95)) if len(values) else None
-
-
-def _middle_and_tail(name: str, values: NDArray[np.float64]) -> dict[str, float | None]:
-    return {f"{name}_median": _middle(values), f"{name}_p95": _tail(values)}

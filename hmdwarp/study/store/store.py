@@ -22,6 +22,7 @@ from typing import Any
 from ..design import Ask, Design, Show
 from . import admission, queries
 from .database import translated
+from .erasing import Holdings, erase, known
 from .folders import check_place, sync_trace, trace_name
 from .records import (
     DECLINED,
@@ -34,9 +35,10 @@ from .records import (
     Session,
     Showing,
     clean,
+    sealed,
     to_json,
 )
-from .store_connection import Clock, Holdings, MachineClock, StoreConnection, erase, known
+from .store_connection import Clock, MachineClock, StoreConnection
 
 
 class _Undone(Exception):  # noqa: N818 (no error: rolls a transaction back)
@@ -197,7 +199,7 @@ class Store(StoreConnection):
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
         """Record the end of a showing, after its trace is closed; a missing file is no trace.
 
-        actual: as study/store/records.py.
+        actual: as study/actual.py.
         """
         trace = showing.trace if showing.trace and sync_trace(self.traces / showing.trace) else ""
         with self._running(session) as db:
@@ -267,7 +269,7 @@ class Store(StoreConnection):
         try:
             with self._write() as db:
                 changed = db.execute(
-                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
+                    "UPDATE showing SET measured = ? WHERE id = ?", (sealed(data), showing_id)
                 ).rowcount
                 if changed != 1:
                     raise KeyError(showing_id)

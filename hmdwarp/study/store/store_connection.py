@@ -1,166 +1,23 @@
-"""Connection to a store, for reading or for writing under the lock; erasure of a participant.
-
-Erased are rows, traces, and the bytes they took; an interrupted erasure resumes.
-"""
+"""Connection to a store, for reading or for writing under the lock; transactions and journal."""
 
 from __future__ import annotations
 
-import os
 import sqlite3
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Protocol, Self
 
-import attrs
-
-from ...errors import HmdwarpError, InputError, MachineError
-from ...report import counted, keep_private, sync
+from ...errors import HmdwarpError, InputError
+from ...report import keep_private
 from ...resources import __version__
 from . import database, queries
-from .admission import check_code
-from .database import transaction, translated
+from .database import transaction
+from .erasing import finish_erasing
 from .folders import DATABASE, TRACES, Lock, make_folders
 from .records import INTERRUPTED, RUNNING, Session, to_json
-
-BEYOND = "Earlier exports, reports, copies and backups still hold these data: delete them by hand."
-_CHUNK = 1 << 20
-
-
-@attrs.frozen
-class Holdings:
-    """Amount of a participant's data."""
-
-    code: str  # as first written
-    sessions: int
-    answers: int  # every revision, to questionnaires too
-    showings: int
-    events: int
-    traces: int
-    bytes: int  # of the traces
-
-    def describe(self) -> str:
-        """Return "1 session, 12 answers (revisions included), .., 6 head traces (1.2 MB)"."""
-        names = {
-            name: counted(getattr(self, name), name[:-1]) for name in ("sessions", "answers", "showings", "events")
-        }
-        names["answers"] += " (revisions included)" if self.answers else ""
-        text = ", ".join([*names.values(), counted(self.traces, "head trace")])
-        return f"{text} ({self.bytes / 1e6:.1f} MB)" if self.traces else text
-
-
-def erase(db: sqlite3.Connection, folder: Path, code: str) -> None:
-    """Erase all data of a participant but the code.
-
-    Errors: InputError for an unknown or withdrawn participant.
-    """
-    with transaction(db, folder / DATABASE):
-        participant, _ = known(db, code)
-        db.execute("UPDATE participant SET withdrawing = 1 WHERE id = ?", (participant,))
-    finish_erasing(db, folder)
-
-
-def known(db: sqlite3.Connection, code: str) -> tuple[int, str]:
-    """Return the participant's row and sub.
-
-    Errors: InputError for an unknown or withdrawn participant.
-    """
-    check_code(code)
-    if db.execute("SELECT 1 FROM withdrawn WHERE code = ?", (code,)).fetchone():
-        raise InputError(f"participant {code} has withdrawn already: nothing is left of them here")
-    found = db.execute("SELECT id, sub FROM participant WHERE code = ?", (code,)).fetchone()
-    if found is None:
-        raise InputError(f"participant {code} is not known here: see whether the code is right")
-    return (int(found[0]), str(found[1]))
-
-
-def finish_erasing(db: sqlite3.Connection, folder: Path) -> list[str]:
-    """Finish erasures that are marked, or that a program left when it died; return the codes.
-
-    Usually there is none, which takes two queries.
-    """
-    with translated(folder / DATABASE):
-        marked = db.execute("SELECT id, code, sub FROM participant WHERE withdrawing").fetchall()
-    for id_, code, sub in marked:
-        _erase_traces(folder / TRACES, sub)
-        with transaction(db, folder / DATABASE):
-            _erase_rows(db, id_, code)
-    with translated(folder / DATABASE):
-        codes = [code for (code,) in db.execute("SELECT code FROM withdrawn WHERE NOT cleaned")]
-    if codes:
-        _clean(db, folder, [sub for _, _, sub in marked])
-    return codes
-
-
-def _erase_rows(db: sqlite3.Connection, participant: int, code: str) -> None:
-    of_sessions = "session IN (SELECT id FROM session WHERE participant = ?)"
-    for table in ("answer", "event", "showing"):  # answers point at showings
-        db.execute(f"DELETE FROM {table} WHERE {of_sessions}", (participant,))
-    db.execute("DELETE FROM session WHERE participant = ?", (participant,))
-    db.execute("DELETE FROM plan WHERE id NOT IN (SELECT plan FROM session)")
-    db.execute("DELETE FROM participant WHERE id = ?", (participant,))
-    db.execute("INSERT INTO withdrawn (code, cleaned) VALUES (?, 0)", (code,))
-
-
-def _erase_traces(traces: Path, sub: str) -> None:
-    """Overwrite, then unlink the traces: unlinking alone would leave the poses on the disk."""
-    try:
-        for path in sorted(traces.iterdir()) if traces.is_dir() else ():
-            if sub in path.name:  # also of a copy or partial file
-                if path.is_file() and not path.is_symlink():
-                    _overwrite(path)
-                path.unlink()
-        if traces.is_dir():
-            sync(traces)
-    except OSError as error:
-        why = error.strerror or str(error)
-        raise MachineError(f"{traces}: cannot erase ({why}); the next try erases the rest: make it writable") from error
-
-
-def _overwrite(path: Path) -> None:
-    handle = os.open(path, os.O_WRONLY | os.O_NOFOLLOW)
-    try:
-        left = os.fstat(handle).st_size
-        while left > 0:
-            left -= os.write(handle, bytes(min(left, _CHUNK)))
-        os.fsync(handle)
-    finally:
-        os.close(handle)
-
-
-def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
-    """Rewrite the file without the deleted rows, and empty its log.
-
-    secure_delete has overwritten the rows, but not copies in pages that were split, nor the log.
-    """
-    with translated(folder / DATABASE):
-        _empty_log(db, folder)  # zeros over the old rows in their own place, before the file gets shorter
-        db.execute("VACUUM")
-        _empty_log(db, folder)
-    _check_bytes(folder, subs)
-    with transaction(db, folder / DATABASE):
-        db.execute("UPDATE withdrawn SET cleaned = 1")
-
-
-def _empty_log(db: sqlite3.Connection, folder: Path) -> None:
-    if db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()[0]:
-        raise MachineError(
-            f"{folder}: another program reads the study's data, so the erasure is not finished: close it and "
-            "repeat the command"
-        )
-
-
-def _check_bytes(folder: Path, subs: list[str]) -> None:
-    """Check that the random word of all of a person's files and rows is gone."""
-    for path in sorted(folder.rglob("*")):
-        with suppress(FileNotFoundError):
-            found = [sub for sub in subs if sub in path.name or (path.is_file() and sub.encode() in path.read_bytes())]
-            if found:
-                raise HmdwarpError(
-                    f"{path}: still holds data of a participant who withdrew: do not pass it on, and report this"
-                )
 
 
 class Clock(Protocol):

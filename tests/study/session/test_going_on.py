@@ -9,10 +9,10 @@ import pytest
 from hmdwarp.display import DisplayOptions, OffscreenDisplay
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import load_trace
-from hmdwarp.study import scales
+from hmdwarp.study import actual, scales
 from hmdwarp.study.design import load_design
 from hmdwarp.study.session import facts_of
-from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store, records
+from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
 from . import sessions
 from .sessions import Person, closing, contents, losing, run, study, whole
@@ -214,7 +214,7 @@ def test_a_fault_in_the_log_s_figures_keeps_what_was_shown(monkeypatch, gpu, tmp
     assert ran.said[-1].startswith("resume with: ")
     assert contents(path).sessions[0].status == INTERRUPTED
     assert run(monkeypatch, gpu, path, resume=True).session.status == COMPLETE
-    assert records.actual_of({}, lambda name: 1 / 0) == records.NOTHING
+    assert actual.actual_of({}, lambda name: 1 / 0) == actual.NOTHING
 
 
 def test_an_interrupted_session_resumes_with_its_first_plan(monkeypatch, gpu, tmp_path):

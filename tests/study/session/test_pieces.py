@@ -14,8 +14,8 @@ from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
+from hmdwarp.study.actual import NOTHING, NUMBERS
 from hmdwarp.study.session import HeadRange, SessionOptions, first_picture_wait_s, head_angles_deg
-from hmdwarp.study.store.records import NOTHING, NUMBERS
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study

@@ -10,8 +10,8 @@ from run.offscreen import PERIOD_NS, RATE_HZ
 
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions, replay
+from hmdwarp.study.actual import FLAGS, NUMBERS, TEXTS
 from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
-from hmdwarp.study.store.records import FLAGS, NUMBERS, TEXTS
 
 from .conftest import LEAD_S, hurry
 from .sessions import LATENCIES_MS, NAMES, ScriptedConsole, contents, run, study, whole

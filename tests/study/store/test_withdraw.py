@@ -15,8 +15,7 @@ import time
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.study.store import COMPLETE, Store
-from hmdwarp.study.store import store_connection as erasing
+from hmdwarp.study.store import COMPLETE, Store, erasing
 
 from .killing import Killing
 from .sessions import asks, begun, child, design, go_through, whole
@@ -180,7 +179,7 @@ def test_a_file_that_still_holds_something_is_no_success(tmp_path, monkeypatch):
 
 KILLED = """
 import importlib
-erasing = importlib.import_module("hmdwarp.study.store.store_connection")
+erasing = importlib.import_module("hmdwarp.study.store.erasing")
 name, count = sys.argv[2], int(sys.argv[3])
 real = getattr(erasing, name)
 def die(*words):
