@@ -48,6 +48,7 @@ from .pool import QualityPool as QualityPool
 from .pool import WorstKeeper as WorstKeeper
 from .pool import worker_count as worker_count
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS
+from .summary import LEVEL as LEVEL
 from .summary import QUALITY as QUALITY
 from .summary import STAGES as STAGES
 from .summary import aggregate as aggregate

@@ -25,7 +25,7 @@ import attrs
 from ...errors import HmdwarpError, InputError, MachineError
 from ...options.declared import HOW
 from ...options.documents import json_in
-from ...options.named_files import BAG, BESIDE, GLTF, content_of, opened
+from ...options.named_files import BAG, BESIDE, GLTF, RESULTS, content_of, opened
 from ...report import write_bytes, write_json
 from ...resources import __version__
 from ...resources import folder as resource_folder
@@ -257,8 +257,8 @@ class KeptCases:
         write_json(self._path(identity), {"identity": identity, **data})
 
     def _read(self, identity: str) -> dict[str, Any] | None:
-        with suppress(OSError, ValueError, RecursionError):
-            data = json.loads(self._path(identity).read_bytes())
+        with suppress(InputError):
+            data = json_in(self._path(identity), RESULTS)
             if isinstance(data, dict) and data.get("identity") == identity:
                 return data
         return None

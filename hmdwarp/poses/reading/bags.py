@@ -6,10 +6,10 @@ import threading
 import weakref
 from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from ...errors import HmdwarpError, TraceError
-from ...options.named_files import BAG, TABLE, opened
+from ...options.named_files import BAG, TABLE, opened, text_in
 from ...resources import import_extra
 from .made import Made
 from .pose_messages import PoseMessages, StampedPose, has_poses, poses_in
@@ -43,8 +43,11 @@ class Bag:
         _check_plain(path)
         try:
             # Older bags of ROS 2 do not hold the definitions of their messages.
-            self._reader = highlevel.AnyReader([path], default_typestore=types.get_typestore(types.Stores.LATEST))
+            defined = types.get_typestore(types.Stores.LATEST)
+            self._reader = highlevel.AnyReader([_BagPath(path)], default_typestore=defined)
             self._reader.open()
+        except HmdwarpError:
+            raise
         except Exception as error:  # its parsers raise anything at damaged data
             raise self._damaged(error) from None
         weakref.finalize(self, self._reader.close)
@@ -84,8 +87,18 @@ class Bag:
         return TraceError(f"{self.path}: cannot be read as a bag ({why}); expected one of {', '.join(ENDINGS)}")
 
 
+class _BagPath(type(Path())):  # type: ignore[misc]
+    """A path whose files rosbags opens as all others are opened, packed ones too."""
+
+    def open(self, *_: Any, **__: Any) -> BinaryIO:
+        return opened(self, BAG)
+
+    def read_text(self, *_: Any, **__: Any) -> str:
+        return text_in(self, TABLE)
+
+
 def _check_plain(path: Path) -> None:
-    """Refuse what rosbags would wait for; it opens files of a bag by their names."""
+    """Refuse what rosbags would wait for: SQLite opens a .db3 by its name."""
     if path.is_dir():
         opened(path / _METADATA, TABLE).close()
     for file in path.iterdir() if path.is_dir() else (path,):

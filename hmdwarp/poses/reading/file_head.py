@@ -9,7 +9,7 @@ import os
 import re
 import zlib
 from pathlib import Path
-from typing import BinaryIO, cast
+from typing import Any, BinaryIO, cast
 
 import attrs
 import numpy as np
@@ -55,9 +55,36 @@ class Source:
         file = opened(path, TRACE)
         if not self.packed:
             return file
-        packed = gzip.GzipFile(fileobj=file)
-        packed.myfileobj = cast("io.FileIO", file)  # closed with it
-        return cast("BinaryIO", packed)
+        return cast("BinaryIO", io.BufferedReader(_Unpacked(path, file), 1 << 18))
+
+
+class _Unpacked(io.RawIOBase):
+    """What gzip packed. Errors: TraceError beyond the bound of a file that is not packed."""
+
+    def __init__(self, path: Path, file: BinaryIO) -> None:
+        self._path, self._file, self._unpacked = path, file, gzip.GzipFile(fileobj=file)
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        return self._unpacked.seek(offset, whence)
+
+    def readinto(self, buffer: Any) -> int:
+        count = self._unpacked.readinto(buffer)
+        if self._unpacked.tell() > TRACE.most_bytes:
+            raise TraceError(
+                f"{self._path}: more than {TRACE.most_bytes} bytes, unpacked: expected a shorter recording"
+            )
+        return count
+
+    def close(self) -> None:
+        self._unpacked.close()
+        self._file.close()
+        super().close()
 
 
 @attrs.frozen

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import attrs
 from markupsafe import Markup
 
 from ...metrics import REGIONS, Figure, metrics, metrics_in_order
@@ -81,6 +82,7 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
             Section("", _tiles(data, rows), style="tiles", label="What was run"),
             Section("", [clock_note and Text(clock_note)], style="after"),
             notes_section(_notes(data, rows)),
+            _suite(data.get("suite")),
             _tables(rows, groups),
             _fronts(groups, rows),
             _displacement(list(data.get("grid") or ()), data.get("grid_at")),
@@ -91,6 +93,32 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
         ),
         made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
     ).html()
+
+
+def _suite(entry: Mapping[str, Any] | None) -> Section | None:
+    """Return the means of a suite over all heads and scenes; None for a bench of no suite."""
+    if not entry:
+        return None
+    figures = [metrics.get(name).figure for name in ("flip", "psnr_db")]
+    figures.insert(1, attrs.evolve(figures[0], name="behind", label="FLIP behind the best"))
+    lines = [
+        (
+            f"{row['latency_ms']:g} ms",
+            row_name(row),
+            *(text for figure in figures for text in _mean_and_interval(figure, row[figure.name])),
+        )
+        for row in entry["over_all"]
+    ]
+    heads = [("", ""), ("", ""), *(pair for f in figures for pair in ((f.label, f.unit), ("95 %", f.unit)))]
+    heading = f"Suite {entry['name']} {entry['version']}: over all heads and scenes"
+    return Section(
+        heading, [Table.of("", heads, lines, label=heading, words=2), Text(texts("bench")["notes"]["suite"])]
+    )
+
+
+def _mean_and_interval(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
+    interval = entry["interval"]
+    return figure.text(entry["mean"]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
