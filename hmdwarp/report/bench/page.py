@@ -28,8 +28,7 @@ from ..page import (
 )
 from ..run_texts import axes_of_traces
 from ..style import markers_of
-from ..tables import Cell, Line, Table
-from ..words import counted, listed, plain
+from ..words import Cell, Line, Table, counted, listed, plain
 from .bench_table import choice_terms, decision, marked_how
 from .charts import (
     axes_of,
