@@ -192,9 +192,10 @@ def _columns() -> dict[str, Column]:
         columns += [Column(figure, _quality(figure.name, "mean")), Column(tail, _quality(figure.name, "p95"))]
         columns.append(Column(spread, _half_width(figure.name)))
     for region in REGIONS:
-        columns.append(Column(Figure(f"{region}_share", f"{region} share", "%", 1, 100), _region(region, "share")))
-        columns.append(Column(Figure(f"{region}_flip", f"FLIP {region}", "", 3), _region(region, "flip")))
-        columns.append(Column(Figure(f"{region}_psnr_db", f"PSNR {region}", "dB", 2), _region(region, "psnr_db")))
+        name = region.replace("_", " ")
+        columns.append(Column(Figure(f"{region}_share", f"{name} share", "%", 1, 100), _region(region, "share")))
+        columns.append(Column(Figure(f"{region}_flip", f"FLIP {name}", "", 3), _region(region, "flip")))
+        columns.append(Column(Figure(f"{region}_psnr_db", f"PSNR {name}", "dB", 2), _region(region, "psnr_db")))
     return {column.figure.name: column for column in columns}
 
 
