@@ -31,7 +31,8 @@ from hmdwarp.link.delays.trace import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
 from hmdwarp.poses import load_trace
-from hmdwarp.poses.reading import bags, file_head
+from hmdwarp.poses.reading import file_head
+from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.resources import folder as shipped
 from hmdwarp.run.bench_levels import read_rows
 from hmdwarp.scenes import load_scene

@@ -1,5 +1,3 @@
-from .front import error_and_time as error_and_time
-from .front import pareto as pareto
 from .job import LEAST_STEP as LEAST_STEP
 from .job import REGIONS as REGIONS
 from .job import RELATIVE_STEP as RELATIVE_STEP
@@ -33,10 +31,10 @@ from .metric import Metric as Metric
 from .metric import measure as measure
 from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
-from .mismatch import Mismatch as Mismatch
-from .mismatch import SharedSurface as SharedSurface
 from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
+from .picture_pairs import Mismatch as Mismatch
+from .picture_pairs import SharedSurface as SharedSurface
 from .picture_pairs import block_means as block_means
 from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text
@@ -57,6 +55,8 @@ from .summary import at_instants as at_instants
 from .summary import block_length as block_length
 from .summary import differ as differ
 from .summary import difference as difference
+from .summary import error_and_time as error_and_time
 from .summary import excludes_zero as excludes_zero
 from .summary import interval_of_mean as interval_of_mean
 from .summary import middle_and_tail as middle_and_tail
+from .summary import pareto as pareto

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
+from ..gpu import flip_rows
 from .picture_pairs import check_pair, db_of, error_image, flip, pixel_centres, row_blocks
 
 T = TypeVar("T")
@@ -164,7 +165,7 @@ def _declared(value: T | None, flag: Input) -> T:
 
 # Holes beyond the rendered field of view, other holes, what is covered near jumps of depth, and the
 # rest.
-REGIONS = ("border", "inside", "silhouettes", "seen")
+REGIONS = ("border_holes", "inside_holes", "silhouettes", "seen")
 SUMS = ("pixels", "squared_error", "flip")
 
 # Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.
@@ -201,8 +202,6 @@ def border_holes(
         raise InputError(
             f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
         )
-    from ..gpu import flip_rows
-
     holes, inverse_depth = flip_rows(np.asarray(coverage) == 0), flip_rows(np.asarray(truth_inverse_depth))
     height, width = holes.shape
     mapping = WarpMap.between(shown, (width, height), rendered, rendered_size)

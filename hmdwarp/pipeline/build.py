@@ -19,7 +19,7 @@ from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..sources.server import Renderer
 from .channel import Changes, Channel, ChannelSetup
 from .frame_coder import Reads

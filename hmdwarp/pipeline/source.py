@@ -26,7 +26,7 @@ from ..link import scaled_size
 from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled

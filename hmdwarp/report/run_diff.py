@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..options.documents import json_in
 from ..options.named_files import LIST, PICTURE_FILE, RESULTS, opened, text_in
+from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
 from .page import Page, Picture, Section, Sentences, Text, fact, machine_pairs
-from .schema import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
 from .words import counted
 
 _FIGURES = ("quality", "regions", "filled", "against", "link", "coding", "miss", "second_eye", "measured")

@@ -23,7 +23,7 @@ from ..pipeline.proxy import check_names, source_of
 from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample
-from ..poses.pose_source import LoopedSource, Moment
+from ..poses.track import LoopedSource, Moment
 from ..scenes import SceneOptions, scenes
 from .bench_levels import levels_from_file
 from .options import BOTH, FLAT, OFFSCREEN, LiveOptions

@@ -27,8 +27,8 @@ from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import expected_age_ns, guarded_size, latency_ns, refreshes_of
 from ..pipeline.source import FirstRequest, PoseRequest, Source, Target
 from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, jumps_between
-from ..poses.pose_source import Moment
 from ..poses.prediction import predict
+from ..poses.track import Moment
 from .options import RunOptions
 
 _DAY_S = 86_400.0

@@ -7,7 +7,9 @@ from typing import Any, TypeVar
 
 import attrs
 import moderngl
+import numpy as np
 
+from ...colour import srgb8_from_linear
 from ...errors import MachineError
 from ...frames import EyeImage, Frame, Needs
 from ...geometry import Guard, Pose, View
@@ -376,7 +378,7 @@ class Multisampled:
         kind = (into.components, into.dtype)
         define = {NUMBER: {"NUMBER": 1}, COLOUR: {"VELOCITY": 1}}.get(kind, {})
         program = self._gpu.shaders.compute("server/one_sample.comp", **define)
-        drawn.color_attachments[0].use(0)
+        _textures_of(drawn)[0].use(0)
         into.bind_to_image(0, read=not define, write=True)
         program.uniforms.set(samples=0, resolved=0, count=self.count, **uniforms)
         self._gpu.barrier()
@@ -389,7 +391,7 @@ class Multisampled:
             _free(framebuffer)
 
     def _bytes_of(self, key: tuple[Any, ...], framebuffer: moderngl.Framebuffer) -> int:
-        bytes_ = sum(map(texture_bytes, framebuffer.color_attachments))
+        bytes_ = sum(map(texture_bytes, _textures_of(framebuffer)))
         return self.count * (bytes_ + _DEPTH_BYTES * framebuffer.width * framebuffer.height)
 
     def close(self) -> None:
@@ -399,5 +401,18 @@ class Multisampled:
         self._made.clear()
 
 
+def _textures_of(framebuffer: moderngl.Framebuffer) -> list[moderngl.Texture]:
+    return [one for one in framebuffer.color_attachments if isinstance(one, moderngl.Texture)]
+
+
 def _free(framebuffer: moderngl.Framebuffer) -> None:
     release_all(*framebuffer.color_attachments, framebuffer.depth_attachment, framebuffer)
+
+
+BYTES_BINDING = 2  # as in shaders/lib/display_bytes.glsl
+
+
+def display_bytes(gl: moderngl.Context) -> moderngl.Buffer:
+    """Return the buffer of lib/display_bytes.glsl: the sRGB byte of each of the 65536 halves."""
+    halves = np.arange(65536, dtype=np.uint16).view(np.float16)
+    return gl.buffer(srgb8_from_linear(halves).tobytes())
