@@ -43,10 +43,11 @@ STAGES = [name for name in FILES if not name.endswith(".glsl")]
 
 
 class Recorder(ShaderLibrary):
-    """Remembers what is asked for, and compiles it afresh."""
+    """Remembers what is asked for; what it compiles, the session keeps."""
 
-    def __init__(self, gl) -> None:
-        super().__init__(gl)
+    def __init__(self, gpu: Gpu) -> None:
+        super().__init__(gpu.gl)
+        self._cache = gpu.shaders._cache
         self.used: set[tuple[str, tuple]] = set()
 
     def compute(self, path, **defines):
@@ -64,7 +65,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 
     Every registered pass, the server with and without colour, the copy.
     """
-    before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
+    before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
