@@ -23,7 +23,7 @@ from .declared import (
     options_of,
     same_as,
 )
-from .named_files import PICTURE_FILE, RATINGS, check_inside, opened, text_in
+from .named_files import PICTURE_FILE, RATINGS, keep_inside, opened, text_in
 from .shared_fields import (
     AUTO,
     DEFAULT_GUARD,
@@ -52,7 +52,7 @@ __all__ = [
     "AUTO",
     "PICTURE_FILE",
     "RATINGS",
-    "check_inside",
+    "keep_inside",
     "opened",
     "text_in",
     "CONDITION",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -83,6 +84,8 @@ def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], 
 
 
 _KEY, _GROUP = "options", "group"
+# Fields that say where results go and how they are made, but not what they are.
+HOW = ("out", "force", "command", "workers", "parquet", "sweep", "trace_events")
 # Where a study's file may set an option: for the display of a whole session, for how the scene
 # looks, or for one condition. Otherwise a sentence says why it may not.
 DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"
@@ -212,6 +215,12 @@ class Declared:
     not_offered: ClassVar[tuple[str, ...]] = ()
     # Heading of its options in help, where the class is a group of another's options.
     heading: ClassVar[str] = ""
+
+    def digest(self) -> str:
+        """Return a hash of what these options say, HOW left out; files count by their names."""
+        said = {field.name: repr(getattr(self, field.name)) for field in attrs.fields(type(self))}  # type: ignore[arg-type]
+        text = "\n".join(f"{name}={value}" for name, value in said.items() if name not in HOW)
+        return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()[:16]
 
     @classmethod
     def of(cls, said: Mapping[str, Any], **fields: Any) -> Self:

@@ -17,7 +17,7 @@ from ..frames import EyeSizes, frame_bytes, video_pixels
 from ..gpu.context import Gpu
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..sources.server import Renderer
 from .auto.adaptive import AdaptiveCompensator
 from .auto.governor import Governor

@@ -18,8 +18,8 @@ from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, PoseTrack
 from ..poses.assumptions import Assumption, unstated
-from ..poses.pose_source import Moment
 from ..poses.quaternions import multiply, rotate
+from ..poses.track import Moment
 from ..sources import sequences
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import Sequence

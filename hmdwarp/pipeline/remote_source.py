@@ -19,7 +19,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..link.codec import Coding
 from ..poses import PoseSample
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..scenes import Scene
 from ..sources.feed.caller import Arrival
 from ..sources.feed.key_pairs import public_key

@@ -19,7 +19,7 @@ from ..headsets import Headset, load_headset
 from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample
 from ..poses.assumptions import Assumption
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
 from .frame_coder import Coder

@@ -14,12 +14,10 @@ from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, SCALAR
 from ...scenes import Scene
-from .lighting import Lighting
-from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import SAME_SURFACE, ScenePasses
+from .passes import SAME_SURFACE, Lighting, ScenePasses
 from .targets import Framebuffers, Multisampled, Renderer, Target
-from .upload import SceneBuffers, SceneTextures
+from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
 MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"

@@ -7,7 +7,9 @@ from typing import Any, TypeVar
 
 import attrs
 import moderngl
+import numpy as np
 
+from ...colour import srgb8_from_linear
 from ...errors import MachineError
 from ...frames import EyeImage, Frame, Needs
 from ...geometry import Guard, Pose, View
@@ -401,3 +403,12 @@ class Multisampled:
 
 def _free(framebuffer: moderngl.Framebuffer) -> None:
     release_all(*framebuffer.color_attachments, framebuffer.depth_attachment, framebuffer)
+
+
+BYTES_BINDING = 2  # as in shaders/lib/display_bytes.glsl
+
+
+def display_bytes(gl: moderngl.Context) -> moderngl.Buffer:
+    """Return the buffer of lib/display_bytes.glsl: the sRGB byte of each of the 65536 halves."""
+    halves = np.arange(65536, dtype=np.uint16).view(np.float16)
+    return gl.buffer(srgb8_from_linear(halves).tobytes())

@@ -9,10 +9,9 @@ from ....frames import BodyIds, EyeImage
 from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....gpu.textures import COLOUR, NUMBER
-from ..moving import DeformingMesh, Moving, MovingBody
 from ..passes import SAME_SURFACE, draw_moving
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from ..upload import DeformingMesh, Moving, MovingBody
+from . import DrawContext, Drawing, Part, parts
 
 
 @parts.register
