@@ -26,9 +26,8 @@ def kept(out: Path) -> dict[str, tuple[int, bytes]]:
     return {path.name: (path.stat().st_mtime_ns, path.read_bytes()) for path in (out / "cases").glob("*.json")}
 
 
-@pytest.mark.slow(30)
-def test_quick_gives_every_experiment_its_verdict(tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.experiments.thesis.options.QUICK_SIZE", (48, 30))
+@pytest.mark.slow(60)
+def test_quick_gives_every_experiment_its_verdict(tmp_path):
     out = tmp_path / "out"
     done = hmdwarp("thesis", "--quick", "--out", out)
     assert done.returncode == 0, done.stderr
