@@ -52,8 +52,11 @@ def serve(
     listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
     with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
-        how = {"samples": options.samples, "nearest": options.sample_depth == NEAREST}
-        with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors, **how)) as server:
+        nearest = options.sample_depth == NEAREST
+        with (
+            Gpu() as gpu,
+            closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
+        ):
             say(f"listening at {listener.address}: scene '{scene.name}'")
             coders = _Coders(listener)
             while goes_on():

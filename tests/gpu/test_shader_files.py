@@ -88,6 +88,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         server.draw(view, (8, 6))
         server.draw_depth(view, (8, 6), depth)
         server.draw_frame([view], 0, (8, 6), needs=Needs(peeled=1))
+        server = Server(gpu, load_scene("planes"), samples=4, nearest=True)
+        server.draw_frame([view], 0, (8, 6), needs=Needs(ids=True, velocity=True))
         _draw_every_content(gpu)
         with Copier(gpu, 16):
             pass
