@@ -22,6 +22,8 @@ KILLS = 500
 SEED = 1
 # Of test-requests; its seed is SEED.
 REQUESTS = 100000
+# Of test-silence, with commas.
+SILENT_SECONDS = 1,10,60
 # Of test-soak.
 SOAK_SECONDS = 3600
 # Two workers even on two cores, which llvmpipe alone cannot keep busy. Whichever is done first takes
@@ -30,7 +32,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-quick check check-lint check-format check-types check-shaders test-openxr test-kill test-soak fuzz bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test test-quick check check-lint check-format check-types check-shaders test-openxr test-kill test-requests test-silence test-soak fuzz bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -45,9 +47,9 @@ replay: setup  ## the main job: replay a recorded head 200 ms late and report on
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests
-	@$(if $(CI),.venv/bin/python tests/fuzz.py --cases 1000 || fuzzed=1;) \
-	  $(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5) \
-	  && exit $${fuzzed:-0}
+	@$(if $(CI),.venv/bin/python tests/fuzz.py --cases 1000 & fuzz=$$!;) \
+	  $(if $(CI),,LEFT_OUT=last) .venv/bin/python -m pytest $(PYTEST_OPTIONS) $(if $(CI),--durations=200 --durations-min=0.5); \
+	  status=$$?; $(if $(CI),wait $$fuzz || status=1;) exit $$status
 
 test-quick: setup  ## one case of each test of the quick parts: about a minute
 	@.venv/bin/python -m pytest --quick -q $(PYTEST_OPTIONS)
@@ -75,6 +77,9 @@ test-kill: setup  ## kill sessions of a study at 500 random moments, damage 500 
 
 test-requests: setup  ## 100,000 random requests to a server of the feed, all drawn (REQUESTS=, SEED=): an hour or two
 	@FEED_REQUESTS=$(REQUESTS) FEED_SEED=$(SEED) .venv/bin/python -m pytest tests/sources/feed/test_any_request.py -q -k within $(OPTIONS)
+
+test-silence: setup  ## links that fall silent and processes that are stopped for 1, 10 and 60 s (SILENT_SECONDS=): when it is told and mended
+	@FEED_SILENT_SECONDS=$(SILENT_SECONDS) .venv/bin/python -m pytest tests/sources/feed/test_network.py -q -k "silent or stopped" $(OPTIONS)
 
 test-soak: setup  ## the feed for an hour over a link that is cut now and then (SOAK_SECONDS=): nothing may grow
 	@.venv/bin/python tests/soak_feed.py --seconds $(SOAK_SECONDS)

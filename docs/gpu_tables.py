@@ -95,6 +95,8 @@ def section(data: Row) -> str:
             ]
     if data["live"]:
         parts += ["`hmdwarp live`, both eyes, in ms:", live_table(data["live"])]
+    if data.get("arrays"):
+        parts.append(f"Calls with arrays:\n\n```text\n{data['arrays'].rstrip()}\n```")
     if data["bench_live"]:
         parts.append(f"`make bench-live`:\n\n```text\n{data['bench_live'].rstrip()}\n```")
     parts += ["Left out:\n\n" + "\n".join(f"- {line}" for line in data["left_out"])] if data["left_out"] else []

@@ -33,6 +33,12 @@ class MachineError(HmdwarpError):
     exit_status = 3
 
 
+class RequirementError(HmdwarpError):
+    """Results that do not hold what was required of them, a line each (exit status 4)."""
+
+    exit_status = 4
+
+
 class UnknownNameError(InputError):
     """A name that no registry holds; the message offers the nearest known one."""
 

@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
+import json
+import platform
+import subprocess
+from contextlib import suppress
+from importlib import metadata
 from pathlib import Path
 from types import ModuleType
 
@@ -26,6 +32,26 @@ EXTRAS = {
 }
 
 _PACKAGE = Path(__file__).resolve().parent
+
+
+@functools.cache
+def commit() -> str:
+    """Return the commit of this program, with "+" where the checkout has changes; "" if unknown."""
+    if (_PACKAGE.parent / ".git").exists():
+        with suppress(OSError, subprocess.CalledProcessError):
+            git = ["git", "-C", str(_PACKAGE.parent), "describe", "--always", "--abbrev=12", "--exclude=*", "--dirty=+"]
+            return subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
+    with suppress(metadata.PackageNotFoundError, ValueError, KeyError, TypeError):  # of `pip install git+https://..`
+        about = metadata.distribution("hmdwarp").read_text("direct_url.json")
+        return str(json.loads(about or "")["vcs_info"]["commit_id"])[:12]
+    return ""
+
+
+@functools.cache
+def made_with() -> dict[str, str]:
+    """Return the `made_with` of results: the program's commit, Python, and what draws pictures."""
+    packages = {name: metadata.version(name) for name in ("numpy", "moderngl")}
+    return {"commit": commit(), "python": platform.python_version(), **packages}
 
 
 def folder(name: str) -> Path:

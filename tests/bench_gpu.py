@@ -113,6 +113,7 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     for size, *_ in work.benches:
         what = ("--source", "offscreen", "--trace", "look-around", "--scene", work.scene, "--size", size)
         lives.append(run.results(f"live {size}", "live", *what, "--pictures", str(work.frames), file="summary.json"))
+    arrays = run.part("calls with arrays", str(TESTS / "bench_warper.py"), "--ratios")
     # Status 1: a limit is exceeded, which it says.
     loop = run.part("bench-live", str(TESTS / "bench_live.py"), "--frames", str(work.refreshes), statuses=(0, 1))
     return {
@@ -122,6 +123,7 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
         "bench": [bench for bench in benches if bench],
         "live": [live for live in lives if live],
         "bench_live": loop,
+        "arrays": arrays,
         "left_out": run.left_out,
         "seconds": run.seconds,
     }

@@ -2,8 +2,9 @@
 
 Prints ratios, which carry over between machines better than times do. Each round runs every method
 once, so that a machine that slows down slows all of them; the figures are medians over the rounds.
-OpenCV uses two threads. At the end: how many frames a second a whole replay makes, from typing the
-command to its page, and how long the command line takes to start.
+OpenCV uses two threads. Then what a call with arrays takes over its passes. At the end: how many
+frames a second a whole replay makes, from typing the command to its page, and how long the command
+line takes to start.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from bench_warper import print_ratios
 from rich.console import Console
 from rich.table import Table
 
@@ -212,6 +214,7 @@ def main() -> None:
             console.print(warm(gpu, methods, size, arguments.rounds))
             missed += rendered
         server.close()
+        missed += print_ratios(gpu, max(arguments.rounds // 3, 1))
     for line, rendered in (
         *([whole_replay(arguments.seconds)] if arguments.seconds else []),
         starting(arguments.rounds),

@@ -2,25 +2,30 @@
 
 The passes alone and the Warper take turns in one process, on the same textures. Counted is the
 processor time of the calling thread: Python and the driver's part of it, without what llvmpipe's
-own threads draw and without what other programs take.
+own threads draw and without what other programs take. With --ratios: the processor time of all
+threads of a call with arrays, over that of its passes.
 """
 
 from __future__ import annotations
 
+import itertools
 import sys
 import time
 from collections.abc import Callable
 from statistics import median
 
+import attrs
 import numpy as np
 
 from hmdwarp import Fov, Pose, View, Warper
 from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
+from hmdwarp.image.picture_arrays import raw_picture
 
 # The smaller one has next to nothing to draw, and shows the cost of the calls alone.
 SIZES, WARM = ((64, 48), (640, 480)), 10
+RATIO_SIZES, MOST = ((640, 480), (1280, 800), (2064, 2240)), 1.25
 WAYS = (
     "the passes alone",
     "`warp_textures`, read where they are",
@@ -73,8 +78,54 @@ def measured(size: tuple[int, int], rounds: int, gpu: Gpu) -> list[float]:
         return found
 
 
+def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str, float]:
+    """Return a line on `warp` of bytes and float32 depth, and its ratio to all its passes."""
+    wide, high = size
+    colour = np.random.default_rng(0).integers(0, 256, (high, wide, 3), np.uint8)
+    depth_m = np.tile(np.float32(2) + (np.arange(wide) * 6 // wide).astype(np.float32), (high, 1))  # steps
+    late, now = (View(Pose((x, 0, 0)), Fov.symmetric(1.2, 0.95)) for x in (0.0, 0.03))
+    raw = raw_picture(colour, depth_m)
+    with Warper(size, gpu=gpu) as warper:
+        out = attrs.asdict(warper.warp(colour, depth_m, late, now), recurse=False)
+        out = {name: out[name] for name in ("colour", "coverage")}
+        pair, found, sent = warper._pictures[0].pair, warper._found, warper._take_in.send(raw)
+        made = warper._compensator.run(PassInputs(EyeImage(late, *pair), now, 0))
+        calls: list[Callable[[], object]] = [
+            lambda: warper._take_in.run(raw, sent, pair, found, 0),
+            lambda: warper._compensator.run(PassInputs(EyeImage(late, *pair), now, 0)),
+            lambda: warper._give_out.run(made.shown, made.warped, None, None, "srgb8", found),
+            lambda: warper.warp(colour, depth_m, late, now, out=out),
+        ]
+        took: list[list[float]] = [[] for _ in calls]
+        for _, (times, call) in itertools.product(range(rounds), zip(took, calls, strict=True)):
+            gpu.gl.finish()
+            started = time.process_time_ns()
+            call()
+            gpu.gl.finish()
+            times.append((time.process_time_ns() - started) * 1e-6)
+        gpu.timer.collect()
+    taking, warping, giving, whole = map(median, took)
+    ratio = whole / (taking + warping + giving)
+    line = (
+        f"Warper.warp, {wide}x{high}: {whole:.1f} ms of all threads; its passes {taking:.1f} in, {warping:.1f} warp and"
+    )
+    line += f" fill, {giving:.1f} out: {ratio:.2f} times (limit {MOST:g}); {whole / warping:.2f} times warp and fill"
+    return line, ratio
+
+
+def print_ratios(gpu: Gpu, rounds: int) -> list[str]:
+    """Print a line for each size, and return those above the limit."""
+    found = [call_over_passes(gpu, size, rounds) for size in RATIO_SIZES]
+    print("\n".join(line for line, _ in found))
+    return [line for line, ratio in found if ratio > MOST]
+
+
 def main() -> None:
     """Print a table."""
+    if sys.argv[1:2] == ["--ratios"]:
+        with Gpu() as gpu:
+            print_ratios(gpu, 9)
+        return
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     with Gpu() as gpu:
         columns = [measured(size, rounds, gpu) for size in SIZES]

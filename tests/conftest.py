@@ -17,6 +17,8 @@ from progress import Progress
 # Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
 # Set before any library with OpenMP is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# Small pictures: threads of llvmpipe cost more in waiting for each other than they draw.
+os.environ.setdefault("LP_NUM_THREADS", "0")
 # Without compiled modules each program that a test starts compiles 900 files, 1.6 s of a
 # replay's 7.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

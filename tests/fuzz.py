@@ -52,6 +52,7 @@ ROOT = HERE.parents[1]
 
 NUMBERS = [b"0", b"-1", b"1e999", b"-1e308", b"1e-320", b"nan", b"inf", b"9" * 25, b"4294967296", b"65536", b"1e5"]
 WORDS = [b"", b'""', b"null", b"true", b"[]", b"{}", b"\xff\xfe", b"\0", b"'", b"x" * 3000, b"=", b"\n\n", b"[[", b"1"]
+WORDS += [b"[" * 2000 + b"]" * 2000, b'{"a":' * 2000 + b"1" + b"}" * 2000, b"a." * 2000 + b"a = 1", b"(" * 2000]
 VALUES = [None, True, 0, -1, 2, 65536, 2**31, 2**64, 10**30, 0.5, 1e308, 1e-320, float("nan"), float("inf"), "", "x"]
 VALUES += ["../x", "\0", "x" * 300, [], {}, [0], [[]], {"a": 1}, [1e308] * 3, ["x"] * 16]
 WHOLES = [0, 1, 2, 0x7F, 0xFF, 0x7FFF, 0xFFFF, 2**24, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**64 - 1]
@@ -529,6 +530,15 @@ def _scenes() -> Iterator[tuple[str, Target]]:
         return made.material(alphaMode="BLEND", pbrMetallicRoughness={"baseColorTexture": made.texture(picture)})
 
     yield "scene glb", Target(lambda folder: (folder / "scene.glb").write_bytes(glb().data()), partial(read, "glb"))
+
+    def draco(folder: Path) -> None:
+        from scenes.glb import SQUARE
+        from scenes.test_scene_files_whole import packed
+
+        data = packed(SQUARE, np.array([(0, 1, 2), (0, 2, 3)])).data()
+        (folder / "scene.glb").write_bytes(data)
+
+    yield "scene draco", Target(draco, partial(read, "glb"), "DracoPy")
     for inside in (True, False):
         yield (
             f"scene gltf {'whole' if inside else 'with files'}",
@@ -595,6 +605,57 @@ def _results() -> Iterator[tuple[str, Target]]:
         )
 
 
+def _stores() -> Iterator[tuple[str, Target]]:
+    def write(folder: Path) -> None:
+        from study.store import sessions
+
+        from hmdwarp.study.store import DATABASE, Store
+
+        with Store(folder / "store", create=True) as store:
+            for code in ("P1", "P2"):
+                sessions.go_through(store, session := sessions.begun(store, code))
+                store.end(session, "complete")
+            store.measured(store.contents().showings[0].id, {"flip": 0.25})
+        with contextlib.closing(sqlite3.connect(folder / "store" / DATABASE)) as base:
+            base.execute("PRAGMA journal_mode = DELETE")  # all of it in one file, which damage then finds
+
+    def read(folder: Path, rng: Rng) -> None:
+        from study.store import sessions
+
+        from hmdwarp.errors import InputError, MachineError
+        from hmdwarp.study.store import Store, recover
+
+        try:
+            with Store(folder / "store") as store:
+                store.contents()
+        except MachineError as error:  # a folder that may not be used
+            raise InputError(str(error)) from error
+        except InputError:
+            recover(folder / "store", folder / "rescued", sessions.design(), "late", "person")
+            with Store(folder / "rescued") as store:
+                store.contents()
+            raise
+
+    yield "study store", Target(write, read)
+
+
+def _secrets() -> Iterator[tuple[str, Target]]:
+    def write(folder: Path) -> None:
+        from hmdwarp.sources.feed.key_pairs import key_pair
+
+        key_pair(folder / "feed")
+        (folder / "token").write_text("thirty-two letters of any kind..")
+
+    def read(folder: Path, rng: Rng) -> None:
+        from hmdwarp.sources.feed.key_pairs import public_key
+        from hmdwarp.sources.feed.options import secret_in
+
+        public_key(folder / "feed.key")
+        secret_in(folder / "token")
+
+    yield "key and token", Target(write, read, "zmq")
+
+
 def _messages() -> Iterator[tuple[str, Target]]:
     def write(name: str, folder: Path) -> None:
         from sources.feed import test_message as made
@@ -617,7 +678,7 @@ def _messages() -> Iterator[tuple[str, Target]]:
 def targets() -> dict[str, Target]:
     """Return all that this machine has the packages for, by name."""
     found: dict[str, Target] = {}
-    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _messages):
+    for kind in (_traces, _sequences, _frame_files, _scenes, _tables, _results, _stores, _secrets, _messages):
         found.update(kind())
     return {name: one for name, one in found.items() if one.needs is None or importlib.util.find_spec(one.needs)}
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Pose, RigidState
 from hmdwarp.scenes import Background, Scene
-from hmdwarp.scenes.library._lit_room import in_atlas, wall
+from hmdwarp.scenes.library._models import in_atlas, wall
 
 GREY = (0.6, 0.6, 0.6)
 DARK = Background()

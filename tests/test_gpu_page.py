@@ -32,7 +32,13 @@ def gpu_json(renderer: str = "NVIDIA Some GPU/PCIe/SSE2", warps: dict[str, float
     doctor = [{"name": "OpenGL", "facts": {"renderer": renderer}}]
     time = {"median": 0.5, "p95": 0.75}
     chain = {"chain": "default chain", "size": [64, 48], "time_ms": {"warp": time, "total": time}, "warp_bytes": 10**6}
-    told = {"live": [], "bench_live": "a table\n", "left_out": ["live 2: no time"], "chains": [chain]}
+    told = {
+        "live": [],
+        "bench_live": "a table\n",
+        "arrays": "a ratio\n",
+        "left_out": ["live 2: no time"],
+        "chains": [chain],
+    }
     return {"doctor": doctor, "bench": bench, **told}
 
 
@@ -42,7 +48,7 @@ def test_a_page_has_times_bounds_both_paths_and_what_was_left_out():
     assert "none, 1280x800 | none, 2064x2208" in page
     assert page.count("| `forward:path=atomic64` | 8.0 | 0.50 | 1.00 | 2.0 |") == len(SIZES)
     assert "1.000 ms against 2.000 at 1280x800 (0.50 of it)" in page
-    assert "a table" in page and "- live 2: no time" in page
+    assert "a table" in page and "a ratio" in page and "- live 2: no time" in page
 
 
 def test_without_64_bit_atomics_there_is_no_line_on_them():

@@ -193,7 +193,6 @@ SAME_NAME = {
     "sources": "of frames; of a study's analysis",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
-    "tables": "TOML tables; tables of a report",
     "textures": "on the GPU; of the scenes",
 }
 # Names that differ by an s.
@@ -420,14 +419,12 @@ def test_no_private_module_is_imported_by_another_package():
 
 
 def exported_by(package: Path) -> dict[str, str]:
-    """The names that a package's face re-exports, each with the module it comes from."""
+    """The names that a package's face defines or re-exports, each with the module it comes from."""
     stub, face = package / "__init__.pyi", package / "__init__.py"
-    imports = [
-        node
-        for node in tree_of(stub if stub.is_file() else face).body
-        if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module
-    ]
-    return {alias.name: node.module for node in imports for alias in node.names}
+    body = tree_of(stub if stub.is_file() else face).body
+    imports = [node for node in body if isinstance(node, ast.ImportFrom) and node.level == 1 and node.module]
+    own = [node.name for node in body if isinstance(node, ast.ClassDef | ast.FunctionDef)]
+    return {alias.name: node.module for node in imports for alias in node.names} | dict.fromkeys(own, "__init__")
 
 
 def private_names(source: str, package: tuple[str, ...], part: str) -> set[str]:

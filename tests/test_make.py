@@ -39,6 +39,7 @@ SMALL = {
 }
 LISTED = {
     "test-requests": "runs for an hour or two; tests/sources/feed has a short run of it",
+    "test-silence": "runs for a quarter of an hour; tests/sources/feed runs the same for a second",
     "test-soak": "runs for an hour; tests/feed has short runs over the same relay",
     "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
     "test": "is the suite itself",

@@ -5,6 +5,7 @@ Every reader of a file is here: an entry of READERS, or a layout of recorded fra
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import resource
@@ -21,6 +22,7 @@ from published_folders import PUBLISHED, Form
 from recorded_folders import HAS_EXR, LAYOUTS, taken
 from ros_bags import BAGS, HAS_ROSBAGS
 
+import hmdwarp
 from hmdwarp.client.classes import load_client
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import MergeOptions, merge
@@ -29,6 +31,8 @@ from hmdwarp.link.delays.trace import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
 from hmdwarp.poses import load_trace
+from hmdwarp.poses.reading import file_head
+from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.resources import folder as shipped
 from hmdwarp.run.bench_levels import read_rows
 from hmdwarp.scenes import load_scene
@@ -147,6 +151,14 @@ def test_a_file_that_grows_while_it_is_read_is_refused(tmp_path):
 def test_names_that_no_file_can_have_are_one_line(tmp_path):
     for name in ("a\0b", "half \ud800 a character", "x" * 5000, "a\nb"):
         assert len(refused(lambda name=name: text_in(tmp_path / name, TABLE))) < 700
+
+
+def test_a_packed_trace_is_bounded_once_it_is_unpacked(tmp_path, monkeypatch):
+    rows = "time_ns,x,y,z,qx,qy,qz,qw\n" + "".join(f"{k}000000,0,1.6,0,0,0,0,1\n" for k in range(60_000))
+    (tmp_path / "head.csv.gz").write_bytes(gzip.compress(rows.encode()))
+    assert len(load_trace(tmp_path / "head.csv.gz").track) == 60_000
+    monkeypatch.setattr(file_head, "TRACE", attrs.evolve(file_head.TRACE, most_bytes=len(rows) - 1))
+    refused(lambda: load_trace(tmp_path / "head.csv.gz"), f"more than {len(rows) - 1} bytes, unpacked")
 
 
 # --- layouts of recorded frames
@@ -345,3 +357,29 @@ def test_a_study_names_files_of_its_own_folder_alone(key, name, tmp_path):
     (tmp_path / "study").mkdir()
     for value in (f"../{name}", str(tmp_path / name)):
         refused(lambda value=value: resolve_paths(tmp_path / "study", {key: value}), key, "lies outside")
+
+
+def test_what_a_study_names_is_checked_again_when_it_is_opened(tmp_path):
+    """It may be put in another's place between the two."""
+    (tmp_path / "study").mkdir()
+    inside, outside = tmp_path / "study" / "mine.toml", tmp_path / "secret.toml"
+    shutil.copy(Path(hmdwarp.__file__).parent / "headsets" / "rift-dk1.toml", inside)
+    shutil.copy(inside, outside)
+    named = str(resolve_paths(tmp_path / "study", {"headset": "mine.toml"})["headset"])
+    load_headset(named)
+    inside.unlink()
+    inside.symlink_to(outside)
+    refused(lambda: load_headset(named), "lies outside", "--allow-outside")
+
+
+@pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed")
+@pytest.mark.parametrize("name", ["ros1", "ros2_mcap"])
+def test_a_bag_is_opened_as_other_files_are(name, tmp_path, monkeypatch):
+    """Also where what is checked first is another file than what is read then."""
+    form = FORMS[name]
+    form.write(tmp_path, FRAMES)
+    path = next(iter(sorted(path for path in tmp_path.rglob("*") if path.suffix in (".bag", ".mcap", ".db3"))))
+    monkeypatch.setattr(bags, "_check_plain", lambda path: None)
+    path.unlink()
+    os.mkfifo(path)
+    refused(lambda: bags.Bag(path), "is a pipe")

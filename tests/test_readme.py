@@ -87,10 +87,21 @@ def run_block(block: str, folder: Path) -> None:
 
 
 def smaller(block: str) -> str:
-    """Return the commands of a block with the options of SMALLER; of a study, less to show."""
+    """Return the commands of a block with the options of SMALLER; of a study, less to show.
+
+    A suite says by itself what is run.
+    """
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     return "\n".join(
-        line + next((more + _plain_scene(line) for start, more in SMALLER.items() if line.startswith(start)), "")
+        line
+        + next(
+            (
+                more + _plain_scene(line)
+                for start, more in SMALLER.items()
+                if line.startswith(start) and "--suite" not in line
+            ),
+            "",
+        )
         for line in block.splitlines()
     )
 

@@ -1,12 +1,12 @@
 from .check_answer import Answer as Answer
 from .check_answer import Finding as Finding
 from .check_answer import check as check
+from .check_answer import mismatch as mismatch
 from .conventions import differences as differences
-from .frame_reading import Reading as Reading
-from .mismatch_strip import mismatch as mismatch
 from .options import CheckOptions as CheckOptions
 from .stated_frames import LEFT as LEFT
 from .stated_frames import RIGHT as RIGHT
+from .stated_frames import Reading as Reading
 from .stated_frames import Stated as Stated
 from .stated_frames import StatedFrame as StatedFrame
 from .stated_frames import read_stated as read_stated

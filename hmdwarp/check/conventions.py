@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 import attrs
 import numpy as np
 
-from .frame_reading import BUFFER, METRES, Reading, eye_axes
 from .overlap import ALONG, FACTOR, LATE, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y
-from .stated_frames import Array, Stated
+from .stated_frames import BUFFER, METRES, Array, Reading, Stated, eye_axes
 
 ORDER, DIRECTION, AXES, ROWS, EYES = "order", "direction", "axes", "rows", "eyes"
 RAY, ENCODING, PLANES, SCALE, TIME = "ray", "encoding", "planes", "scale", "time"

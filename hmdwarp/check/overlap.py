@@ -10,8 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .frame_reading import METRES, Reading
-from .stated_frames import Array, Sheet, Stated
+from .stated_frames import METRES, Array, Reading, Sheet, Stated
 
 Indices = NDArray[np.int64]
 TILES = 3  # a side: parts of a picture that err together

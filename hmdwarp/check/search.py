@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 import attrs
 import numpy as np
 
-from .frame_reading import AXES, BUFFER, METRES, Reading
 from .overlap import (
     ALONG,
     FACTOR,
@@ -26,7 +25,7 @@ from .overlap import (
     cost,
     fit,
 )
-from .stated_frames import Array, Stated
+from .stated_frames import AXES, BUFFER, METRES, Array, Reading, Stated
 
 PAIRS, COARSE_POINTS, FINE_POINTS = 16, 160, 400  # compared pairs of frames; points of each
 SURE = 3.5  # standard errors by which the better of two readings has to be better

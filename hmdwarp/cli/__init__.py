@@ -24,7 +24,7 @@ def main() -> None:
 
     Every error of ours is one line on stderr.
     """
-    from ..errors import HmdwarpError
+    from ..errors import HmdwarpError, RequirementError
 
     end_cleanly()
     _print_what_the_terminal_can()
@@ -36,6 +36,11 @@ def main() -> None:
         )  # hands back the status of a typer.Exit instead of raising it
         if sys.stdout is not None:
             sys.stdout.flush()  # here, where a full disk still gets its line
+    except RequirementError as error:
+        *before, last = str(error).splitlines()
+        for line in before:
+            _complain(line)
+        _leave(last, error.exit_status)
     except HmdwarpError as error:
         _leave(str(error), error.exit_status)
     except KeyboardInterrupt:
@@ -116,7 +121,11 @@ def _with_value(message: str) -> str:
 
 
 def _leave(message: str, status: int) -> NoReturn:
+    _complain(message)
+    sys.exit(status)
+
+
+def _complain(message: str) -> None:
     if sys.stderr is not None:
         with suppress(OSError):
             print(f"hmdwarp: {' '.join(message.split())}", file=sys.stderr, flush=True)
-    sys.exit(status)

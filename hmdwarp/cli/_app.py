@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar
 import typer
 
 from ..options import Option
-from ..resources import __version__
+from ..resources import __version__, commit
 from ._help import Command, Group
 
 HELP = "Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose."
@@ -22,6 +22,7 @@ COMMANDS = {
     "bench": ("bench", "bench"),
     "bench merge": ("bench", "merge"),
     "compare": ("compare", "compare"),
+    "diff": ("diff", "diff"),
     "warp": ("warp", "warp"),
     "check": ("check", "check"),
     "thesis": ("thesis", "thesis"),
@@ -87,14 +88,14 @@ app = typer.Typer(
 
 def _version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"hmdwarp {__version__}")
+        typer.echo(" ".join(filter(None, ("hmdwarp", __version__, commit()))))
         raise typer.Exit
 
 
 @app.callback()
 def _root(
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show version and commit, and exit.")
     ] = False,
 ) -> None:
     """Latency compensation for head-mounted displays."""

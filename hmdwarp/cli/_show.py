@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from ..errors import InputError
+from ..run.requirements import Requirements, hold
 from ._signals import end_if_asked
 
 if TYPE_CHECKING:
@@ -127,11 +128,20 @@ def sayer(quiet: bool) -> Callable[[str], None]:
     return (lambda text: None) if quiet else lambda text: typer.echo(text, err=True)
 
 
-def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], None], *options: Any, quiet: bool) -> None:
+def run_experiment(
+    run: Callable[..., Any],
+    what: str,
+    tell: Callable[[Any], None],
+    *options: Any,
+    quiet: bool,
+    required: Requirements | None = None,
+) -> None:
     """Run an experiment with its progress, tell what was found, then raise what failed.
 
-    what: the steps of its progress.
+    what: the steps of its progress. required: of its rows.
     """
+    if required is not None:
+        required.prepare(force=options[0].force)
     with steps(what, quiet=quiet) as (progress, _):
         result = run(*options, progress, sayer(quiet))
     if not quiet:
@@ -140,6 +150,8 @@ def run_experiment(run: Callable[..., Any], what: str, tell: Callable[[Any], Non
     result.raise_failures()
     if result.refused:  # after the results are written: they are good, the budget was not
         raise InputError(result.refused)
+    if required is not None:
+        hold(required.missed(result.data["rows"]))
 
 
 def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:

@@ -6,10 +6,11 @@ import typer
 
 from ..experiments import sweep
 from ..experiments.bench import BenchOptions, MergeOptions
+from ..run.requirements import Requirements
 from ._options import QUIET, Said, command_line, takes
 
 
-@takes(BenchOptions, QUIET)
+@takes(BenchOptions, Requirements, QUIET)
 def bench(said: Said) -> None:
     """Run every combination of warps, fills, latencies, scenes, traces and sizes.
 
@@ -18,7 +19,8 @@ def bench(said: Said) -> None:
     from ..experiments.bench import bench as run
     from ._show import run_experiment
 
-    run_experiment(run, "instants", _tell, BenchOptions.of(said, command=command_line()), quiet=said["quiet"])
+    required, options = Requirements.of(said), BenchOptions.of(said, command=command_line())
+    run_experiment(run, "instants", _tell, options, quiet=said["quiet"], required=required)
 
 
 @takes(MergeOptions, QUIET)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from ..experiments import sweep
 from ..experiments.compare.options import CompareOptions
+from ..run.requirements import Requirements
 from ._options import QUIET, Said, command_line, takes
 
 
-@takes(CompareOptions, QUIET)
+@takes(CompareOptions, Requirements, QUIET)
 def compare(said: Said) -> None:
     """Run every strategy of remote rendering on the same heads, over the same coded link.
 
@@ -16,7 +17,8 @@ def compare(said: Said) -> None:
     from ..experiments.compare import compare as run
     from ._show import run_experiment
 
-    run_experiment(run, "runs", _tell, CompareOptions.of(said, command=command_line()), quiet=said["quiet"])
+    required, options = Requirements.of(said), CompareOptions.of(said, command=command_line())
+    run_experiment(run, "runs", _tell, options, quiet=said["quiet"], required=required)
 
 
 def _tell(result: sweep.ExperimentResult) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..frames.deliveries import Inbox
+from ..frames.layers import Inbox
 from ..frames.layers.scene_update import Delivery
 from ..geometry import View
 from ..scenes import Mesh, Pieces, Scene, pieces_of

@@ -15,6 +15,7 @@ from ..sources.server import (
     Framebuffers,
     Indirect,
     Lighting,
+    Renderer,
     SceneBuffers,
     ScenePasses,
     SceneTextures,
@@ -152,7 +153,8 @@ class WholeScene(Store):
         super().__init__(client, wanted)
         self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit, folder=client.cache)
         self._is_own = self.scene is not client.scene
-        self._renderer = Server(client.gpu, self.scene) if self._is_own else client.server
+        server = client.server
+        self._renderer = server if not self._is_own else _another(server, self.scene)
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw the whole picture."""
@@ -165,6 +167,10 @@ class WholeScene(Store):
     def close(self) -> None:
         if self._is_own:
             self._renderer.close()
+
+
+def _another(server: Renderer, scene: Scene) -> Server:
+    return server.of_another(scene) if isinstance(server, Server) else Server(server.gpu, scene)
 
 
 def weight_of(scene: Scene) -> dict[str, int]:

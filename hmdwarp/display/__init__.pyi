@@ -11,6 +11,7 @@ from .controls import CONTROLS as CONTROLS
 from .controls import MOVING as MOVING
 from .controls import Command as Command
 from .controls import Control as Control
+from .controls import Status as Status
 from .controls import control as control
 from .controls import help_closes as help_closes
 from .notice import MAX_HEIGHT_M as MAX_HEIGHT_M
@@ -22,4 +23,3 @@ from .offscreen import OffscreenDisplay as OffscreenDisplay
 from .present import FRAMEBUFFER_SRGB as FRAMEBUFFER_SRGB
 from .present import Presenter as Presenter
 from .present import fitted as fitted
-from .status import Status as Status

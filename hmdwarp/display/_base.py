@@ -16,8 +16,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
 from ..headsets import Headset
 from ..poses import PoseSource, PoseTrack
-from .controls import CONTROLS, Command, Control
-from .status import Status
+from .controls import CONTROLS, Command, Control, Status
 
 if TYPE_CHECKING:
     import moderngl

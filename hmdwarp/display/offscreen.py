@@ -15,9 +15,9 @@ import moderngl
 from ..errors import InputError
 from ..gpu.context import Gpu
 from ..headsets import load_headset
-from ..poses.pose_source import LoopedSource
+from ..poses.track import LoopedSource
 from . import Command, DisplayOptions, Label, Picture, Status, Tick
-from .desktop.layout import SwitchableView
+from .desktop.window_system import SwitchableView
 from .present import Presenter
 
 AHEAD = 2  # refreshes from a tick to its display time, as in a headset

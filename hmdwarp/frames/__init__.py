@@ -3,13 +3,12 @@
 The kinds of layers are registered in frames.layers.
 """
 
-from .frame import EyeImage, Frame
+from .frame import EyeImage, Frame, Needs, frame_bytes, video_pixels
 from .layers import EyeSizes, Surface
 from .layers.ids import BodyIds
 from .layers.others import Others
 from .layers.reflection import Mirrored, Reflection
 from .layers.transparent import Transparent
-from .needs import Needs, frame_bytes, video_pixels
 
 __all__ = [
     "BodyIds",

@@ -7,13 +7,13 @@ from .depth import DepthLayer as DepthLayer
 from .depth import inverse_depth_from_clip as inverse_depth_from_clip
 from .depth import inverse_depth_from_metres as inverse_depth_from_metres
 from .depth import metres_from_inverse_depth as metres_from_inverse_depth
-from .guard_band import GuardBand as GuardBand
-from .mirror import Mirror as Mirror
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
 from .view import Eyes as Eyes
 from .view import Fov as Fov
 from .view import Guard as Guard
+from .view import GuardBand as GuardBand
+from .view import Mirror as Mirror
 from .view import View as View
+from .view import WarpMap as WarpMap
 from .view import guarded_eyes as guarded_eyes
-from .warp_map import WarpMap as WarpMap

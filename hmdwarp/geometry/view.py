@@ -12,8 +12,81 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from .guard_band import GuardBand
-from .pose import Pose
+from .pose import Pose, frozen3
+
+Size = tuple[int, int]
+
+
+@attrs.frozen
+class GuardBand:
+    """Two factors of the field of view in tangents, or the pixels of the picture that is drawn.
+
+    Pixels per tangent stay those of the shown picture, so factors of 1.25 and 1.125 make 1600x900
+    of 1280x800 pixels, and 1.41 times as many.
+    Errors: InputError for a factor below 1.
+    """
+
+    x: float = 1.0
+    y: float = 1.0
+    # (w, h) of the rendered picture; decides instead of the factors.
+    size: Size | None = None
+
+    def __attrs_post_init__(self) -> None:
+        if not all(factor >= 1 and math.isfinite(factor) for factor in (self.x, self.y)):
+            raise InputError(f"{self} is no enlargement: expected factors of 1 or more")
+
+    @classmethod
+    def of(cls, value: float | tuple[float, float] | GuardBand) -> GuardBand:
+        """Return the guard band of one factor or of two."""
+        if isinstance(value, GuardBand):
+            return value
+        return cls(*value) if isinstance(value, tuple) else cls(value, value)
+
+    @property
+    def text(self) -> str:
+        """Return the factors: '1.5', or '1.25x1.125' where they differ."""
+        return f"{self.x:g}" if self.x == self.y else f"{self.x:g}x{self.y:g}"
+
+    @property
+    def entry(self) -> float | str:
+        """Return what summary.json has: a number, or the text of two."""
+        return self.x if self.x == self.y else self.text
+
+    def __str__(self) -> str:
+        return f"guard {self.text}" if self.size is None else f"rendered size {self.size[0]}x{self.size[1]}"
+
+    def factors(self, shown: Size) -> GuardBand:
+        """Return the guard band in factors, for a shown picture of that size. Errors: as check."""
+        self.check(shown)
+        return self if self.size is None else GuardBand(self.size[0] / shown[0], self.size[1] / shown[1])
+
+    def check(self, shown: Size) -> None:
+        """Raise InputError if a rendered size does not hold the shown picture."""
+        if self.size is not None and (self.size[0] < shown[0] or self.size[1] < shown[1]):
+            raise InputError(
+                f"{self} is smaller than the shown picture's {shown[0]}x{shown[1]}: expected at least that on each "
+                "side, or a smaller --size"
+            )
+
+    def pads(self, tangents: Sequence[float], shown: Size) -> list[int]:
+        """Return the whole pixels to add: left, right, below, above. Errors: as check.
+
+        tangents: left, right, down, up of the shown view.
+        """
+        self.check(shown)
+        pads = []
+        for axis, factor in enumerate((self.x, self.y)):
+            sides = [abs(tangent) for tangent in tangents[2 * axis : 2 * axis + 2]]
+            if self.size is not None:
+                added = self.size[axis] - shown[axis]
+                first = round(added * sides[0] / sum(sides))
+                pads += [first, added - first]
+                continue
+            per_tangent = shown[axis] / (tangents[2 * axis + 1] - tangents[2 * axis])
+            # 1e-9: a guard of exactly whole pixels must not gain one by rounding.
+            pads += [math.ceil(side * per_tangent * (factor - 1) - 1e-9) for side in sides]
+        return pads
+
 
 Guard = float | tuple[float, float] | GuardBand
 _MAX_ANGLE = math.radians(89.5)  # tan = 114.6: beyond this a plane at z = -1 is no longer a picture
@@ -173,3 +246,126 @@ def _guarded_fovs(
     sizes = [fov.guarded(guard, size)[1] for fov in fovs]
     largest = (max(w for w, _ in sizes), max(h for _, h in sizes))
     return tuple(fov.guarded(guard, size, largest)[0] for fov in fovs), largest
+
+
+_FLIP_Z = np.diag([1.0, 1.0, -1.0])  # tangent point (x, y, 1) <-> eye point (x, y, -1)
+
+
+@attrs.frozen(eq=False)
+class WarpMap:
+    """`p_to ~ H p_from + e * inverse_depth`, with p in homogeneous pixels.
+
+    inverse_depth is in 1/m, measured in the from view. The third component of the result, w, is the
+    ratio of the two depths along -z, so `inverse_depth_to = inverse_depth_from / w`; w <= 0 means
+    the point lies beside or behind the `to` eye, outside any picture. Exact for inverse_depth 0
+    (infinitely far), for a zero baseline (e = 0) and far from the world origin.
+
+    Source: McMillan and Bishop 1995, Plenoptic Modeling, eq. 8-10 (the planar form of their warp).
+    """
+
+    H: NDArray[np.float64]  # (3, 3), read-only from `between`
+    e: NDArray[np.float64]  # (3,), read-only from `between`
+
+    @classmethod
+    def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+        """Return the map from pixels of `frm` (w, h) to pixels of `to`.
+
+        Computed relative to the eyes in float64.
+        """
+        to_from_frm = frm.pose.relative_to(to.pose)
+        k_to, _ = _cameras(to.fov, to_size)
+        _, k_frm_inverse = _cameras(frm.fov, frm_size)
+        made = cls(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
+        made.H.flags.writeable = made.e.flags.writeable = False
+        return made
+
+    def apply(
+        self, pixels: ArrayLike, inverse_depth: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return pixels (..., 2), inverse depth (...) and w (...) in the other view.
+
+        pixels: (..., 2); inverse_depth: (...). Where w <= 0 pixel and depth are NaN: the picture
+        has no such point.
+        """
+        pixels = np.asarray(pixels, dtype=np.float64)
+        inverse_depth = np.asarray(inverse_depth, dtype=np.float64)
+        homogeneous = pixels @ self.H[:, :2].T + self.H[:, 2] + inverse_depth[..., None] * self.e
+        w = homogeneous[..., 2]
+        safe = np.where(w > 0, w, np.nan)
+        return homogeneous[..., :2] / safe[..., None], inverse_depth / safe, w
+
+    def moves_whole_pixels(self) -> bool:
+        """Return whether every pixel centre lands on a pixel centre at any depth.
+
+        That is, nothing moved, or only a guard band was cut off.
+        """
+        (a, b, x), (c, d, y), (f, g, h) = self.H.tolist()
+        off = (a - 1, b, x - round(x), c, d - 1, y - round(y), f, g, h - 1, *self.e.tolist())
+        # 1e-9 px over the widest picture a GPU takes: what rounding leaves of two equal poses, far
+        # below any real motion.
+        return bool(max(map(abs, off)) <= 1e-9)
+
+
+@lru_cache(maxsize=64)  # a few fields of view and sizes, needed at every frame
+def _cameras(fov: Fov, size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (3x3 from eye points (x, y, -1) to pixels, its inverse), read-only."""
+    pixel_from_eye = fov.pixel_from_tangent(size) @ _FLIP_Z
+    eye_from_pixel = np.asarray(np.linalg.inv(pixel_from_eye), np.float64)
+    pixel_from_eye.flags.writeable = eye_from_pixel.flags.writeable = False
+    return pixel_from_eye, eye_from_pixel
+
+
+Array = NDArray[np.float64]
+MOST_MIRRORS = 8  # as in shaders/lib/mirrors.glsl
+
+
+@attrs.frozen(eq=False)
+class Mirror:
+    """One mirror in the world, in metres.
+
+    A plane mirror is the rectangle centre +- right +- up; its front faces right x up. A curved one
+    (radius_m > 0) is the ball around centre; right and up are then 0.
+    """
+
+    centre_m: Array = attrs.field(converter=frozen3)
+    right_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    up_m: Array = attrs.field(default=(0.0, 0.0, 0.0), converter=frozen3)
+    radius_m: float = 0.0
+    reflectivity: float = 1.0  # at normal incidence, 0 to 1; more at grazing angles (Schlick 1994)
+
+    @property
+    def is_curved(self) -> bool:
+        """Whether it is a ball."""
+        return self.radius_m > 0
+
+    @property
+    def normal(self) -> Array:
+        """Unit normal of the front of a plane mirror."""
+        across = np.cross(self.right_m, self.up_m)
+        return across / np.linalg.norm(across)
+
+
+def mirrors_in_eye(mirrors: Sequence[Mirror], view: View) -> dict[str, object]:
+    """Return the mirrors in the axes of an eye, as the uniforms of shaders/lib/mirrors.glsl."""
+    if len(mirrors) > MOST_MIRRORS:
+        raise ValueError(f"{len(mirrors)} mirrors: expected at most {MOST_MIRRORS}")
+    eye_from_world = view.pose.rotation_matrix.T
+    rows = np.zeros((3, MOST_MIRRORS, 4))
+    reflectivity = np.zeros(MOST_MIRRORS)
+    for i, mirror in enumerate(mirrors):
+        rows[0, i] = *(eye_from_world @ (mirror.centre_m - view.pose.position_m)), mirror.radius_m
+        for row, half in ((1, mirror.right_m), (2, mirror.up_m)):
+            length = float(np.linalg.norm(half))
+            rows[row, i] = *(eye_from_world @ half / max(length, 1e-30)), length
+        reflectivity[i] = mirror.reflectivity
+    named = dict(zip(("mirror_centre", "mirror_right", "mirror_up"), rows, strict=True))
+    return {"mirror_count": len(mirrors), "mirror_reflectivity": reflectivity, **named}
+
+
+def tangents_of_pixels(view: View, size: tuple[int, int]) -> dict[str, tuple[float, float]]:
+    """Return uniforms of pixel rays.
+
+    The ray of pixel p is (tangent_start + p * tangent_step, -1).
+    """
+    left, right, down, up = view.fov.tangents
+    return {"tangent_start": (left, down), "tangent_step": ((right - left) / size[0], (up - down) / size[1])}

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import MachineError
 
@@ -14,6 +17,7 @@ _FRAMEBUFFER, _DRAW_BINDING, _READ_BINDING = 0x8D40, 0x8CA6, 0x8CAA
 _DRAW_FRAMEBUFFER, _READ_FRAMEBUFFER = 0x8CA9, 0x8CA8
 _DEPTH_ATTACHMENT, _TEXTURE_2D, _COMPLETE = 0x8D00, 0x0DE1, 0x8CD5
 _COPY_WRITE_BUFFER, _R32UI, _RED_INTEGER, _UNSIGNED_INT = 0x8F37, 0x8236, 0x8D94, 0x1405
+_MAP_READ, _MAP_WRITE, _MAP_INVALIDATE = 1, 2, 8  # the last: all of the buffer
 _LOADERS = (("libEGL.so.1", "eglGetProcAddress"), ("libGL.so.1", "glXGetProcAddress"))
 
 
@@ -96,3 +100,24 @@ def _bound(which: int) -> int:
     value = ctypes.c_int32()
     gl_function("glGetIntegerv", None, ctypes.c_uint32, ctypes.POINTER(ctypes.c_int32))(which, ctypes.byref(value))
     return value.value
+
+
+@contextmanager
+def mapped(buffer: moderngl.Buffer, *, write: bool = False) -> Iterator[NDArray[np.uint8]]:
+    """Lend the bytes of a buffer, to read or to overwrite them all; they are gone after the block.
+
+    Arrays of any strides and types are so copied once. Reading waits for the GPU.
+    Errors: MachineError where the driver has no memory for it.
+    """
+    uint, size = ctypes.c_uint32, ctypes.c_ssize_t
+    gl_function("glBindBuffer", None, uint, uint)(_COPY_WRITE_BUFFER, buffer.glo)
+    access = _MAP_WRITE | _MAP_INVALIDATE if write else _MAP_READ
+    map_range = gl_function("glMapBufferRange", ctypes.c_void_p, uint, size, size, uint)
+    address = map_range(_COPY_WRITE_BUFFER, 0, buffer.size, access)
+    if not address:
+        raise MachineError(f"this OpenGL driver cannot map {buffer.size} bytes: use smaller pictures")
+    try:
+        yield np.frombuffer(memoryview((ctypes.c_uint8 * buffer.size).from_address(address)), np.uint8)
+    finally:
+        gl_function("glBindBuffer", None, uint, uint)(_COPY_WRITE_BUFFER, buffer.glo)
+        gl_function("glUnmapBuffer", ctypes.c_uint8, uint)(_COPY_WRITE_BUFFER)

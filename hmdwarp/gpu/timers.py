@@ -116,6 +116,12 @@ class StageTimer:
         self._free: list[moderngl.Query] = []
         self._pending: list[tuple[str, moderngl.Query]] = []
         self._done: list[tuple[str, float]] = []
+        self._lap_started_ns = time.perf_counter_ns()
+
+    @property
+    def lap_ms(self) -> float:
+        """Wall-clock milliseconds since the last lap, in stages and between them."""
+        return (time.perf_counter_ns() - self._lap_started_ns) * 1e-6
 
     def stage(self, name: str) -> GpuStage | WallStage:
         """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
@@ -139,6 +145,7 @@ class StageTimer:
         """
         lap = Lap(self._pending, self._done, self._free)
         self._pending, self._done = [], []
+        self._lap_started_ns = time.perf_counter_ns()
         return lap
 
     def collect(self) -> list[tuple[str, float]]:

@@ -14,7 +14,7 @@ from ..errors import InputError, listed
 from ..geometry import View
 from ..report import atomic, jpeg_bytes, png_bytes, write_bytes
 from ..resources import import_extra
-from ..sources.sequences.exr import write_exr
+from ..sources.sequences.picture_files import write_exr
 from .warper import WarpedImage
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..colour import linear_from_srgb, srgb_from_linear
 from ..errors import InputError
-from ..geometry import Fov, Pose, View, inverse_depth_from_metres
+from ..geometry import Fov, Pose, View, inverse_depth_from_metres, metres_from_inverse_depth
 from ..sources.repairs import RepairChain
 from ..sources.sequences import about_largest, is_largest
 
@@ -49,7 +49,7 @@ class PictureArrays:
         height, width = self.hidden.shape
         return width, height
 
-    def repaired(self, chain: RepairChain) -> tuple[PictureArrays, NDArray[np.float32]]:
+    def repaired(self, chain: RepairChain) -> tuple[RawPicture, NDArray[np.float32]]:
         """Return the picture with its depth repaired, and how sure that is, 0 to 1.
 
         What has no colour stays a hole, whatever its depth.
@@ -58,7 +58,11 @@ class PictureArrays:
         srgb = self.colour * np.float32(1 / 255) if is_bytes else srgb_from_linear(self.light.astype(np.float32))
         found = chain.run(srgb, self.inverse_depth.astype(np.float32))
         inverse = np.where(self.hidden, np.nan, found.inverse_depth.astype(np.float64))
-        return attrs.evolve(self, inverse_depth=inverse), np.where(self.hidden, np.float32(0), found.confidence)
+        return attrs.evolve(self, inverse_depth=inverse).raw(), np.where(self.hidden, np.float32(0), found.confidence)
+
+    def raw(self) -> RawPicture:
+        """Return it as the GPU takes it over, with nothing left to check."""
+        return RawPicture(self.colour, self.encoding, self.inverse_depth, is_inverse=True, checked=self)
 
     def arrays(self) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return linear colour with coverage (h, w, 4), and inverse depth (h, w), -1 for none."""
@@ -67,6 +71,90 @@ class PictureArrays:
         light = np.clip(self.light, -limit, limit) * covered[..., None]
         rgba = np.concatenate([light, covered[..., None]], axis=2)
         return rgba.astype(np.float32), np.where(covered, self.inverse_depth, NO_DEPTH).astype(np.float32)
+
+
+@attrs.frozen(eq=False)
+class RawPicture:
+    """A picture with depth whose numbers the GPU checks and converts; the top row first."""
+
+    # (h, w, 3), or (h, w, 4) with coverage: uint8 sRGB, or floats.
+    colour: NDArray[Any]
+    # Of `colour`: "srgb8", "srgb" or "linear".
+    encoding: str
+    # (h, w) floats, or uint16 with the scale; below 0 or NaN there is none.
+    depth: NDArray[Any]
+    # Metres per unit of `depth`.
+    scale: float = 1.0
+    # Whether `depth` is in 1/m instead.
+    is_inverse: bool = False
+    # Whether floats are linear light only because nothing else was said.
+    is_guessed: bool = False
+    # (h, w) where a mask hides colour or depth; None without one.
+    hidden: NDArray[np.bool_] | None = None
+    # What checked_picture takes, and what it has made of that, if it was asked.
+    passed: tuple[Any, ...] = ()
+    checked: PictureArrays | None = None
+
+    def metres(self) -> NDArray[Any]:
+        """Return depth in metres; what is none is 0, below 0 or NaN."""
+        if self.checked is not None:
+            return metres_from_inverse_depth(self.checked.inverse_depth)
+        metres = self.depth if self.scale == 1 else self.depth * self.scale
+        for unknown in (
+            is_largest(self.depth) if self.depth.dtype.kind == "u" else None,
+            self.hidden,
+            self.colour[..., 3] == 0 if self.colour.shape[2] == 4 else None,
+        ):
+            metres = metres if unknown is None else np.where(unknown, 0, metres)
+        return metres
+
+    def as_checked(self) -> PictureArrays:
+        """Return what checked_picture makes of it. Errors: InputError."""
+        return self.checked or checked_picture(*self.passed)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(w, h) in pixels."""
+        height, width = self.depth.shape
+        return width, height
+
+
+def raw_picture(
+    colour: ArrayLike, depth_m: ArrayLike, depth_scale: float | None = None, encoding: str | None = None
+) -> RawPicture:
+    """Return the picture as it is where the GPU can take it over, else as checked_picture has it.
+
+    Errors: InputError as checked_picture, for what shows without a look at every number.
+    """
+    masks = [np.ma.getmask(array) for array in (colour, depth_m)]
+    try:
+        values, depth = np.asarray(colour), np.asarray(depth_m)
+    except ValueError:
+        values = depth = np.empty(0)
+    if not _can_go_up(values, depth, depth_scale, encoding):
+        return checked_picture(colour, depth_m, depth_scale, encoding).raw()
+    hidden = [mask.any(axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
+    return RawPicture(
+        values,
+        SRGB8 if values.dtype == np.uint8 else encoding or LINEAR,
+        depth,
+        1.0 if depth_scale is None else float(depth_scale),
+        is_guessed=values.dtype.kind == "f" and encoding is None,
+        hidden=np.logical_or(hidden[0], hidden[-1]) if hidden else None,
+        passed=(colour, depth_m, depth_scale, encoding),
+    )
+
+
+def _can_go_up(colour: NDArray[Any], depth: NDArray[Any], scale: float | None, encoding: str | None) -> bool:
+    """Return whether the arguments are right at first sight, and of types that the GPU reads."""
+    fits = colour.ndim == 3 and colour.shape[2] in (3, 4) and colour.size and depth.shape == colour.shape[:2]
+    is_bytes = colour.dtype == np.uint8
+    known = (is_bytes or colour.dtype.kind == "f") and (depth.dtype.kind == "f" or depth.dtype == np.uint16)
+    said = encoding in (None, *ENCODINGS) and not (is_bytes and encoding == LINEAR)
+    if scale is None:
+        return bool(fits and known and said and depth.dtype.kind == "f")
+    is_scale = isinstance(scale, Real) and not isinstance(scale, bool) and 0 < scale <= 1
+    return bool(fits and known and said and is_scale)
 
 
 def checked_picture(

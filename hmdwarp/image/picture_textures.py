@@ -12,7 +12,7 @@ from ..geometry import DepthLayer, View
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, release_all, upload
-from .picture_arrays import ENCODINGS, LINEAR, SRGB, PictureArrays
+from .picture_arrays import ENCODINGS, LINEAR, SRGB
 
 INVERSE, METRES = "inverse", "metres"
 _FORMS = {INVERSE: 0, METRES: 1}
@@ -34,10 +34,6 @@ class HeldPicture:
         """The confidence, for a Warper with a repair."""
         assert self._confidence is not None
         return self._confidence
-
-    def hold(self, picture: PictureArrays) -> None:
-        for texture, array in zip(self.pair, picture.arrays(), strict=True):
-            upload(texture, array)
 
     def hold_confidence(self, confidence: NDArray[np.float32]) -> None:
         nothing = np.zeros_like(confidence)

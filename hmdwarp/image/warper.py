@@ -9,6 +9,7 @@ import warnings
 import weakref
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
+from itertools import cycle
 from numbers import Real
 from types import MappingProxyType
 from typing import Any, NoReturn
@@ -18,19 +19,28 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..client.compensator import Compensator, EyeResult
+from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
-from ..client.plan import CLIENT_DEPTH, OTHERS
-from ..colour import srgb8_from_linear, srgb_from_linear
+from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan
 from ..errors import InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
 from ..sources.repairs import parse_repairs
-from ..sources.sequences import about_unit
+from ..sources.sequences import about_largest, about_unit
+from .array_passes import Found, GiveOut, TakeIn
 from .layer_arrays import CallerLayers
-from .picture_arrays import LINEAR, SRGB, SRGB8, PictureArrays, checked_picture, checked_size, checked_view
+from .picture_arrays import (
+    LINEAR,
+    SRGB,
+    SRGB8,
+    RawPicture,
+    checked_picture,
+    checked_size,
+    checked_view,
+    raw_picture,
+)
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
 from .usable import plan_of
 
@@ -70,15 +80,16 @@ class WarpedImage:
     # (h, w), 0 in holes, else 1; with a repair, the confidence of the depth that brought the pixel
     # there, so less than 1 where that was a guess. A fill sets 1.
     coverage: NDArray[np.float32]
-    # Milliseconds by stage name; "fill" is that of all fills of a chain.
+    # Milliseconds by stage name, "upload", "download" and "host" (all else) included: their sum is
+    # the call. Of a chain each fill has its own, such as "fill memory".
     time_ms: dict[str, float]
     # Share of pixels without coverage after the warp and before the fill.
     hole_share: float
     # Of the colour: "srgb8" (uint8), "srgb" (float32, 0 to 1) or "linear" (float32).
     encoding: str = LINEAR
-    # (h, w) metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
+    # (h, w) float32 metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
     # requested.
-    depth_m: NDArray[np.float64] | None = None
+    depth_m: NDArray[Any] | None = None
 
 
 @attrs.frozen(eq=False)
@@ -128,6 +139,9 @@ class Warper:
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
         self.plan = plan_of(warp, fill, effects, depth=depth)
+        self._fill_names = _fill_names(self.plan)
+        self._has_depth = depth
+        self._learns = any(choice.entry.remembers for choice in self.plan.fills)
         self.repair = parse_repairs(repair)
         self.size = checked_size(size)
         self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
@@ -149,6 +163,10 @@ class Warper:
             self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
             for picture in self._pictures:
                 stack.callback(picture.close)
+            self._take_in, self._give_out = TakeIn(current, self.rendered_size), GiveOut(current, self.size)
+            self._found = Found(current, count)
+            for passes in (self._take_in, self._give_out, self._found):
+                stack.callback(passes.close)
             self._confidence = Canvas(current.gl, self.size) if has_confidence else None
             if self._confidence is not None:
                 stack.callback(self._confidence.release)
@@ -171,19 +189,27 @@ class Warper:
         encoding: str | None = None,
         result: str | None = None,
         eye: int = 0,
+        out: Mapping[str, NDArray[Any]] = MappingProxyType({}),
     ) -> WarpedImage:
         """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
         Arguments and errors: as warp_image. eye: 0 or 1; a fill that remembers keeps the two apart.
+        out: arrays of yours for the result by name (colour, coverage, depth_m), of any strides:
+        uint8, or floats of any width; what it lacks is allocated.
         """
         _check_eye(eye)
         views = _checked_views(rendered, shown)
-        picture = checked_picture(colour, depth_m, depth_scale, encoding)
-        return self._warp(picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, eye)
+        with self._gpu() as gpu:
+            gpu.timer.collect()
+            picture = raw_picture(colour, depth_m, depth_scale, encoding)
+            return self._warp(
+                gpu, picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, out, eye
+            )
 
     def _warp(
         self,
-        picture: PictureArrays,
+        gpu: Gpu,
+        picture: RawPicture,
         views: tuple[View, View],
         others: Sequence[Other],
         client_depth_m: ArrayLike | None,
@@ -192,35 +218,93 @@ class Warper:
         depth_scale: float | None,
         encoding: str | None,
         result: str | None,
+        out: Mapping[str, NDArray[Any]],
         eye: int = 0,
     ) -> WarpedImage:
-        """Return the view from a checked picture; the rest as warp."""
+        """Return the view from a picture; the rest as warp."""
         result = _checked_result(result, picture.encoding)
         self._check_size("", picture)
-        self._warn_about(picture, views)
         further = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
         self._check_needs(len(further), client_depth_m is not None)
         self._layers.check(layers, self._named)
+        self._check_out(out, result)
         age_ns = _checked_age_ns(age_s)
         client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
-        with self._gpu() as gpu:
-            gpu.timer.collect()
-            drawn_ns = self._next()
-            images = [
-                self._held(textures, one, gpu).as_image(view, drawn_ns)
-                for textures, (one, view) in zip(self._pictures, [(picture, views[0]), *further], strict=False)
-            ]
+        drawn_ns = self._next()
+        pictures = [picture, *(one for one, _ in further)]
+        if self.repair.steps:
+            pictures = [one.as_checked().raw() for one in pictures]
+        images = [
+            textures.as_image(view, drawn_ns)
+            for textures, view in zip(self._pictures, (views[0], *(view for _, view in further)), strict=False)
+        ]
+        self._upload(pictures, gpu)
+        if self._learns:
+            self._check_numbers(pictures)
+        with gpu.timer.cpu_stage("upload"):
             images[0] = images[0].having(**self._layers.hold(layers))
             if client is not None and self._client_depth is not None:
                 upload(self._client_depth, client)
-            inputs = self._inputs(images, views[1], eye, age_ns)
-            made = self._compensator.run(inputs)
-            if self._confidence is not None:
-                held = {picture.pair[0]: picture.sure for picture in self._pictures}
-                self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
-            warped = self._read(made, result, gpu)
-            gpu.check_not_lost()
-            return warped
+        inputs = self._inputs(images, views[1], eye, age_ns)
+        made = self._compensator.run(inputs)
+        if self._confidence is not None:
+            held = {picture.pair[0]: picture.sure for picture in self._pictures}
+            self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
+        assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
+        with gpu.timer.cpu_stage("download"):
+            depth = made.inverse_depth if self._has_depth else None
+            buffers = self._give_out.run(made.shown, made.warped, depth, self._confidence, result, self._found)
+        gpu.check_not_lost()
+        self._check_numbers(pictures)
+        self._warn_about(pictures[0], views)
+        with gpu.timer.cpu_stage("download"):
+            arrays = self._give_out.arrays(buffers, out)
+        holes = self._found.holes / (self.size[0] * self.size[1])
+        return WarpedImage(arrays["colour"], arrays["coverage"], self._times(gpu), holes, result, arrays.get("depth_m"))
+
+    def _upload(self, pictures: list[RawPicture], gpu: Gpu) -> None:
+        """Take pictures over, their depth repaired."""
+        for number, (textures, picture) in enumerate(zip(self._pictures, pictures, strict=False)):
+            if self.repair.steps:
+                with gpu.timer.cpu_stage("repair"):
+                    mended, confidence = picture.as_checked().repaired(self.repair)
+                textures.hold_confidence(confidence)
+            with gpu.timer.cpu_stage("upload"):
+                if not number:
+                    self._found.clear()
+                one = mended if self.repair.steps else picture
+                self._take_in.run(one, self._take_in.send(one), textures.pair, self._found, number)
+
+    def _check_numbers(self, pictures: list[RawPicture]) -> None:
+        """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
+        self._found.read()
+        for number, picture in enumerate(pictures):
+            if self._found.is_doubtful(number, self.rendered_size):
+                picture.as_checked()
+
+    def _check_out(self, out: Mapping[str, NDArray[Any]], result: str) -> None:
+        """Check the arrays that a result is written into. Errors: InputError."""
+        high, wide = self.size[1], self.size[0]
+        shapes = {"colour": (high, wide, 3), "coverage": (high, wide)}
+        shapes |= {"depth_m": (high, wide)} if self._has_depth else {}
+        for name, array in out.items():
+            if name not in shapes:
+                raise InputError(f"out names '{name}': expected some of {', '.join(shapes)}")
+            kind = "uint8" if name == "colour" and result == SRGB8 else "floats"
+            if not isinstance(array, np.ndarray):
+                raise InputError(f"out['{name}'] is a {type(array).__name__}: expected an array of {kind}")
+            if array.shape != shapes[name] or (array.dtype != np.uint8 if kind == "uint8" else array.dtype.kind != "f"):
+                raise InputError(
+                    f"out['{name}'] is {array.dtype} {array.shape}: expected {kind} of shape {shapes[name]}"
+                )
+            if not array.flags.writeable:
+                raise InputError(f"out['{name}'] is read-only: expected an array that can be written into")
+
+    def _times(self, gpu: Gpu) -> dict[str, float]:
+        """Return the milliseconds of this call by stage name: their sum is the call."""
+        whole_ms = gpu.timer.lap_ms
+        total = self._summed(gpu.timer.collect())
+        return {**total, "host": max(whole_ms - sum(total.values()), 0.0)}
 
     def warp_textures(
         self,
@@ -255,7 +339,7 @@ class Warper:
         with self._gpu() as gpu:
             pair = self._foreign.converted(colour, depth, depth_as, encoding, self._pictures[0].pair)
             # Read back once: it waits for the GPU.
-            for note in self._unit_notes(lambda: download(pair[1]), views, "a scale of {:g}"):
+            for note in self._unit_notes(lambda: _metres(download(pair[1])), views, "a scale of {:g}"):
                 warnings.warn(note, stacklevel=2)
             image = EyeImage(views[0], *pair, drawn_ns=self._next())
             made = self._compensator.run(self._inputs([image], views[1], eye))
@@ -267,7 +351,15 @@ class Warper:
     def time_ms(self) -> dict[str, float]:
         """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
         with self._gpu() as gpu:
-            return _summed(gpu.timer.collect())
+            return self._summed(gpu.timer.collect())
+
+    def _summed(self, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
+        """Return milliseconds by stage name, all pictures together; see WarpedImage."""
+        fills, total = cycle(self._fill_names), dict[str, float]()
+        for stage, milliseconds in stages:
+            name = next(fills) if stage == "fill" else stage
+            total[name] = total.get(name, 0.0) + milliseconds
+        return total
 
     def close(self) -> None:
         """Free all textures and buffers.
@@ -307,38 +399,38 @@ class Warper:
         self._count += 1
         return self._count
 
-    def _warn_about(self, picture: PictureArrays, views: tuple[View, View]) -> None:
+    def _warn_about(self, picture: RawPicture, views: tuple[View, View]) -> None:
         """Warn of depth that is no measurement, or hardly in metres; of each once."""
-        largest = picture.notes if _LARGEST not in self._warned else ()
-        self._warned.update([_LARGEST] if largest else [])
-        for note in (*largest, *self._unit_notes(lambda: picture.inverse_depth, views, "depth_scale={:g}")):
+        largest: Sequence[str] = ()
+        if _LARGEST not in self._warned:
+            raw = about_largest([picture.depth]) if self._found.has_largest(0) else ()
+            largest = raw if picture.checked is None else picture.checked.notes
+            self._warned.update([_LARGEST] if largest else [])
+        for note in (*largest, *self._unit_notes(picture.metres, views, "depth_scale={:g}")):
             warnings.warn(note, stacklevel=4)  # where warp or warp_image is called
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
         """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
 
-        depth: called for that one alone: inverse depth, below 0 or NaN for none. option: see
-        about_unit.
+        depth: called for that one alone: metres. option: see about_unit.
         """
         moved_m = float(np.linalg.norm(views[1].pose.position_m - views[0].pose.position_m))
         if _UNIT in self._warned or not moved_m:
             return []
         self._warned.add(_UNIT)
-        return about_unit([_metres(depth())], moved_m, option)
+        return about_unit([depth()], moved_m, option)
 
-    def _check_size(self, name: str, picture: PictureArrays) -> None:
+    def _check_size(self, name: str, picture: RawPicture) -> None:
         if picture.size != self.rendered_size:
             (found_wide, found_high), (wide, high) = picture.size, self.rendered_size
             raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
 
-    def _other(
-        self, number: int, other: Other, scale: float | None, encoding: str | None
-    ) -> tuple[PictureArrays, View]:
+    def _other(self, number: int, other: Other, scale: float | None, encoding: str | None) -> tuple[RawPicture, View]:
         try:
             colour, depth_m, view = other
         except (TypeError, ValueError) as error:
             raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
-        picture = checked_picture(colour, depth_m, scale, encoding)
+        picture = raw_picture(colour, depth_m, scale, encoding)
         self._check_size(f"others[{number}]: ", picture)
         return picture, checked_view(f"others[{number}]", view)
 
@@ -367,15 +459,6 @@ class Warper:
             raise InputError(f"client_depth_m has shape {np.shape(depth_m)}: expected {(high, wide)}, as the result")
         return checked_picture(blank, depth_m, scale).arrays()[1]
 
-    def _held(self, textures: HeldPicture, picture: PictureArrays, gpu: Gpu) -> HeldPicture:
-        """Return `textures` with a picture in them, its depth repaired."""
-        if self.repair.steps:
-            with gpu.timer.cpu_stage("repair"):
-                picture, confidence = picture.repaired(self.repair)
-            textures.hold_confidence(confidence)
-        textures.hold(picture)
-        return textures
-
     def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
         return PassInputs(
             images[0],
@@ -386,38 +469,20 @@ class Warper:
             shown_ns=self._count + age_ns,
         )
 
-    def _read(self, made: EyeResult, encoding: str, gpu: Gpu) -> WarpedImage:
-        assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
-        picture = download(made.shown.texture)
-        holes = float((download(made.warped.texture)[..., 3] == 0).mean())
-        depth = None
-        if made.inverse_depth is not None:
-            depth = _metres(download(made.inverse_depth))
-        colour = _encoded(picture[..., :3], encoding)
-        coverage = picture[..., 3].astype(np.float32)
-        if self._confidence is not None:
-            sure = np.clip(download(self._confidence.texture)[..., 0], 0, 1).astype(np.float32)
-            coverage = np.where(download(made.warped.texture)[..., 3] > 0, sure, coverage)
-        return WarpedImage(colour, coverage, _summed(gpu.timer.collect()), holes, encoding, depth)
 
-
-def _summed(stages: Iterable[tuple[str, float]]) -> dict[str, float]:
-    """Return milliseconds by stage name: a chain of fills is one stage, and so are all pictures."""
-    total: dict[str, float] = {}
-    for name, milliseconds in stages:
-        total[name] = total.get(name, 0.0) + milliseconds
-    return total
+def _fill_names(plan: Plan) -> list[str]:
+    """Return what each stage "fill" of a picture is called, in order."""
+    if len(plan.fills) < 2:
+        return ["fill"]
+    names = [f"fill {choice.entry.name}" for choice in plan.fills]
+    if plan.warps_twice and any(step.stage == "fill" and SHOWN_DEPTH in step.writes for step in plan.steps):
+        return ["fill depth", *names]
+    return names
 
 
 def _metres(inverse_depth: NDArray[Any]) -> NDArray[np.float64]:
     """Return depth in metres, NaN where there is none: below 0 or NaN."""
     return metres_from_inverse_depth(np.where(inverse_depth >= 0, inverse_depth, np.nan).astype(np.float64))
-
-
-def _encoded(linear: NDArray[np.float16], encoding: str) -> NDArray[Any]:
-    if encoding == SRGB8:
-        return srgb8_from_linear(linear)
-    return srgb_from_linear(linear.astype(np.float32)) if encoding == SRGB else linear.astype(np.float32)
 
 
 def _checked_result(result: str | None, own: str) -> str:
@@ -492,9 +557,12 @@ def warp_image(
     Errors: InputError for arguments that do not fit, and in such a process; PlanError for a warp
     that needs more than such pictures; UnknownNameError; MachineError without OpenGL 4.3.
     """
-    picture = checked_picture(colour, depth_m, depth_scale, encoding)
+    picture = raw_picture(colour, depth_m, depth_scale, encoding)
     views = _checked_views(rendered, shown)
     shown_size = picture.size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
-    with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper:
-        return warper._warp(picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result)
+    with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper, warper._gpu() as current:
+        current.timer.collect()
+        return warper._warp(
+            current, picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, {}
+        )

@@ -1,13 +1,9 @@
 """The network between server and client: frames enter when drawn and come out on arrival."""
 
-from .bandwidth import Bandwidth, Pacer
 from .delays import DelayModel, delay_models
-from .link import Link
-from .loss import GilbertElliott
-from .options import CHANGES, RESOLUTION, LinkOptions
-from .overload import SCALES, Overload, scaled_size
-from .response import ResponseTime, StageTimes, figures_of_parts, response_figures
-from .tally import Tally, TransitStats
+from .link import Bandwidth, GilbertElliott, Link, Pacer
+from .options import CHANGES, RESOLUTION, SCALES, LinkOptions, Overload, scaled_size
+from .response import ResponseTime, StageTimes, Tally, TransitStats, figures_of_parts, response_figures
 
 __all__ = [
     "CHANGES",

@@ -1,11 +1,12 @@
-from .front import error_and_time as error_and_time
-from .front import pareto as pareto
+from .job import LEAST_STEP as LEAST_STEP
 from .job import REGIONS as REGIONS
+from .job import RELATIVE_STEP as RELATIVE_STEP
 from .job import Compared as Compared
 from .job import Input as Input
 from .job import Measurement as Measurement
 from .job import QualityJob as QualityJob
 from .job import QualityResult as QualityResult
+from .job import border_holes as border_holes
 from .job import near_discontinuity as near_discontinuity
 from .job import pooled as pooled
 from .job import region_of as region_of
@@ -30,10 +31,10 @@ from .metric import Metric as Metric
 from .metric import measure as measure
 from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
-from .mismatch import Mismatch as Mismatch
-from .mismatch import SharedSurface as SharedSurface
 from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
+from .picture_pairs import Mismatch as Mismatch
+from .picture_pairs import SharedSurface as SharedSurface
 from .picture_pairs import block_means as block_means
 from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text
@@ -45,6 +46,7 @@ from .pool import QualityPool as QualityPool
 from .pool import WorstKeeper as WorstKeeper
 from .pool import worker_count as worker_count
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS
+from .summary import LEVEL as LEVEL
 from .summary import QUALITY as QUALITY
 from .summary import STAGES as STAGES
 from .summary import aggregate as aggregate
@@ -53,6 +55,8 @@ from .summary import at_instants as at_instants
 from .summary import block_length as block_length
 from .summary import differ as differ
 from .summary import difference as difference
+from .summary import error_and_time as error_and_time
 from .summary import excludes_zero as excludes_zero
 from .summary import interval_of_mean as interval_of_mean
 from .summary import middle_and_tail as middle_and_tail
+from .summary import pareto as pareto

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError
-from ..geometry import View
-from .picture_pairs import check_pair, db_of, error_image, flip
+from ..geometry import View, WarpMap
+from ..gpu import flip_rows
+from .picture_pairs import check_pair, db_of, error_image, flip, pixel_centres, row_blocks
 
 T = TypeVar("T")
 
@@ -26,6 +27,9 @@ class Input(enum.Flag):
     DEPTH = enum.auto()  # inverse depth of the truth
     RENDERED = enum.auto()  # the view the late frame was rendered for
     PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
+
+
+_PLACES = Input.COVERAGE | Input.DEPTH | Input.RENDERED  # what tells where an error is
 
 
 @attrs.frozen(eq=False)
@@ -72,7 +76,7 @@ class QualityJob:
     rendered_picture: NDArray[Any] | None = None
     # Whether the result has the FLIP map.
     error_map: bool = False
-    # Whether the result says where the error is; this needs coverage and depth.
+    # Whether the result says where the error is; this needs coverage, depth and the rendered view.
     regions: bool = False
 
     def __attrs_post_init__(self) -> None:
@@ -80,8 +84,10 @@ class QualityJob:
         for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
-        if self.regions and (Input.COVERAGE | Input.DEPTH) not in self.inputs:
-            raise InputError("regions of the error need the coverage and the truth's inverse depth: pass both")
+        if self.regions and _PLACES not in self.inputs:
+            raise InputError(
+                "regions of the error need the coverage, the truth's inverse depth and the rendered view: pass all"
+            )
 
     @property
     def inputs(self) -> Input:
@@ -157,7 +163,9 @@ def _declared(value: T | None, flag: Input) -> T:
     return value
 
 
-REGIONS = ("holes", "edges", "elsewhere")
+# Holes beyond the rendered field of view, other holes, what is covered near jumps of depth, and the
+# rest.
+REGIONS = ("border", "inside", "silhouettes", "seen")
 SUMS = ("pixels", "squared_error", "flip")
 
 # Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.
@@ -170,20 +178,60 @@ LEAST_STEP = 0.002
 EDGE_WIDTH_PX = 2
 
 
-def region_of(coverage: NDArray[Any], truth_inverse_depth: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return the region of each pixel, (h, w), as an index into REGIONS.
+def border_holes(
+    coverage: NDArray[Any],
+    truth_inverse_depth: NDArray[Any],
+    shown: View,
+    rendered: View,
+    rendered_size: tuple[int, int],
+) -> NDArray[np.bool_]:
+    """Return the holes beyond the rendered field of view, (h, w).
 
-    coverage: (h, w), after the warp and before the fill; 0 is a hole. truth_inverse_depth: (h, w)
-    in 1/m, 0 or NaN = infinitely far.
-    Errors: InputError unless both have one size.
+    The truth says what belongs there. Each hole's pixel and its true inverse depth go through the
+    warp map to the rendered view. Beyond the edges of that picture, or beside or behind its eye (w
+    <= 0), no frame could have held it. The other holes are disocclusions and gaps between stretched
+    pixels.
+
+    coverage, truth_inverse_depth: (h, w), top row first; the former after the warp and before the
+    fill, 0 is a hole; the latter in 1/m in the shown view, 0 (or NaN) = infinitely far.
+    rendered_size: (w, h) of the late frame.
+    Errors: InputError if their sizes differ.
     """
     if coverage.shape != truth_inverse_depth.shape or coverage.ndim != 2:
         shapes = f"{coverage.shape} and {truth_inverse_depth.shape}"
         raise InputError(
             f"coverage and the truth's inverse depth have shapes {shapes}: expected two of the same (h, w)"
         )
-    region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(1), np.uint8(2))
-    region[np.asarray(coverage) == 0] = 0
+    holes, inverse_depth = flip_rows(np.asarray(coverage) == 0), flip_rows(np.asarray(truth_inverse_depth))
+    height, width = holes.shape
+    mapping = WarpMap.between(shown, (width, height), rendered, rendered_size)
+    beyond = np.zeros(holes.shape, bool)
+    for rows in row_blocks(height):
+        here = holes[rows]
+        if not here.any():
+            continue
+        depth = np.nan_to_num(inverse_depth[rows][here].astype(np.float64), nan=0.0)
+        pixel, _, w = mapping.apply(pixel_centres(rows, width)[here], depth)
+        beyond[rows][here] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
+    found: NDArray[np.bool_] = flip_rows(beyond)
+    return found
+
+
+def region_of(
+    coverage: NDArray[Any],
+    truth_inverse_depth: NDArray[Any],
+    shown: View,
+    rendered: View,
+    rendered_size: tuple[int, int],
+) -> NDArray[np.uint8]:
+    """Return the region of each pixel, (h, w), as an index into REGIONS.
+
+    Arguments and errors as of border_holes. A hole near a jump of depth is a hole.
+    """
+    beyond = border_holes(coverage, truth_inverse_depth, shown, rendered, rendered_size)
+    region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(2), np.uint8(3))
+    region[np.asarray(coverage) == 0] = 1
+    region[beyond] = 0
     return region
 
 
@@ -229,25 +277,21 @@ def _grown(mask: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
 
 
 def region_sums(
-    shown: NDArray[Any],
-    truth: NDArray[Any],
-    coverage: NDArray[Any],
-    truth_inverse_depth: NDArray[Any],
-    flip_map: NDArray[Any],
+    shown: NDArray[Any], truth: NDArray[Any], region: NDArray[np.uint8], flip_map: NDArray[Any]
 ) -> dict[str, dict[str, float]]:
     """Return the SUMS of one picture by region.
 
     They are its pixels, the squared sRGB error over pixels and channels, and the FLIP error.
     Squared errors are summed in integers, so their order does not matter.
 
-    shown, truth: (h, w, 3) uint8. The rest: (h, w), as region_of; flip_map 0..1.
+    shown, truth: (h, w, 3) uint8. region: (h, w), as of region_of. flip_map: (h, w), 0..1.
     Errors: InputError for sizes that do not belong together.
     """
     check_pair(shown, truth)
-    if shown.dtype != np.uint8 or not shown.shape[:2] == coverage.shape == flip_map.shape:
-        found = f"{shown.dtype} pictures {shown.shape}, coverage {coverage.shape}, FLIP map {flip_map.shape}"
+    if shown.dtype != np.uint8 or not shown.shape[:2] == region.shape == flip_map.shape:
+        found = f"{shown.dtype} pictures {shown.shape}, regions {region.shape}, FLIP map {flip_map.shape}"
         raise InputError(f"{found}: expected uint8 (h, w, 3) and two (h, w)")
-    region = region_of(coverage, truth_inverse_depth).ravel()
+    region = region.ravel()
     difference = shown.astype(np.int32) - truth
     squared = np.einsum("hwc,hwc->hw", difference, difference).ravel()
     columns = (np.ones(region.size), squared, flip_map.ravel())  # float64 holds integers exactly up to 2^53

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from ..registry import Registry
-from .job import Input, Measurement, QualityJob, QualityResult, region_sums
+from .job import Input, Measurement, QualityJob, QualityResult, region_of, region_sums
 
 
 @attrs.frozen
@@ -109,5 +109,12 @@ def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
     error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
     regions = None
     if job.regions:
-        regions = region_sums(now.shown, now.truth, measurement.covered, measurement.truth_inverse_depth, flip_map)
+        region = region_of(
+            measurement.covered,
+            measurement.truth_inverse_depth,
+            now.view,
+            measurement.rendered,
+            measurement.rendered_size,
+        )
+        regions = region_sums(now.shown, now.truth, region, flip_map)
     return QualityResult(values, error_map, regions)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import HmdwarpError
-from .metric import metrics_in_order
+from .metric import PRIMARY, metrics, metrics_in_order
 
 LEAST_INSTANTS = 6  # make three blocks of two; fewer have no interval
 LEVEL = 0.95
@@ -161,3 +161,47 @@ def middle_and_tail(values: Sequence[float] | NDArray[np.float64]) -> dict[str, 
     if not len(values):
         return {"median": None, "p95": None}
     return {"median": float(np.median(values)), "p95": float(np.percentile(values, 95))}
+
+
+Thing = TypeVar("Thing", bound=Any)
+Costs = tuple[float | None, float | None]
+
+
+def error_and_time(row: Mapping[str, Any], measure: str = PRIMARY) -> Costs:
+    """Return a row's mean error and the median time of all its stages, in ms per eye.
+
+    Lower is better in both: a metric where higher is better (PSNR, SSIM) counts negative. None
+    where nothing was measured. measure: name of a metric.
+    """
+    error = row["quality"][measure]["mean"]
+    if error is not None and metrics.get(measure).higher_is_better:
+        error = -error
+    return error, row["time_ms"]["total"]["median"]
+
+
+def pareto(rows: Iterable[Thing], costs: Callable[[Thing], Costs] = error_and_time) -> list[Thing]:
+    """Return the rows that no other row beats, in their order: the Pareto front of their two costs.
+
+    A row beats another if it is at most as large in both costs and smaller in one. Rows equal in
+    both do not beat each other: all of them stay, or none. A row with a cost of None was not
+    measured and takes no part. Each other row that is left out is beaten by one that stays. O(n log
+    n).
+    Errors: HmdwarpError for a cost of NaN, which cannot be ordered.
+    """
+    rows = list(rows)
+    measured = [
+        (index, error, time)
+        for index, (error, time) in enumerate(map(costs, rows))
+        if error is not None and time is not None
+    ]
+    if any(math.isnan(error) or math.isnan(time) for _, error, time in measured):
+        raise HmdwarpError(
+            "a cost is not a number: expected an error and a time that were measured, or None for what was not"
+        )
+    kept: set[int] = set()
+    least: tuple[float, float] | None = None  # (error, time) of the last row kept; times only grow from here on
+    for index, error, time in sorted(measured, key=lambda entry: (entry[2], entry[1])):
+        if least is None or error < least[0] or (error, time) == least:
+            least = (error, time)
+            kept.add(index)
+    return [row for index, row in enumerate(rows) if index in kept]

@@ -12,29 +12,35 @@ from .declared import (
     DISPLAY,
     PICTURE,
     Declared,
+    Number,
     Option,
     as_keys,
     group,
+    names_in,
+    one_of,
     option,
     option_of,
     options_of,
     same_as,
 )
-from .guard_options import (
+from .named_files import PICTURE_FILE, RATINGS, keep_inside, opened, text_in
+from .shared_fields import (
     AUTO,
     DEFAULT_GUARD,
+    FORCE,
     Guard,
     check_one_guard,
+    force_field,
     guard_band,
     guard_field,
+    out_field,
     parse_guard,
     parse_size,
+    path_of,
     rendered_size_field,
+    several,
+    split_names,
 )
-from .limits import Number, names_in, one_of
-from .named_files import PICTURE_FILE, RATINGS, check_inside, opened, text_in
-from .paths import FORCE, force_field, out_field, path_of
-from .several import several, split_names
 from .tables import KeyFault, Table, parsed, quoted, text_of
 
 __all__ = [
@@ -46,7 +52,7 @@ __all__ = [
     "AUTO",
     "PICTURE_FILE",
     "RATINGS",
-    "check_inside",
+    "keep_inside",
     "opened",
     "text_in",
     "CONDITION",

@@ -109,6 +109,19 @@ def check_inside(path: Path, folder: Path, what: str = "a file") -> Path:
     return path
 
 
+# What a file names, to be opened later by name: the path, and the folder that it has to lie in.
+_NAMED: dict[str, Path] = {}
+
+
+def keep_inside(path: Path, folder: Path, what: str = "a file") -> Path:
+    """Return the path as check_inside does, and check again when it, or a file in it, is opened.
+
+    Errors: as check_inside.
+    """
+    _NAMED[str(Path.cwd() / path)] = folder
+    return check_inside(path, folder, what)
+
+
 # Folders that were named as a whole, absolute; '..' stays in them and in what is looked up.
 _ENTERED: set[str] = set()
 
@@ -136,16 +149,19 @@ def _check(place: int, path: str | os.PathLike[str], kind: FileKind, folder: Pat
         raise kind.error(f"{shown} is {what}: expected {kind.what}")
     if found.st_size > kind.most_bytes:
         raise kind.error(f"{shown}: {found.st_size} bytes: expected {kind.what}, of at most {kind.most_bytes} bytes")
-    within = folder if folder is not None else _entered(path)
-    if within is not None:
+    for within in _named_by(path) if folder is None else (folder,):
         _refuse_outside(str(Path(f"/proc/self/fd/{place}").readlink()), path, within, kind.what, kind.error)
 
 
-def _entered(path: str | os.PathLike[str]) -> Path | None:
-    """Return the innermost folder that was named as a whole and has this path in it."""
-    absolute = str(Path.cwd() / path)
-    found = max((name for name in _ENTERED if absolute.startswith(name)), key=len, default=None)
-    return None if found is None else Path(found)
+def _named_by(path: str | os.PathLike[str]) -> list[Path]:
+    """Return the folders that a path has to lie in.
+
+    The innermost that was named as a whole, and that of the file which named it or what it is in.
+    """
+    absolute = Path.cwd() / path
+    entered = max((name for name in _ENTERED if str(absolute).startswith(name)), key=len, default=None)
+    named = [_NAMED[str(one)] for one in (absolute, *absolute.parents) if str(one) in _NAMED]
+    return [*([] if entered is None else [Path(entered)]), *named]
 
 
 def _refuse_outside(real: str, path: object, folder: Path, what: str, error: type[InputError]) -> None:

@@ -17,7 +17,7 @@ from ..frames import EyeSizes, frame_bytes, video_pixels
 from ..gpu.context import Gpu
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..sources.server import Renderer
 from .auto.adaptive import AdaptiveCompensator
 from .auto.governor import Governor
@@ -121,7 +121,7 @@ def build_pipeline(
     check_held(gpu, options, needs, sizes, target.rate_hz)
     _check_decoder(options, plans, sizes, target.rate_hz)
     with ExitStack() as stack:
-        server = source.renderer(gpu, options.mirrors, moment_of)
+        server = source.renderer(gpu, options, moment_of)
         stack.callback(server.close)
         geometry = ClientScene(server)
         stack.callback(geometry.close)

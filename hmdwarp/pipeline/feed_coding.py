@@ -28,6 +28,7 @@ from ..link.codec import (
     codecs,
     depth_step,
 )
+from ..sources.feed import bounds
 from ..sources.feed.message import (
     DEPTH_EXACT,
     DEPTH_VIDEO,
@@ -45,6 +46,10 @@ from .feed_layers import unpacked
 from .frame_coder import pixels_per_tangent
 
 _CODECS = {H264: "h264", HEVC: "hevc"}
+# What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
+# encoder keeps of one, FFV1's too.
+_WORK = {H264: 1, HEVC: 4}, {DEPTH_VIDEO: 2}
+_BYTES = {H264: 20, HEVC: 55}, {DEPTH_VIDEO: 65, DEPTH_EXACT: 40}
 _FORMATS = {name: number for number, name in _CODECS.items()}
 
 
@@ -90,14 +95,24 @@ def codec_of(colour: int) -> str:
     return _CODECS.get(colour, "none")
 
 
+def check_work(ask: Ask) -> None:
+    """Check what coding a frame will take. Errors: bounds.OutOfBounds."""
+    bounds.CODED.check(_of_all_pixels(ask, _WORK))
+
+
+def _of_all_pixels(ask: Ask, of: tuple[dict[int, int], dict[int, int]]) -> int:
+    of_pixel = of[0].get(ask.wish.colour, 0) + of[1].get(ask.wish.depth, 0)
+    return len(ask.views) * ask.size[0] * ask.size[1] * of_pixel
+
+
 class FeedEncoder:
     """Code the frames of one client, of one size, as it requests. Errors: as VideoEncoder."""
 
     def __init__(self, ask: Ask) -> None:
         self.wish, self.size, self._place = ask.wish, ask.size, 0
         self._eyes = [_EyeEncoder(ask.wish, ask.size) for _ in ask.views]
-        # That a video's encoder holds pictures of.
-        self.pixels = len(self._eyes) * ask.size[0] * ask.size[1] if ask.wish.colour in _CODECS else 0
+        # That its encoders hold, about.
+        self.bytes = _of_all_pixels(ask, _BYTES)
 
     def suits(self, ask: Ask) -> bool:
         """Return whether the next frame may follow on the ones before."""

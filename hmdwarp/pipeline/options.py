@@ -31,6 +31,7 @@ from ..options import (
     guard_band,
     guard_field,
     names_in,
+    one_of,
     option,
     options_of,
     parse_size,
@@ -64,6 +65,9 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
 # Headings of options in help.
 AUTOMATIC, RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
 RECORDED = SequenceOptions.heading
+# Depth of a pixel of several samples.
+CENTRE, NEAREST = "centre", "nearest"
+MOST_SAMPLES = 16
 _WIDE = Option(
     "A second, wide and coarse view with every frame: fill wide before the others.",
     bool,
@@ -182,6 +186,23 @@ class PipelineOptions(Declared):
         study=PICTURE,
         heading=RENDERING,
     )
+    samples: int = option(
+        1,
+        "Samples of each pixel of a scene's surfaces, in pictures and truth: colour is their mean in linear light. 1 "
+        "draws jagged edges, 4 is what engines send.",
+        valid=Number(least=1, most=MOST_SAMPLES),
+        study=PICTURE,
+        heading=RENDERING,
+    )
+    sample_depth: str = option(
+        CENTRE,
+        "Which depth a pixel of several samples has: that of its centre, or of the nearest surface with a sample; "
+        "never a mean.",
+        valid=one_of(CENTRE, NEAREST),
+        limits=f"{CENTRE} or {NEAREST}",
+        study=PICTURE,
+        heading=RENDERING,
+    )
     # In the syntax of client.parse_indirect; only where the scene's lamps move.
     indirect: str = option(
         "converged",
@@ -274,6 +295,8 @@ class PipelineOptions(Declared):
             self.sequence_options.refuse_unused()
             if self.repair != "none":
                 raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
+        if self.sample_depth != CENTRE and self.samples == 1:
+            raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; say --samples 4 too")
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()
@@ -391,6 +414,7 @@ class PipelineOptions(Declared):
             "proxy": ("--proxy", self.proxy.on),
             "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
             "warp": (f"--warp {self.warp}", self.warp == AUTO),
+            "samples": (f"--samples {self.samples}", self.samples != 1),
         }
         refuse_with_frames(asked)
 

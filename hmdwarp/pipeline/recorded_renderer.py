@@ -19,7 +19,7 @@ from ..geometry import Fov, Guard, Pose, View, guarded_eyes, inverse_depth_from_
 from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..scenes import Scene
 from ..sources.repairs import RepairChain
 from ..sources.sequences import RecordedFrame, Sequence

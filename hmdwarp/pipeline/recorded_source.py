@@ -18,8 +18,8 @@ from ..gpu.context import Gpu
 from ..headsets import CameraDisplay, camera_display
 from ..poses import LoadedTrace, PoseTrack
 from ..poses.assumptions import Assumption, unstated
-from ..poses.pose_source import Moment
 from ..poses.quaternions import multiply, rotate
+from ..poses.track import Moment
 from ..sources import sequences
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import Sequence
@@ -142,8 +142,8 @@ class RecordingSource(Source):
         if needs.others.other_eye:
             self._refuse_one_eye("recorded frames have one eye", "multi:eye=own looks into older frames alone")
 
-    def renderer(self, gpu: Gpu, mirrors: str, moment_of: MomentOf = Moment) -> RecordedRenderer:
-        """Return what gives the frames; mirrors are as they were recorded."""
+    def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> RecordedRenderer:
+        """Return what gives the frames; mirrors and edges are as they were recorded."""
         return RecordedRenderer(gpu, self.scene, self.sequence, moment_of)
 
 

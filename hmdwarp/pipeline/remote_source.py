@@ -19,7 +19,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import upload
 from ..link.codec import Coding
 from ..poses import PoseSample
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..scenes import Scene
 from ..sources.feed.caller import Arrival
 from ..sources.feed.key_pairs import public_key
@@ -136,10 +136,10 @@ class RemoteSource(Source):
         """Return None: the server codes them."""
         return None
 
-    def renderer(self, gpu: Gpu, mirrors: str, moment_of: MomentOf = Moment) -> Renderer:
+    def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
         """Return what draws the truth, and has textures for the frames."""
         if self._is_here:
-            return super().renderer(gpu, mirrors, moment_of)
+            return super().renderer(gpu, options, moment_of)
         return RemoteRenderer(gpu, self.scene, self.feed) if self._draws_truth else Renderer(gpu, self.scene)
 
     def close(self) -> None:

@@ -19,12 +19,12 @@ from ..headsets import Headset, load_headset
 from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample
 from ..poses.assumptions import Assumption
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from ..scenes import Scene, load_scene
 from ..sources.server import Renderer, Server
 from .frame_coder import Coder
 from .frame_source import FrameSource, ServerFrames, Target
-from .options import PipelineOptions
+from .options import NEAREST, PipelineOptions
 from .recorded_renderer import MomentOf
 from .requested import PoseRequest
 from .source_kinds import SCENE, SourceKind
@@ -169,12 +169,13 @@ class Source:
     def close(self) -> None:
         """Hang up, where frames come from elsewhere."""
 
-    def renderer(self, gpu: Gpu, mirrors: str, moment_of: MomentOf = Moment) -> Renderer:
+    def renderer(self, gpu: Gpu, options: PipelineOptions, moment_of: MomentOf = Moment) -> Renderer:
         """Return what draws the frames and the truth; the caller closes it.
 
         moment_of: where recorded frames are at an instant.
         """
-        return Server(gpu, self.scene, mirrors)
+        nearest = options.sample_depth == NEAREST
+        return Server(gpu, self.scene, options.mirrors, samples=options.samples, nearest=nearest)
 
 
 def nothing(name: str, summary: str, **more: Any) -> Scene:

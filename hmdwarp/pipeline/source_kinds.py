@@ -65,6 +65,7 @@ _WHY_NOT = {
     "proxy": "a proxy draws for heads of its own",
     "scanout": "the truth of each row was not recorded",
     "guard": "a factor says how much of the recording is shown, such as 1.5",
+    "samples": "its edges are as they were recorded",
     "warp": "its benchmark draws a scene; name a warp",
 }
 _ONLY_SAID = ("scene", "headset", "rendered_size", "wide")

@@ -8,6 +8,8 @@ from typing import TypeVar
 
 import attrs
 
+from .options import Euler
+
 T = TypeVar("T")
 
 
@@ -59,3 +61,60 @@ def first_stated(*values: T | None) -> tuple[T | None, By]:
     """Return the first value that is there, of user, file and format, and who says it."""
     sources = (By.USER, By.FILE, By.FORMAT)
     return next(((value, by) for value, by in zip(values, sources, strict=True) if value), (None, By.NOBODY))
+
+
+# Who says what axes a file has, in words.
+AXES_BY = {
+    By.USER: "as --axes or --up says",
+    By.FILE: "stated by the file",
+    By.FORMAT: "by the format",
+    By.MOTION: "by --axes auto, from the motion",
+    By.NOBODY: "assumed",
+}
+
+
+@attrs.frozen
+class Defect:
+    """One kind of defect in a file and its repair: nothing is dropped or changed silently."""
+
+    kind: str  # a stable identifier for programs
+    what: str  # a description for people
+    done: str  # the repair
+    count: int = 1
+    line: int | None = None  # the first line concerned, from 1
+
+    def __str__(self) -> str:
+        place = "" if self.line is None else f" (line {self.line}{' first' if self.count > 1 else ''})"
+        return f"{self.what}{place}: {self.done}"
+
+
+@attrs.frozen
+class Layout:
+    """Which columns to read, their meaning, and who says so."""
+
+    time: int | None  # column index
+    # columns of x y z w; with `matrix` nine numbers row by row; with `euler` its angles
+    orientation: tuple[int, ...]
+    matrix: str = ""  # how its numbers were ordered, in words; "": none
+    euler: Euler | None = None
+    nanoseconds: int | None = None  # column of whole nanoseconds in addition to one of whole seconds
+    position: tuple[int, int, int] | None = None  # columns of x y z
+    columns_by: By = By.FILE
+    order_by: By = By.FILE  # of the numbers of an orientation
+    unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess
+    unit_by: By = By.FILE  # where there is one
+    device: int | None = None  # column that identifies the device of each row
+    axes: str = "openxr"  # what `parse_axes` takes
+    axes_by: By = By.NOBODY
+    gravity_down: tuple[float, ...] = (0.0, 0.0, 0.0)  # down in the file's world; zeros: it does not say
+    scale: float = 1.0  # metres per unit
+    scale_by: By = By.NOBODY
+    inverse: bool = False  # poses are head from world
+    direction_by: By = By.NOBODY
+    clock_ignored: bool = False  # --trace-rate replaces the time column
+    caveats: tuple[Defect, ...] = ()  # defects of every file of the format
+
+    @property
+    def order(self) -> str:
+        """Order of the quaternion's columns in the file, such as wxyz."""
+        return "".join(part for _, part in sorted(zip(self.orientation, "xyzw", strict=True)))

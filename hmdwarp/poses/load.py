@@ -8,13 +8,12 @@ from typing import Any
 
 from ..errors import InputError, TraceError, unknown_name
 from ..resources import folder, recording_names
-from .assumptions import By
+from .assumptions import By, Layout
 from .formats import TraceFormat, column_of, column_of_devices, formats, of_matrix, ordered
 from .options import AXIS_ANGLE, VECTOR, Euler, TraceOptions, parse_euler
 from .reading.cleaning import LoadedTrace
 from .reading.file_head import Head, read_head
 from .reading.matrix_cells import read_matrix
-from .stated import Layout
 
 _SYNTAX = (
     "t=TIME,p=X+Y+Z,q=X+Y+Z+W with names or numbers from 1, such as t=1,p=2+3+4,q=5+6+7+8; or m=2-17 in place of q"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from typing import Any
 
 import attrs
 import numpy as np
@@ -10,8 +11,10 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from . import quaternions
-from .predictors import predictors
-from .track import PoseSample, PoseTrack
+from .assumptions import assumption_rows
+from .predictors import Predictor, predictors
+from .reading.cleaning import LoadedTrace
+from .track import Origin, PoseSample, PoseTrack
 
 Array = NDArray[np.float64]
 
@@ -99,3 +102,171 @@ def _errors(missed: Array, moved: Array, still: float) -> PredictionErrors:
         lead=max(0.0, float(np.percentile(lead, _FAR))),
         lag=max(0.0, float(np.percentile(-lead, _FAR))),
     )
+
+
+_MS = 1_000_000
+GRID_NS = 5 * _MS  # 200 Hz
+MOST_INSTANTS = 200_000  # 1000 s at 200 Hz: longer tracks are sampled at evenly spaced instants
+LATENCIES_MS = (20, 50, 100, 200, 400, 600, 800)
+SPEED_PERCENTILES = (50, 95, 99, 99.9)
+# Known motion before each prediction that is counted: the window of constant_velocity.
+KNOWN_NS = 50 * _MS
+
+
+@attrs.frozen
+class Gap:
+    """A stretch without samples, from `start_ns`, lasting `length_ns`."""
+
+    start_ns: int
+    length_ns: int
+
+
+@attrs.frozen
+class ErrorRow:
+    """Angles between the head and its predictions from `latency_ms` before.
+
+    All values are NaN where the track is too short for the latency.
+    """
+
+    latency_ms: int
+    errors: dict[str, PredictionErrors]  # by predictor, in the order of `predictors_in_order`
+    count: int  # instants
+
+
+@attrs.frozen
+class Analysis:
+    """Everything `hmdwarp trace info` prints about motion."""
+
+    samples: int
+    duration_s: float
+    rate_hz: float
+    mean_rate_hz: float
+    repeated_share: float
+    gaps: list[Gap]
+    jumps: int
+    angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
+    linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
+    errors: list[ErrorRow]  # one row per latency
+
+
+def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
+    """Return the figures of a track without repeated poses, none across a gap or jump."""
+    motion = track.without_repeats()
+    steps = np.diff(track.time_ns)
+    gaps = np.flatnonzero(steps > track.max_gap_ns)
+    duration_s = track.duration_ns / 1e9
+    angular, linear = speeds(motion)
+    return Analysis(
+        samples=len(track),
+        duration_s=duration_s,
+        rate_hz=track.rate_hz,
+        mean_rate_hz=(len(track) - 1) / duration_s if duration_s else 0.0,
+        repeated_share=1 - len(motion) / len(track),
+        gaps=[Gap(int(track.time_ns[i]), int(steps[i])) for i in gaps],
+        jumps=len(track.jumps),
+        angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
+        linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
+        errors=[error_row(motion, latency) for latency in latencies_ms],
+    )
+
+
+def speeds(track: PoseTrack) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return angular (rad/s) and linear (m/s) speeds: differences over 10 ms, every 5 ms."""
+    now = _instants(track, GRID_NS, GRID_NS)
+    now = now[_joined(track, now - GRID_NS, now + GRID_NS)]
+    before, after = track.sample_many(now - GRID_NS), track.sample_many(now + GRID_NS)
+    seconds = 2 * GRID_NS * 1e-9
+    angle = quaternions.angle_between(before.orientation_xyzw, after.orientation_xyzw)
+    return angle / seconds, np.linalg.norm(after.position_m - before.position_m, axis=1) / seconds
+
+
+def error_row(track: PoseTrack, latency_ms: int) -> ErrorRow:
+    """Return the angles between the head at t and its predictions from t - latency."""
+    latency = latency_ms * _MS
+    now = _instants(track, latency + KNOWN_NS, 0)
+    now = now[_joined(track, now - latency - KNOWN_NS, now)]
+    truth = track.sample_many(now).orientation_xyzw
+    then = now - latency
+    known = track.sample_many(then).orientation_xyzw
+    errors = {
+        predictor.name: turn_errors(known, truth, predictor.predict_many(track, then, latency).orientation_xyzw)
+        for predictor in predictors_in_order()
+    }
+    return ErrorRow(latency_ms, errors, len(now))
+
+
+def predictors_in_order() -> list[Predictor]:
+    """Return every predictor once, by how far it looks ahead."""
+    return sorted((p for p in predictors if not p.alias_of), key=lambda p: p.horizon_ns)
+
+
+def _instants(track: PoseTrack, before_ns: int, after_ns: int) -> NDArray[np.int64]:
+    """Return a 200 Hz grid that leaves room at both ends, thinned to MOST_INSTANTS."""
+    first, last = track.start_ns + before_ns, track.end_ns - after_ns
+    if last < first:
+        return np.empty(0, np.int64)
+    stride = GRID_NS * -(-((last - first) // GRID_NS + 1) // MOST_INSTANTS)
+    return np.arange(first, last + 1, stride, dtype=np.int64)
+
+
+def _joined(track: PoseTrack, start_ns: NDArray[np.int64], end_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return where neither end lies within a gap, and no gap or jump lies between."""
+    if len(track) < 2:
+        return np.zeros(len(start_ns), bool)
+    return np.asarray(
+        (track.run_of(start_ns) == track.run_of(end_ns)) & (track.sample_many(end_ns).origin != Origin.HELD)
+    )
+
+
+def _percentiles(values: NDArray[np.float64], wanted: tuple[float, ...]) -> tuple[float, ...]:
+    if not len(values):
+        return tuple(float("nan") for _ in wanted)
+    return tuple(float(v) for v in np.percentile(values, wanted))
+
+
+def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
+    """Return what `hmdwarp trace info --json` prints.
+
+    Percentiles are keys such as p95. What the track is too short for is NaN.
+    """
+    return {
+        "trace": str(loaded.path),
+        "format": loaded.format,
+        "origin": loaded.track.origin,
+        "axes": loaded.axes,
+        "columns": loaded.columns,
+        "samples": figures.samples,
+        "repeated_share": figures.repeated_share,
+        "duration_s": figures.duration_s,
+        "rate_hz": figures.rate_hz,
+        "mean_rate_hz": figures.mean_rate_hz,
+        "clock": loaded.time_unit,
+        "clock_starts_s": loaded.track.epoch_ns / 1e9,
+        "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
+        "jumps": figures.jumps,
+        "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
+        "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
+        "errors_deg": [
+            {
+                "latency_ms": row.latency_ms,
+                **{
+                    name: {
+                        "mean": errors.mean,
+                        **_by_name(errors.percentiles, ERROR_PERCENTILES),
+                        "lead_share": errors.lead_share,
+                        "lead_p95": errors.lead,
+                        "lag_p95": errors.lag,
+                    }
+                    for name, errors in row.errors.items()
+                },
+            }
+            for row in figures.errors
+        ],
+        "segments": [attrs.asdict(segment) for segment in loaded.segments],
+        "assumptions": assumption_rows(loaded.assumptions),
+        "defects": [attrs.asdict(defect) for defect in loaded.defects],
+    }
+
+
+def _by_name(values: tuple[float, ...], which: tuple[float, ...]) -> dict[str, float]:
+    return {f"p{percent:g}": value for percent, value in zip(which, values, strict=True)}

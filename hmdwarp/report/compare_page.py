@@ -33,8 +33,7 @@ from .page import (
 )
 from .run_texts import axes_of_traces, source_facts
 from .style import PAGE
-from .tables import Table, markdown, terminal_table
-from .words import counted
+from .words import Table, counted, markdown, terminal_table
 
 if TYPE_CHECKING:
     from rich.table import Table as TerminalTable

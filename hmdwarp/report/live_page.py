@@ -14,8 +14,7 @@ from .charts import Series, time_series
 from .page import Chart, Group, Page, Section, Terms, Text, Tile, fact, notes_section, reading_section, texts
 from .replay_page import made_with, miss_tile, size_fact, transit_section
 from .run_texts import TIME_FIGURES, Summary, budget_rows, drawing_text, eyes_text, source_facts
-from .tables import Cell, Line, Table
-from .words import listed
+from .words import Cell, Line, Table, listed
 
 Column = Callable[[str], NDArray[np.float64]]
 

@@ -16,7 +16,7 @@ from typing import Any
 import attrs
 from markupsafe import Markup
 
-from .pictures import jpeg_bytes
+from .files import jpeg_bytes
 from .style import css_variables
 from .words import name_pieces
 

@@ -40,8 +40,8 @@ _WARPS: dict[str, tuple[str, str, int]] = {
     "layered": ("#5b2a9c", "#b79cff", 1),
 }
 _OTHERS = (("#8a3b5c", "#e8a0bf", 3), ("#4d6b00", "#b9d94e", 3), ("#005f5f", "#5fd0c0", 3), ("#3d3d8f", "#a3a8f5", 3))
-_REGIONS = (("#2b3440", "#eef1f4"), ("#7d8a99", "#94a1b0"), ("#c3ccd6", "#4a5563"))
-HATCHES = ("", "////", "")
+_REGIONS = (("#11161d", "#ffffff"), ("#4a5563", "#c3ccd6"), ("#8e9aa8", "#8e9aa8"), ("#d5dbe2", "#3c4652"))
+HATCHES = ("", "....", "////", "")
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
 _MARKERS = {"none": "o", "interpolate": "s", "pyramid": "^", "memory+pyramid": "D"}
 _MORE_MARKERS = ("v", "P", "X", "p", "<", ">", "h", "*")

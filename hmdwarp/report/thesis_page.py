@@ -24,8 +24,7 @@ from .page import (
     minutes,
     reading_section,
 )
-from .tables import Table, markdown
-from .words import plain
+from .words import Table, markdown, plain
 
 MARKS = {True: " ✓", False: " ✗", None: ""}
 # CSS classes of the verdicts.

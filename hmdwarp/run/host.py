@@ -20,7 +20,7 @@ from ..pipeline.sizes import guarded_size
 from ..pipeline.source import Source
 from ..pipeline.source_choice import check_names, source_of
 from ..poses import Origin, PoseSample
-from ..poses.pose_source import LoopedSource, Moment
+from ..poses.track import LoopedSource, Moment
 from .bench_levels import levels_from_file
 from .options import OFFSCREEN, LiveOptions
 from .pose_request import RecentPoses

@@ -62,7 +62,7 @@ class ReplayLog:
         ]
 
     def frames_csv(self) -> Iterator[Row]:
-        """Yield the rows with the columns of report.schema.FRAME_COLUMNS.
+        """Yield the rows with the columns of report.FRAME_COLUMNS.
 
         Both eyes share the poses.
         """

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
-from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, labelled_strip, render_report
+from ..report import FRAME_COLUMNS, OutputFolder, WorstFrame, comparison_panels, digests, labelled_strip, render_report
 from .frame_rows import Row
 from .log import ReplayLog
 from .replay_setup import ReplaySetup
@@ -120,14 +120,16 @@ def write_results(
             notes=result.summary["notes"],
         )
         out.write_text("report.html", page)
-        for strip in strips:
-            strip.result()
+        pictures = dict(strip.result() for strip in strips)
+    result.summary["digests"] = digests([*log.frames_csv()], pictures)
     out.write_json("summary.json", result.summary)
 
 
-def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> None:
+def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> tuple[str, NDArray[np.uint8]]:
     number, eye, _ = kept.key
-    out.write_png(f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept)))
+    name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept))
+    out.write_png(name, strip)
+    return name, strip
 
 
 def _panels_of(kept: Kept) -> list[tuple[str, NDArray[np.uint8]]]:

@@ -22,13 +22,14 @@ from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
 from ..report import SCHEMA
-from ..resources import __version__
+from ..resources import __version__, made_with
 
 _MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
 OWNED = (
+    "diff.html",
     "images/*-left.png",
     "images/*-right.png",
     "images/*-camera.png",
@@ -134,6 +135,7 @@ class Facts:
             "pixels_per_degree": self.pixels_per_degree,
             "machine": self.machine,
             "clock": self.clock,
+            "made_with": {**made_with(), "options": options.digest()},
             **figures,
         }
 

@@ -21,6 +21,8 @@ class ServeOptions(Declared):
     scene: str = same_as(_PIPELINE.scene)
     scene_options: SceneOptions = group(SceneOptions)
     mirrors: str = same_as(_PIPELINE.mirrors)
+    samples: int = same_as(_PIPELINE.samples)
+    sample_depth: str = same_as(_PIPELINE.sample_depth)
     listen: str = option(
         "127.0.0.1:5570",
         "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "

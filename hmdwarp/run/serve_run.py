@@ -17,8 +17,9 @@ from ..frames import Frame, Needs
 from ..frames.layers import RENDERED, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
-from ..pipeline.feed_coding import FeedEncoder
+from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
+from ..pipeline.options import NEAREST
 from ..scenes import load_scene
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import key_pair
@@ -28,8 +29,8 @@ from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .serve_options import ServeOptions
 
-# Of the videos of all clients; what is beyond begins anew. An encoder holds some 30 bytes a pixel.
-_MOST_CODED_PIXELS = 1 << 25
+# Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
+_MOST_CODED_BYTES = 1 << 30
 _WAIT_MS = 200  # between looks at whether to stop
 
 
@@ -51,7 +52,11 @@ def serve(
     listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
     with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
-        with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors)) as server:
+        nearest = options.sample_depth == NEAREST
+        with (
+            Gpu() as gpu,
+            closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
+        ):
             say(f"listening at {listener.address}: scene '{scene.name}'")
             coders = _Coders(listener)
             while goes_on():
@@ -78,7 +83,7 @@ class _Coders:
             found = FeedEncoder(asked.ask)
         coded = found.encode(frame)
         self._of[asked.client] = found  # not where that failed: its eyes may be at different places
-        while sum(coder.pixels for coder in self._of.values()) > _MOST_CODED_PIXELS and len(self._of) > 1:
+        while sum(coder.bytes for coder in self._of.values()) > _MOST_CODED_BYTES and len(self._of) > 1:
             del self._of[next(iter(self._of))]
         return coded
 
@@ -102,6 +107,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
+    check_work(ask)
     frame = _drawn(server, ask, needs)
     server.gpu.wait()
     pictures = list(_pictures(frame, ask))

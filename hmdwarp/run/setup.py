@@ -24,7 +24,7 @@ from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import guarded_size
 from ..pipeline.source import FirstRequest, Source
 from ..poses import PoseSample, PoseSource, PoseTrack
-from ..poses.pose_source import Moment
+from ..poses.track import Moment
 from .pose_request import pose_request
 
 Options = TypeVar("Options", bound=PipelineOptions)

@@ -24,7 +24,10 @@ from ._pieces import partial_scene as partial_scene
 from ._pieces import pieces_of as pieces_of
 from ._points import PointCells as PointCells
 from ._points import SurfacePoints as SurfacePoints
+from ._points import VoxelGrid as VoxelGrid
+from ._points import VoxelSurfaces as VoxelSurfaces
 from ._points import octahedral as octahedral
+from ._points import voxel_surfaces as voxel_surfaces
 from ._reduce import only_emission as only_emission
 from ._reduce import only_light as only_light
 from ._reduce import reduced as reduced
@@ -38,10 +41,7 @@ from ._scene import SceneMirror as SceneMirror
 from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
-from ._targets import with_targets as with_targets
-from ._voxels import VoxelGrid as VoxelGrid
-from ._voxels import VoxelSurfaces as VoxelSurfaces
-from ._voxels import voxel_surfaces as voxel_surfaces
+from ._viewpoint import with_targets as with_targets
 from .deformations import Joint as Joint
 from .deformations import Skinned as Skinned
 from .deformations import Waving as Waving

@@ -24,10 +24,9 @@ from ..errors import InputError, SceneError
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import GLTF, SCENE, content_of
 from ..resources import install_line
-from ._gltf_specular import SPECULAR
-from ._notes import Notes
-from ._picture_files import read_beside, rgba_of
+from ._notes import Notes, read_beside, rgba_of
 
+SPECULAR = "KHR_materials_pbrSpecularGlossiness"
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 _LONGEST_NAME = 1000  # characters of a path
 _HEADERS = 20  # bytes of the header of a GLB, and of that of its first chunk

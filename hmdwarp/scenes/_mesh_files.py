@@ -18,8 +18,7 @@ from ..errors import InputError, SceneError
 from ..options.named_files import SCENE, opened
 from ._draft import Draft, Look, normals_of
 from ._mesh import Material, Texture
-from ._notes import Notes
-from ._picture_files import read_beside, rgba_of
+from ._notes import Notes, read_beside, rgba_of
 
 Array = NDArray[np.float64]
 GREY = 0.5

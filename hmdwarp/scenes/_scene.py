@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import SceneError
 from ..geometry import Mirror, Pose
-from ..geometry.mirror import MOST_MIRRORS
+from ..geometry.view import MOST_MIRRORS
 from ..registry import Registry
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Mesh, Motion, Texture
 

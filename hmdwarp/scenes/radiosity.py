@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
-from ._cache import cache_folder, read_arrays, write_arrays
 from ._mesh import Mesh, Texture
+from ._reduce import cache_folder, read_arrays, write_arrays
 from ._scene import ATLAS, NEAREST_M, Background, Lamp, Scene
 
 Array = NDArray[np.float64]

@@ -1,6 +1,6 @@
 // The mirrors of a picture in the axes of an eye, and the one that a ray meets. Rays have z = -1,
 // so that `way` is a depth.
-// Rows of the uniforms: hmdwarp/geometry/mirror.py.
+// Rows of the uniforms: hmdwarp/geometry/view.py.
 #define MOST_MIRRORS 8
 uniform int mirror_count;
 uniform vec4 mirror_centre[MOST_MIRRORS]; // centre and, in w, the radius of a ball, 0 for a plane

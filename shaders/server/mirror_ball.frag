@@ -2,7 +2,7 @@
 // around the ball's centre with their depths, and how far behind the surface its image appears.
 // In: place and normal in the axes of the eye. Out: linear RGBA; inverse depth of the image in 1/m.
 // Source: Popescu et al. 2006, Real-Time Reflection Mapping with Parallax (rays against depth);
-// Coddington 1829 (the image), see hmdwarp/geometry/mirror.py.
+// Coddington 1829 (the image), see hmdwarp/geometry/view.py.
 #include "lib/cube.glsl"
 #include "lib/mirrors.glsl"
 uniform sampler2D around;               // the cube, axes of the world

@@ -21,25 +21,25 @@
 #include "lib/voxel_near.glsl"
 #endif
 
-in vec3 place;
-in vec3 normal;
-in vec2 light_uv;
-in vec3 albedo;
+centroid in vec3 place;
+centroid in vec3 normal;
+centroid in vec2 light_uv;
+centroid in vec3 albedo;
 #endif
 #if defined(RECEIVERS) || (defined(LAMPS) && !defined(SPLATTED) && !defined(VOXELS))
 #include "lib/light_atlas.glsl"
 #endif
 #ifdef RECEIVERS
-in vec3 normal;
-in vec2 light_uv;
+centroid in vec3 normal;
+centroid in vec2 light_uv;
 
 layout(location = 0) out vec4 receiver;
 layout(location = 1) out float inverse_depth;
 #elif defined(COLOUR)
 uniform sampler2D surface;
 
-in vec2 uv;
-in vec3 light;
+centroid in vec2 uv;
+centroid in vec3 light;
 
 layout(location = 0) out vec4 colour;
 layout(location = 1) out float inverse_depth;

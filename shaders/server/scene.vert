@@ -13,8 +13,8 @@ in vec3 in_position;
 in vec2 in_uv;
 in vec3 in_light;
 
-out vec2 uv;
-out vec3 light;
+centroid out vec2 uv;
+centroid out vec3 light;
 #endif
 #if defined(LAMPS) || defined(RECEIVERS)
 uniform mat4 scene_from_here;  // where lamps light what is drawn
@@ -22,14 +22,14 @@ uniform mat4 scene_from_here;  // where lamps light what is drawn
 in vec3 in_normal;
 in vec2 in_light_uv;
 
-out vec3 normal;
-out vec2 light_uv;
+centroid out vec3 normal;
+centroid out vec2 light_uv;
 #endif
 #ifdef LAMPS
 in vec3 in_albedo;
 
-out vec3 place;
-out vec3 albedo;
+centroid out vec3 place;
+centroid out vec3 albedo;
 #endif
 
 void main() {

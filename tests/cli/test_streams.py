@@ -13,14 +13,7 @@ from hmdwarp.resources import folder
 from .conftest import PROGRAM, ROOT, complaints
 
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
-LISTS = [
-    ["list", "warps"],
-    ["list", "warps", "--json"],
-    ["list", "scenes", "--markdown"],
-    ["plan", "--scene", "planes"],
-    ["--help"],
-    ["trace", "info", "still"],
-]
+LISTS = [["list", "warps"], ["--help"], ["trace", "info", "still"]]  # a table, click's own, lines
 REPLAY = ["replay", "still", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0", "--out"]
 
 
@@ -36,7 +29,7 @@ def test_a_reader_that_has_gone_is_no_fault(arguments):
     assert (done.returncode, done.stderr) == (0, "")
 
 
-@pytest.mark.parametrize("arguments", LISTS[:4], ids=" ".join)
+@pytest.mark.parametrize("arguments", LISTS[:2], ids=" ".join)
 def test_a_full_disk_behind_standard_output_is_told(arguments):
     if not os.path.exists("/dev/full"):  # noqa: PTH110 (a device, not a file of ours)
         pytest.skip("no /dev/full here")

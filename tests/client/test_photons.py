@@ -21,8 +21,7 @@ from hmdwarp.client.warps import Output
 from hmdwarp.client.warps.photons import KeptPhotons, Splats
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
-from hmdwarp.frames.layers.photons import PhotonMap
-from hmdwarp.frames.photon_bundles import CUBE_BYTES
+from hmdwarp.frames.layers.photons import CUBE_BYTES, PhotonMap
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions

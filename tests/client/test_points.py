@@ -14,8 +14,7 @@ from hmdwarp.client.warps import Output
 from hmdwarp.client.warps.points import KeptPoints
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
-from hmdwarp.frames.layers.points import Cloud
-from hmdwarp.frames.point_blocks import Block, packed_sky
+from hmdwarp.frames.layers.points import Block, Cloud, packed_sky
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions

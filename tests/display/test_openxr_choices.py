@@ -24,9 +24,9 @@ except MachineError as lacking:
 import xr
 
 from hmdwarp.display import DisplayOptions, Lost
+from hmdwarp.display.openxr.connection import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
 from hmdwarp.display.openxr.graphics import VARIABLE, check_requirements, kinds
 from hmdwarp.display.openxr.runtime import Calls, Session
-from hmdwarp.display.openxr.swapchain import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
 from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, RuntimeEyes, _world
 from hmdwarp.poses import Origin
 

@@ -79,7 +79,7 @@ def test_manifest_follows_the_loader(tmp_path):
     assert manifest(home) == own
     assert "no runtime manifest" in manifest_text(home)
     named = {**home, "XR_RUNTIME_JSON": str(tmp_path / "absent.json")}
-    assert manifest_text(named).endswith("absent.json: No such file or directory")
+    assert manifest_text(named).endswith("absent.json: no such file: expected a JSON file")
     assert manifest({**home, "XDG_CONFIG_HOME": str(tmp_path / "empty")}) in (
         None,
         Path("/etc/openxr/1/active_runtime.json"),

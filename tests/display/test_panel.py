@@ -15,15 +15,15 @@ import numpy as np
 import pytest
 
 from hmdwarp.display import CONTROLS, Command, Status, control
+from hmdwarp.display.controls import KEPT
 from hmdwarp.display.desktop import PANEL_REMEDY, installed, make_control_panel
-from hmdwarp.display.status import KEPT
 
 if not installed():
     pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)
 
 from imgui_bundle import imgui  # noqa: E402
 
-from hmdwarp.display.desktop.control_panel import plots, widgets  # noqa: E402
+from hmdwarp.display.desktop.control_panel import widgets  # noqa: E402
 from hmdwarp.display.desktop.control_panel.imgui_input import NoInput  # noqa: E402
 from hmdwarp.display.desktop.control_panel.panel import CALM_HZ, ControlPanel  # noqa: E402
 from hmdwarp.display.desktop.control_panel.renderer import CORNER, Batch, PanelRenderer  # noqa: E402
@@ -534,27 +534,27 @@ def test_buttons_ask_for_what_the_display_does(panel, hand):
 
 @pytest.mark.parametrize("most", [1e-6, 0.07, 1.0, 1.01, 9.99, 16.7, 33.4, 99.9, 100.0, 101.0, 2512.0])
 def test_an_axis_ends_at_a_round_number_a_little_above(most):
-    assert most * (1 - 1e-6) <= plots.ceiling(most) <= 1.5 * most + 1e-9
+    assert most * (1 - 1e-6) <= widgets.ceiling(most) <= 1.5 * most + 1e-9
 
 
 @pytest.mark.parametrize("most", [0.0, -1.0, math.nan, math.inf])
 def test_an_axis_has_an_end(most):
-    assert plots.ceiling(most) == 1.0
+    assert widgets.ceiling(most) == 1.0
 
 
 def test_numbers_are_read_as_they_are_meant():
-    named = {plot.name: plot for plot in plots.plots_of(status())}
+    named = {plot.name: plot for plot in widgets.plots_of(status())}
     passes, holes = named["all passes"], named["holes before the fill"]
-    assert plots.number_text(4.26, passes) == "4.3 of 16.7 ms"
-    assert plots.number_text(123.4, holes) == "123 %"
-    assert plots.number_text(None, holes) == "-"
-    assert plots.calm(holes.values) == pytest.approx(3.0)  # those that were counted alone, as percent
-    assert plots.calm([]) is None
-    assert plots.calm([math.nan]) is None
+    assert widgets.number_text(4.26, passes) == "4.3 of 16.7 ms"
+    assert widgets.number_text(123.4, holes) == "123 %"
+    assert widgets.number_text(None, holes) == "-"
+    assert widgets.calm(holes.values) == pytest.approx(3.0)  # those that were counted alone, as percent
+    assert widgets.calm([]) is None
+    assert widgets.calm([math.nan]) is None
 
 
 def test_stages_keep_their_colours_when_others_come_and_go():
-    stages = plots.Stages()
+    stages = widgets.Stages()
     stages._take({"warp": 4.0, "lens": 2.0})
     lens = stages._colour("lens")
     stages._take({"warp": 4.0, "fill": 1.0, "lens": 2.0})

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.frames.deliveries import FRAGMENT_BYTES, Inbox, Outbox
+from hmdwarp.frames.layers import FRAGMENT_BYTES, Inbox, Outbox
 
 SIZES = [0, 1, FRAGMENT_BYTES, FRAGMENT_BYTES + 1, 7 * FRAGMENT_BYTES + 3]
 

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.frames.layers.photons import PhotonMap
-from hmdwarp.frames.photon_bundles import (
+from hmdwarp.frames.layers.photons import (
     CUBE_BYTES,
     LEAST_BUDGET,
     BundleRoom,
     BundleSender,
     Cube,
+    PhotonMap,
     PhotonUpdate,
     bundle_bytes,
     packed,

@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from hmdwarp.frames.point_blocks import (
+from hmdwarp.frames.layers.points import (
     LEAST_BUDGET,
     PAGE,
     Block,

@@ -10,7 +10,7 @@ from reference.mirrors import fresnel, image_behind_ball
 from reference.reflection import image_by_two_rays
 
 from hmdwarp.geometry import Fov, Mirror, Pose, View
-from hmdwarp.geometry.mirror import MOST_MIRRORS, mirrors_in_eye, tangents_of_pixels
+from hmdwarp.geometry.view import MOST_MIRRORS, mirrors_in_eye, tangents_of_pixels
 
 
 def test_a_mirror_throws_back_its_share_straight_on_and_all_at_grazing_angles():

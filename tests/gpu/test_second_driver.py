@@ -37,6 +37,9 @@ SELECTED = (
     "tests/hard_cases",
     "tests/test_golden.py",
 )
+# Of the contract the first of its worlds and sizes, of the hard cases each warp with its defaults:
+# all pairs make the same picture here, and llvmpipe passes the rest.
+FEWER = "(not test_contract.py or [0- or [67x53-) and (not test_hard_cases.py or not :)"
 # Fills that sum many terms, which another compiler may round otherwise. Each of the levels of a
 # pyramid, halves of the picture down to one texel and up again, stores means as half floats: one
 # that falls to the other side of a rounding is off by a unit, 2^-10 of it, and a mean of such
@@ -109,10 +112,11 @@ def test_every_pair_of_warp_and_fill_makes_the_same_picture(gpu, tmp_path, recor
     )
 
 
-@pytest.mark.slow(120)
+@pytest.mark.slow(60)
 def test_the_selected_tests_pass_there(tmp_path, record_property):
     results = tmp_path / "results.xml"
-    done = on_zink("-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", f"--junitxml={results}", *SELECTED)
+    options = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist", f"--junitxml={results}", "-k", FEWER)
+    done = on_zink("-m", "pytest", *options, *SELECTED)
     assert done.returncode == 0, said(done)
     cases = list(ElementTree.parse(results).iter("testcase"))
     reasons = (found.get("message", "") for case in cases for found in case.iter("skipped"))

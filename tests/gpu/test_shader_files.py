@@ -25,9 +25,10 @@ from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, Copier, Gpu, ShaderLibrary, allocate, flatten
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
-from hmdwarp.image.picture_arrays import ENCODINGS
+from hmdwarp.image.array_passes import Found, GiveOut, TakeIn
+from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
@@ -87,12 +88,16 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         server.draw(view, (8, 6))
         server.draw_depth(view, (8, 6), depth)
         server.draw_frame([view], 0, (8, 6), needs=Needs(peeled=1))
+        server = Server(gpu, load_scene("planes"), samples=4, nearest=True)
+        server.draw_frame([view], 0, (8, 6), needs=Needs(ids=True, velocity=True))
         _draw_every_content(gpu)
         with Copier(gpu, 16):
             pass
         HoleCounter(gpu).close()
         DepthSamples(gpu).close()
         _take_textures_over(gpu)
+        _take_arrays_over(gpu)
+        _give_arrays_out(gpu)
         for spec, depth in product(("difference", "difference:warped=off", "points"), (False, True)):
             choice = parse_warp(spec)
             choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(depth=depth), ClientScene(gpu)).close()
@@ -115,6 +120,27 @@ def _take_textures_over(gpu: Gpu) -> None:
     colour = gpu.gl.texture((9, 7), 4)
     for depth_as, encoding in product((INVERSE, METRES, DepthLayer()), ENCODINGS):
         ForeignTextures(gpu, (9, 7)).converted(colour, into[1], depth_as, encoding, into)
+
+
+def _take_arrays_over(gpu: Gpu) -> None:
+    """Colour of each type, depth of each form."""
+    into, found = (allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)), Found(gpu, 1)
+    ones, whole = np.ones((7, 9)), np.ones((7, 9), np.uint16)
+    taking = TakeIn(gpu, (9, 7))
+    for kind, channels, encoding in product((np.uint8, np.float16, np.float32), (3, 4), (None, "srgb")):
+        for depth, scale in ((ones, None), (whole, 0.001), (whole.astype(np.int32), 1)):
+            raw = raw_picture(np.ones((7, 9, channels), kind), depth, scale, encoding)
+            taking.run(raw, taking.send(raw), into, found, 0)
+    taking.close()
+
+
+def _give_arrays_out(gpu: Gpu) -> None:
+    canvas, depth = Canvas(gpu.gl, (9, 7)), allocate(gpu.gl, (9, 7), SCALAR)
+    giving, found = GiveOut(gpu, (9, 7)), Found(gpu, 1)
+    for result in (SRGB8, *ENCODINGS):
+        giving.run(canvas, canvas, depth if result == SRGB8 else None, canvas, result, found)
+    giving.run(canvas, canvas, None, None, SRGB8, found)
+    giving.close()
 
 
 def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:

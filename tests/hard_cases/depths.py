@@ -11,7 +11,15 @@ from hmdwarp.geometry import Pose, View, inverse_depth_from_clip, metres_from_in
 
 from .motions import SLANTED, stepped_depth
 from .registry import hard_case
-from .setting import HALF, SIZE, SQUARE, Setting, is_warped_by_the_frame_alone, reads_depth
+from .setting import (
+    HALF,
+    SIZE,
+    SQUARE,
+    Setting,
+    brings_more_pictures,
+    is_warped_by_the_frame_alone,
+    reads_depth,
+)
 
 STEP = Pose((0.05, -0.02, 0.03))
 
@@ -155,3 +163,22 @@ def silhouette_under_large_motion(gpu, name):
         ):  # copies; the others resample, and may mix within one pixel
             red, green = picture.colour[picture.decided][:, 0], picture.colour[picture.decided][:, 1]
             assert (np.minimum(red, green) == 0).all()
+
+
+@hard_case(lambda name: is_warped_by_the_frame_alone(name) and not brings_more_pictures(name))
+def silhouette_of_mixed_colours(gpu, name):
+    """What: a red square before a blue wall; pixels along its silhouette are half red, half blue,
+      with the depth of square and wall by turns, as antialiased frames have them
+    Why: such a pixel belongs to both surfaces and moves with one
+    Wants: what the float64 twin says; red and blue in shares that make 1, nothing else
+    """
+    square = stepped_depth() > 1
+    rim = square & ~np.roll(square, 1, 0) | square & ~np.roll(square, 1, 1)
+    depth = np.where(square, 1.25, 0.25)
+    depth[rim] = np.where(np.arange(np.count_nonzero(rim)) % 2, 1.25, 0.25)
+    red = np.where(rim, 0.5, square)
+    colour = np.stack([red, 0 * red, 1 - red], axis=-1)
+    for picture in Setting(gpu, depth, STEP, colour=colour).pictures(name):
+        found = picture.colour[picture.decided & picture.covered]
+        assert np.abs(found[:, 0] + found[:, 2] - 1).max(initial=0) <= 4 * HALF
+        assert (found[:, 1] == 0).all()

@@ -107,7 +107,10 @@ def test_a_warper_repairs_each_picture_and_the_others():
         assert warper.repair.text == "edges+complete"
         for _ in range(2):
             out = warper.warp(colour, depth, VIEW, BESIDE, others=[(colour, depth, VIEW)])
-            assert set(out.time_ms) == {"repair", "warp", "carry"} and out.time_ms["repair"] > 0
+            assert (
+                set(out.time_ms) == {"repair", "upload", "warp", "carry", "download", "host"}
+                and out.time_ms["repair"] > 0
+            )
         bare = warper.warp(colour, np.where(depth > 0, depth, 3), VIEW, BESIDE, others=[(colour, depth, VIEW)])
         assert 0 < out.coverage[out.coverage > 0].min() < 1 and (bare.coverage > 0).any()
 

@@ -8,6 +8,8 @@ import pickle
 import subprocess
 import sys
 import threading
+import time
+import tracemalloc
 
 import bench_warper
 import mirror_wall
@@ -21,9 +23,12 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
 from hmdwarp.image import usable_warps
+from hmdwarp.image.array_passes import Found, TakeIn
+from hmdwarp.image.picture_arrays import checked_picture, raw_picture
 from hmdwarp.image.usable import AVAILABLE
 
 SIZE = (40, 30)
+STAGES = {"upload", "warp", "download", "host"}  # of each call with arrays
 
 
 def view(position=(0.0, 0.0, 0.0), yaw=0.0) -> View:
@@ -50,7 +55,7 @@ def test_many_pictures_are_each_what_warp_image_makes(warp, gpu):
             one = warper.warp(colour, depth, view(), shown)
             alone = warp_image(colour, depth, view(), shown, warp, "pyramid", gpu=gpu)
             assert np.array_equal(one.colour, alone.colour) and np.array_equal(one.coverage, alone.coverage)
-            assert one.hole_share == alone.hole_share and set(one.time_ms) == {"warp", "fill"}
+            assert one.hole_share == alone.hole_share and set(one.time_ms) == {*STAGES, "fill"}
 
 
 def test_later_pictures_allocate_nothing(gpu, monkeypatch):
@@ -63,6 +68,135 @@ def test_later_pictures_allocate_nothing(gpu, monkeypatch):
         for number in range(1, 4):
             warper.warp(*picture(number), view(), view((0.1, 0, 0)))
         assert made == []
+
+
+def test_later_pictures_make_no_array_of_picture_size(gpu):
+    """With arrays of the caller's own to write into, whatever the picture's arrays are."""
+    wide, high = size = (320, 240)
+    rng = np.random.default_rng(2)
+    colour = rng.integers(0, 256, (high, wide, 4), np.uint8)[::-1, ::-1]
+    depth = np.full((wide, high), 2.0).T
+    for one in (colour[..., :3], colour, rng.random((high, wide, 3)), rng.random((high, wide, 3)).astype(np.float16)):
+        with Warper(size, depth=True, gpu=gpu) as warper:
+            first = warper.warp(one, depth, view(), view((0.1, 0, 0)))
+            out = {"colour": first.colour, "coverage": first.coverage, "depth_m": first.depth_m}
+            before = [array.copy() for array in out.values()]
+            for array in out.values():
+                array[:] = 7
+            tracemalloc.start()
+            again = warper.warp(one, depth, view(), view((0.1, 0, 0)), out=out)
+            most = tracemalloc.get_traced_memory()[1]
+            tracemalloc.stop()
+            assert most < wide * high  # a byte for each pixel
+            assert again.colour is first.colour and again.coverage is first.coverage and again.depth_m is first.depth_m
+            assert all(np.array_equal(*pair) for pair in zip(before, out.values(), strict=True))
+
+
+def test_results_go_into_arrays_of_any_strides_and_widths(gpu):
+    colour, depth = picture(3, (41, 30))
+    views = view(), view((0.1, 0, 0))
+    with Warper((41, 30), depth=True, gpu=gpu) as warper:
+        for result in ("srgb8", "srgb", "linear"):
+            wanted = warper.warp(colour, depth, *views, result=result)
+            room = np.zeros((30, 90, 5), np.uint8 if result == "srgb8" else np.float64)
+            deep = np.zeros((41, 30), np.float16)
+            got = warper.warp(
+                colour, depth, *views, result=result, out={"colour": room[:, 3:85:2, 1:4], "depth_m": deep.T}
+            )
+            assert np.array_equal(room[:, 3:85:2, 1:4], wanted.colour) and (room[..., 0] == 0).all()
+            assert np.array_equal(deep.T, wanted.depth_m.astype(np.float16), equal_nan=True)
+            assert np.array_equal(got.coverage, wanted.coverage)
+        frozen = np.zeros((30, 41), np.float32)
+        frozen.flags.writeable = False
+        for out, told in (
+            ({"color": frozen}, "out names 'color': expected some of colour, coverage, depth_m"),
+            (
+                {"colour": np.zeros((30, 41, 3), np.uint8)},
+                r"uint8 \(30, 41, 3\): expected floats of shape \(30, 41, 3\)",
+            ),
+            (
+                {"coverage": np.zeros((30, 40))},
+                r"'coverage'. is float64 \(30, 40\): expected floats of shape \(30, 41\)",
+            ),
+            ({"depth_m": [1.0]}, "'depth_m'. is a list: expected an array of floats"),
+            ({"depth_m": frozen}, "read-only"),
+        ):
+            with pytest.raises(InputError, match=told):
+                warper.warp(colour, depth, *views, out=out)
+
+
+def numbers(kind: type, channels: int, rng: np.random.Generator) -> np.ndarray:
+    """(30, 41, channels) over the whole range of the type, also beyond what a half holds."""
+    shape = (30, 41, channels)
+    if kind is np.uint8:
+        return rng.integers(0, 256, shape, np.uint8)
+    values = rng.normal(size=shape) * 10.0 ** rng.integers(-9, 4, shape)
+    values[0, :5] = [[0.0], [-0.0], [6e-8], [65504.0], [1e5 if kind is not np.float16 else 3.0]]
+    if channels == 4:
+        values[..., 3] = np.abs(values[..., 3]) + 1e-4
+        values[5:9, 5:9, 3] = 0
+    return values.astype(kind)
+
+
+@pytest.mark.parametrize("form", ["metres", "float64", "float16", "millimetres", "int32", "masked"])
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize(
+    ("kind", "encoding"),
+    [(np.uint8, None), (np.float16, "linear"), (np.float32, "linear"), (np.float64, "linear"), (np.float32, "srgb")],
+)
+def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu):
+    """The same arrays by NumPy in float64, then rounded to what textures hold.
+
+    Light is the same half where NumPy's float32 gives it: a table of bytes, rounding to even; a
+    power in float32 is good to 1e-5, and half's step is 2**-10. Inverse depth: the scale, the
+    product and the division are each rounded in float32, the division to 2.5 units.
+    """
+    rng = np.random.default_rng(channels)
+    colour = np.clip(numbers(kind, channels, rng), 0, 1) if encoding == "srgb" else numbers(kind, channels, rng)
+    metres = rng.uniform(0.2, 60, (30, 41))
+    metres[3, :6] = [0, -1, np.nan, np.inf, 1e-30, 1e30]
+    depth, scale = metres.astype(np.float64 if form == "float64" else np.float32), None
+    if form in ("float16", "masked"):
+        depth = np.minimum(depth, 6e4).astype(np.float16)
+    if form in ("millimetres", "int32"):
+        depth, scale = (
+            np.nan_to_num(np.clip(1000 * metres, 0, 65535)).astype("uint16" if form == "millimetres" else "int32"),
+            0.001,
+        )
+    if form == "masked":
+        depth = np.ma.masked_less(depth, 20)
+    rgba, inverse = checked_picture(colour, depth, scale, encoding).arrays()
+    pair = allocate(gpu.gl, (41, 30), COLOUR), allocate(gpu.gl, (41, 30), SCALAR)
+    taking, found = TakeIn(gpu, (41, 30)), Found(gpu, 1)
+    found.clear()
+    raw = raw_picture(colour, depth, scale, encoding)
+    taking.run(raw, taking.send(raw), pair, found, 0)
+    found.read()
+    light, got = download(pair[0]), download(pair[1])
+    assert not found.is_doubtful(0, (41, 30)) and found.has_largest(0) == (form == "millimetres")
+    assert np.array_equal(got >= 0, inverse >= 0) and (got[got < 0] == -1).all()
+    assert got == pytest.approx(inverse, rel=4.5 * 2**-23)
+    wanted = rgba.astype(np.float16)
+    if encoding == "srgb":
+        assert light == pytest.approx(wanted, rel=2**-10 + 1e-5, abs=2**-24)
+    else:
+        assert np.array_equal(light, wanted)
+    taking.close(), found.close()
+    for texture in pair:
+        texture.release()
+
+
+@pytest.mark.parametrize("kind", [np.float16, np.float32])
+def test_a_refused_picture_is_not_remembered(kind, gpu):
+    """It looks like bytes as floats, or is no number somewhere: later holes show none of it."""
+    dark, depth = np.full((30, 40, 3), 0.25, np.float32), np.full((30, 40), 3.0)
+    aside, bad = view(yaw=25.0), np.full((30, 40, 3), 200, kind)
+    with Warper(SIZE, fill="memory", gpu=gpu) as warper:
+        for wrong, told in ((bad, "linear light has 1 for white"), (bad * np.inf, "row 0, column 0 is not a finite")):
+            with pytest.raises(InputError, match=told):
+                warper.warp(wrong.astype(kind), depth, aside, aside)
+        after = warper.warp(dark, depth, view(), aside)
+    assert (after.coverage == 0).mean() > 0.2 and after.colour.max() == 0.25
 
 
 def test_a_fill_that_remembers_learns_from_each_picture(gpu):
@@ -79,22 +213,34 @@ def test_a_fill_that_remembers_learns_from_each_picture(gpu):
 
 
 @pytest.mark.parametrize("fill", ["memory+pyramid", "memory+interpolate+pyramid"])
-def test_times_are_sums_over_all_fills_and_pictures(gpu, fill):
-    """What has taken as long before is counted, not replaced by the stage that comes after it."""
+def test_times_name_each_fill_and_sum_up_pictures(gpu, fill):
+    """What has taken as long before is counted, not replaced by what comes after it."""
+    fills = {f"fill {name}" for name in fill.split("+")}
     with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
-        found = warper.warp(*picture(0), view(), view((0.1, 0, 0)))
-        assert set(found.time_ms) == {"warp", "fill"}
+        assert set(warper.warp(*picture(0), view(), view((0.1, 0, 0))).time_ms) == {*STAGES, *fills}
         colour, depth = (allocate(gpu.gl, SIZE, kind) for kind in (COLOUR, SCALAR))
-        gpu.timer.add("fill", 1e6)
         gpu.timer.add("warp", 1e6)
-        warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
-        assert min(warper.time_ms.values()) > 1e6 and warper.time_ms == {}
-        gpu.timer.lap()
-        warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
-        stages = gpu.timer.lap().read()
-        assert [name for name, _ in stages] == ["warp", *("fill" for _ in fill.split("+"))]
+        for long_ms in (0, *(10.0**power for power in range(6, 6 + len(fills)))):
+            if long_ms:
+                gpu.timer.add("fill", long_ms)
+            else:
+                warper.warp_textures(colour, depth, view(), view((0.1, 0, 0)))
+        found = warper.time_ms
+        assert found.pop("warp") > 1e6 and warper.time_ms == {}
+        assert [round(np.log10(found[f"fill {name}"]), 2) for name in fill.split("+")] == [*range(6, 6 + len(fills))]
         for texture in (colour, depth):
             texture.release()
+
+
+def test_times_sum_up_to_the_call(gpu):
+    """Conversion, repair and all else included: the caller's own clock sees a little more."""
+    colour, depth = picture(0, (160, 120))
+    with Warper((160, 120), fill="memory+pyramid", repair="complete", depth=True, gpu=gpu) as warper:
+        warper.warp(colour, depth, view(), view((0.1, 0, 0)))
+        started = time.perf_counter_ns()
+        found = warper.warp(colour.astype(np.longdouble), depth, view(), view((0.1, 0, 0))).time_ms
+        took_ms = (time.perf_counter_ns() - started) * 1e-6
+    assert min(found.values()) >= 0 and 0.5 * took_ms < sum(found.values()) <= took_ms
 
 
 def test_a_warper_warns_once(gpu):
@@ -188,7 +334,9 @@ def test_textures_are_what_arrays_are(gpu):
     known = ~np.isnan(arrays.depth_m)
     assert np.array_equal(shown_inverse < 0, ~known)
     with np.errstate(divide="ignore"):
-        assert np.array_equal(1 / shown_inverse.astype(np.float64)[known], arrays.depth_m[known])
+        exact = 1 / shown_inverse.astype(np.float64)[known]
+    # A division in GLSL is within 2.5 units in the last of 24 bits.
+    assert arrays.depth_m[known] == pytest.approx(exact, rel=2.5 * 2**-23)
     for texture in own:
         texture.release()
 
@@ -508,3 +656,5 @@ def test_effects_that_need_more_than_pictures_are_refused(gpu):
 def test_its_cost_is_measured_apart_from_its_passes(gpu):
     """What docs/rgbd.md prints: the passes alone, textures as they are and taken over, arrays."""
     assert all(took > 0 for took in bench_warper.measured((16, 16), 2, gpu))
+    line, ratio = bench_warper.call_over_passes(gpu, (16, 12), 2)
+    assert line.startswith("Warper.warp, 16x12: ") and ratio > 1

@@ -1,4 +1,4 @@
-"""Where the error is: planes have no edges, steps do, and the regions together are the picture."""
+"""Where the error is: planes have no silhouettes, steps do; the regions make up the picture."""
 
 import math
 
@@ -14,6 +14,8 @@ from hmdwarp.metrics import REGIONS, flip, near_discontinuity, pooled, psnr_db, 
 from .pictures import noise
 
 SIZE = (64, 48)
+HERE = View(Pose(), Fov.from_tangents((-1, 1, -0.75, 0.75)))
+SAME = (HERE, HERE, SIZE)  # shown, rendered, and its size: nothing is beyond the border
 FULL = np.ones((48, 64))
 
 
@@ -80,14 +82,24 @@ def test_tiny_pictures(size):
     )
 
 
-def test_a_hole_is_a_hole_also_at_an_edge():
+def test_a_hole_is_a_hole_also_at_a_silhouette():
     depth = np.zeros((48, 64), np.float32)
     depth[:, 20:] = 0.5
     coverage = FULL.copy()
     coverage[:, 20:30] = 0
-    region = region_of(coverage, depth)
-    assert (region[:, 20:30] == 0).all() and (region[:, 18:20] == 1).all()
-    assert (region[:, :18] == 2).all() and (region[:, 30:] == 2).all()
+    region = region_of(coverage, depth, *SAME)
+    assert (region[:, 20:30] == 1).all() and (region[:, 18:20] == 2).all()
+    assert (region[:, :18] == 3).all() and (region[:, 30:] == 3).all()
+
+
+def test_holes_are_at_the_border_where_the_frame_saw_nothing_of_the_surface():
+    """A frame that shows the left half alone: holes right of it are at its border."""
+    coverage = FULL.copy()
+    coverage[10:20], coverage[0, 0] = 0, 0
+    half = View(Pose(), Fov.from_tangents((-1, 0, -0.75, 0.75)))
+    region = region_of(coverage, np.zeros((48, 64), np.float32), HERE, half, (32, 48))
+    assert (region[10:20, :32] == 1).all() and (region[10:20, 32:] == 0).all() and region[0, 0] == 1
+    assert np.count_nonzero(region < 2) == 641
 
 
 def test_regions_together_are_the_picture():
@@ -100,7 +112,9 @@ def test_regions_together_are_the_picture():
     coverage, depth = rng.integers(0, 2, (48, 64)), np.zeros((48, 64), np.float32)
     depth[:, 20:] = 0.5
     mean, flip_map = flip(shown, truth, 20)
-    figures = pooled([region_sums(shown, truth, coverage, depth, flip_map)])
+    left = View(Pose(), Fov.from_tangents((-1, 0.5, -0.75, 0.75)))
+    region = region_of(coverage, depth, HERE, left, (48, 48))
+    figures = pooled([region_sums(shown, truth, region, flip_map)])
     shares = [figures[name]["share"] for name in REGIONS]
     assert all(shares) and sum(shares) == pytest.approx(1, abs=1e-12)
     mean_square = sum(figures[name]["share"] * 10 ** (-figures[name]["psnr_db"] / 10) for name in REGIONS)
@@ -120,9 +134,9 @@ def test_pictures_are_pooled_before_the_logarithm():
         coverage, shown = np.ones(48 * 64), truth.copy()
         coverage[:holes] = 0
         shown.reshape(-1, 3)[:holes] = error
-        return region_sums(shown, truth, coverage.reshape(48, 64), zeros, zeros)
+        return region_sums(shown, truth, region_of(coverage.reshape(48, 64), zeros, *SAME), zeros)
 
-    figures = pooled([one(1000, 10), one(10, 200)])["holes"]
+    figures = pooled([one(1000, 10), one(10, 200)])["inside"]
     mean_square = (1000 * 10**2 + 10 * 200**2) / 1010 / 255**2
     assert figures["psnr_db"] == pytest.approx(-10 * math.log10(mean_square))
     assert figures["share"] == pytest.approx(1010 / (2 * 48 * 64))
@@ -130,14 +144,16 @@ def test_pictures_are_pooled_before_the_logarithm():
 
 def test_an_empty_region_has_no_error():
     flat = np.zeros((48, 64), np.float32)
-    figures = pooled([region_sums(noise(1, SIZE), noise(1, SIZE), FULL, flat, flat)])
-    assert figures["holes"] == {"share": 0.0, "psnr_db": None, "flip": None}
-    assert figures["elsewhere"] == {"share": 1.0, "psnr_db": 100.0, "flip": 0.0}
-    assert pooled([])["holes"] == {"share": None, "psnr_db": None, "flip": None}
+    figures = pooled([region_sums(noise(1, SIZE), noise(1, SIZE), region_of(FULL, flat, *SAME), flat)])
+    assert figures["border"] == figures["inside"] == {"share": 0.0, "psnr_db": None, "flip": None}
+    assert figures["seen"] == {"share": 1.0, "psnr_db": 100.0, "flip": 0.0}
+    assert pooled([])["silhouettes"] == {"share": None, "psnr_db": None, "flip": None}
 
 
 def test_sizes_must_agree():
     flat = np.zeros((48, 64))
-    for wrong in ((FULL[:-1], flat, flat), (FULL, flat[:-1], flat), (FULL, flat, flat[:-1])):
+    for wrong in ((FULL[:-1], flat), (FULL, flat[:-1])):
+        with pytest.raises(InputError, match="expected"):
+            region_of(*wrong, *SAME)
         with pytest.raises(InputError, match="expected"):
             region_sums(noise(1, SIZE), noise(2, SIZE), *wrong)

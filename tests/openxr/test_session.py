@@ -18,9 +18,9 @@ import xr
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.display import Closed, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay, OpenXrHead
-from hmdwarp.display.openxr import openxr_head as head_module
+from hmdwarp.display.openxr import openxr_display as head_module
+from hmdwarp.display.openxr.connection import NEAR_M, Swapchain
 from hmdwarp.display.openxr.runtime import Calls
-from hmdwarp.display.openxr.swapchain import NEAR_M, Swapchain
 from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Fov, Pose

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from hmdwarp import resources
 from hmdwarp.errors import TraceError
-from hmdwarp.poses import TraceOptions, analyse, load_trace
+from hmdwarp.poses import KINDS, TraceOptions, analyse, load_trace
 from hmdwarp.poses.formats import formats
 
 from .traces import kinds, same_motion
@@ -168,3 +169,28 @@ def test_convert_and_read_again(real_traces, tmp_path, name):
     assert same_motion(again.track, track, atol=0)
     assert again.track.jumps == track.jumps
     assert kinds(again) <= {"repeated-pose", "gap", "short-step", "jump", "tilt"}
+
+
+def test_shipped_people_are_described_level_and_licensed():
+    """Each is 20 to 40 s long and small, says where it comes from, and looks ahead first."""
+    folder = resources.folder("recordings")
+    people = [name for name in resources.recording_names() if name not in KINDS]
+    assert len(people) >= 6
+    page, licences = ((folder / name).read_text(encoding="utf-8") for name in ("README.md", "LICENCES.md"))
+    for name in people:
+        path, loaded = folder / f"{name}.csv", load_trace(name)
+        track, figures = loaded.track, analyse(loaded.track, latencies_ms=())
+        turning = " / ".join(f"{speed:.1f}" for speed in figures.angular_speed_deg_s[:3])
+        moving = " / ".join(f"{figures.linear_speed_m_s[place]:.2f}" for place in (0, 2))
+        what = track.origin.rpartition("; ")[2]
+        assert f"| `{name}` | " in page and f"| {what} | {loaded.rate_hz:.0f} | {turning} | {moving} |" in page
+        assert 20 <= track.duration_ns * 1e-9 <= 40.1 and path.stat().st_size < 300_000
+        head = path.read_text(encoding="utf-8").split("time_ns")[0]
+        assert all(f"# {fact}: " in head for fact in ("origin", "axes", "device", "licence", "changed"))
+        assert f"`{name}`" in licences or f"`-{name.rpartition('-')[2]}`" in licences
+        assert {defect.kind for defect in loaded.defects} <= {"repeated-pose"}
+        turned = Rotation.from_quat(track.orientation_xyzw)
+        ahead = turned[0].apply([0, 0, -1])
+        assert abs(ahead[0]) < 1e-3 and ahead[2] < 0
+        assert turned.apply([0, 1, 0])[:, 1].mean() > 0.8, "upright"
+        assert np.abs(track.position_m.mean(axis=0)[1] - 1.6) < 1e-3

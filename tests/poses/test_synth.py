@@ -42,7 +42,7 @@ def test_recordings_are_the_generators_bytes(kind):
 
 
 def test_every_kind_is_shipped_and_described():
-    assert resources.recording_names() == sorted(KINDS)
+    assert set(KINDS) < set(resources.recording_names())
     text = (resources.folder("recordings") / "README.md").read_text()
     for kind in KINDS.values():
         glide = GLIDES.get(kind.name)

@@ -98,14 +98,14 @@ def _hit(
     """What the rays hit of these triangles; sheets_beyond: the steepest that is no sheet."""
 
     def hits(offset: tuple[float, float], grown: float = 0.0, reach: float = 0.0) -> _Hits:
-        found = _hits(inputs, triangles, np.array(offset), grown, reach)
+        found = _hits(inputs, triangles, cast, np.array(offset), grown, reach)
         if sheets_beyond is not None:
             return _nearest_first(
                 _coloured(inputs.colour, _without_sheets(inputs, triangles, found, sheets_beyond, np.array(offset)))
             )
         return _nearest_first(_coloured(inputs.colour, found.coloured_by_owner(triangles)))
 
-    edge = EDGE_PIXELS + tolerance
+    cast, edge = _cast(inputs, triangles), EDGE_PIXELS + tolerance
     # Where merging moves nothing the rasteriser still does, and a crack may be narrower than what
     # merging may move.
     beside = [hits((x, y)) for far in sorted({EDGE_PIXELS, edge}) for x in (-far, far) for y in (-far, far)]
@@ -137,42 +137,67 @@ def _in_shown_pixels(inputs: TwinInputs, corners: Array) -> Array:
     return np.stack([u * inputs.shown_size[0], v * inputs.shown_size[1], w], axis=-1)
 
 
-def _hits(inputs: TwinInputs, triangles: Surface, offset: Array, grown: float = 0.0, reach: float = 0.0) -> _Hits:
+@attrs.frozen(eq=False)
+class _Cast:
+    """What of each triangle (n,) does not depend on where a ray is moved to.
+
+    corners, lines (n, 3, 3): homogeneous shown pixels, and the lines through the edges, each
+    opposite its corner. volume (n,), turned (n,): rounding may turn it away. a_pixel (n, 3): what
+    weights change by in a pixel. along (n, 2, 2), summed (n, 2): for what places change by in one.
+    slope (n,): what inverse depth does. whole (n,): no piece of a cut cell.
+    """
+
+    corners: Array
+    lines: Array
+    volume: Array
+    turned: np.ndarray
+    a_pixel: Array
+    along: Array
+    summed: Array
+    slope: Array
+    whole: np.ndarray
+
+
+def _cast(inputs: TwinInputs, triangles: Surface) -> _Cast:
+    corners, values = _in_shown_pixels(inputs, triangles.corners), triangles.corners
+    a, b, c = (corners[:, k] for k in range(3))
+    lines = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
+    volume = np.einsum("nk,nk->n", a, lines[:, 0])
+    turned = np.abs(volume) <= _volume_error(inputs, values, corners, lines)
+    across = lines[..., :2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        slope = np.abs(np.einsum("nec,ne->nc", across, values[..., 2]) / volume[:, None]).sum(axis=1)
+    along = np.einsum("nec,nek->nkc", across, values[..., :2])
+    whole = np.isnan(triangles.owner[:, 0])
+    return _Cast(corners, lines, volume, turned, np.abs(across).sum(axis=2), along, across.sum(axis=1), slope, whole)
+
+
+def _hits(
+    inputs: TwinInputs, triangles: Surface, cast: _Cast, offset: Array, grown: float = 0.0, reach: float = 0.0
+) -> _Hits:
     """Rays through the shown pixels' centres moved by `offset` pixels.
 
     Triangles with each edge `grown` pixels farther out, and whole cells as if each were part of a
     large one, which reaches `reach` rendered pixels over its border.
     """
-    corners = _in_shown_pixels(inputs, triangles.corners)
-    whole = np.isnan(triangles.owner[:, 0])
-    which, pixels = _pairs(corners, inputs.shown_size, offset, grown, reach * whole)
-    ray = _rays(inputs, pixels, offset)
-    a, b, c = (corners[which, k] for k in range(3))
-    lines = np.stack(
-        [np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1
-    )  # through the edges; opposite each corner
-    volume = np.einsum("nk,nk->n", a, lines[:, 0])
-    values = triangles.corners[which]
-    turned = np.abs(volume) <= _volume_error(inputs, values, corners[which], lines)  # it may face the eye, or not
-    faces = (volume > 0) | (turned & (grown > 0))
-    spans = np.einsum("nek,nk->ne", lines, ray)  # weights times volume: their signs hold whichever way it turns
-    total = spans.sum(axis=1)
-    a_pixel = np.abs(lines[..., :2]).sum(axis=2)  # what spans change by
+    which, pixels = _pairs(cast.corners, inputs.shown_size, offset, grown, reach * cast.whole)
+    spans = np.einsum("nek,nk->ne", cast.lines[which], _rays(inputs, pixels, offset))  # weights times volume
+    faces = (cast.volume > 0) | (cast.turned & (grown > 0))
+    within = (spans >= -grown * cast.a_pixel[which]).all(axis=1)
+    near = faces[which] & (spans.sum(axis=1) > 0) & (within | (cast.whole[which] & (reach > 0)))
+    which, pixels, spans, within = which[near], pixels[near], spans[near], within[near]
+    total, values = spans.sum(axis=1), triangles.corners[which]
     with np.errstate(divide="ignore", invalid="ignore"):
         place = np.einsum("ne,nek->nk", spans, values[..., :2]) / total[:, None]
-        slopes = (
-            np.einsum("nec,nek->nkc", lines[..., :2], values[..., :2])
-            - place[..., None] * lines[..., :2].sum(axis=1)[:, None, :]
-        )
+        slopes = cast.along[which] - place[..., None] * cast.summed[which][:, None, :]
         scale = np.abs(slopes / total[:, None, None]).sum(axis=2).max(axis=1)
-        depth = np.einsum("ne,ne->n", spans, values[..., 2]) / np.abs(volume)
-        slope = np.abs(np.einsum("nec,ne->nc", lines[..., :2], values[..., 2]) / volume[:, None]).sum(axis=1)
+        depth = np.einsum("ne,ne->n", spans, values[..., 2]) / np.abs(cast.volume[which])
         beyond = np.maximum(values[..., :2].min(axis=1) - place, place - values[..., :2].max(axis=1)).max(axis=1)
-        reached = whole[which] & (reach > 0) & (beyond <= reach + grown * scale)
-        kept = faces & (total > 0) & ((spans >= -grown * a_pixel).all(axis=1) | reached)
-        kept &= np.isfinite(place).all(axis=1) & np.isfinite(scale) & ~np.isnan(depth) & ~np.isnan(slope)
-        sure = (spans >= EDGE_PIXELS * a_pixel).all(axis=1)
-    return _Hits(pixels, which, place, depth, slope, scale, triangles.doubtful[which] | turned, sure).only(kept)
+        kept = within | (beyond <= reach + grown * scale)
+        kept &= np.isfinite(place).all(axis=1) & np.isfinite(scale) & ~np.isnan(depth) & ~np.isnan(cast.slope[which])
+        sure = (spans >= EDGE_PIXELS * cast.a_pixel[which]).all(axis=1)
+    doubtful = triangles.doubtful[which] | cast.turned[which]
+    return _Hits(pixels, which, place, depth, cast.slope[which], scale, doubtful, sure).only(kept)
 
 
 def _volume_error(inputs: TwinInputs, points: Array, corners: Array, lines: Array) -> Array:

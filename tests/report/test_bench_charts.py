@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hmdwarp.metrics import aggregate
+from hmdwarp.metrics import REGIONS, aggregate
 from hmdwarp.report import DASHES, PAGE, PAPER, css_variables, dashes_of, markers_of, warp_of
 from hmdwarp.report.bench import (
     AXES,
@@ -133,7 +133,7 @@ def test_odd_values_can_be_drawn():
         (case,) = cases([*rows, a_row("backward")])
         for measure in ("flip", "psnr_db"):
             assert words(pareto_chart(case, measure)).count("mesh") == 2
-    nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in ("holes", "edges", "elsewhere")}
+    nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in REGIONS}
     assert "forward" in words(regions_chart(cases([a_row(regions=nothing, fill="none")])[0]))
     flat = [{"warp": "mesh", "axis": "x", "offset": x, "flip": 0.0, "psnr_db": 100.0} for x in (-1.0, 0.0, 1.0)]
     assert "mesh" in words(displacement_chart(flat, "x")) and "mesh" in words(
@@ -223,9 +223,9 @@ def test_regions_add_up_to_the_whole():
     row = a_row()
     added, within = zip(*region_parts(row), strict=True)
     assert (
-        sum(added) == pytest.approx(sum(r["share"] * r["flip"] for r in row["regions"].values())) and len(within) == 3
+        sum(added) == pytest.approx(sum(r["share"] * r["flip"] for r in row["regions"].values())) and len(within) == 4
     )
-    assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"holes": {}})) is None
+    assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"inside": {}})) is None
     assert "not measured" in words(regions_chart(cases([a_row(regions={})])[0]))
 
 

@@ -65,7 +65,7 @@ def test_everything_is_on_the_page(text):
     wanted += [
         COLUMNS[name].text(row)
         for row in data["rows"]
-        for name in ("total_ms", "flip", "psnr_db", "mismatch", "edges_flip")
+        for name in ("total_ms", "flip", "psnr_db", "mismatch", "silhouettes_flip")
     ]
     assert [word for word in wanted if word not in page.text] == []
     # Per case error against time twice (FLIP, PSNR) and regions; six axes twice; memory traffic.

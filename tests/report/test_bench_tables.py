@@ -115,12 +115,12 @@ def test_names_are_no_markup():
 def test_markdown_has_the_rows_as_given():
     rows = some_rows(("none", "backward"), ("none",), ("walk",), (200.0,))
     text = markdown_table(
-        rows, ["trace", "latency_ms", "warp", "total_ms", "flip", "hole_share", "edges_flip"], mark="flip"
+        rows, ["trace", "latency_ms", "warp", "total_ms", "flip", "hole_share", "silhouettes_flip"], mark="flip"
     )
     head, rule, *lines = text.splitlines()
-    assert head == "| recording | latency ms | warp | time ms | FLIP | holes % | FLIP edges |"
+    assert head == "| recording | latency ms | warp | time ms | FLIP | holes % | FLIP silhouettes |"
     assert rule == "| --- | ---: | --- | ---: | ---: | ---: | ---: |"
-    cells = [COLUMNS[name].text(rows[1]) for name in ("total_ms", "flip", "hole_share", "edges_flip")]
+    cells = [COLUMNS[name].text(rows[1]) for name in ("total_ms", "flip", "hole_share", "silhouettes_flip")]
     assert cells[0] == f"{rows[1]['time_ms']['total']['median']:.2f}"
     assert cells[2] == f"{100 * rows[1]['quality']['hole_share']['mean']:.1f}"
     assert lines[1] == f"| walk | 200 | **`backward`** | {' | '.join(cells)} |"

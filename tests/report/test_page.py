@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import Compared, QualityJob, QualityPool, aggregate
+from hmdwarp.metrics import REGIONS, Compared, QualityJob, QualityPool, aggregate
 from hmdwarp.report import WorstFrame, render_report
 
 from .samples import a_baseline, a_scene, a_summary, some_rows, some_worst
@@ -101,6 +101,17 @@ def test_everything_is_on_the_page(text):
     wanted += [f"{summary['quality']['psnr_db']['mean']:.2f}", f"{summary['time_ms']['total']['p95']:.2f}", "★"]
     assert [word for word in wanted if word not in page.text] == []
     assert page.tags.count("img") == 12 and page.tags.count("svg") == 7
+
+
+def test_the_error_is_told_by_region():
+    """Of each region its share, PSNR and FLIP; no section where nothing was measured."""
+    words = " ".join(Page(render()).words)
+    assert re.search(r"silhouettes\s+6\.2\s+24\.70\s+0\.1600", words)
+    unmeasured = {name: {"share": None, "psnr_db": None, "flip": None} for name in REGIONS}
+    for regions in (unmeasured, {}):
+        assert "Where the error lies" not in render(
+            summary={**a_summary(), "regions": regions}, baselines=[], baselines_rows=[]
+        )
 
 
 def test_a_client_that_misses_has_a_tile_and_a_chart():

@@ -12,7 +12,7 @@ from collections import Counter
 import pytest
 from gl_clock import counting_made
 
-from hmdwarp.display.status import KEPT
+from hmdwarp.display.controls import KEPT
 from hmdwarp.run import LiveOptions
 
 from .offscreen import OffscreenDisplay, run_on

@@ -39,7 +39,7 @@ def no_screen(monkeypatch):
 
 
 MANIFESTS = {
-    "nowhere": (None, "No such file or directory"),
+    "nowhere": (None, "no such file"),
     "no json": ("{", "which is no runtime manifest"),
     "another json": ('{"file_format_version": "1.0.0"}', "which is no runtime manifest"),
     "a library that is not there": (

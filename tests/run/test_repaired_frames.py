@@ -10,6 +10,7 @@ import pytest
 from recorded_folders import taken, write_npz
 
 from hmdwarp.errors import InputError, UnknownNameError
+from hmdwarp.pipeline import PipelineOptions
 from hmdwarp.pipeline.recorded_source import RecordingSource
 from hmdwarp.run import RunOptions, replay
 from hmdwarp.sources import sequences
@@ -53,7 +54,7 @@ def test_the_server_gives_repaired_frames_and_truth_as_it_was_recorded(folder, g
     from hmdwarp.gpu import download
 
     sequence = sequences.open(folder).repaired(parse_repairs("complete"))
-    server = RecordingSource(sequence).renderer(gpu, "geometry")
+    server = RecordingSource(sequence).renderer(gpu, PipelineOptions())
     late = server.draw_frame([sequence.frames[0].view], 10**9, SIZE).eyes[0]
     inverse, colour = download(late.inverse_depth), download(late.colour)
     truth = server.draw(late.view, SIZE, time_ns=10**9)

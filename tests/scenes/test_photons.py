@@ -20,7 +20,7 @@ from hmdwarp.scenes import (
     transport_of,
 )
 from hmdwarp.scenes._photons import kernel
-from hmdwarp.scenes.library._lit_room import box, wall
+from hmdwarp.scenes.library._models import box, wall
 
 COLOUR = (1.5, 1.0, 0.5)
 POINT = (np.array((0.3, 0.2, -0.4, 1.0)), COLOUR)

@@ -9,7 +9,7 @@ from lit_rooms import GREY, cube, placed, scene_of
 
 from hmdwarp.errors import SceneError
 from hmdwarp.scenes import ATLAS, Background, Lamp, Pendulum, Scene, lamps_at, scenes, transport_of, with_lamps_stopped
-from hmdwarp.scenes.library._lit_room import box, in_atlas, wall
+from hmdwarp.scenes.library._models import box, in_atlas, wall
 from hmdwarp.scenes.radiosity import RAYS, direct_light
 
 

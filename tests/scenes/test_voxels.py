@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.scenes import Scene, VoxelGrid, load_scene, voxel_surfaces
-from hmdwarp.scenes.library._lit_room import box, in_atlas, wall
+from hmdwarp.scenes.library._models import box, in_atlas, wall
 
 GREY = (0.6, 0.6, 0.6)
 

@@ -1,4 +1,4 @@
-"""The analysis is right as often as it says, over 1000 studies of people whose effects are known
+"""The analysis is right as often as it says, over 400 studies of people whose effects are known
 (tests/study/coverage.py says how).
 """
 
@@ -9,7 +9,7 @@ import pytest
 
 from .coverage import LEVEL, bounds, coverage, designed, expected_bca, without_effect
 
-STUDIES = 1000
+STUDIES = 400
 
 
 @pytest.mark.slow

@@ -12,16 +12,19 @@ import subprocess
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from datetime import timedelta
 from pathlib import Path
 
 import needs
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.store import Store
+from hmdwarp.study.design import Show, load_design, steps_of
+from hmdwarp.study.store import INTERRUPTED, SIMULATED, Store
 
 from . import tiny
 from .killing import Cold, Killed, Nursery, faults, live
+from .store.sessions import SetClock
 
 pytestmark = pytest.mark.slow
 
@@ -51,19 +54,38 @@ def long_study(folder: Path) -> tuple[Path, Path]:
     return study, model
 
 
-def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
+def in_a_console(arguments: list[str], console: str) -> tuple[int | None, str]:
+    """Run a session with a console; its exit status, and what it says."""
+    arguments = [console if word == "none" else word for word in arguments]
+    if console != "terminal":
+        done = tiny.program(*arguments)
+        return done.returncode, done.stderr
+    terminals = pytest.importorskip("tests.study.console.terminals", reason="needs pexpect and pyte")
+    with terminals.Terminal([*tiny.PROGRAM, *arguments], (200, 24)) as terminal:
+        before = terminal.modes()
+        status = terminal.ended()
+        assert terminal.modes() == before
+        return status, terminal.text().strip() + "\n"
+
+
+@pytest.mark.parametrize("console", ["none", "browser", "terminal"])
+def test_two_sessions_at_once_and_an_end_by_signal(console, tmp_path):
     """The second is refused with who holds the study; the first does not notice.
 
-    Ended in the middle of a trial it is gone on with.
+    Ended in the middle of a trial it is gone on with. console: of both, but that the first has none
+    where the second has a terminal.
     """
+    if console != "none":
+        pytest.importorskip("textual_serve" if console == "browser" else "textual")
     study, model = long_study(tmp_path)
     data = tmp_path / "tiny-simulated-data"
-    first = started(tiny.session(study, model, "one"))
+    words = tiny.session(study, model, "one")
+    first = started([console if word == "none" and console == "browser" else word for word in words])
     try:
         until_showing(data, first)
-        second = tiny.program(*tiny.session(study, model, "two"))
-        assert second.returncode in (2, 3)
-        assert second.stderr.count("\n") == 1 and str(first.pid) in second.stderr
+        status, said = in_a_console(tiny.session(study, model, "two"), console)
+        assert status in (2, 3)
+        assert str(first.pid) in said and (said.count("\n") == 1 or console == "terminal")
         assert first.poll() is None
         first.send_signal(signal.SIGTERM)
         said, wrong = first.communicate(timeout=tiny.PATIENCE_S)
@@ -77,6 +99,28 @@ def test_two_sessions_at_once_and_an_end_by_signal(tmp_path):
     assert [(session.code, session.status) for session in contents.sessions] == [("one", "interrupted")]
     assert [showing.complete for showing in contents.showings if showing.key == "trial/1"] == [False]
     assert [answer.key for answer in contents.answers] == ["practice/fms/fms"]
+
+
+def test_a_session_is_resumed_on_a_day_before_it_began(tmp_path):
+    """As after a machine's clock was mended: no onset is negative, and it is told."""
+    study, model = tiny.write(tmp_path)
+    tiny.ran(*tiny.session(study, model, "other"))
+    with Store(tmp_path / "tiny-simulated-data", clock=SetClock()) as store:
+        store._clock.instant += timedelta(days=365 * 70)
+        design = load_design(str(study))
+        session = store.begin(design, None, "one", SIMULATED)
+        step = next(step for step in steps_of(design, session.order, session.part) if not isinstance(step, Show))
+        store.finish_step(session, step.key)
+        store.end(session, INTERRUPTED)
+    said = tiny.program(*tiny.session(study, model, "one", "--resume"))
+    assert said.returncode == 0, said.stderr
+    assert "set back by" in said.stdout and "onsets count" in said.stdout
+    with Store(tmp_path / "tiny-simulated-data") as store:
+        contents = store.contents()
+    mine = {session.id for session in contents.sessions if session.code == "one"}
+    onsets = [showing.actual.get("onset_s") for showing in contents.showings if showing.session in mine]
+    onsets = [onset for onset in onsets if onset is not None]  # a machine with other work shows no picture in 0.2 s
+    assert onsets and 0 <= min(onsets) <= max(onsets) < 1000 and onsets == sorted(onsets)
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import moderngl
 
 from ...errors import PlanError
 from ...frames import EyeImage
-from ...geometry.mirror import mirrors_in_eye, tangents_of_pixels
+from ...geometry.view import mirrors_in_eye, tangents_of_pixels
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ..carry import as_image
 from ..effects import ShownPass

@@ -16,6 +16,6 @@ effects.register(
         made_by=Reflections,
         needs=Needs(reflection=Mirrored.CURVED),
         without="reflections stick to the ball, as if painted on it",
-        source="Coddington 1829 (oblique pencils), see hmdwarp/geometry/mirror.py; Lochmann et al. 2014",
+        source="Coddington 1829 (oblique pencils), see hmdwarp/geometry/view.py; Lochmann et al. 2014",
     )
 )

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...frames import EyeImage, Needs
 from ...geometry import View
-from ...geometry.mirror import tangents_of_pixels
+from ...geometry.view import tangents_of_pixels
 from ...gpu.context import drawing_into
 from ...gpu.shaders import Draw
 from ...gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all

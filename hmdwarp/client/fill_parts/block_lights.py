@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import View
-from ...geometry.mirror import tangents_of_pixels
+from ...geometry.view import tangents_of_pixels
 from ...gpu.context import Gpu
 from ...gpu.textures import allocate, release_all, tiles
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry import View, WarpMap
-from ...geometry.mirror import tangents_of_pixels
+from ...geometry.view import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..fill_parts import HolePieces
 from ..inputs import PassInputs, ShownPicture

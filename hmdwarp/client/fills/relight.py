@@ -6,7 +6,7 @@ from typing import Literal
 
 import attrs
 
-from ...geometry.mirror import tangents_of_pixels
+from ...geometry.view import tangents_of_pixels
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..drawn_scenes import share_of
 from ..fill_parts import NEAR, OFF_PLANE, BlockLights

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...frames import Needs
-from ...frames.layers.photons import PhotonMap
-from ...frames.photon_bundles import LEAST_BUDGET, PHOTON_BYTES, BundleRoom, Cube, unpacked
+from ...frames.layers.photons import LEAST_BUDGET, PHOTON_BYTES, BundleRoom, Cube, PhotonMap, unpacked
 from ...geometry import View
 from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Inputs, Uniforms

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, PlanError
 from ...frames import Needs
-from ...frames.layers.points import Cloud
-from ...frames.point_blocks import LEAST_BUDGET, PAGE, Block, PointRoom, unpacked
+from ...frames.layers.points import LEAST_BUDGET, PAGE, Block, Cloud, PointRoom, unpacked
 from ...geometry import View
 from ...gpu.raw_gl import clear_buffer
 from ...gpu.textures import Canvas, release_all

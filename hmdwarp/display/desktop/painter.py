@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from .. import Command, Label
-from ..controls import Control, help_closes
+from ..controls import Control, Status, help_closes
 from ..notice import Notice
 from ..present import Presenter
-from ..status import Status
 from .control_panel import PANEL_REMEDY, make_control_panel
-from .layout import Rectangle, Size, WindowView, picture_area, viewports
 from .window import Window
+from .window_system import Rectangle, Size, WindowView, picture_area, viewports
 
 if TYPE_CHECKING:
     from .control_panel.panel import ControlPanel

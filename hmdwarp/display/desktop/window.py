@@ -14,8 +14,17 @@ import moderngl
 
 from ...errors import MachineError
 from ...gpu.context import WANTED
-from .layout import Size, window_size
-from .window_system import VideoMode, WindowHandle, XConnection, last_error, mode_of, screen_of, screen_text
+from .window_system import (
+    Size,
+    VideoMode,
+    WindowHandle,
+    XConnection,
+    last_error,
+    mode_of,
+    screen_of,
+    screen_text,
+    window_size,
+)
 
 FALLBACK_ROOM = (1280, 800)  # free area where no screen reports its size
 _NO_ERROR = 0  # GL_NO_ERROR

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 from .diagnosis import INSTALL, LOST, RUNTIME_LABEL, STAGES, diagnose, manifest, manifest_text, missing_extensions
 
 if TYPE_CHECKING:
-    from .openxr_display import OpenXrDisplay
-    from .openxr_head import OpenXrHead
+    from .openxr_display import OpenXrDisplay, OpenXrHead
 
 __all__ = [
     "INSTALL",
@@ -31,10 +30,6 @@ def __getattr__(name: str) -> Any:
     from .diagnosis import load_binding
 
     load_binding()
-    if name == "OpenXrHead":
-        from .openxr_head import OpenXrHead
+    from . import openxr_display
 
-        return OpenXrHead
-    from .openxr_display import OpenXrDisplay
-
-    return OpenXrDisplay
+    return getattr(openxr_display, name)

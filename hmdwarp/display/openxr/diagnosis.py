@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 import platform
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...errors import MachineError
+from ...errors import InputError, MachineError
+from ...options.documents import DocumentError, parse_json
+from ...options.named_files import FACTS, content_of
 
 RUNTIME_LABEL = "the OpenXR runtime"  # named in plans as what corrects the lens and reads depth
 INSTALL = "Debian, Ubuntu: sudo apt-get install"
@@ -121,10 +122,10 @@ def manifest_text(environ: Mapping[str, str]) -> str:
         return "XR_RUNTIME_JSON is not set and there is no active_runtime.json"
     source = "XR_RUNTIME_JSON names" if environ.get("XR_RUNTIME_JSON") else "active is"
     try:
-        library = json.loads(path.read_text(encoding="utf-8"))["runtime"]["library_path"]
-    except OSError as error:
-        return f"{source} {path}: {error.strerror}"
-    except (ValueError, KeyError, TypeError):
+        library = parse_json(content_of(path, FACTS))["runtime"]["library_path"]
+    except InputError as error:
+        return f"{source} {error}"
+    except (DocumentError, KeyError, TypeError):
         return f"{source} {path}, which is no runtime manifest"
     return f"{source} {path}, library {library}"
 

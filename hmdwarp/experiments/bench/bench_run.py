@@ -43,6 +43,7 @@ from .cases import (
 from .notes import left_out_notes
 from .options import DEFAULT_SIZES, BenchOptions
 from .sections import GRID_STEPS, fused_steps
+from .suites import cost_text, suite_entry
 
 # What is measured once, and what stands in bench.json without it.
 SECTIONS: Mapping[str, Any] = {GRID: [], FUSED: [], "grid_at": None, "fused_at": None}
@@ -73,6 +74,9 @@ def bench(
     works, notes = _checked(options, headset, source)
     if options.sweep.cluster is None:
         check_room(works)
+    if options.suite:
+        pictures = [case.instants * len(case.combinations) for case in works]
+        say(cost_text(options.suite, [case.case.size for case in works], pictures, options.workers))
     work = BenchWork(options.sweep.measuring(options.workers))
     with experiment(options, FILES, work, _cases(options, works), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
@@ -93,6 +97,7 @@ def bench(
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
+                **suite_entry(options.suite, rows),
                 **sections,
                 "choice": choice,
             }

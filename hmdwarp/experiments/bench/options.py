@@ -20,7 +20,9 @@ from ...options import (
     force_field,
     guard_field,
     names_in,
+    one_of,
     option,
+    options_of,
     out_field,
     path_of,
     same_as,
@@ -29,6 +31,7 @@ from ...options import (
 )
 from ...run.options import RunOptions
 from ..sweep.options import RecordedOptions, own_first
+from .suites import suites, with_suite
 
 Size = tuple[int, int]
 
@@ -63,6 +66,14 @@ class BenchOptions(RecordedOptions):
     with_frames = ("recordings", "scenes", "guard", "rendered_size", "rate_hz", "strategies")
     why_not = "a bench takes what was recorded"
 
+    # Sets what is run; "" for none.
+    suite: str = option(
+        "",
+        f"Named benchmark: {' or '.join(suites())}. It has a version, says what is run, and takes means over all heads "
+        "and scenes.",
+        valid=one_of("", *suites()),
+        limits=" or ".join(suites()),
+    )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
     # Names, with settings where they matter (`mesh:cut=slope`); empty for all that warp a late
@@ -118,6 +129,7 @@ class BenchOptions(RecordedOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError."""
+        said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
         check_one_guard(said)
         values = super().values_of(said)
         return values if said.get("frames") is None else {**values, "guard": 1.0, "grid": False, "fused": False}

@@ -19,8 +19,9 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...options.declared import HOW
 from ...resources import import_extra
-from .identity import HOW, files_at, hash_of_files, is_place, whole_program_hash
+from .identity import files_at, hash_of_files, is_place, whole_program_hash
 from .kept import Failure, Result
 from .options import LOCAL
 from .sweep_case import Say, SweepCase, Work, groups_of, run_group

@@ -15,6 +15,7 @@ from urllib.parse import unquote
 import attrs
 
 from ...errors import InputError
+from ...options.declared import HOW
 from ...options.documents import json_in
 from ...options.named_files import BAG, BESIDE, GLTF, content_of, opened
 from ...resources import __version__
@@ -22,8 +23,6 @@ from ...resources import folder as resource_folder
 
 # What neither draws nor measures a picture: a change there leaves most results as they are.
 _NOT_OF_RESULTS = ("cli/", "display/", "report/", "study/", "experiments/sweep/", "experiments/thesis/")
-# Fields of options that say where results go and how they are made, but not what they are.
-HOW = ("out", "force", "command", "workers", "parquet", "sweep")
 # What begins the lines of a scene's files that name another file.
 _NAMING = {".obj": "mtllib", ".mtl": "map_kd", ".ply": "comment texturefile"}
 _CHUNK = 1 << 20

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bisect
 import itertools
-import json
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -13,7 +12,9 @@ from typing import Any, overload
 
 import attrs
 
-from ...errors import HmdwarpError, MachineError
+from ...errors import HmdwarpError, InputError, MachineError
+from ...options.documents import json_in
+from ...options.named_files import RESULTS
 from ...report import write_bytes, write_json
 
 FOLDER = "cases"
@@ -109,8 +110,8 @@ class KeptCases:
         write_json(self._path(identity), {"identity": identity, **data})
 
     def _read(self, identity: str) -> dict[str, Any] | None:
-        with suppress(OSError, ValueError, RecursionError):
-            data = json.loads(self._path(identity).read_bytes())
+        with suppress(InputError):
+            data = json_in(self._path(identity), RESULTS)
             if isinstance(data, dict) and data.get("identity") == identity:
                 return data
         return None

@@ -22,7 +22,10 @@ _ADDRESS = r"([a-z]+://[^\s/]+|(?!local:)[^\s/:]+):[1-9]\d*"
 EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""
-_OF_EVERY_RUN = ("scene_options", "sequence_options", "trace_options", "headset", "rate_hz", "seconds", "jod_s")
+_OF_EVERY_RUN = (
+    *("scene_options", "sequence_options", "trace_options", "samples", "sample_depth"),
+    *("headset", "rate_hz", "seconds", "jod_s"),
+)
 _RUN = attrs.fields(RunOptions)
 
 
@@ -108,6 +111,8 @@ class RecordedOptions(ExperimentOptions):
     rate_hz: float | None = same_as(_RUN.rate_hz)
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
+    samples: int = same_as(_RUN.samples)
+    sample_depth: str = same_as(_RUN.sample_depth)
     jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
     trace_options: TraceOptions = group(TraceOptions)

@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
+from ...metrics import LEAST_STEP, RELATIVE_STEP
 
 Picture = NDArray[Any]
-# Two depths nearer than this are one surface: what a grazing surface changes by within a pixel, see
-# metrics.region_of.
-RELATIVE_STEP, LEAST_STEP = 0.02, 0.002
 
 
 @attrs.frozen(eq=False)

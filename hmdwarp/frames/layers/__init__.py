@@ -2,23 +2,255 @@
 
 from __future__ import annotations
 
+import heapq
+import struct
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import cycle
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import Fov
 from ...registry import Registry
-from ._base import (
-    BRIGHT_VIDEO,
-    DEPTH,
-    OWN,
-    PACKED,
-    PIXEL_BYTES,
-    RENDERED,
-    SHOWN,
-    VECTORS,
-    VIDEO,
-    Delivered,
-    EyeSizes,
-    Layer,
-    Surface,
-    readable,
-)
+
+if TYPE_CHECKING:
+    import moderngl
+
+
+Size = tuple[int, int]
+
+# Bytes of a pixel, by OpenGL's name of the texture format.
+PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
+
+# How a texture is coded on the link: by the video codec, with light beyond 1 clipped or kept, by
+# the codes of inverse depth or of vectors, which bound the error of each pixel, or packed without
+# loss. What is lossy keeps coverage and holes exact.
+VIDEO, BRIGHT_VIDEO, DEPTH, VECTORS, PACKED = "video", "video beyond 1", "inverse depth", "vectors", "packed"
+# How one of each format is coded where its layer does not say.
+USUAL_CODINGS = {"rgba16f": VIDEO, "r32f": DEPTH, "r16ui": PACKED}
+
+# Whose size a layer has: the rendered picture's, the shown one's, or its own.
+RENDERED, SHOWN, OWN = "rendered", "shown", "own"
+
+
+@attrs.frozen
+class EyeSizes:
+    """What the size of every layer follows from; all sizes are (w, h) in pixels of one eye."""
+
+    # The rendered picture, with its guard band.
+    rendered: Size
+    # The shown picture.
+    shown: Size
+    # The shown fields of view, one for each eye; the size of some layers follows from them.
+    fovs: tuple[Fov, ...] = ()
+
+
+@attrs.frozen(eq=False)
+class Surface:
+    """Another surface of the same view and size; holes as in EyeImage."""
+
+    # rgba16f, linear light with coverage in alpha.
+    colour: moderngl.Texture
+    # r32f in 1/m, -1 in holes.
+    inverse_depth: moderngl.Texture
+
+    def textures(self) -> tuple[moderngl.Texture, moderngl.Texture]:
+        """Return both textures."""
+        return self.colour, self.inverse_depth
+
+
+def readable(name: str) -> str:
+    """Return the name by which passes read a layer."""
+    return f"rendered.{name}"
+
+
+class Layer:
+    """One kind of content of a frame; a file of its own with a subclass is its declaration.
+
+    A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by`
+    are enough, and `codings` where a texture holds neither light (rgba16f) nor inverse depth
+    (r32f). A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
+    overrides `bytes`, `textures`, `sent` and, where its data must be freed, `release`. One that
+    other processes may send says so by `fed`; where it is more than one texture it overrides `made`
+    too, and where it is more than textures, `numbers` and `misfit`.
+    """
+
+    # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
+    name: ClassVar[str]
+    # One line for listings.
+    summary: ClassVar[str]
+    # The texture formats of one unit of the layer, keys of PIXEL_BYTES.
+    formats: ClassVar[tuple[str, ...]] = ()
+    # RENDERED, SHOWN, or OWN where the layer overrides `size`.
+    size_class: ClassVar[str] = RENDERED
+    # The server's part that draws it, "" for what the server draws anyway or not at all.
+    drawn_by: ClassVar[str] = ""
+    # How each of `formats` is coded; () for the usual way, see USUAL_CODINGS.
+    codings: ClassVar[tuple[str, ...]] = ()
+    # Whether both eyes carry the same data, which is drawn, sent, counted and released once for
+    # each frame.
+    per_frame: ClassVar[bool] = False
+    # Whether every frame has it, needed or not.
+    always: ClassVar[bool] = False
+    # Whether the picture lacks what the layer shows.
+    apart: ClassVar[bool] = False
+    # Whether frames of other processes may have it, see docs/feed.md: its amount is a number then.
+    fed: ClassVar[bool] = False
+    # Whether what a frame has of it depends on the frames before: then none can be left out.
+    builds_on_frames: ClassVar[bool] = False
+    # Whether it is made from the picture: that must be the one which its plan alone would get.
+    made_from_picture: ClassVar[bool] = False
+    # Whether it only says how the picture is lit: no pass reads it.
+    lights: ClassVar[bool] = False
+    # The amount of plans that need none of it, and one that needs as much as there is, or some.
+    nothing: ClassVar[Any] = 0
+    something: ClassVar[Any] = True
+
+    @classmethod
+    def readable(cls) -> str:
+        """Return the name by which passes read it."""
+        return readable(cls.name)
+
+    @classmethod
+    def size(cls, sizes: EyeSizes) -> Size:
+        """Return its (w, h) in pixels."""
+        return sizes.shown if cls.size_class == SHOWN else sizes.rendered
+
+    @classmethod
+    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
+        """Return the uncompressed bytes of `amount` of it, for one eye or (per_frame) all."""
+        width, height = cls.size(sizes)
+        return sum(PIXEL_BYTES[kind] for kind in cls.pictures(amount)) * width * height
+
+    @classmethod
+    def pictures(cls, amount: Any) -> tuple[str, ...]:
+        """Return the format of each texture of `amount` of it, in the order of `sent`."""
+        return int(amount) * cls.formats
+
+    @classmethod
+    def numbers(cls, data: Any) -> NDArray[Any] | None:
+        """Return what its data hold besides textures, as rows of float64; None for nothing."""
+        return None
+
+    @classmethod
+    def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
+        """Return why pictures of the right formats and numbers are not its data, "" if they are."""
+        return "" if numbers is None else "there are numbers beside its pictures: expected none"
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Any:
+        """Return the data of textures, in the order of `sent`, and numbers that fit."""
+        (texture,) = textures
+        return texture
+
+    @classmethod
+    def merged(cls, amount: Any, other: Any) -> Any:
+        """Return an amount that is enough for both."""
+        return max(amount, other)
+
+    @classmethod
+    def serves(cls, carried: Any, needed: Any) -> bool:
+        """Return whether frames that carry `carried` suit passes that need `needed`."""
+        return bool(carried == needed)
+
+    @classmethod
+    def only(cls, data: Any, amount: Any) -> Any:
+        """Return the part of the data that a plan which needs `amount` would get alone."""
+        return data
+
+    @classmethod
+    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
+        """Return every texture of its data; the server takes back those of its pools."""
+        return (data,)
+
+    @classmethod
+    def coded_as(cls) -> tuple[str, ...]:
+        """Return the coding of each of `formats`; what is no picture is packed."""
+        return cls.codings or tuple(USUAL_CODINGS[kind] for kind in cls.formats) or (PACKED,)
+
+    @classmethod
+    def sent(cls, data: Any) -> Iterable[moderngl.Texture | NDArray[Any]]:
+        """Return what passes read of its data: textures, in the order of `formats`, or arrays.
+
+        The link writes what it has decoded over them, so arrays are writable.
+        """
+        return cls.textures(data)
+
+    @classmethod
+    def coded(cls, data: Any) -> Iterator[tuple[moderngl.Texture | NDArray[Any], str]]:
+        """Yield what is sent, each with its coding."""
+        return zip(cls.sent(data), cycle(cls.coded_as()), strict=False)
+
+    @classmethod
+    def sent_bytes(cls, data: Any) -> int:
+        """Return its bytes on a link without a codec; no more than `bytes`."""
+        return sum(map(_bytes_of, cls.sent(data)))
+
+    @classmethod
+    def release(cls, data: Any) -> None:
+        """Free what belongs to no pool of the server's; called once, when the frame is recycled."""
+
+
+def _bytes_of(content: Any) -> int:
+    """Return the bytes of a texture or array."""
+    if hasattr(content, "nbytes"):
+        return int(content.nbytes)
+    return int(content.width * content.height * content.components * int(content.dtype[1:]))
+
+
+class Wanted(Protocol):
+    """What is delivered little by little; hashable and ordered."""
+
+    @property
+    def budget(self) -> int:
+        """Bytes of each frame, at most."""
+
+
+class Content(Protocol):
+    """What one frame brings of it."""
+
+    @property
+    def content(self) -> NDArray[Any]:
+        """The bytes; the link writes what it has decoded over it."""
+
+
+class Delivered(Layer):
+    """No picture but updates of what the client keeps: a Content for each Wanted.
+
+    The amount is the frozenset of them. A client.Store with this layer's name receives the updates.
+    """
+
+    per_frame = True
+    builds_on_frames = True
+    nothing = frozenset()
+
+    @classmethod
+    def bytes(cls, amount: frozenset[Wanted], sizes: EyeSizes) -> int:
+        return sum(each.budget for each in amount)
+
+    @classmethod
+    def merged(cls, amount: frozenset[Wanted], other: frozenset[Wanted]) -> frozenset[Wanted]:
+        return amount | other
+
+    @classmethod
+    def serves(cls, carried: frozenset[Wanted], needed: frozenset[Wanted]) -> bool:
+        """Return whether all that is needed is delivered; more does not disturb."""
+        return needed <= carried
+
+    @classmethod
+    def only(cls, data: Mapping[Any, Content], amount: frozenset[Any]) -> Mapping[Any, Content]:
+        return data if data.keys() == amount else {each: data[each] for each in sorted(amount)}
+
+    @classmethod
+    def textures(cls, data: Any) -> Iterable[moderngl.Texture]:
+        return ()
+
+    @classmethod
+    def sent(cls, data: Mapping[Any, Content]) -> Iterable[NDArray[Any]]:
+        return [update.content for update in data.values()]
+
 
 # What passes read of an eye's own picture.
 PICTURE = (readable("colour"), readable("inverse_depth"))
@@ -30,22 +262,120 @@ def readable_names() -> tuple[str, ...]:
     return tuple(readable(name) for name in layers.names())
 
 
-__all__ = [
-    "BRIGHT_VIDEO",
-    "DEPTH",
-    "OWN",
-    "PACKED",
-    "PICTURE",
-    "PIXEL_BYTES",
-    "RENDERED",
-    "SHOWN",
-    "VECTORS",
-    "VIDEO",
-    "Delivered",
-    "EyeSizes",
-    "Layer",
-    "Surface",
-    "layers",
-    "readable",
-    "readable_names",
-]
+# Data that cross the link little by little are bytes, each by its number. They cross in fragments,
+# so that any of them fits a budget, and a lost fragment is sent again by itself.
+
+# As much as fits an Ethernet frame with its headers.
+FRAGMENT_BYTES = 1400
+# Number of the thing, of the fragment, how many fragments the thing has, bytes of this one.
+_HEAD = struct.Struct("<IIIH")
+
+Fragment = tuple[int, int]  # the thing, and which of its fragments
+
+
+@attrs.frozen(eq=False)
+class Update:
+    """What one frame brings."""
+
+    # Fragments with their heads; the link writes what it has decoded over it.
+    content: NDArray[np.uint8]
+    # What the sender needs to know again when it hears of the frame.
+    fragments: tuple[Fragment, ...] = ()
+    sent_ns: int = 0
+
+
+class Outbox:
+    """The sender's side: each thing until it has arrived.
+
+    A fragment that was lost is sent again once the sender hears of the loss. What is on its way
+    waits for that news, however long it takes; see Link.settled for what the news assumes.
+    """
+
+    def __init__(self, things: Sequence[bytes]) -> None:
+        self._things = tuple(things)
+        self._waiting = {number: set(range(_fragments(thing))) for number, thing in enumerate(things)}
+        # When it is heard, a number that keeps equal instants in order, the update, its fate.
+        self._news: list[tuple[int, int, Update, bool]] = []
+        self._heard = 0
+        # From sending to hearing of the arrival, of the last update that is known to have arrived;
+        # None before the first.
+        self.round_trip_ns: int | None = None
+
+    @property
+    def waiting(self) -> frozenset[int]:
+        """The things of which something is to be sent."""
+        return frozenset(self._waiting)
+
+    def update(self, order: Iterable[int], budget: int, now_ns: int) -> Update:
+        """Return the next fragments, of the first things in `order` that wait.
+
+        order: a thing may occur more than once. budget: bytes; one fragment is sent however small
+        it is.
+        """
+        out = bytearray()
+        sent: list[Fragment] = []
+        for piece, data in self._next(order):
+            if sent and len(out) + _HEAD.size + len(data) > budget:
+                break
+            out += _HEAD.pack(*piece, _fragments(self._things[piece[0]]), len(data)) + data
+            sent.append(piece)
+        for number, index in sent:
+            self._waiting[number].discard(index)
+            if not self._waiting[number]:
+                del self._waiting[number]
+        return Update(np.frombuffer(bytes(out), np.uint8).copy(), tuple(sent), now_ns)
+
+    def _next(self, order: Iterable[int]) -> Iterator[tuple[Fragment, bytes]]:
+        for number in dict.fromkeys(order):
+            for index in sorted(self._waiting.get(number, ())):
+                yield (number, index), self._things[number][FRAGMENT_BYTES * index : FRAGMENT_BYTES * (index + 1)]
+
+    def heard(self, update: Update, arrived: bool, heard_ns: int) -> None:
+        """Take note of an update's fate, of which the sender hears at that instant."""
+        if update.fragments:
+            heapq.heappush(self._news, (heard_ns, self._heard, update, arrived))
+            self._heard += 1
+
+    def settle(self, now_ns: int) -> None:
+        """Act on the news heard by now: what was lost waits again."""
+        while self._news and self._news[0][0] <= now_ns:
+            heard_ns, _, update, arrived = heapq.heappop(self._news)
+            if arrived:
+                self.round_trip_ns = heard_ns - update.sent_ns
+                continue
+            for number, index in update.fragments:
+                self._waiting.setdefault(number, set()).add(index)
+
+
+class Inbox:
+    """The receiver's side: things as they become whole, in any order of arrival."""
+
+    def __init__(self) -> None:
+        self._begun: dict[int, dict[int, bytes]] = {}
+        self._whole: set[int] = set()
+        self.bytes = 0
+
+    @property
+    def whole(self) -> int:
+        """How many things are whole."""
+        return len(self._whole)
+
+    def take(self, content: NDArray[np.uint8]) -> Iterator[tuple[int, bytes]]:
+        """Take an update's content; yield the number and bytes of each thing that is now whole."""
+        data, at = content.tobytes(), 0
+        self.bytes += len(data)
+        while at < len(data):
+            number, index, count, length = _HEAD.unpack_from(data, at)
+            at += _HEAD.size + length
+            if number in self._whole:
+                continue
+            begun = self._begun.setdefault(number, {})
+            begun[index] = data[at - length : at]
+            if len(begun) == count:
+                self._whole.add(number)
+                del self._begun[number]
+                yield number, b"".join(begun[index] for index in range(count))
+
+
+def _fragments(thing: bytes) -> int:
+    return max(1, -(-len(thing) // FRAGMENT_BYTES))

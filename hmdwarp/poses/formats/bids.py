@@ -1,7 +1,7 @@
 """Motion of the Brain Imaging Data Structure: a table described by files next to it."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Bids(TraceFormat):

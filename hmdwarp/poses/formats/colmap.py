@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ..assumptions import By
+from ..assumptions import By, Layout
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..stated import Layout
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Colmap(TraceFormat):

@@ -12,7 +12,7 @@ from ..options import TraceOptions
 from ..reading.axes import OPENXR
 from ..reading.file_head import Head
 from ..track import PoseTrack
-from ._base import TraceFormat, formats, numbers_alone, write_rows
+from . import TraceFormat, formats, numbers_alone, write_rows
 
 HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 

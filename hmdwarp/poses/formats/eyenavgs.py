@@ -3,9 +3,8 @@
 The two sites order and name their columns differently.
 """
 
-from ..assumptions import By
-from ..stated import Defect
-from ._base import TraceFormat, formats
+from ..assumptions import By, Defect
+from . import TraceFormat, formats
 
 _EYES = Defect(
     "eye-position",

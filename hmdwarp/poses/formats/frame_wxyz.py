@@ -7,13 +7,12 @@ import math
 import numpy as np
 
 from ...errors import TraceError
-from ..assumptions import By
+from ..assumptions import By, Layout
 from ..options import TraceOptions
 from ..reading.cleaning import LoadedTrace
 from ..reading.file_head import Head, is_number
-from ..stated import Layout
 from ..track import PoseTrack
-from ._base import TraceFormat, formats, ordered
+from . import TraceFormat, formats, ordered
 from .multiviewpoint import AXES
 
 

@@ -1,7 +1,7 @@
 """Recordings of Meta's Immersive Web Emulation Runtime: JSON of schema and frames."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Iwer(TraceFormat):

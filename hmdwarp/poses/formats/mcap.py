@@ -6,15 +6,13 @@ import json
 from typing import IO, Any
 
 from ...resources import import_extra
-from ..assumptions import By
+from ..assumptions import By, Defect, Layout
 from ..options import TraceOptions
 from ..reading.axes import parse_axes
 from ..reading.file_head import Head
-from ..reading.mcap_messages import EXTRA, METADATA
-from ..reading.pose_messages import COLUMNS
-from ..stated import Defect, Layout
+from ..reading.pose_messages import COLUMNS, EXTRA, METADATA
 from ..track import PoseTrack
-from ._base import TraceFormat, clock_offset_ns, formats
+from . import TraceFormat, clock_offset_ns, formats
 
 AXES = "ros"
 _TOPIC, _FRAME = "/head", "world"

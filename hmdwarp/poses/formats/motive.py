@@ -1,7 +1,7 @@
 """CSV exports of OptiTrack's Motive: rigid bodies under seven lines of header."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Motive(TraceFormat):

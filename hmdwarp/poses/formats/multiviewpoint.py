@@ -6,11 +6,10 @@ Its Euler twin is refused.
 from __future__ import annotations
 
 from ...errors import TraceError
-from ..assumptions import By
+from ..assumptions import By, Layout
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..stated import Layout
-from ._base import TraceFormat, formats, has
+from . import TraceFormat, formats, has
 
 # The head pitches about the file's y and hardly ever rolls about its x (measured: angular speed
 # about x is half that about y in the head's own axes), so x is forward and y left, as in the viewer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Named(TraceFormat):

@@ -8,7 +8,7 @@ from typing import IO
 from ...geometry import Pose
 from ..assumptions import By
 from ..track import PoseTrack
-from ._base import TraceFormat, formats, write_rows
+from . import TraceFormat, formats, write_rows
 
 COLUMNS = ("time_ns", "x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
 TITLE = "hmdwarp head trace"

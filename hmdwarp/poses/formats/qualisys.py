@@ -1,7 +1,7 @@
 """TSV exports of Qualisys Track Manager: bodies with six degrees of freedom."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Qualisys(TraceFormat):

@@ -1,7 +1,7 @@
 """QuestSet: Quest 2 games, head with hands and buttons, w first, time in the last column."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class QuestSet(TraceFormat):

@@ -6,7 +6,7 @@ from ..assumptions import By
 from ..options import TraceOptions
 from ..reading.columns import find_columns
 from ..reading.file_head import Head
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Ros2Csv(TraceFormat):

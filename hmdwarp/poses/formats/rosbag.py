@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 from .mcap import Mcap
 
 

@@ -5,10 +5,10 @@ Ticks of 100 ns since the year 1 (.NET) or 1601 (Windows).
 
 from __future__ import annotations
 
+from ..assumptions import Layout
 from ..options import TraceOptions
 from ..reading.file_head import Head
-from ..stated import Layout
-from ._base import TraceFormat, formats, unnamed_layout
+from . import TraceFormat, formats, unnamed_layout
 
 
 class Ticks(TraceFormat):

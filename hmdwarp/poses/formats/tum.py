@@ -12,7 +12,7 @@ from ..options import TraceOptions
 from ..reading.axes import OPENXR
 from ..reading.file_head import Head
 from ..track import PoseTrack
-from ._base import TraceFormat, formats, numbers_alone, write_rows
+from . import TraceFormat, formats, numbers_alone, write_rows
 
 
 class Tum(TraceFormat):

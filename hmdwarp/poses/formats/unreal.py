@@ -1,7 +1,7 @@
 """Vectors, rotators and quaternions as Unreal Engine's ToString prints them, one a cell."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Unreal(TraceFormat):

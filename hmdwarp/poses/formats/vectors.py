@@ -1,7 +1,7 @@
 """Tables with a vector or a quaternion in one cell."""
 
 from ..assumptions import By
-from ._base import TraceFormat, formats
+from . import TraceFormat, formats
 
 
 class Vectors(TraceFormat):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...geometry import Pose
 from .. import quaternions
 from ..track import Origin, PoseSample, PoseTrack, Samples, gap_limit_ns
-from ._base import Predictor, hold, predictors
+from . import Predictor, hold, predictors
 
 Array = NDArray[np.float64]
 

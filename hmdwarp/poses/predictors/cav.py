@@ -2,7 +2,7 @@
 
 import attrs
 
-from ._base import predictors
+from . import predictors
 from .constant_velocity import predictor
 
 predictors.register(attrs.evolve(predictor, name="cav", alias_of=predictor.name))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...geometry import Pose
 from .. import quaternions
 from ..track import Origin, PoseSample, PoseTrack, Samples
-from ._base import Predictor, hold, predictors
+from . import Predictor, hold, predictors
 
 WINDOW_NS = 50_000_000
 HORIZON_NS = 100_000_000

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..track import PoseTrack, Samples
-from ._base import Predictor, hold, predictors
+from . import Predictor, hold, predictors
 
 
 def _hold_many(track: PoseTrack, now_ns: NDArray[np.int64], ahead_ns: int) -> Samples:

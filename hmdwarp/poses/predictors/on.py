@@ -2,7 +2,7 @@
 
 import attrs
 
-from ._base import predictors
+from . import predictors
 from .cautious import predictor
 
 predictors.register(attrs.evolve(predictor, name="on", alias_of=predictor.name))

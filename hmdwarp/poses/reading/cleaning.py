@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
 from .. import quaternions
-from ..assumptions import Assumption, By, unstated
+from ..assumptions import Assumption, By, Defect, Layout, unstated
 from ..options import TraceOptions
-from ..stated import Defect, Layout
 from ..track import PoseTrack, gap_limit_ns
-from .assumed import AXES, UP, WRAP, is_inverse
-from .clocks import Wraps, absurd_rows, midnights, wraps_of
+from .axes import AXES, UP, WRAP, is_inverse
 from .columns import head_rank
 from .file_head import Head
 from .judged_axes import JudgedAxes
@@ -28,7 +26,7 @@ from .plausibility import (
     rate_fault,
 )
 from .rows import Rows
-from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, guess_unit, to_ns
+from .times import BILLION, UNIT_NAMES, UNITS_NS, Stamps, Wraps, absurd_rows, guess_unit, midnights, to_ns, wraps_of
 
 COARSE_NORM = 1e-2
 WORST_NORM = 0.5

@@ -8,10 +8,8 @@ from typing import Any
 
 from ...errors import counted
 from ...options.documents import DocumentError, parse_json
-from ..stated import Defect
-from .columns import find_columns, names_rotation
-from .made import Made, rows_text
-from .matrix_names import named_matrices
+from ..assumptions import Defect
+from .columns import Made, find_columns, named_matrices, names_rotation, rows_text
 
 _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")

@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 
 from ...errors import InputError, TraceError
 from .. import quaternions
-from ..assumptions import Assumption, By
+from ..assumptions import AXES_BY, Assumption, By, Layout
 from ..options import DIRECT, INVERSE, TraceOptions
-from ..stated import AXES_BY, Layout
-from .assumed import DIRECTION, assumptions_of, is_inverse
-from .axes import AUTO, Axes, is_tilt, parse_axes, parse_up, tilted, upright
+from .axes import AUTO, DIRECTION, Axes, assumptions_of, is_inverse, is_tilt, parse_axes, parse_up, tilted, upright
 from .plausibility import (
     CLEAR,
     SURE,

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from ...errors import TraceError
 from ..assumptions import By
 from ..options import COLUMNS, ROWS
+from .columns import SHAPES, Cells
 from .file_head import Head
-from .matrix_names import SHAPES, Cells
 
 _OFF = 0.02
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import operator
 import re
-from collections.abc import Iterator
+import threading
+import weakref
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import IO, Any, BinaryIO
 
 import attrs
 
-from ...errors import TraceError
-from ..stated import Defect
-from .made import Made
+from ...errors import HmdwarpError, TraceError
+from ...options.documents import parse_json
+from ...options.named_files import BAG, TABLE, opened, text_in
+from ...resources import import_extra
+from ..assumptions import Defect
+from .columns import Made
 
 COLUMNS = ("stamp_ns", "log_time_ns", "topic", "x", "y", "z", "qx", "qy", "qz", "qw")
 # Where messages have their time, the frame they are in, the frame they move, and their pose.
@@ -127,3 +133,217 @@ class PoseMessages:
     def _others(self) -> str:
         held = [f"{topic} ({what})" for topic, what in self.held.items()]
         return f" that can be read; it holds {', '.join(held[:8])}" if held else ""
+
+
+MAGIC = b"\x89MCAP0\r\n"
+EXTRA = "mcap"
+METADATA = "hmdwarp"  # name of the record that states the axes and the origin
+
+
+def table_of_mcap(path: Path, stream: IO[bytes], size: int) -> Made:
+    """Return every pose of the messages that hold one, in the order they were logged.
+
+    Errors: TraceError without any, or for damaged data; MachineError where `mcap` is missing.
+    """
+    return _Reading(path, stream, size).table()
+
+
+class _Reading(PoseMessages):
+    kind = "mcap"
+    file = "an MCAP file"
+    wanted = "as JSON, protobuf or ROS 2's CDR"
+
+    def __init__(self, path: Path, stream: IO[bytes], size: int) -> None:
+        super().__init__(path)
+        self.stream = stream
+        self._mcap = import_extra("mcap.reader", "mcap", EXTRA)
+        self._how = {"validate_crcs": True, "record_size_limit": size}
+        modules = (("mcap_ros2.decoder", "mcap-ros2-support"), ("mcap_protobuf.decoder", "mcap-protobuf-support"))
+        self._factories = [import_extra(*name, EXTRA).DecoderFactory() for name in modules]
+        self._decoders: dict[int, Callable[[bytes], Any] | None] = {}
+
+    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
+        count = 0
+        reader, whole = self._reader()
+        try:
+            for schema, channel, message in reader.iter_messages(self._topics(whole), log_time_order=whole is not None):
+                name = "" if schema is None else schema.name.replace("/msg/", "/")
+                decode = self._decoder(name, schema, channel)
+                if decode is not None:
+                    for pose in poses_in(name, decode(message.data)):
+                        count += 1
+                        yield channel.topic, message.log_time, pose
+        except HmdwarpError:
+            raise
+        except Exception as error:  # decoders and decompressors raise anything at damaged data
+            why = f"{type(error).__name__}: {error}"
+            if whole is not None or not count:
+                raise TraceError(f"{self.path}: its MCAP data are damaged ({why}): copy or record it again") from None
+            what = f"the file ends in the middle, after {count} poses ({why})"
+            self.defects.append(Defect("file-cut", what, "read up to there"))
+
+    def _reader(self) -> tuple[Any, Any]:
+        """Return a reader, and the index of a file that was closed as it should be, else None."""
+        try:
+            reader = self._mcap.SeekingReader(self.stream, **self._how)
+            index = reader.get_summary()
+            if index is not None:
+                self._state(reader)
+                return reader, index
+        except Exception:  # as above: a file that was cut off has no index where it should be
+            pass
+        self.stream.seek(0)
+        return self._mcap.NonSeekingReader(self.stream, **self._how), None
+
+    def _state(self, reader: Any) -> None:
+        stated: dict[str, str] = next((m.metadata for m in reader.iter_metadata() if m.name == METADATA), {})
+        self.comments = [f"# {key}: {' '.join(value.split())}" for key, value in stated.items()]
+
+    def _topics(self, index: Any) -> list[str] | None:
+        """Return the topics with poses; None for all. Only their parts of the file are read."""
+        if index is None:
+            return None
+        topics = []
+        for channel in index.channels.values():
+            schema = index.schemas.get(channel.schema_id)
+            if self._decoder("" if schema is None else schema.name.replace("/msg/", "/"), schema, channel) is not None:
+                topics.append(channel.topic)
+        return topics
+
+    def _decoder(self, name: str, schema: Any, channel: Any) -> Callable[[bytes], Any] | None:
+        if channel.id not in self._decoders:
+            found = self._decoder_of(schema, channel.message_encoding) if has_poses(name) else None
+            if found is None:
+                self.held[channel.topic] = f"{name or 'no schema'}, {channel.message_encoding}"
+            self._decoders[channel.id] = found
+        return self._decoders[channel.id]
+
+    def _decoder_of(self, schema: Any, encoding: str) -> Callable[[bytes], Any] | None:
+        if encoding == "json":
+            return lambda data: _by_name(parse_json(data))
+        return next(filter(None, (f.decoder_for(encoding, schema) for f in self._factories)), None)
+
+
+def _by_name(value: Any) -> Any:
+    """Return JSON with attributes in place of keys."""
+    if isinstance(value, dict):
+        return SimpleNamespace(**{key: _by_name(one) for key, one in value.items()})
+    return [_by_name(one) for one in value] if isinstance(value, list) else value
+
+
+BAGS_EXTRA = "bags"
+MAGICS = (b"#ROSBAG V2.0", b"SQLite format 3\x00")  # of files that only rosbags reads
+ENDINGS = (".bag", ".db3", ".mcap")
+_METADATA = "metadata.yaml"
+
+
+def bag_at(path: Path) -> Path | None:
+    """Return the bag that a path is, or the only one in a folder; None for no bag."""
+    if path.exists() and not path.is_dir():
+        return path if path.suffix in ENDINGS else None
+    if (path / _METADATA).exists():
+        return path
+    found = [place for place in path.glob("*") if place.suffix in ENDINGS or (place / _METADATA).exists()]
+    return found[0] if len(found) == 1 else None
+
+
+class Bag:
+    """The topics and messages of a bag, which stays open as long as this is used.
+
+    Errors: TraceError for a damaged one; MachineError where rosbags is missing.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self._lock = path, threading.Lock()
+        highlevel = import_extra("rosbags.highlevel", "rosbags", BAGS_EXTRA)
+        types = import_extra("rosbags.typesys", "rosbags", BAGS_EXTRA)
+        _check_plain(path)
+        try:
+            # Older bags of ROS 2 do not hold the definitions of their messages.
+            defined = types.get_typestore(types.Stores.LATEST)
+            self._reader = highlevel.AnyReader([_BagPath(path)], default_typestore=defined)
+            self._reader.open()
+        except HmdwarpError:
+            raise
+        except Exception as error:  # its parsers raise anything at damaged data
+            raise self._damaged(error) from None
+        weakref.finalize(self, self._reader.close)
+        # Type by topic, as ROS 1 names it: sensor_msgs/Image.
+        self.topics = {
+            connection.topic: connection.msgtype.replace("/msg/", "/") for connection in self._reader.connections
+        }
+
+    def messages(
+        self, topics: Collection[str], first_ns: int | None = None, last_ns: int | None = None
+    ) -> Iterator[tuple[str, int, Any]]:
+        """Yield topic, time of logging in ns and message, of the instants from first to last."""
+        chosen = [connection for connection in self._reader.connections if connection.topic in topics]
+        stop_ns = None if last_ns is None else last_ns + 1
+        try:
+            for connection, time_ns, raw in (
+                self._reader.messages(chosen, start=first_ns, stop=stop_ns) if chosen else ()
+            ):
+                if not isinstance(time_ns, int):  # any column of SQLite may hold text
+                    raise ValueError(f"a message at {time_ns!r}")  # noqa: TRY301 (said as the reader's own)
+                yield connection.topic, time_ns, self._reader.deserialize(raw, connection.msgtype)
+        except HmdwarpError:
+            raise
+        except Exception as error:  # as above
+            raise self._damaged(error) from None
+
+    def message(self, topic: str, time_ns: int, number: int = 0) -> Any:
+        """Return a message by its time of logging. number: of those of one instant."""
+        with self._lock:
+            for at, (_, _, message) in enumerate(self.messages([topic], time_ns, time_ns)):
+                if at == number:
+                    return message
+        raise TraceError(f"{self.path}: no message {number} of {topic} at {time_ns} ns; was the bag replaced?")
+
+    def _damaged(self, error: Exception) -> TraceError:
+        why = " ".join(f"{type(error).__name__}: {error}".split())
+        return TraceError(f"{self.path}: cannot be read as a bag ({why}); expected one of {', '.join(ENDINGS)}")
+
+
+class _BagPath(type(Path())):  # type: ignore[misc]
+    """A path whose files rosbags opens as all others are opened, packed ones too."""
+
+    def open(self, *_: Any, **__: Any) -> BinaryIO:
+        return opened(self, BAG)
+
+    def read_text(self, *_: Any, **__: Any) -> str:
+        return text_in(self, TABLE)
+
+
+def _check_plain(path: Path) -> None:
+    """Refuse what rosbags would wait for: SQLite opens a .db3 by its name."""
+    if path.is_dir():
+        opened(path / _METADATA, TABLE).close()
+    for file in path.iterdir() if path.is_dir() else (path,):
+        if file.suffix in ENDINGS or file == path:
+            opened(file, BAG).close()
+
+
+def stamp_ns(stamp: Any) -> int:
+    """Return the nanoseconds of a stamp."""
+    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)
+
+
+def table_of_bag(path: Path) -> Made:
+    """Return every pose of the messages that hold one, in the order they were logged.
+
+    Errors: TraceError without any, or for damaged data; MachineError where rosbags is missing.
+    """
+    return _BagReading(path).table()
+
+
+class _BagReading(PoseMessages):
+    kind = "rosbag"
+    file = "a bag"
+    wanted = "of ROS 1 or ROS 2"
+
+    def poses(self) -> Iterator[tuple[str, int, StampedPose]]:
+        bag = Bag(self.path)
+        self.held = {topic: name for topic, name in bag.topics.items() if not has_poses(name)}
+        for topic, logged_ns, message in bag.messages(bag.topics.keys() - self.held.keys()):
+            for pose in poses_in(bag.topics[topic], message):
+                yield topic, logged_ns, pose

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import TraceError, counted
+from ..assumptions import Defect, Layout
 from ..options import AXIS_ANGLE, VECTOR, Euler
-from ..stated import Defect, Layout
 from .file_head import COMMENT_SIGNS, Head, is_number, split
 from .times import WIDTH, Stamps, parse_fields, parse_one
 

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...metrics import JOD, LEAST_INSTANTS, PRIMARY, metrics_in_order
-from ..tables import markdown, terminal_table
-from ..words import name_pieces
+from ..words import markdown, name_pieces, terminal_table
 from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
 
 if TYPE_CHECKING:

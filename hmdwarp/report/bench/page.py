@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import attrs
 from markupsafe import Markup
 
 from ...metrics import REGIONS, Figure, metrics, metrics_in_order
@@ -27,8 +28,7 @@ from ..page import (
 )
 from ..run_texts import axes_of_traces
 from ..style import markers_of
-from ..tables import Cell, Line, Table
-from ..words import counted, listed, plain
+from ..words import Cell, Line, Table, counted, listed, plain
 from .bench_table import choice_terms, decision, marked_how
 from .charts import (
     axes_of,
@@ -81,6 +81,7 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
             Section("", _tiles(data, rows), style="tiles", label="What was run"),
             Section("", [clock_note and Text(clock_note)], style="after"),
             notes_section(_notes(data, rows)),
+            _suite(data.get("suite")),
             _tables(rows, groups),
             _fronts(groups, rows),
             _displacement(list(data.get("grid") or ()), data.get("grid_at")),
@@ -91,6 +92,32 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
         ),
         made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
     ).html()
+
+
+def _suite(entry: Mapping[str, Any] | None) -> Section | None:
+    """Return the means of a suite over all heads and scenes; None for a bench of no suite."""
+    if not entry:
+        return None
+    figures = [metrics.get(name).figure for name in ("flip", "psnr_db")]
+    figures.insert(1, attrs.evolve(figures[0], name="behind", label="FLIP behind the best"))
+    lines = [
+        (
+            f"{row['latency_ms']:g} ms",
+            row_name(row),
+            *(text for figure in figures for text in _mean_and_interval(figure, row[figure.name])),
+        )
+        for row in entry["over_all"]
+    ]
+    heads = [("", ""), ("", ""), *(pair for f in figures for pair in ((f.label, f.unit), ("95 %", f.unit)))]
+    heading = f"Suite {entry['name']} {entry['version']}: over all heads and scenes"
+    return Section(
+        heading, [Table.of("", heads, lines, label=heading, words=2), Text(texts("bench")["notes"]["suite"])]
+    )
+
+
+def _mean_and_interval(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
+    interval = entry["interval"]
+    return figure.text(entry["mean"]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
@@ -293,7 +320,8 @@ def _regions(groups: Sequence[Case]) -> Section:
             words = f"Error by region, {group.label}: see the table below"
             blocks = [Chart.of("", regions_chart(group), words), Fold("As a table", [_regions_table(group)])]
             folds.append(Fold(group.label, blocks, is_open=not folds))
-    heading, note = "Where the error lies", Text(texts("bench")["notes"]["regions"])
+    notes = texts("bench")["notes"]
+    heading, note = "Where the error lies", Text(f"{notes['regions']} {notes['regions_chart']}")
     return Section(heading, [note, *folds] if folds else [], id="regions", link=heading)
 
 

@@ -20,8 +20,7 @@ from ..page import (
     reading_section,
     texts,
 )
-from ..tables import Table
-from ..words import counted, interval, p_text, pair_text, plain, signed
+from ..words import Table, counted, interval, p_text, pair_text, plain, signed
 from .charts import forest_chart, place_chart, ratings_chart, scatter_chart, score_chart
 from .results import (
     comparison_lines,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ..tables import Heads
-from ..words import interval, p_text, pair_text, plain, signed
+from ..words import Heads, interval, p_text, pair_text, plain, signed
 
 Row = Mapping[str, Any]
 Lines = tuple[Heads, list[list[str]]]

@@ -11,7 +11,7 @@ from .._mesh import Body
 from .._scene import Lamp, Scene, SceneSource, scenes
 from ..motions import Still, Track
 from ..shapes import Quad
-from ._lit_room import box, in_atlas, textures, wall
+from ._models import box, in_atlas, textures, wall
 
 SUMMARY = "a dim room beside a bright one: a door opens and shuts, and lets a wedge of light in"
 WALK_BOUNDS_M = ((-1.2, 0.8, -0.7), (1.2, 2.0, 1.2))

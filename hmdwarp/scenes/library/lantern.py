@@ -9,7 +9,7 @@ from .._mesh import Body
 from .._scene import Lamp, Scene, SceneSource, scenes
 from ..motions import Pendulum
 from ..shapes import Ball
-from ._lit_room import box, in_atlas, textures, wall
+from ._models import box, in_atlas, textures, wall
 
 SUMMARY = "a room with coloured walls under a lamp that swings: shadows and indirect light move"
 WALK_BOUNDS_M = ((-1.2, 0.8, -0.8), (1.2, 2.0, 1.2))

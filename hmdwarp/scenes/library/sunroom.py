@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...geometry import Pose
 from .._scene import Background, Lamp, Scene, SceneSource, scenes
 from ..motions import Spinning
-from ._lit_room import box, in_atlas, textures, wall
+from ._models import box, in_atlas, textures, wall
 
 SUMMARY = "a room with a window under a sun that turns: a patch of sun crosses the floor and lights the room"
 WALK_BOUNDS_M = ((-1.2, 0.8, -0.8), (1.2, 2.0, 1.2))

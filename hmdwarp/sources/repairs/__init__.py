@@ -6,10 +6,16 @@ few pixels off its colour.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
 from ...errors import InputError
-from ...options import parse_choice
+from ...options import NoSettings, parse_choice
 from ...registry import Registry
-from ._base import MeasuredDepth, Pixels, Repair, RepairChain
 
 repairs: Registry[type[Repair]] = Registry("repair", __name__)
 
@@ -29,4 +35,94 @@ def parse_repairs(text: str) -> RepairChain:
     return RepairChain(tuple(choice.entry(choice.settings) for choice in chain), "+".join(map(str, chain)) or "none")
 
 
-__all__ = ["MeasuredDepth", "Pixels", "Repair", "RepairChain", "parse_repairs", "repairs"]
+Pixels = NDArray[np.float32]
+
+
+# Confidence of any guess: half floats on the GPU tell it from none, and from measured depth.
+LEAST_SURE, MOST_SURE = np.float32(2.0**-10), np.float32(1 - 2.0**-10)
+
+
+@attrs.frozen(eq=False)
+class MeasuredDepth:
+    """Depth of one picture, and how sure it is; (h, w), the top row first."""
+
+    # 1/m along -z; 0 is infinitely far, NaN is no depth.
+    inverse_depth: Pixels
+    # 1 as measured, less where it is a guess, 0 where there is no depth.
+    confidence: Pixels
+
+    @classmethod
+    def measured(cls, inverse_depth: NDArray[Any]) -> MeasuredDepth:
+        """Return depth as a camera gave it: sure wherever it is known."""
+        inverse = np.asarray(inverse_depth, np.float32)
+        return cls(inverse, (~np.isnan(inverse)).astype(np.float32))
+
+
+class Repair(ABC):
+    """Make the depth of a picture fit for warping: take out what is wrong, guess what is missing.
+
+    It keeps no memory of earlier pictures and never changes its arguments.
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    needs: ClassVar[str]  # What it runs on, in words.
+    source: ClassVar[str]
+    # False for the repair that does nothing, which is left out.
+    is_pass: ClassVar[bool] = True
+    Settings: ClassVar[type] = NoSettings  # An attrs class of the settings, each with a default.
+
+    def __init__(self, settings: Any = None) -> None:
+        self.settings = self.Settings() if settings is None else settings
+
+    @abstractmethod
+    def run(self, colour: Pixels, depth: MeasuredDepth) -> MeasuredDepth:
+        """Return the repaired depth. colour: (h, w, 3) sRGB, 0 to 1, as depth has its rows."""
+
+
+@attrs.frozen
+class RepairChain:
+    """Repairs, one after the other; without any, depth stays as it was."""
+
+    steps: tuple[Repair, ...] = ()
+    # The shortest text that makes the same chain.
+    text: str = "none"
+
+    def run(self, colour: Pixels, inverse_depth: NDArray[Any]) -> MeasuredDepth:
+        """Return the repaired depth of a picture.
+
+        colour: (h, w, 3) sRGB, 0 to 1. inverse_depth: (h, w) in 1/m, NaN for none. Both with the
+        top row first; neither is changed.
+        """
+        depth = MeasuredDepth.measured(inverse_depth)
+        for step in self.steps:
+            depth = step.run(colour, depth)
+        known = (depth.inverse_depth >= 0) & (depth.confidence > 0)
+        return MeasuredDepth(
+            np.where(known, depth.inverse_depth, np.float32(np.nan)),
+            np.where(known, np.clip(depth.confidence, LEAST_SURE, 1), np.float32(0)),
+        )
+
+
+def _check_limit(_: object, field: attrs.Attribute[float], value: float) -> None:
+    if not 0 <= value < float("inf"):
+        raise ValueError(f"{field.name} is {value:g}: expected 0 or more")
+
+
+@attrs.frozen
+class SurfaceSettings:
+    """When two inverse depths belong to one surface.
+
+    They do if they differ by at most tolerance * (the smaller one + floor).
+    """
+
+    tolerance: float = attrs.field(default=0.15, validator=_check_limit)
+    floor: float = attrs.field(default=0.05, validator=_check_limit)  # 1/m
+
+    def nearest_beside(self, inverse: Pixels) -> Pixels:
+        """Return the largest inverse depth that belongs to one surface with each of these."""
+        return inverse + np.float32(self.tolerance) * (inverse + np.float32(self.floor))
+
+    def apart(self, one: Pixels, other: Pixels) -> NDArray[np.bool_]:
+        """Return where two known depths are of different surfaces; False where one is NaN."""
+        return np.maximum(one, other) > self.nearest_beside(np.minimum(one, other))

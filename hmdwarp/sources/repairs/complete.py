@@ -8,8 +8,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from . import repairs
-from ._base import LEAST_SURE, MOST_SURE, MeasuredDepth, Pixels, Repair, SurfaceSettings
+from . import LEAST_SURE, MOST_SURE, MeasuredDepth, Pixels, Repair, SurfaceSettings, repairs
 
 _WIDEST = 320  # pixels of the longer side on which gaps are closed; finer pictures take a share of their pixels
 _UNLIKE = 1e-3  # weight of a colour that has nothing in common: something is better than nothing

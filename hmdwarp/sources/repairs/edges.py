@@ -6,8 +6,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from . import repairs
-from ._base import MeasuredDepth, Pixels, Repair, SurfaceSettings
+from . import MeasuredDepth, Pixels, Repair, SurfaceSettings, repairs
 
 # Jumps of depth that are looked at, and below which no offset is believed.
 _MOST_JUMPS, _FEWEST_JUMPS = 4000, 50

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from . import repairs
-from ._base import MeasuredDepth, Pixels, Repair
+from . import MeasuredDepth, Pixels, Repair, repairs
 
 
 @repairs.register

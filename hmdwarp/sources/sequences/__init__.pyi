@@ -1,9 +1,5 @@
 from .camera import Camera as Camera
 from .camera import parse_intrinsics as parse_intrinsics
-from .depth_notes import about_largest as about_largest
-from .depth_notes import about_sky as about_sky
-from .depth_notes import about_unit as about_unit
-from .depth_notes import depth_notes as depth_notes
 from .frame_files import FrameFile as FrameFile
 from .frame_files import assumptions_of as assumptions_of
 from .frame_files import read_frame as read_frame
@@ -17,4 +13,8 @@ from .readers import readers as readers
 from .recorded import FACTS as FACTS
 from .recorded import RecordedFrame as RecordedFrame
 from .recorded import Sequence as Sequence
+from .recorded import about_largest as about_largest
+from .recorded import about_sky as about_sky
+from .recorded import about_unit as about_unit
+from .recorded import depth_notes as depth_notes
 from .recorded import is_largest as is_largest

@@ -19,8 +19,7 @@ from ...options.named_files import PICTURE_FILE, content_of, named_in
 from ...poses.assumptions import Assumption, By, first_stated
 from ...poses.track import UNIT_WITHIN
 from .camera import Camera, camera_of, read_json, refuse_distortion, unread_notes
-from .exr import read_exr
-from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
+from .picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, read_exr, size_of
 from .recorded import AXES, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE
 
 _FOV, _POSE = {"fov": 4}, {"position_m": 3, "orientation_xyzw": 4}

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...poses import Origin, PoseTrack
+from ...poses.reading.pose_messages import stamp_ns
 
 # Bytes a pixel, and which of its channels are red, green and blue.
 COLOURS = {
@@ -79,3 +82,81 @@ def _decompressed(where: str, message: Any, encoding: str) -> NDArray[Any]:
             return np.asarray(picture if encoding in DEPTHS else picture.convert("RGB"))
     except (OSError, ValueError, SyntaxError) as error:
         raise InputError(f"{where}: a picture that cannot be read ({error}); expected JPEG or PNG") from error
+
+
+Matrix = NDArray[np.float64]  # (4, 4)
+
+
+def matrix_of(position: Any, orientation: Any) -> Matrix:
+    """Return the matrix of a position and a quaternion of ROS."""
+    from scipy.spatial.transform import Rotation
+
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_quat([orientation.x, orientation.y, orientation.z, orientation.w]).as_matrix()
+    matrix[:3, 3] = position.x, position.y, position.z
+    return matrix
+
+
+class Motion:
+    """Samples of one frame in another, in the axes of ROS."""
+
+    def __init__(self, samples: Iterable[tuple[int, Any, Any]]) -> None:
+        """Take time_ns, position and quaternion; of several at one instant the last holds."""
+        of_instants = {time_ns: (position, turn) for time_ns, position, turn in samples}
+        self._times = np.array(sorted(of_instants), np.int64)
+        self._matrices = [matrix_of(*of_instants[int(time_ns)]) for time_ns in self._times]
+        self._track: PoseTrack | None = None
+
+    def at(self, time_ns: int) -> Matrix | None:
+        """Return parent_from_child; None outside of the samples or in a gap."""
+        from scipy.spatial.transform import Rotation
+
+        if self._track is None:
+            turns = Rotation.from_matrix([matrix[:3, :3] for matrix in self._matrices]).as_quat()
+            positions = np.array([matrix[:3, 3] for matrix in self._matrices])
+            self._track = PoseTrack(self._times - self._times[0], positions, turns)
+        sample = self._track.at(time_ns - int(self._times[0]))
+        if sample.origin is Origin.HELD:
+            return None
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = sample.pose.rotation_matrix, sample.pose.position_m
+        return matrix
+
+
+class Transforms:
+    """The tree of /tf and /tf_static."""
+
+    def __init__(self, moving: Iterable[Any], still: Iterable[Any]) -> None:
+        samples: dict[tuple[str, str], list[tuple[int, Any, Any]]] = {}
+        self._still: dict[str, tuple[str, Matrix]] = {}
+        for transform in still:
+            parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
+            self._still[child] = parent, matrix_of(transform.transform.translation, transform.transform.rotation)
+        for transform in moving:
+            parent, child = (name.strip("/") for name in (transform.header.frame_id, transform.child_frame_id))
+            sample = stamp_ns(transform.header.stamp), transform.transform.translation, transform.transform.rotation
+            samples.setdefault((child, parent), []).append(sample)
+        self._moving = {child: (parent, Motion(found)) for (child, parent), found in samples.items()}
+
+    def chain(self, frame: str) -> list[str]:
+        """Return a frame and those that it is in, up to the root."""
+        names = [frame]
+        while (edge := self._moving.get(names[-1]) or self._still.get(names[-1])) and edge[0] not in names:
+            names.append(edge[0])
+        return names
+
+    def moves(self, frame: str) -> bool:
+        """Return whether a transform that moves is above the frame."""
+        return any(name in self._moving for name in self.chain(frame))
+
+    def up_to(self, frame: str, ancestor: str, time_ns: int) -> Matrix | None:
+        """Return ancestor_from_frame; None where a transform is missing, or has no sample then."""
+        names, matrix = self.chain(frame), np.eye(4)
+        if ancestor not in names:
+            return None
+        for name in names[: names.index(ancestor)]:
+            found = self._moving[name][1].at(time_ns) if name in self._moving else self._still[name][1]
+            if found is None:
+                return None
+            matrix = found @ matrix
+        return matrix

@@ -1,14 +1,10 @@
 """The server: draw a scene for the eyes into a Frame. It knows no latency, warps or lenses."""
 
-from .byte_table import BYTES_BINDING, display_bytes
 from .draw import MIRRORS, Server
-from .lighting import ArrivingLight, Indirect, Lighting
-from .moving import DeformingMesh, moving_parts
-from .passes import ScenePasses, clear_depth, draw_moving
-from .projection import boxes_of, clip_from_eye, eye_from_scene
-from .targets import Framebuffers, Renderer, Target, TargetPool
-from .upload import SceneBuffers, SceneTextures
-from .visibility import Visibility, draws_of
+from .passes import ArrivingLight, Indirect, Lighting, ScenePasses, clear_depth, draw_moving
+from .targets import BYTES_BINDING, Framebuffers, Renderer, Target, TargetPool, display_bytes
+from .upload import DeformingMesh, SceneBuffers, SceneTextures, moving_parts
+from .visibility import Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
 
 __all__ = [
     "BYTES_BINDING",

@@ -12,13 +12,12 @@ from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import PICTURE, layers
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
+from ...gpu.textures import COLOUR, SCALAR
 from ...scenes import Scene
-from .lighting import Lighting
-from .moving import moving_parts
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import ScenePasses
-from .targets import Framebuffers, Renderer, Target
-from .upload import SceneBuffers, SceneTextures
+from .passes import SAME_SURFACE, Lighting, ScenePasses
+from .targets import Framebuffers, Multisampled, Renderer, Target
+from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
 MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
@@ -35,9 +34,24 @@ class Server(Renderer):
     (rays marched through the picture itself, which lacks what is outside the picture). draw(),
     which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
     lighting: of a scene with lamps, in place of what its own meshes make; it belongs to the caller.
+    samples: of each pixel of plain surfaces; colour is their mean in linear light. nearest: whether
+    depth, and with it a body's number or velocity, is that of the nearest surface with a sample;
+    else that of the pixel's centre. Mirrors, sheets and overlays are added with one sample, as are
+    layers of surfaces. Errors: MachineError for more than the GPU has.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene, mirrors: str = GEOMETRY, *, lighting: Lighting | None = None) -> None:
+    def __init__(
+        self,
+        gpu: Gpu,
+        scene: Scene,
+        mirrors: str = GEOMETRY,
+        *,
+        lighting: Lighting | None = None,
+        samples: int = 1,
+        nearest: bool = False,
+    ) -> None:
+        self._several = Multisampled(gpu, samples) if samples > 1 else None
+        self._nearest = nearest
         self._framebuffers = Framebuffers(gpu.gl)
         super().__init__(gpu, scene, self._framebuffers.forget)
         self._marched = _is_marched(mirrors)
@@ -58,8 +72,14 @@ class Server(Renderer):
             self.acquire,
             self._draw,
             self._passes_for,
-            lambda other: Server(gpu, other),
+            self.of_another,
+            self._several if nearest else None,
         )
+
+    def of_another(self, scene: Scene) -> Server:
+        """Return a server of another scene that draws as this one does; who makes it closes it."""
+        samples = self._several.count if self._several else 1
+        return Server(self.gpu, scene, samples=samples, nearest=self._nearest)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
@@ -72,12 +92,30 @@ class Server(Renderer):
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.size, size)
-        framebuffer = self._framebuffers.over(target.colour, target.inverse_depth)
-        self._passes_for(drawing).draw(view, framebuffer, drawing.time_ns)
+        self._draw_surfaces(self._passes_for(drawing), view, target, drawing.time_ns)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
         for part in self._parts_for(drawing.needs):
             eye = part.add(eye, drawing)
         return eye
+
+    def _draw_surfaces(self, passes: ScenePasses, view: View, target: Target, time_ns: int) -> None:
+        if self._several is None:
+            passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns)
+            return
+        drawn = self._several.over(target.size, COLOUR)
+        passes.draw(view, drawn, time_ns)
+        self._several.mean(drawn, self._framebuffers.over(target.colour))
+        # Parts of the picture compare depth at the centres of pixels, and test against its buffer.
+        self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns)
+        if self._nearest:
+            near = self._several.over(target.size, SCALAR)
+            self._depth_passes().draw(view, near, time_ns)
+            self._several.one(near, target.inverse_depth, same=SAME_SURFACE)
+
+    def _depth_passes(self) -> ScenePasses:
+        if self._depth is None:
+            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+        return self._depth
 
     def _passes_for(self, drawing: Drawing) -> ScenePasses:
         """Return the passes of the plain surfaces, lit as the picture's layers say."""
@@ -99,9 +137,7 @@ class Server(Renderer):
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw inverse depth alone into an r32f texture, as a client with the geometry does."""
         _check_same_size(into.size, size)
-        if self._depth is None:
-            self._depth = ScenePasses(self.gpu, self.scene, self._buffers, colour=False, moving=self._moving)
-        self._depth.draw(view, self._framebuffers.over(into), time_ns)
+        self._depth_passes().draw(view, self._framebuffers.over(into), time_ns)
         for part in self._parts_for(Needs()):
             part.add_depth(view, time_ns, into)
         return into
@@ -190,6 +226,8 @@ class Server(Renderer):
         for part in self._parts.values():
             part.trim()
         self._framebuffers.trim()
+        if self._several is not None:
+            self._several.trim()
         super().trim()
 
     @property
@@ -205,6 +243,8 @@ class Server(Renderer):
             if passes is not None:
                 passes.close()
         self._framebuffers.close()
+        if self._several is not None:
+            self._several.close()
         super().close()
         self._buffers.close()
         for moving in self._moving:

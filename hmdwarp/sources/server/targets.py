@@ -7,11 +7,14 @@ from typing import Any, TypeVar
 
 import attrs
 import moderngl
+import numpy as np
 
+from ...colour import srgb8_from_linear
+from ...errors import MachineError
 from ...frames import EyeImage, Frame, Needs
 from ...geometry import Guard, Pose, View
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR, SCALAR, allocate, texture_bytes
+from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
 
 K = TypeVar("K")
@@ -338,3 +341,74 @@ class Framebuffers:
             depth.release()
         self._made.clear()
         self._depth.clear()
+
+
+class Multisampled:
+    """Framebuffers with several samples a pixel, and what a pixel gets of them.
+
+    Errors: MachineError for more samples than the GPU has.
+    """
+
+    def __init__(self, gpu: Gpu, count: int) -> None:
+        most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in ("", "COLOR_TEXTURE_", "INTEGER_"))
+        if count > most:
+            raise MachineError(f"--samples {count}: {gpu.renderer} draws at most {most} a pixel; use as many or fewer")
+        self._gpu, self.count = gpu, count
+        self._made: LastUsed[tuple[Any, ...], moderngl.Framebuffer] = LastUsed()
+
+    def over(self, size: tuple[int, int], *kinds: tuple[int, str]) -> moderngl.Framebuffer:
+        """Return a framebuffer over textures of these kinds, with depth, of undefined content."""
+        return self._made.made((size, kinds), lambda: self._make(size, kinds))
+
+    def _make(self, size: tuple[int, int], kinds: tuple[tuple[int, str], ...]) -> moderngl.Framebuffer:
+        gl = self._gpu.gl
+        check_size(gl, size)
+        textures = [gl.texture(size, components, dtype=dtype, samples=self.count) for components, dtype in kinds]
+        return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=self.count))
+
+    def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Framebuffer) -> None:
+        """Write the mean of the samples of linear light; both have one colour texture."""
+        self._gpu.gl.copy_framebuffer(into, drawn)
+
+    def one(self, drawn: moderngl.Framebuffer, into: moderngl.Texture, **uniforms: object) -> None:
+        """Write one sample of each pixel, see shaders/server/one_sample.comp.
+
+        into: inverse depth of the pixels' centres, or numbers or velocities, which are overwritten.
+        """
+        kind = (into.components, into.dtype)
+        define = {NUMBER: {"NUMBER": 1}, COLOUR: {"VELOCITY": 1}}.get(kind, {})
+        program = self._gpu.shaders.compute("server/one_sample.comp", **define)
+        drawn.color_attachments[0].use(0)
+        into.bind_to_image(0, read=not define, write=True)
+        program.uniforms.set(samples=0, resolved=0, count=self.count, **uniforms)
+        self._gpu.barrier()
+        program.run(*into.size)
+        self._gpu.barrier()
+
+    def trim(self) -> None:
+        """Free framebuffers as Renderer.trim() frees targets."""
+        for _, framebuffer in self._made.trimmed(self._bytes_of):
+            _free(framebuffer)
+
+    def _bytes_of(self, key: tuple[Any, ...], framebuffer: moderngl.Framebuffer) -> int:
+        bytes_ = sum(map(texture_bytes, framebuffer.color_attachments))
+        return self.count * (bytes_ + _DEPTH_BYTES * framebuffer.width * framebuffer.height)
+
+    def close(self) -> None:
+        """Free everything."""
+        for framebuffer in self._made.values():
+            _free(framebuffer)
+        self._made.clear()
+
+
+def _free(framebuffer: moderngl.Framebuffer) -> None:
+    release_all(*framebuffer.color_attachments, framebuffer.depth_attachment, framebuffer)
+
+
+BYTES_BINDING = 2  # as in shaders/lib/display_bytes.glsl
+
+
+def display_bytes(gl: moderngl.Context) -> moderngl.Buffer:
+    """Return the buffer of lib/display_bytes.glsl: the sRGB byte of each of the 65536 halves."""
+    halves = np.arange(65536, dtype=np.uint16).view(np.float16)
+    return gl.buffer(srgb8_from_linear(halves).tobytes())

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...headsets import Headset, load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
-from ...options import check_inside, options_of, quoted
+from ...options import keep_inside, options_of, quoted
 from ...pipeline import SceneKey, Source, guarded_size
 from ...run import EmulatedScreen, LiveOptions, RunSetup, checked_source, on_screen
 
@@ -93,7 +93,7 @@ def _resolved(folder: Path, key: str, name: str, value: object) -> object:
         return value
     path = folder.absolute() / value
     try:
-        return str(check_inside(path, folder, f"the file of {name}"))
+        return str(keep_inside(path, folder, f"the file of {name}"))
     except InputError as error:
         raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
 

@@ -21,7 +21,7 @@ from ..console import Console, make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
-from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, seconds_since, store_folder
+from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
 from .closing_words import ClosingWords
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
@@ -177,7 +177,6 @@ class _Program:
         store, display = self.store, self.display
         steps = steps_of(self.design, session.order, session.part)
         sources = CommandSources(self.console, self.answers_for(session))
-        before_s = seconds_since(session.started_utc) if self.options.resume else 0.0
         context = SessionContext(
             self.design,
             session,
@@ -186,7 +185,7 @@ class _Program:
             sources,
             steps,
             store.done(session),
-            before_s=before_s,
+            before_s=store.passed_s(session),
             markers=self.markers,
         )
         every = self._all_options()

@@ -28,4 +28,3 @@ from .signature import plan_signature as plan_signature
 from .signature import signature_changes as signature_changes
 from .store import Store as Store
 from .store_connection import Clock as Clock
-from .store_connection import seconds_since as seconds_since

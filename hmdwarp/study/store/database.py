@@ -16,7 +16,7 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...report import counted, sync
 from .folders import DATABASE, TRACES, Journal, noted_journal
 from .page_reader import rows_in
-from .records import from_json, to_json
+from .records import from_json, to_json, unsealed
 
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
@@ -337,6 +337,8 @@ def _check(db: sqlite3.Connection, path: Path, noted: Journal) -> None:
         raise damaged(path, f"entry {last} of its journal is another one: was it, or its log, put in place of another?")
     if (lonely := answers_alone(db)) > 0:
         raise damaged(path, f"{lonely} more answers than entries of its journal about them")
+    for (measured,) in db.execute("SELECT measured FROM showing"):
+        unsealed(measured)
     for id_, data in db.execute("SELECT id, data FROM event ORDER BY id").fetchall():
         if is_broken(db, id_, from_json(data)):
             raise damaged(path, f"entry {id_} of its journal, or what it tells of, is not as it was written")

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import sqlite3
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json
+from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json, unsealed
 
 # A person took no part who refused the consent and did not agree later, in a resumed run, or who
 # never agreed to the text that the session began with.
@@ -40,7 +42,7 @@ def _session_of(row: tuple[Any, ...]) -> Session:
 
 def _showing_of(row: tuple[Any, ...]) -> Showing:
     *values, complete, settings, trace, actual, measured, started = row
-    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), from_json(measured), started]
+    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), unsealed(measured), started]
     return Showing(*fields)
 
 
@@ -49,6 +51,20 @@ def _event_of(row: tuple[Any, ...]) -> Event:
     data.pop("seal", None)  # checked when the store was opened
     fields = [*row[:-1], data]
     return Event(*fields)
+
+
+def passed_s(db: sqlite3.Connection, id_: int) -> tuple[float, bool]:
+    """Return the time as Store.passed_s, and whether that between all runs counts."""
+    query = "SELECT kind, at_utc, mono_ns FROM event WHERE session = ? AND kind <> 'clock' ORDER BY id"
+    passed, counts_all = 0.0, True
+    for (_, before, before_ns), (kind, now, now_ns) in itertools.pairwise(db.execute(query, (id_,)).fetchall()):
+        if kind == "resume":
+            gap_s = (datetime.fromisoformat(now) - datetime.fromisoformat(before)).total_seconds()
+            counts_all = counts_all and gap_s >= 0
+        else:
+            gap_s = (now_ns - before_ns) * 1e-9
+        passed += max(gap_s, 0.0)  # an entry that `study recover` added has no monotonic time
+    return passed, counts_all
 
 
 def session(db: sqlite3.Connection, id_: int) -> Session:

@@ -18,7 +18,7 @@ from ..design import Design
 from . import database
 from .folders import DATABASE, TRACES, check_place, make_folders
 from .page_reader import Row, Value, rows_in
-from .records import from_json, to_json
+from .records import DamagedRow, from_json, to_json, unsealed
 from .signature import plan_signature
 
 TABLES = ("plan", "participant", "session", "showing", "answer", "event", "withdrawn")  # parents first
@@ -122,6 +122,8 @@ class _Rescue:
         names = list(database.columns()[table])
         values: list[Value] = [id_, *row[1:]] if names[0] == "id" else list(row)
         statement = f"INSERT INTO {table} ({', '.join(names)}) VALUES ({', '.join('?' * len(names))})"
+        if table == "showing":
+            self._drop_figures(values, names.index("measured"))
         with suppress(sqlite3.Error, OverflowError):
             for name, value in zip(names, values, strict=True):
                 if name in ("facts", "settings", "actual", "measured", "data", "order_names", "meaning"):
@@ -129,6 +131,14 @@ class _Rescue:
             self._into.execute(statement, values)
             return True
         return False
+
+    def _drop_figures(self, values: list[Value], at: int) -> None:
+        """Leave out what is not as `study measure` wrote it: it can be measured again."""
+        try:
+            unsealed(str(values[at]))
+        except DamagedRow:
+            values[at] = "{}"
+            self.altered.append(f"figures of showing {values[0]!r} are lost: run 'study measure' again")
 
     def _unseal(self) -> None:
         """Name what differs from its seal, and take the seal off, so that the store can be used."""

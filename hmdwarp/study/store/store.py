@@ -35,6 +35,7 @@ from .records import (
     Session,
     Showing,
     clean,
+    sealed,
     to_json,
 )
 from .store_connection import Clock, MachineClock, StoreConnection
@@ -143,6 +144,11 @@ class Store(StoreConnection):
             session = admission.to_resume(db, code, part)
             db.execute("UPDATE session SET status = ?, ended_utc = '', why = '' WHERE id = ?", (RUNNING, session.id))
             self._event(session, "resume", data=facts or {})
+            if not queries.passed_s(db, session.id)[1]:
+                self._say(
+                    "the machine's clock was set back between two runs of this session: onsets count from its "
+                    "beginning without the time between them"
+                )
             return queries.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
@@ -245,6 +251,15 @@ class Store(StoreConnection):
         with translated(self._path):
             return queries.done(self._db, session.id)
 
+    def passed_s(self, session: Session) -> float:
+        """Return the time from a session's beginning to its last entry.
+
+        Within a run of the program by the monotonic clock. Between two runs by the time of day: not
+        where that was set back meanwhile, as then no clock says how long it was.
+        """
+        with translated(self._path):
+            return queries.passed_s(self._db, session.id)[0]
+
     def answers(self, session: Session) -> tuple[Answer, ...]:
         """Return the last answer to each question, in the order of the first answers."""
         with translated(self._path):
@@ -268,7 +283,7 @@ class Store(StoreConnection):
         try:
             with self._write() as db:
                 changed = db.execute(
-                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
+                    "UPDATE showing SET measured = ? WHERE id = ?", (sealed(data), showing_id)
                 ).rowcount
                 if changed != 1:
                     raise KeyError(showing_id)

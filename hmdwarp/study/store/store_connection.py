@@ -47,11 +47,6 @@ def text_of(instant: datetime) -> str:
     return instant.astimezone(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
 
 
-def seconds_since(before: str) -> float:
-    """Return the time from an instant to now, by the time of day."""
-    return -seconds_back(before, text_of(datetime.now(UTC)))
-
-
 def seconds_back(before: str, now: str) -> float:
     """Return by how much `now` lies before `before`; negative where it does not."""
     return (datetime.fromisoformat(before) - datetime.fromisoformat(now)).total_seconds()

@@ -109,7 +109,7 @@ def test_csv_says_the_same(full):
             assert float(written[f"{name}_p95"]) == row["quality"][name]["p95"]
         for stage in STAGES:
             assert float(written[f"{stage}_ms"]) == row["time_ms"][stage]["median"]
-        assert float(written["edges_flip"]) == row["regions"]["edges"]["flip"]
+        assert float(written["silhouettes_flip"]) == row["regions"]["silhouettes"]["flip"]
         assert (written["fill_pass_bytes"] == "") == (row["fill"] == "none")
 
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.options.tables import KeyFault, Table, parsed
+from hmdwarp.options import KeyFault, Table, parsed
 
 DATA = {
     "text": "x",

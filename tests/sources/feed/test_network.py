@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import multiprocessing
 import os
 import shutil
 import signal
@@ -9,6 +10,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 
 import attrs
 import numpy as np
@@ -166,8 +168,24 @@ def silenced(relay, where: str) -> None:
         relay.cut()
 
 
-# How long the link is silent; CONTRIBUTING.md has a longer run.
-SECONDS = [float(text) for text in os.environ.get("HMDWARP_SILENT_SECONDS", "1").split(",")]
+# How long the link is silent, or a process stopped; `make test-silence` has other times, and prints
+# when each was told and mended.
+SECONDS = [float(text) for text in os.environ.get("FEED_SILENT_SECONDS", "1").split(",")]
+
+
+def timed(what: str, seconds: float, told_s: float, mended_s: float) -> None:
+    """Print a row, to stderr past pytest's capture, where a longer run was asked for."""
+    if "FEED_SILENT_SECONDS" in os.environ:
+        print(f"\n| {what} for {seconds:g} s | {told_s:.1f} s | {mended_s:.1f} s |", file=sys.__stderr__)
+
+
+def steps(remote: Remote, size: tuple[int, int]):
+    """Yield how many frames came at each of a client's refreshes, without end."""
+    asked = (PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, size)
+    for number in itertools.count(1):
+        remote.ask(*asked, number * 16_000_000)
+        yield len(remote.arrived(number * 16_000_000))
+        time.sleep(0.005)
 
 
 @pytest.mark.parametrize("seconds", SECONDS)
@@ -182,28 +200,21 @@ def test_a_link_that_falls_silent_is_told_and_taken_up_again(monkeypatch, where,
     lines: list[str] = []
     with feeder() as address, Relay(port_of(address)) as relay:
         remote = Remote(FeedOptions(connect=relay.address), holds=False, say=lines.append)
-        asked = (PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, (96, 80))
-        numbers, came = iter(range(1, 1_000_000)), 0
-
-        def step() -> None:
-            nonlocal came
-            number = next(numbers)
-            remote.ask(*asked, number * 16_000_000)
-            came += len(remote.arrived(number * 16_000_000))
-            time.sleep(0.005)
-
-        while not came:
-            step()
+        came = steps(remote, (96, 80))
+        while not next(came):
+            pass
         begun, connections = time.monotonic(), relay.accepted
         lines.clear()
         silenced(relay, where)
         while not any("not a byte" in line or "the last one stays" in line for line in lines):
-            step()
+            next(came)
+        told_s = time.monotonic() - begun
         while relay.silent and time.monotonic() - begun < seconds:
-            step()
-        relay.silent, came = set(), 0
-        while remote.notice or not came:
-            step()
+            next(came)
+        relay.silent, begun = set(), begun if "for good" in where else time.monotonic()
+        while not next(came) or remote.notice:
+            pass
+        timed(f"silent, {where}", 0 if "for good" in where else seconds, told_s, time.monotonic() - begun)
         if where not in ("up", "down", "up and down"):
             assert relay.accepted > connections
         assert remote.summary()["malformed"] == 0
@@ -217,28 +228,69 @@ def test_a_server_that_is_stopped_is_told_and_taken_up_again(seconds):
     lines: list[str] = []
     with Serving() as one:
         remote = Remote(FeedOptions(connect=one.address), holds=False, say=lines.append)
-        asked = (PoseSample(0, Pose(), Origin.MEASURED), load_headset("flat-90").views(Pose()), 1.0, (64, 48))
-        numbers = iter(range(1, 1_000_000))
-
-        def steps_until(is_so) -> None:
-            came = 0
-            while not is_so(came):
-                number = next(numbers)
-                remote.ask(*asked, number * 16_000_000)
-                came += len(remote.arrived(number * 16_000_000))
-                time.sleep(0.005)
-
-        steps_until(lambda came: came)
+        came = steps(remote, (64, 48))
+        while not next(came):
+            pass
         one.process.send_signal(signal.SIGSTOP)
         begun = time.monotonic()
         # Both are told at about the same time: that no frame comes, and why.
-        told = ("not a byte", "the last one stays")
-        steps_until(lambda _: all(text in "".join(lines) for text in told) and time.monotonic() - begun >= seconds)
+        while not all(text in "".join(lines) for text in ("not a byte", "the last one stays")):
+            next(came)
+        told_s = time.monotonic() - begun
+        while time.monotonic() - begun < seconds:
+            next(came)
         one.process.send_signal(signal.SIGCONT)
-        steps_until(lambda came: came and not remote.notice)
+        begun = time.monotonic()
+        while not next(came) or remote.notice:
+            pass
+        timed("a stopped server", seconds, told_s, time.monotonic() - begun)
         assert any("frames come again" in line for line in lines)
         remote.close()
         assert one.process.poll() is None
+
+
+def stepping(address: str, counted, noticed) -> None:
+    """A client in a process of its own: counts its frames, and notes that one was missed."""
+    remote = Remote(FeedOptions(connect=address), holds=False, say=lambda line: None)
+    for came in steps(remote, (64, 48)):
+        counted.value += came
+        noticed.value = bool(remote.notice)
+
+
+@pytest.mark.parametrize("seconds", SECONDS)
+def test_a_client_that_is_stopped_goes_on_and_others_notice_nothing(seconds):
+    spawn = multiprocessing.get_context("spawn")
+    counted, noticed = spawn.Value("l", 0, lock=False), spawn.Value("b", 0, lock=False)
+    with Serving() as one, closing(Caller(one.address)) as other:
+        numbers, longest_s = itertools.count(1), 0.0
+
+        def frame_for_the_other() -> None:
+            nonlocal longest_s
+            begun = time.monotonic()
+            while not other.take():  # a request of a connection that ends is lost
+                other.ask(attrs.evolve(ASK, number=next(numbers), token=bytes(32)))
+                other.wait_until(time.monotonic_ns() + 20_000_000)
+            longest_s = max(longest_s, time.monotonic() - begun)
+
+        stopped = spawn.Process(target=stepping, args=(one.address, counted, noticed), daemon=True)
+        stopped.start()
+        while not counted.value:
+            frame_for_the_other()
+        os.kill(stopped.pid, signal.SIGSTOP)
+        begun, longest_s = time.monotonic(), 0.0
+        while time.monotonic() - begun < seconds:
+            frame_for_the_other()
+        waited_s, before = longest_s, counted.value
+        os.kill(stopped.pid, signal.SIGCONT)
+        begun = time.monotonic()
+        while counted.value < before + 5 or noticed.value:
+            frame_for_the_other()
+        timed(f"a stopped client; another waited {waited_s:.2f} s at most,", seconds, 0, time.monotonic() - begun)
+        if seconds * 1e9 > 1.5 * sockets.SILENT_NS:
+            assert "silent for 10 s" in one.line("gone")
+        assert one.process.poll() is None and waited_s < max(1.0, seconds / 2)
+        stopped.kill()
+        stopped.join()
 
 
 def test_a_long_frame_over_a_narrow_link_is_no_silence(relay, listener, caller):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.sources.server import boxes_of, clip_from_eye, eye_from_scene
-from hmdwarp.sources.server.projection import NEAR_M, nearest_first, visible, world_from_ndc
+from hmdwarp.sources.server.visibility import NEAR_M, nearest_first, visible, world_from_ndc
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)

@@ -9,11 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
-from hmdwarp.sources.server.targets import IDLE_AFTER
+from hmdwarp.sources.server.targets import IDLE_AFTER, MOST_IDLE, MOST_IDLE_BYTES
 
 SIZE, VIEW = (256, 256), View(Pose((0, 1.6, 0)), Fov.symmetric(1.0, 1.0))
 BYTES = SIZE[0] * SIZE[1] * (8 + 4)
@@ -86,3 +87,19 @@ def test_memory_of_a_burst_goes_back_to_the_system(server):
 def resident() -> int:
     """Bytes that this process holds in memory."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def test_of_what_many_sizes_needed_a_bounded_part_is_kept(server):
+    """As `serve` trims, after each frame that a client requests."""
+    held = server.draw_frame([VIEW], 0, SIZE)
+    picture = download(held.eyes[0].colour)
+    server.recycle(held)
+    sizes = [(8 + number, 9) for number in range(3 * MOST_IDLE)] + [(1024, 256 + number) for number in range(24)]
+    for size in [*sizes, SIZE]:
+        frame = server.draw_frame([VIEW], 0, size, needs=Needs(velocity=1, overlay=1))
+        server.recycle(frame)
+        server.trim()
+        assert len(server._pools) <= MOST_IDLE + 8
+        assert sum(pool.bytes for pool in server._pools.values()) <= MOST_IDLE_BYTES + 6 * 8 * size[0] * size[1]
+        assert len(server._framebuffers._depth) <= MOST_IDLE + 1
+    np.testing.assert_array_equal(download(frame.eyes[0].colour), picture)

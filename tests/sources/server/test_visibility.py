@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server, Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
-from hmdwarp.sources.server.projection import visible
-from hmdwarp.sources.server.visibility import KEPT, Chunks
+from hmdwarp.sources.server.visibility import KEPT, Chunks, visible
 
 angles = st.floats(0.05, 1.4)
 fovs = st.builds(lambda a, b, c, d: Fov(-a, b, -c, d), angles, angles, angles, angles)

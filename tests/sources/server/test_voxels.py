@@ -16,7 +16,7 @@ from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.geometry.cube import FACES
 from hmdwarp.scenes import Background, Lamp, Scene, load_scene
-from hmdwarp.scenes.library._lit_room import box, in_atlas, wall
+from hmdwarp.scenes.library._models import box, in_atlas, wall
 from hmdwarp.sources.server import Server
 
 SIZE = (40, 32)

@@ -36,6 +36,8 @@ def stores(tmp_path_factory) -> dict[str, Path]:
         for k in range(5):
             session = begun(store, f"P{k}", facts={"gpu": "llvmpipe", "seed": k})
             go_through(store, session, 1 + k / 4, TRACE)
+            for showing in store.contents().showings[::2]:
+                store.measured(showing.id, {"psnr_db": 20 + showing.id / 7, "size": [320, 400]})
             store.end(session, "complete")
             if k == 2:
                 shutil.copytree(place / "closed", place / "older")
@@ -243,3 +245,19 @@ def test_a_seal_broken_by_hand_is_named(stores, tmp_path):
         Store(tmp_path / "data")
     (found,) = recover(tmp_path / "data", tmp_path / "new", None, "late", "person").altered
     assert "of P4" in found
+
+
+def test_figures_that_differ_from_what_was_measured_are_noticed_and_left_out(stores, tmp_path):
+    shutil.copytree(stores["closed"], tmp_path / "data")
+    with Store(tmp_path / "data") as store:
+        before = {showing.id: showing.measured for showing in store.contents().showings if showing.measured}
+    with sqlite3.connect(tmp_path / "data" / DATABASE) as db:
+        db.execute("UPDATE showing SET measured = replace(measured, '320', '321') WHERE id = 3")
+    db.close()
+    with pytest.raises(InputError, match="damaged .*'study measure' are not as they were written"):
+        Store(tmp_path / "data")
+    (found,) = recover(tmp_path / "data", tmp_path / "new", None, "late", "person").altered
+    assert "figures of showing 3 are lost" in found
+    del before[3]
+    with Store(tmp_path / "new") as store:
+        assert {showing.id: showing.measured for showing in store.contents().showings if showing.measured} == before

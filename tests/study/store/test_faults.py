@@ -20,7 +20,7 @@ import needs
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
-from hmdwarp.study.store import COMPLETE, DATABASE, Store
+from hmdwarp.study.store import COMPLETE, DATABASE, INTERRUPTED, Store
 
 from .sessions import SetClock, answered, asks, begun, child, whole
 
@@ -354,6 +354,25 @@ def test_a_clock_set_back_is_reported_once_and_changes_no_order(tmp_path):
     assert [answer.key for answer in found.answers] == [ask.key for ask in asks(session)[:4]]
     assert [event.mono_ns for event in found.events] == sorted(event.mono_ns for event in found.events)
     assert ended.ended_utc < ended.started_utc, "as the clock said; nothing is computed from it"
+
+
+def test_what_passed_counts_by_the_steady_clock_within_a_run_and_never_backwards(tmp_path):
+    clock, said = SetClock(), []
+    with Store(tmp_path / "data", create=True, say=said.append, clock=clock) as store:
+        session = begun(store)
+        for ask, jump in zip(asks(session), (timedelta(hours=-2), timedelta(days=3), timedelta()), strict=False):
+            clock.instant += jump
+            store.answer(session, ask, 2, 1.0, "participant")
+        assert store.passed_s(session) == 3.0  # a second an entry
+        store.end(session, INTERRUPTED)
+        clock.instant += timedelta(minutes=5)
+        session = store.resume("P01")
+        passed_s = store.passed_s(session)
+        assert 304 < passed_s < 310 and not any("onsets" in line for line in said)
+        store.end(session, INTERRUPTED)
+        clock.instant -= timedelta(days=1)
+        session = store.resume("P01")
+        assert store.passed_s(session) == passed_s + 1 and "onsets count" in said[-1]
 
 
 def test_a_clock_that_the_network_corrects_is_not_worth_a_word(tmp_path):

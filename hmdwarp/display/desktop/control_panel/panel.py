@@ -10,13 +10,11 @@ import moderngl
 from imgui_bundle import imgui, implot
 
 from ... import Command
-from ...controls import CONTROLS, Control
-from ...status import Status
+from ...controls import CONTROLS, Control, Status
 from . import panel_style as style
 from .imgui_input import ImGuiInput, NoInput
-from .plots import Stages, draw_plots, right_aligned
 from .renderer import PanelRenderer
-from .widgets import Widgets
+from .widgets import Stages, Widgets, draw_plots, right_aligned
 
 CALM_HZ = 15.0  # redraws of the panel without input; in between the last picture is composited again
 LIVELY_S = 0.4  # redrawn at every refresh after start and input: widgets need a few frames for their sizes

@@ -10,6 +10,8 @@ import attrs
 from ....errors import MachineError
 from ....registry import Registry
 
+LARGE = 1 << 20
+
 
 @attrs.frozen
 class Codec:
@@ -26,11 +28,17 @@ class Codec:
     threads: int = 1
     # Of the encoder, besides quality.
     options: Mapping[str, str] = attrs.field(factory=dict)
+    # What is otherwise for pictures of more than LARGE pixels.
+    large: Mapping[str, str] = attrs.field(factory=dict)
 
     @property
     def is_none(self) -> bool:
         """Whether nothing is coded: frames arrive as they were drawn."""
         return not self.encoder
+
+    def options_for(self, size: tuple[int, int]) -> dict[str, str]:
+        """Return the options for pictures of (w, h)."""
+        return {**self.options, **(self.large if size[0] * size[1] > LARGE else {})}
 
     def check(self) -> None:
         """Check that it runs here. Errors: MachineError if PyAV lacks its encoder or decoder."""

@@ -19,8 +19,7 @@ from ....options.named_files import LIST, text_in
 from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
-from ..camera import Camera, Size, camera_of, read_json, scale_of
-from ..matrices import LAST, by_rows, shared_scale, square_of, turns
+from ..camera import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
 from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import (

@@ -13,8 +13,7 @@ import numpy as np
 from ....errors import InputError, TraceError
 from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
-from ....poses.reading.bags import Bag, bag_at, stamp_ns
-from ....poses.reading.pose_messages import part_of
+from ....poses.reading.pose_messages import Bag, bag_at, part_of, stamp_ns
 from ..camera import Camera, refuse_distortion
 from ..options import SequenceOptions
 from ..picture_files import fitted_depth
@@ -30,8 +29,7 @@ from ..recorded import (
     as_pictures,
     in_metres,
 )
-from ..ros_pictures import COLOURS, DEPTHS, encoding_of, pixels_of
-from ..ros_transforms import Matrix, Motion, Transforms
+from ..ros_pictures import COLOURS, DEPTHS, Matrix, Motion, Transforms, encoding_of, pixels_of
 from . import readers
 from ._base import SequenceReader, at_rate, facts_of, made, pose_of_matrix
 from ._dataset import axes_of, clock_of, left_out, refuse_y_up

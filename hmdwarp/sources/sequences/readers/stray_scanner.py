@@ -10,9 +10,8 @@ from ....poses.assumptions import Assumption, By
 from ....poses.reading.axes import parse_axes
 from ..camera import Camera
 from ..options import SequenceOptions
-from ..picture_files import NPY, fitted_depth, read_depth
+from ..picture_files import NPY, VideoPictures, fitted_depth, read_depth
 from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
-from ..video_pictures import VideoPictures
 from . import readers
 from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of, scale_fact
 from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in, refuse_y_up, shared_camera

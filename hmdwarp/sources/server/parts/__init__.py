@@ -1,8 +1,143 @@
 """Content of frames besides plain surfaces, one file each: in the picture, or as layers."""
 
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ClassVar, Protocol
+
+import attrs
+import moderngl
+
+from ....frames import EyeImage, Frame, Needs
+from ....frames.layers import layers
+from ....geometry import View
+from ....gpu.context import Gpu
+from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
-from ._base import DrawContext, Drawing, Part
+from ....scenes import Scene
+from ..passes import ScenePasses
+from ..targets import Framebuffers, LastUsed, Multisampled, Target
+from ..upload import SceneTextures
 
 parts: Registry[type[Part]] = Registry("part", __name__)
 
-__all__ = ["Drawing", "DrawContext", "Part", "parts"]
+
+@attrs.frozen(eq=False)
+class Drawing:
+    """One picture to draw."""
+
+    # The view as the eye has it, without guard band, and (w, h) pixels of it.
+    view: View
+    size: tuple[int, int]
+    # The scene's clock.
+    time_ns: int = 0
+    # The layers to draw.
+    needs: Needs = Needs()
+    # (w, h) of the display's picture, where this one has another resolution.
+    shown_size: tuple[int, int] | None = None
+    # Whether plane mirrors show only what the picture itself shows, see Server.
+    marched: bool = False
+    # How old the frame will be when it is seen.
+    age_ns: int = 0
+
+    def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
+        """Return another picture at the same instant, lit in the same way, without layers."""
+        needs = Needs(**{name: amount for name, amount in self.needs.items() if layers.get(name).lights})
+        return Drawing(view, size, self.time_ns, needs)
+
+
+class Renderer(Protocol):
+    """Draws whole pictures of a scene."""
+
+    def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
+        """Draw a view at an instant."""
+
+    def close(self) -> None:
+        """Free everything it holds."""
+
+
+@attrs.frozen(eq=False)
+class DrawContext:
+    """The resources that parts draw with."""
+
+    gpu: Gpu
+    scene: Scene
+    # The scene's textures on the GPU.
+    textures: SceneTextures
+    framebuffers: Framebuffers
+    # The passes of the plain surfaces.
+    colour: ScenePasses
+    # acquire(size, kind, depth=): a target that is freed with the frame; kind as in gpu.textures,
+    # depth: with an r32f texture too.
+    acquire: Callable[..., Target]
+    # draw(view, size, drawing): draws a whole picture of another view.
+    draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
+    # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
+    passes_for: Callable[[Drawing], ScenePasses]
+    # renderer(scene): a server of another scene; who makes it closes it.
+    renderer: Callable[[Scene], Renderer]
+    # Where depth is that of the nearest of several samples; None where it is of the pixel's centre.
+    samples: Multisampled | None = None
+
+
+class Part(ABC):
+    """One kind of content, added to the picture after the parts of a lower `order`.
+
+    A part is made when a scene has any of its content, or when frames need a layer whose file names
+    it in `drawn_by`: then the layer is always there, if only empty.
+    """
+
+    name: ClassVar[str]
+    order: ClassVar[int]
+
+    def __init__(self, context: DrawContext) -> None:
+        self.context = context
+        self._kept: LastUsed[tuple[str, tuple[int, int]], Target] = LastUsed()
+
+    def kept(self, use: str, size: tuple[int, int], kind: tuple[int, str] = COLOUR, *, depth: bool = True) -> Target:
+        """Return a target that belongs to the part, one for each use and size."""
+        gl = self.context.gpu.gl
+        return self._kept.made(
+            (use, size), lambda: Target(allocate(gl, size, kind), allocate(gl, size, SCALAR) if depth else None)
+        )
+
+    @classmethod
+    def in_scene(cls, scene: Scene) -> bool:
+        """Return whether the scene has any of it in the picture itself."""
+        return False
+
+    def passes_for(self, drawing: Drawing) -> ScenePasses | None:
+        """Return what draws the plain surfaces in place of the server's passes, or None."""
+        return None
+
+    @abstractmethod
+    def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
+        """Draw what is not a needed layer into the eye; return the eye with its layers."""
+
+    def add_depth(self, view: View, time_ns: int, into: moderngl.Texture) -> None:  # noqa: B027 (most have none)
+        """Draw content that has a depth into the inverse depth of the plain surfaces."""
+
+    def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
+        """Return the layers that all eyes share, by name; called once for each frame.
+
+        views: of the eyes, with guard band.
+        """
+        return {}
+
+    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most send nothing twice)
+        """Take note of whether a frame arrived, which the server hears at that instant."""
+
+    def has_more(self, now_ns: int) -> bool:
+        """Return whether it has something to send even if nothing has moved."""
+        return False
+
+    def trim(self) -> None:
+        """Free kept targets as Renderer.trim() frees its own."""
+        for _, target in self._kept.trimmed(lambda _, target: target.bytes):
+            target.release(self.context.framebuffers.forget)
+
+    def close(self) -> None:
+        """Free its resources; the shader library owns programs, the server acquired targets."""
+        for target in self._kept.values():
+            target.release()

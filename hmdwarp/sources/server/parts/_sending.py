@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ....frames import EyeImage, Frame
 from ....geometry import View
 from ....scenes import Scene
-from ..projection import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
-from ._base import DrawContext, Drawing, Part
+from ..visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
+from . import DrawContext, Drawing, Part
 
 Array = NDArray[np.float64]
 # From sending to the news of the arrival, until the first news says it.

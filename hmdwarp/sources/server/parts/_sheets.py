@@ -15,8 +15,8 @@ from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....gpu.textures import release_all
 from ....scenes import Mesh
-from ..projection import clip_from_eye
-from ._base import DrawContext
+from ..visibility import clip_from_eye
+from . import DrawContext
 
 Array = NDArray[np.float64]
 _Place = tuple[bool, int]  # what meshes have in common that stand still to each other: head-locked, body

@@ -7,8 +7,7 @@ from ....frames import EyeImage
 from ....geometry import View
 from ....geometry.cube import cube_size
 from ..passes import draw_cube
-from . import parts
-from ._base import Drawing, Part
+from . import Drawing, Part, parts
 
 
 @parts.register

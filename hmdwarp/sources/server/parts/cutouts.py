@@ -7,8 +7,7 @@ import moderngl
 from ....frames import EyeImage
 from ....geometry import View
 from ....scenes import Scene, is_cutout
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from . import DrawContext, Drawing, Part, parts
 from ._sheets import OVER_KEEPING_COVERAGE, Sheets
 
 

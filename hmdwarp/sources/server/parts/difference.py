@@ -6,9 +6,8 @@ from ....frames import EyeImage
 from ....frames.layers.difference import Simplified
 from ....gpu.textures import COLOUR
 from ....scenes import partial_scene
-from ..byte_table import BYTES_BINDING, display_bytes
-from . import parts
-from ._base import DrawContext, Drawing, Part, Renderer
+from ..targets import BYTES_BINDING, display_bytes
+from . import DrawContext, Drawing, Part, Renderer, parts
 
 
 @parts.register

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from ....frames import EyeImage
 from ....geometry import View
 from ....scenes import ATLAS, indirect_atlas
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from . import DrawContext, Drawing, Part, parts
 
 
 @parts.register

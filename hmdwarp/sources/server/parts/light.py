@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from ....frames import EyeImage
 from ....scenes import only_light
-from ..moving import moving_parts
 from ..passes import ScenePasses
-from ..upload import SceneBuffers, SceneTextures
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from ..upload import SceneBuffers, SceneTextures, moving_parts
+from . import DrawContext, Drawing, Part, parts
 
 
 @parts.register

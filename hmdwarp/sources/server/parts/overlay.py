@@ -8,8 +8,7 @@ from ....frames import EyeImage
 from ....geometry import View
 from ....gpu.context import drawing_into
 from ....scenes import Scene
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from . import DrawContext, Drawing, Part, parts
 from ._sheets import OVER, OVER_KEEPING_COVERAGE, Blending, Sheets
 
 

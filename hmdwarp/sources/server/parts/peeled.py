@@ -9,10 +9,9 @@ wrongly take its place.
 from __future__ import annotations
 
 from ....frames import EyeImage, Surface
-from ..moving import Moving
 from ..passes import SAME_SURFACE, ScenePasses
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from ..upload import Moving
+from . import DrawContext, Drawing, Part, parts
 
 
 @parts.register

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ....frames.layers.photons import PhotonMap
-from ....frames.photon_bundles import (
+from ....frames.layers.photons import (
     CUBE_BYTES,
     BundleSender,
     Cube,
+    PhotonMap,
     PhotonUpdate,
     Sent,
     bundle_bytes,
@@ -32,8 +32,7 @@ from ....scenes import (
     transport_of,
 )
 from ....scenes import Photons as TracedPhotons
-from . import parts
-from ._base import Drawing
+from . import Drawing, parts
 from ._sending import Sending
 
 # Paths traced for one frame, at most: many of a sun's and of the sky's bring nothing in.

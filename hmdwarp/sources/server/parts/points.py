@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames.layers.points import Cloud
-from ....frames.point_blocks import (
+from ....frames.layers.points import (
     HEAD_BYTES,
     POINT_BYTES,
     SKY_BYTES,
     Block,
+    Cloud,
     PointSender,
     PointUpdate,
     Sent,
@@ -24,8 +24,7 @@ from ....frames.point_blocks import (
 from ....geometry import View
 from ....gpu.textures import download, flip_rows
 from ....scenes import PointCells
-from . import parts
-from ._base import DrawContext, Drawing
+from . import DrawContext, Drawing, parts
 from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen
 
 Array = NDArray[np.float64]

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from ....frames import EyeImage, Mirrored, Reflection, Surface
+from ....geometry import Fov, Mirror, Pose, View
+from ....geometry.view import mirrors_in_eye, tangents_of_pixels
+from ....gpu.context import drawing_into
 from ....gpu.shaders import Compute
 from ....gpu.textures import COLOUR
-from ....scenes import Scene
-from ..mirror_drawing import (
-    FACE_PIXELS,
-    Ball,
-    Bounds,
-    MirroredPasses,
-    MirrorSurface,
-    Uniforms,
-    bounds_in_view,
-    bounds_of_all,
-    uniforms_of,
-)
+from ....scenes import Mesh, Scene, SceneMirror
+from ..passes import SAME_SURFACE, ScenePasses, clear_depth, draw_cube
 from ..targets import Target
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from ..upload import Place
+from ..visibility import NEAR_M, clip_from_eye, eye_from_scene, world_from_ndc
+from . import DrawContext, Drawing, Part, parts
 
 
 @parts.register
@@ -150,3 +146,242 @@ class Reflections(Part):
 
 def _kind_of(surface: MirrorSurface) -> Mirrored:
     return Mirrored.CURVED if surface.mirror.shape.is_curved else Mirrored.PLANE
+
+
+Array = NDArray[np.float64]
+Uniforms = dict[str, object]
+Bounds = tuple[int, int, int, int]  # x, y of the first pixel, x, y after the last
+APRON_M = 0.4  # as in shaders/lib/mirrors.glsl
+# Per 90 degrees of a curved mirror's surroundings: the ball shrinks a face to about 50 pixels where
+# it covers 150 itself.
+FACE_PIXELS = 160
+CLIP_DISTANCE_0 = 0x3000
+
+
+def plane_in_eye(mirror: Mirror, view: View) -> Array:
+    """Return the mirror's plane, (4,): times (x, y, z, 1) in eye space, metres in front of it."""
+    eye_from_world = view.pose.rotation_matrix.T
+    normal = eye_from_world @ mirror.normal
+    return np.array([*normal, -normal @ (eye_from_world @ (mirror.centre_m - view.pose.position_m))])
+
+
+def reflection_in_eye(mirror: Mirror, view: View) -> Array:
+    """Return 4x4: eye space to the mirror image's place behind the mirror."""
+    plane = plane_in_eye(mirror, view)
+    out = np.eye(4)
+    out[:3] -= 2 * np.outer(plane[:3], plane)
+    return out
+
+
+def bounds_of_all(mirrors: Iterable[Mirror], view: View, size: tuple[int, int]) -> Bounds:
+    """Return the pixels in which any of the mirrors may be visible, an empty rectangle for none."""
+    found = [one for mirror in mirrors if (one := bounds_in_view(mirror, view, size)) is not None]
+    if not found:
+        return 0, 0, 0, 0
+    low_x, low_y, high_x, high_y = zip(*found, strict=True)
+    return min(low_x), min(low_y), max(high_x), max(high_y)
+
+
+def bounds_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
+    """Return the pixels in which a mirror, a plane one with its apron, may be visible.
+
+    None for none.
+    """
+    return _ball_in_view(mirror, view, size) if mirror.is_curved else _plane_in_view(mirror, view, size)
+
+
+def _ball_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
+    """Return the bounds of the cube around a ball; near the eye, those of the picture."""
+    signs = np.stack(np.meshgrid((-1, 1), (-1, 1), (-1, 1)), axis=-1).reshape(-1, 3)
+    corners = mirror.centre_m + mirror.radius_m * signs - view.pose.position_m
+    corners = corners @ view.pose.rotation_matrix
+    ahead = -corners[:, 2] >= NEAR_M
+    return _bounds_of(corners, view, size) if ahead.all() else (0, 0, *size) if ahead.any() else None
+
+
+def _plane_in_view(mirror: Mirror, view: View, size: tuple[int, int]) -> Bounds | None:
+    if plane_in_eye(mirror, view)[3] <= 0:
+        return None
+    grow = [half * (1 + APRON_M / np.linalg.norm(half)) for half in (mirror.right_m, mirror.up_m)]
+    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], np.float64)
+    corners = mirror.centre_m + signs @ np.array(grow) - view.pose.position_m
+    corners = _before(corners @ view.pose.rotation_matrix, NEAR_M)
+    return _bounds_of(corners, view, size) if len(corners) else None
+
+
+def _bounds_of(corners: Array, view: View, size: tuple[int, int]) -> Bounds | None:
+    """Return the pixels around (n, 3) points in the axes of the eye, ahead of it."""
+    pixels = corners[:, :2] / -corners[:, 2:] - np.array(view.fov.tangents[[0, 2]])
+    pixels /= np.array(tangents_of_pixels(view, size)["tangent_step"])
+    low = np.clip(np.floor(pixels.min(axis=0)), 0, size).astype(int)
+    high = np.clip(np.ceil(pixels.max(axis=0)), 0, size).astype(int)
+    return (int(low[0]), int(low[1]), int(high[0]), int(high[1])) if (high > low).all() else None
+
+
+def _before(polygon: Array, near_m: float) -> Array:
+    """Return the part of an eye-space polygon (n, 3) that is at least near_m ahead.
+
+    Source: Sutherland and Hodgman 1974.
+    """
+    kept = []
+    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        ahead_a, ahead_b = -a[2] - near_m, -b[2] - near_m
+        if ahead_a >= 0:
+            kept.append(a)
+        if (ahead_a >= 0) != (ahead_b >= 0):
+            kept.append(a + (b - a) * (ahead_a / (ahead_a - ahead_b)))
+    return np.array(kept).reshape(-1, 3)
+
+
+def part_of_view(view: View, size: tuple[int, int], bounds: Bounds) -> View:
+    """Return the view of these pixels alone."""
+    named = tangents_of_pixels(view, size)
+    start, step = np.array(named["tangent_start"]), np.array(named["tangent_step"])
+    low, high = start + step * bounds[:2], start + step * bounds[2:]
+    return View(view.pose, Fov.from_tangents((low[0], high[0], low[1], high[1])))
+
+
+class MirroredPasses(ScenePasses):
+    """Passes for the scene as it appears behind a plane mirror, in the eye's own pixels.
+
+    Mirrors in it show their own colour: one bounce.
+    """
+
+    vertex = "server/mirrored.vert"
+
+    _mirror: Mirror  # the one being drawn
+
+    def __init__(self, context: DrawContext) -> None:
+        super().__init__(context.gpu, context.scene, context.colour.buffers, colour=True, moving=context.colour.moving)
+
+    def draw_behind(
+        self, mirror: Mirror, view: View, framebuffer: moderngl.Framebuffer, bounds: Bounds, time_ns: int
+    ) -> None:
+        """Draw colour and inverse depth into the pixels of `bounds`; the others are undefined."""
+        self._mirror = mirror
+        seen = part_of_view(view, framebuffer.size, bounds)
+        gl = self._gl
+        clear_depth(gl, framebuffer)
+        gl.front_face = "cw"
+        gl.enable_direct(CLIP_DISTANCE_0)
+        self.draw_into(seen, framebuffer, (bounds[0], bounds[1], bounds[2] - bounds[0], bounds[3] - bounds[1]), time_ns)
+        gl.disable_direct(CLIP_DISTANCE_0)
+        gl.front_face = "ccw"
+        framebuffer.viewport = (0, 0, *framebuffer.size)
+
+    def _seen_from(self, view: View, place: Place) -> Place:
+        """Return the place of the eye behind the mirror; no visibility is cached for it."""
+        self._surface.uniforms.set(before_mirror=plane_in_eye(self._mirror, view) @ place.eye_from_here)
+        behind_from_here = reflection_in_eye(self._mirror, view) @ place.eye_from_here
+        return Place(behind_from_here, np.linalg.inv(behind_from_here)[:3, 3].astype(np.float64))
+
+    def _set_background(self, view: View) -> None:
+        super()._set_background(view)
+        normal = self._mirror.normal
+        turned = np.eye(3) - 2 * np.outer(normal, normal)
+        self._background.uniforms.set(world_from_ndc=turned @ world_from_ndc(view))
+
+
+class MirrorSurface:
+    """The triangles of one mirror."""
+
+    def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
+        self.mirror, self._context = mirror, context
+        gl, shaders = context.gpu.gl, context.gpu.shaders
+        self._vertices = gl.buffer(np.concatenate([_rows(mesh) for mesh in mirror.meshes]).astype(np.float32).tobytes())
+        mapped = {"NORMAL_MAP": 1} if mirror.normal_map >= 0 else {}
+        self._surface = shaders.draw("server/mirror_surface.vert", "server/mirror_surface.frag", **mapped)
+        names, layout = (("in_position", "in_uv"), "3f4 2f4 12x") if mapped else (("in_position",), "3f4 20x")
+        self._drawn = gl.vertex_array(self._surface.program, [(self._vertices, layout, *names)])
+
+    def draw_surface(self, eye: EyeImage, framebuffer: moderngl.Framebuffer) -> None:
+        """Draw the mirror's properties where the picture of `eye` shows it."""
+        clip = clip_from_eye(eye.view.fov) @ eye_from_scene(eye.view, self._context.scene.origin_m)
+        uniforms: dict[str, object] = {
+            "reflectivity": self.mirror.shape.reflectivity,
+            "shown_inverse_depth": 1,
+            "keep": 1 - SAME_SURFACE,
+        }
+        if self.mirror.normal_map >= 0:
+            self._context.textures[self.mirror.normal_map].use(0)
+            uniforms |= {"normal_map": 0, "normal_scale": self.mirror.normal_scale}
+        eye.inverse_depth.use(1)
+        self._surface.uniforms.set(clip_from_scene=clip, **uniforms)
+        with drawing_into(framebuffer, moderngl.CULL_FACE):
+            self._drawn.render(moderngl.TRIANGLES)
+
+    def close(self) -> None:
+        """Free its buffers."""
+        self._drawn.release()
+        self._vertices.release()
+
+
+class Ball(MirrorSurface):
+    """A curved mirror.
+
+    Its surroundings are drawn once around its centre, and again only for another instant of a
+    moving scene and where a scene that arrives has changed.
+    """
+
+    def __init__(self, context: DrawContext, mirror: SceneMirror) -> None:
+        super().__init__(context, mirror)
+        gl = context.gpu.gl
+        self._image = context.gpu.shaders.draw("server/mirror_surface.vert", "server/mirror_ball.frag", CURVED=1)
+        layout = [(self._vertices, "3f4 8x 3f4", "in_position", "in_normal")]
+        self._curved = gl.vertex_array(self._image.program, layout)
+        self._around: Target | None = None
+        # Of the surroundings that were drawn: instant if anything moves, and revisions.
+        self._around_of: tuple[int, int, int] | None = None
+
+    def draw_image(
+        self, eye: EyeImage, taken: int, mirrors: Uniforms, framebuffer: moderngl.Framebuffer, around: Target
+    ) -> None:
+        """Draw colour and inverse depth of the reflection in mirror number `taken`.
+
+        mirrors: uniforms of all mirrors for this eye.
+        """
+        view = eye.view
+        from_scene = eye_from_scene(view, self._context.scene.origin_m)
+        self._draw_around(around, eye.drawn_ns)
+        around.colour.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        around.colour.use(0)
+        around.inverse_depth.use(1)
+        self._image.uniforms.set(
+            clip_from_scene=clip_from_eye(view.fov) @ from_scene,
+            eye_from_scene=from_scene,
+            world_from_eye=view.pose.rotation_matrix,
+            face_size=float(around.size[0] // 3),
+            taken=taken,
+            around=0,
+            around_inverse_depth=1,
+            **mirrors,
+        )
+        with drawing_into(framebuffer, moderngl.CULL_FACE):
+            self._curved.render(moderngl.TRIANGLES)
+
+    def _draw_around(self, around: Target, time_ns: int) -> None:
+        passes = self._context.colour
+        for drawing in passes.moving:
+            drawing.set_time(time_ns)
+        key = (time_ns if passes.moving else 0, passes.revision, self._context.textures.revision)
+        if self._around is around and self._around_of == key:
+            return
+        centre = View(Pose(self.mirror.shape.centre_m), Fov.from_tangents((-1, 1, -1, 1)))
+        over = self._context.framebuffers.over(around.colour, around.inverse_depth)
+        draw_cube(self._context.gpu.gl, passes, centre, over, time_ns)
+        over.viewport = (0, 0, *over.size)
+        self._around, self._around_of = around, key
+
+    def close(self) -> None:
+        self._curved.release()
+        super().close()
+
+
+def uniforms_of(mirrors: Sequence[SceneMirror], view: View, size: tuple[int, int]) -> Uniforms:
+    """Return the uniforms of shaders/lib/mirrors.glsl."""
+    return mirrors_in_eye([mirror.shape for mirror in mirrors], view) | tangents_of_pixels(view, size)
+
+
+def _rows(mesh: Mesh) -> NDArray[np.float32]:
+    rows = np.concatenate([mesh.positions, mesh.uv, mesh.normals], axis=1)
+    return rows[mesh.triangles.ravel()]

@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames.deliveries import Outbox, Update
+from ....frames.layers import Outbox, Update
 from ....frames.layers.scene_update import Delivery
 from ....geometry import View
 from ....scenes import COARSE, FULL, HALF, Mesh, Scene, pieces_of
-from . import parts
-from ._base import DrawContext, Drawing
+from . import DrawContext, Drawing, parts
 from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen
 
 Array = NDArray[np.float64]

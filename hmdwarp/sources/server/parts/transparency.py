@@ -9,8 +9,7 @@ from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....scenes import Scene, is_cutout
 from ..passes import SAME_SURFACE
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from . import DrawContext, Drawing, Part, parts
 from ._sheets import MOST, OVER_KEEPING_COVERAGE, THROUGH, Blending, Sheets
 
 _TWO_DEPTHS = (2, "f4")  # rg32f

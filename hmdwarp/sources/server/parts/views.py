@@ -18,8 +18,7 @@ from ....frames import EyeImage
 from ....geometry import Pose, View, WarpMap
 from ....gpu.textures import SCALAR, download, flip_rows
 from ..passes import ScenePasses
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from . import DrawContext, Drawing, Part, parts
 
 Array = NDArray[np.float64]
 Size = tuple[int, int]

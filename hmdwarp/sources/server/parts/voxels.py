@@ -22,13 +22,10 @@ from ....gpu.context import Gpu, drawing_into
 from ....gpu.shaders import Compute, Uniforms
 from ....gpu.textures import COLOUR, allocate, release_all
 from ....scenes import Scene, VoxelGrid, voxel_surfaces
-from ..lighting import Indirect, Lighting
-from ..moving import Moving
-from ..passes import ScenePasses, Viewport
+from ..passes import Indirect, Lighting, ScenePasses, Viewport
 from ..targets import Framebuffers
-from ..upload import SceneBuffers
-from . import parts
-from ._base import DrawContext, Drawing, Part
+from ..upload import Moving, SceneBuffers
+from . import DrawContext, Drawing, Part, parts
 
 FACING_UNIT = 8  # as in shaders/lib/voxels.glsl
 _PLACE_UNIT, _NORMAL_UNIT, _LIGHT_UNIT = 3, 4, 5

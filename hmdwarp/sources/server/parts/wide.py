@@ -6,8 +6,7 @@ import attrs
 
 from ....frames import EyeImage, Needs
 from ....geometry.cube import wide_size, wide_view
-from . import parts
-from ._base import Drawing, Part
+from . import Drawing, Part, parts
 
 
 @parts.register

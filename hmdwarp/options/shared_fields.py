@@ -1,0 +1,216 @@
+"""Fields that several commands share: what is written, several values, the guard band."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, Protocol
+
+import attrs
+
+from ..errors import InputError, listed
+from ..geometry import GuardBand
+from .declared import CONDITION, Number, Option, option, option_of
+
+FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
+
+
+def path_of(value: str | os.PathLike[str], flag: str = "--out") -> Path:
+    """Return a path. Errors: InputError for an empty text, which would be the working folder."""
+    if isinstance(value, str) and not value.strip():
+        raise InputError(f"{flag} '{value}': expected a name; '.' is the working folder")
+    return Path(value)
+
+
+def out_field(value: Any, help: str, /, **about: Any) -> Any:
+    """Return the field of a file or folder to write; value: its default, as `option` takes it."""
+    optional = value is None
+    return option(value, help, kind=Path, convert=attrs.converters.optional(path_of) if optional else path_of, **about)
+
+
+def force_field(study: str = CONDITION) -> Any:
+    """Return the field of `--force`. study: why a study's file may not set it."""
+    return option(False, FORCE.help, study=study)
+
+
+Split = Callable[[str], list[str]]
+
+
+def split_values(text: str) -> list[str]:
+    """Return what stands between commas; a text that names a file is one value."""
+    try:
+        is_file = Path(text).exists()
+    except OSError:  # a list longer than a name can be
+        is_file = False
+    return [text] if is_file else [part.strip() for part in text.split(",")]
+
+
+def split_names(text: str) -> list[str]:
+    """Return what stands between commas; a name with settings, which hold commas, is one value."""
+    return [text] if ":" in text else [part.strip() for part in text.split(",")]
+
+
+def several(
+    field: attrs.Attribute[Any],
+    default: tuple[Any, ...],
+    help: str = "",
+    *,
+    split: Split = split_values,
+    each: Callable[[Any], Any] = lambda value: value,
+    **about: Any,
+) -> Any:
+    """Return an attrs field that takes several values of another class' option, each once.
+
+    Its name, unit, limits and parser are the option's. default: () if unset means all that
+    there are. help: in place of its own. split: from one text of the command line to values.
+    each: converter of one value. about: as for `option`.
+    """
+    one = option_of(field)
+    said = (help or one.help).removesuffix(".")
+    shown = f"; by default {listed([*map(_text, default)])}" if default else ""
+    return option(
+        default,
+        f"{said}{shown}. For several, repeat it{' or use commas' if not about.get('positional') else ''}.",
+        **{
+            "name": one.name,
+            "kind": list,
+            "default": None,
+            "unit": one.unit,
+            "metavar": one.metavar or one.name.upper(),
+            "limits": one.limits,
+            "parse": lambda texts: [_value(one, part) for text in texts for part in split(text)],
+            "convert": _distinct(each, may_be_none=not default),
+            "valid": field.validator,
+            **about,
+        },
+    )
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, tuple):
+        return "x".join(map(str, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _value(one: Option, text: str) -> Any:
+    if one.parse is not None:
+        return one.parse(text)
+    try:
+        return one.kind(text)
+    except ValueError as error:
+        meaning = one.help[0].lower() + one.help[1:].removesuffix(".")
+        raise InputError(f"{one.flag} '{text}': expected {one.limits or 'a number'}, {meaning}") from error
+
+
+def _distinct(each: Callable[[Any], Any], *, may_be_none: bool) -> Any:
+    """Return a converter to a tuple without repetitions; a text alone is one value.
+
+    Errors: InputError where nothing is left.
+    """
+
+    def convert(values: Iterable[Any], field: attrs.Attribute[Any]) -> tuple[Any, ...]:
+        found = tuple(dict.fromkeys(map(each, (values,) if isinstance(values, str) else values)))
+        if not found and not may_be_none:
+            raise InputError(f"{option_of(field).flag}: expected at least one value")
+        return found
+
+    return attrs.Converter(convert, takes_field=True)
+
+
+AUTO = "auto"
+# Of a run and a bench; with prediction auto gains hardly more at 200 ms, and draws more.
+DEFAULT_GUARD = 1.5
+Size = tuple[int, int]
+Guard = float | tuple[float, float]
+_FACTORS = "one factor of at least 1 (1.5) or one for each axis (1.25x1.125)"
+_HELP = (
+    "Ask the server for this many times the pixels on each axis, and so of the field of view in tangents: 1.5 makes "
+    "2.25 times the pixels; 1.25x1.125 has a factor for each axis."
+)
+_BOTH = "--guard and --rendered-size both say how much the server draws: leave one of them out"
+
+
+class HasGuard(Protocol):
+    """Options with a guard band."""
+
+    @property
+    def guard(self) -> Guard | str:
+        """The factors, or "auto"."""
+
+    @property
+    def rendered_size(self) -> Size | None:
+        """The pixels that are drawn, or None."""
+
+
+def parse_size(text: str, flag: str = "--size") -> Size:
+    """Return (640, 400) for '640x400'. Errors: InputError."""
+    match = re.fullmatch(r"(\d{1,6})\s*[xX]\s*(\d{1,6})", text.strip())
+    if not match or 0 in map(int, match.groups()):
+        raise InputError(f"{flag} '{text}': expected WIDTHxHEIGHT in pixels of one eye, like 640x800")
+    return int(match.group(1)), int(match.group(2))
+
+
+def parse_guard(text: str) -> Guard | str:
+    """Return 'auto', a factor, or one for each axis. Errors: InputError."""
+    if text.strip() == AUTO:
+        return AUTO
+    try:
+        x, *y = map(float, re.split("[xX]", text))
+    except ValueError as error:
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}; pixels are --rendered-size") from error
+    if len(y) > 1:
+        raise InputError(f"--guard '{text}': expected {_FACTORS}, or {AUTO}")
+    return (x, y[0]) if y and y[0] != x else x
+
+
+def _check_guard(instance: object, field: attrs.Attribute[Any], value: Guard | str) -> None:
+    if value != AUTO:
+        Number(least=1.0)(instance, field, value)
+
+
+def _check_rendered(instance: Any, _: attrs.Attribute[Any], value: Size | None) -> None:
+    # The guard band of recorded frames is what the display leaves of their own pixels.
+    is_recorded = getattr(instance, "frames", None) is not None
+    if value is not None and instance.guard not in (1.0, DEFAULT_GUARD) and not is_recorded:
+        raise InputError(_BOTH)
+
+
+def guard_field(default: Any, more: str = "", /, **about: Any) -> Any:
+    """Return the field of `--guard`. It stands before that of `--rendered-size`.
+
+    default: a factor, or an attrs.Factory; then `more` says what it makes. more: what only some
+    commands take, added to the help that all share.
+    """
+    # No default on the command line, to tell a guard that was set from one that was not.
+    about = {"kind": str, "default": None, "numeric": True, "parse": parse_guard, "limits": _FACTORS, **about}
+    said = f" [default: {default:g}]" if isinstance(default, float) else ""
+    return option(default, f"{_HELP}{more}{said}", valid=_check_guard, **about)
+
+
+def rendered_size_field(heading: str = "") -> Any:
+    """Return the field of `--rendered-size`. heading: as of Option."""
+    return option(
+        None,
+        "Pixels of one eye that the server draws, in place of a guard: 1600x900 for a display of 1280x800 is guard "
+        "1.25x1.125, and 1.41 times the pixels.",
+        metavar="WxH",
+        heading=heading,
+        parse=partial(parse_size, flag="--rendered-size"),
+        valid=_check_rendered,
+    )
+
+
+def check_one_guard(said: Mapping[str, Any]) -> None:
+    """Raise InputError if both options were set."""
+    if said.get("guard") is not None and said.get("rendered_size") is not None:
+        raise InputError(_BOTH)
+
+
+def guard_band(options: HasGuard) -> GuardBand:
+    """Return the guard band of the options. Errors: InputError while it is "auto"."""
+    if isinstance(options.guard, str):
+        raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
+    return GuardBand.of(options.guard) if options.rendered_size is None else GuardBand(size=options.rendered_size)

@@ -1,0 +1,89 @@
+"""Named benchmarks: what they run, and the intervals of their means."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+import pytest
+
+from hmdwarp.errors import InputError
+from hmdwarp.experiments.bench import BenchOptions
+from hmdwarp.experiments.bench.suites import clustered_interval, cost_text, over_all, suite_entry, suites
+from hmdwarp.poses import KINDS
+from hmdwarp.report.bench import render_bench_page
+from hmdwarp.resources import recording_names
+
+T_OF_2 = 4.302653  # Student's t, 97.5 %
+
+
+def test_the_standard_suite_is_wide_and_both_run_people_antialiased():
+    found = suites()
+    assert {"quick", "standard"} <= set(found)
+    for name in found:
+        options = BenchOptions.of({"suite": name})
+        assert options.samples == 4 and not options.grid and not options.fused
+        assert set(options.recordings) <= set(recording_names()) - set(KINDS)
+    standard = BenchOptions.of({"suite": "standard"})
+    assert len(standard.scenes) >= 6 and len(standard.recordings) >= 8
+    assert standard.latencies_ms == (50, 200, 400, 800) and "mesh:grid=64" in standard.warps
+
+
+@pytest.mark.parametrize(
+    "said", [{"latency": ["100"]}, {"traces": ["walk"]}, {"samples": 1, "frames": "x"}, {"instants": 3}]
+)
+def test_what_a_suite_says_is_not_said_beside_it(said):
+    with pytest.raises(InputError, match="the suite says what is run"):
+        BenchOptions.of({"suite": "quick", **said})
+
+
+def test_an_interval_takes_cases_of_one_head_for_dependent():
+    """Three heads 1 apart, the same in all scenes: as sure as three numbers are, not nine."""
+    low, high = clustered_interval([1, 1, 1, 2, 2, 2, 3, 3, 3], list("AAABBBCCC"), list("xyzxyzxyz"))
+    assert (low + high) / 2 == pytest.approx(2)
+    assert high - 2 == pytest.approx(T_OF_2 * 3**-0.5, rel=1e-5)
+    assert clustered_interval([1, 3, 1, 3], list("AABB"), list("xyxy")) is None
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    """Six heads and six scenes with effects of their own, and cases with noise."""
+    rng, held, runs = np.random.default_rng(5), 0, 300
+    heads, scenes = np.repeat(np.arange(6), 6), np.tile(np.arange(6), 6)
+    for _ in range(runs):
+        values = rng.normal(size=6)[heads] + rng.normal(size=6)[scenes] + rng.normal(size=36)
+        low, high = clustered_interval(values.tolist(), [f"h{h}" for h in heads], [f"s{s}" for s in scenes])
+        held += low <= 0 <= high
+    assert 0.9 * runs < held < runs
+
+
+def test_means_are_over_all_cases_of_a_method_and_on_the_page():
+    rows = [
+        {
+            "trace": trace,
+            "scene": scene,
+            "latency_ms": 200.0,
+            "warp": warp,
+            "fill": "pyramid",
+            "quality": {
+                "flip": {"mean": flip + 0.1 * (trace == "a")},
+                "psnr_db": {"mean": 30.0 - 10 * flip + (scene == "x")},
+            },
+        }
+        for warp, worse in (("rotation", 0.1), ("iterative", 0.0))
+        for trace, scene, flip in itertools.product("abc", "xyz", [worse])
+    ]
+    best, other = over_all(rows)
+    assert (best["warp"], other["warp"]) == ("iterative", "rotation")
+    assert best["flip"]["mean"] == pytest.approx(0.1 / 3) and (best["heads"], best["scenes"]) == (3, 3)
+    assert best["psnr_db"]["interval"][0] < 30.4 < best["psnr_db"]["interval"][1]
+    # Which head it is makes no difference to the difference of methods.
+    assert best["behind"]["mean"] == 0 and other["behind"]["interval"] == pytest.approx([0.1, 0.1])
+    assert suite_entry("", rows) == {}
+    page = render_bench_page({"rows": [], **suite_entry("quick", rows)})
+    assert "Suite quick 1: over all heads and scenes" in page and "0.1000 to 0.1000" in page
+    assert "Suite" not in render_bench_page({"rows": []})
+
+
+def test_the_cost_is_told_before():
+    text = cost_text("quick", [(1280, 800), (640, 400)], [100, 400], 1)
+    assert "2 cases, 500 pictures" in text and "about 2 min for the metrics of 1 processes" in text
