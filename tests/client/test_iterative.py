@@ -72,7 +72,7 @@ def test_a_near_thing_leaves_a_hole_of_its_parallax(gpu, spec):
 
 
 def antialiased_thing(left: float, right: float) -> np.ndarray:
-    """(60, 60, 4): white from left to right before a wall of 0.2, each pixel the mean of its area."""
+    """(60, 60, 4): white from left to right before 0.2; each pixel is the mean of its area."""
     x = np.arange(60)
     share = np.clip(np.minimum(x + 1, right) - np.maximum(x, left), 0, 1)
     return np.tile(np.append(np.repeat(0.2 + 0.8 * share[:, None], 3, axis=1), np.ones((60, 1)), axis=1), (60, 1, 1))
