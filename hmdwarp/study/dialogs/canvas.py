@@ -18,7 +18,7 @@ from ..design import open_picture
 if TYPE_CHECKING:
     from PIL.ImageFont import FreeTypeFont, ImageFont
 
-# 680 pixels are 1 m in a headset (display/notice.py). At 300 pixels a metre, the coarsest headset
+# 680 pixels are 1 m in a headset (display/present.py). At 300 pixels a metre, the coarsest headset
 # here, letters of 28 pixels are 12 high.
 WIDTH, PAD = 680, 22
 SMALL, TEXT, LARGE, HUGE = 24, 28, 32, 44  # letter heights in pixels

@@ -25,7 +25,7 @@ OFFERED = (CONTINUE, BREAK, AGAIN, STOP)
 SURE = (("no", "no, go on"), ("yes", "yes, stop"))
 SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
-ROWS = 9  # of a page; a headset's eye cannot see more at once (display/notice.py)
+ROWS = 9  # of a page; a headset's eye cannot see more at once (display/present.py)
 ON, BACK, DONE, AGREE, REFUSE = "on", "back", "done", "agree", "refuse"
 DECLINE = "decline"  # the experimenter's REFUSE, confirmed at the console
 FIRST: Choices = ((ON, "next page"),)
