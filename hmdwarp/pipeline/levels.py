@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import InputError
+from ..errors import InputError
 
 # The keys that two rows must share for their figures to be comparable.
 _CASE = (

@@ -2,7 +2,7 @@
 
 'hmdwarp doctor' asks each one in a process of its own.
 
-    python -m hmdwarp.cli.machine.probes gl|devices|openxr|window
+    python -m hmdwarp.cli._probes gl|devices|openxr|window
 
 Prints one JSON object per line as knowledge grows; the last whole line counts, so a crash still
 leaves what came before it.
@@ -34,8 +34,8 @@ def gl() -> None:
 
     Its renderer, its limits, and whether its timers measure anything.
     """
-    from ...errors import HmdwarpError
-    from ...gpu.context import Gpu
+    from ..errors import HmdwarpError
+    from ..gpu.context import Gpu
 
     try:
         with Gpu() as gpu:
@@ -56,7 +56,7 @@ def gl() -> None:
 
 def devices() -> None:
     """Report the devices that EGL knows, one after the other, with what draws on each."""
-    from ...gpu import WANTED, egl
+    from ..gpu import WANTED, egl
 
     known: list[dict[str, object]] = []
     try:
@@ -113,7 +113,7 @@ def window() -> None:
     """Report whether a desktop window with OpenGL 4.3 opens; it stays hidden."""
     import warnings
 
-    from ...display.desktop import choose_library
+    from ..display.desktop import choose_library
 
     choose_library()
     import glfw

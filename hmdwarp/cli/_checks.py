@@ -2,7 +2,7 @@
 
 Replay needs Python's packages and OpenGL 4.3; everything else is optional: a headset or a desktop
 window for `live`, an encoder for `--video`. Drivers and runtimes are queried in processes of their
-own (see probes), because they may crash or hang.
+own (see _probes), because they may crash or hang.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from typing import Any
 
 import attrs
 
-from ...display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
-from ...gpu import egl
-from ...gpu.context import HOW_TO_GET_GL
-from ...resources import EXTRAS, __version__, install_line
+from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
+from ..gpu import egl
+from ..gpu.context import HOW_TO_GET_GL
+from ..resources import EXTRAS, __version__, install_line
 
 Answer = dict[str, Any]  # the JSON object of a probe; `error` is set where something is missing
 
@@ -77,7 +77,7 @@ def run_probe(question: str, seconds: float = PROBE_SECONDS) -> Answer:
     `error` is set where it crashed, hung or printed nothing.
     """
     # -P: a numpy.py in the user's folder must not be taken for the real one.
-    command = [sys.executable, "-P", "-m", "hmdwarp.cli.machine.probes", question]
+    command = [sys.executable, "-P", "-m", "hmdwarp.cli._probes", question]
     try:
         done = subprocess.run(command, check=False, stdin=subprocess.DEVNULL, capture_output=True, timeout=seconds)
         stdout, stderr = done.stdout, done.stderr
@@ -287,7 +287,7 @@ def video() -> Finding:
 
 def codecs() -> Finding:
     """Check the codecs of `replay --codec`."""
-    from ...link.codec import codecs
+    from ..link.codec import codecs
 
     works, missing = [], []
     for codec in codecs:

@@ -22,22 +22,14 @@ from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link.codec import codecs
 from ...metrics import QUALITY, ratings_of
 from ...pipeline.planning import build_plan_for
-from ...pipeline.source_choice import source_of
+from ...pipeline.proxy import source_of
 from ...report import OutputFolder, png_bytes
 from ...report.compare_page import first_cases, render_compare_page
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, measured
-from ...run.schedule import first_shown_s, schedule_for
-from ..bench.cases import heads_of
-from ..sweep import (
-    MOST_SHOWN,
-    ExperimentResult,
-    KeptCases,
-    Result,
-    Separate,
-    SweepCase,
-    experiment,
-)
+from ...run.setup import first_shown_s, schedule_for
+from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Separate, SweepCase, experiment
+from .cases import heads_of
 from .options import CompareOptions
 
 _DUPLICATE = (

@@ -15,9 +15,9 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from hmdwarp.cli import _checks as doctor
+from hmdwarp.cli._checks import Finding, State
 from hmdwarp.cli.doctor import doctor as command
-from hmdwarp.cli.machine import checks as doctor
-from hmdwarp.cli.machine.checks import Finding, State
 from hmdwarp.resources import EXTRAS
 
 
