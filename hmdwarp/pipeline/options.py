@@ -39,10 +39,23 @@ from ..options import (
 )
 from ..scenes.options import SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
-from . import auto
-from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
-from .proxy_options import ProxyOptions
-from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
+from .levels import QualityLevel
+from .proxy_options import (
+    DEFAULT_FILL,
+    DEFAULT_PREDICTOR,
+    DEFAULT_WARP,
+    PROXY,
+    RECORDING,
+    REMOTE,
+    SCENE,
+    ProxyOptions,
+    SourceKind,
+    default_fill,
+    default_guard,
+    default_predictor,
+    refuse_with_frames,
+    with_frames,
+)
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]
@@ -235,7 +248,7 @@ class PipelineOptions(Declared):
         study=DISPLAY,
         heading=DISPLAYED,
     )
-    # "auto" is replaced by a number before a run is built, see run.guard.
+    # "auto" is replaced by a number before a run is built, see run.short_bench.
     guard: Guard | str = guard_field(
         attrs.Factory(lambda self: default_guard(self.warp), takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
@@ -284,7 +297,7 @@ class PipelineOptions(Declared):
         heading=RENDERING,
     )
     # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
-    levels: tuple[auto.QualityLevel, ...] = ()
+    levels: tuple[QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.source_kind is REMOTE:
