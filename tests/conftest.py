@@ -14,11 +14,10 @@ import properties  # noqa: F401 (loads the profile of Hypothesis before any test
 import pytest
 from progress import Progress
 
-# Two workers share two cores: threads of OpenMP (FLIP) that wait busily took 20 times as long.
-# Set before any library with OpenMP is loaded.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
-# Small pictures: threads of llvmpipe cost more in waiting for each other than they draw.
-os.environ.setdefault("LP_NUM_THREADS", "0")
+# Two workers share two cores, and pictures are small: threads of llvmpipe, BLAS and OpenMP (FLIP)
+# cost more in waiting for each other than they do. Set before any of them is loaded.
+for _name, _value in {"LP_NUM_THREADS": "0", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}.items():
+    os.environ.setdefault(_name, _value)
 # Without compiled modules each program that a test starts compiles 900 files, 1.6 s of a
 # replay's 7.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

@@ -41,7 +41,7 @@ class Geometry(ClientScene):
 def pictures(gpu: Gpu) -> Iterator[tuple[str, NDArray[np.float64] | None]]:
     """Yield each pair's name, then it again with colour, coverage and inverse depth (h, w, 5).
 
-    Of the second of two refreshes, so that a fill that remembers has something to remember.
+    Of the third of three refreshes, so that a fill that remembers has something to remember.
     Inverse depth is 0 where the pair makes none. Left out is what this driver says it lacks.
     """
     for warp in every_choice():
@@ -59,7 +59,7 @@ def pictures(gpu: Gpu) -> Iterator[tuple[str, NDArray[np.float64] | None]]:
             except MachineError:
                 continue
             inputs = attrs.evolve(world.inputs(entry), rendered=rendered)
-            for _ in range(2):
+            for _ in range(3):
                 result = compensator.run(inputs)
                 gpu.timer.collect()
             gpu.barrier()

@@ -1,7 +1,4 @@
-"""Find the conventions under which recorded frames agree with each other.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
+"""Find the conventions under which recorded frames agree with each other."""
 
 import lazy_loader
 

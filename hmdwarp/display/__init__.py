@@ -1,7 +1,6 @@
 """Displays for live pictures: OpenXR, a desktop window, or offscreen.
 
-The loop does not depend on them; hmdwarp.run depends only on the protocol. Names are in
-__init__.pyi; each loads its module at first use.
+The loop does not depend on them; hmdwarp.run depends only on the protocol.
 """
 
 import lazy_loader

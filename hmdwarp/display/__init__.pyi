@@ -14,12 +14,12 @@ from .controls import Control as Control
 from .controls import Status as Status
 from .controls import control as control
 from .controls import help_closes as help_closes
-from .notice import MAX_HEIGHT_M as MAX_HEIGHT_M
-from .notice import MAX_WIDTH_M as MAX_WIDTH_M
-from .notice import Notice as Notice
-from .notice import Notices as Notices
-from .notice import text_ink as text_ink
 from .offscreen import OffscreenDisplay as OffscreenDisplay
 from .present import FRAMEBUFFER_SRGB as FRAMEBUFFER_SRGB
+from .present import MAX_HEIGHT_M as MAX_HEIGHT_M
+from .present import MAX_WIDTH_M as MAX_WIDTH_M
+from .present import Notice as Notice
+from .present import Notices as Notices
 from .present import Presenter as Presenter
 from .present import fitted as fitted
+from .present import text_ink as text_ink

@@ -1,8 +1,6 @@
 """Float64 geometry without a GPU: poses, views, the warp map between two views, depth conventions.
 
 This package does not depend on the rest of the program. Conventions: docs/conventions.md.
-
-Names are in __init__.pyi; each loads its module at first use.
 """
 
 import lazy_loader

@@ -1,7 +1,4 @@
-"""OpenGL basics, independent of headsets: context, shader loader, textures, timers.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
+"""OpenGL basics, independent of headsets: context, shader loader, textures, timers."""
 
 import lazy_loader
 

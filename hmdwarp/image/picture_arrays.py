@@ -99,9 +99,14 @@ class RawPicture:
         """Return depth in metres; what is none is 0, below 0 or NaN."""
         if self.checked is not None:
             return metres_from_inverse_depth(self.checked.inverse_depth)
-        unknown = is_largest(self.depth) if self.hidden is None else is_largest(self.depth) | self.hidden
-        depth = np.where(unknown, 0, self.depth * self.scale)
-        return depth if self.colour.shape[2] == 3 else np.where(self.colour[..., 3] > 0, depth, 0)
+        metres = self.depth if self.scale == 1 else self.depth * self.scale
+        for unknown in (
+            is_largest(self.depth) if self.depth.dtype.kind == "u" else None,
+            self.hidden,
+            self.colour[..., 3] == 0 if self.colour.shape[2] == 4 else None,
+        ):
+            metres = metres if unknown is None else np.where(unknown, 0, metres)
+        return metres
 
     def as_checked(self) -> PictureArrays:
         """Return what checked_picture makes of it. Errors: InputError."""

@@ -28,7 +28,7 @@ from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
 from ..sources.repairs import parse_repairs
-from ..sources.sequences import about_unit
+from ..sources.sequences import about_largest, about_unit
 from .array_passes import Found, GiveOut, TakeIn
 from .layer_arrays import CallerLayers
 from .picture_arrays import (
@@ -200,7 +200,7 @@ class Warper:
         _check_eye(eye)
         views = _checked_views(rendered, shown)
         with self._gpu() as gpu:
-            gpu.timer.lap()
+            gpu.timer.collect()
             picture = raw_picture(colour, depth_m, depth_scale, encoding)
             return self._warp(
                 gpu, picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, out, eye
@@ -232,6 +232,8 @@ class Warper:
         client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
         drawn_ns = self._next()
         pictures = [picture, *(one for one, _ in further)]
+        if self.repair.steps:
+            pictures = [one.as_checked().raw() for one in pictures]
         images = [
             textures.as_image(view, drawn_ns)
             for textures, view in zip(self._pictures, (views[0], *(view for _, view in further)), strict=False)
@@ -254,7 +256,7 @@ class Warper:
             buffers = self._give_out.run(made.shown, made.warped, depth, self._confidence, result, self._found)
         gpu.check_not_lost()
         self._check_numbers(pictures)
-        self._warn_about(picture, views)
+        self._warn_about(pictures[0], views)
         with gpu.timer.cpu_stage("download"):
             arrays = self._give_out.arrays(buffers, out)
         holes = self._found.holes / (self.size[0] * self.size[1])
@@ -400,8 +402,9 @@ class Warper:
     def _warn_about(self, picture: RawPicture, views: tuple[View, View]) -> None:
         """Warn of depth that is no measurement, or hardly in metres; of each once."""
         largest: Sequence[str] = ()
-        if _LARGEST not in self._warned and (picture.checked is not None or self._found.has_largest(0)):
-            largest = picture.as_checked().notes
+        if _LARGEST not in self._warned:
+            raw = about_largest([picture.depth]) if self._found.has_largest(0) else ()
+            largest = raw if picture.checked is None else picture.checked.notes
             self._warned.update([_LARGEST] if largest else [])
         for note in (*largest, *self._unit_notes(picture.metres, views, "depth_scale={:g}")):
             warnings.warn(note, stacklevel=4)  # where warp or warp_image is called
@@ -559,7 +562,7 @@ def warp_image(
     shown_size = picture.size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
     with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper, warper._gpu() as current:
-        current.timer.lap()
+        current.timer.collect()
         return warper._warp(
             current, picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, {}
         )

@@ -2,8 +2,6 @@
 
 A metric is one file in metrics/library. Pictures are sRGB-encoded, (h, w, 3), top row first; holes
 are black pixels and count.
-
-Names are in __init__.pyi; each loads its module at first use.
 """
 
 import lazy_loader

@@ -165,7 +165,7 @@ def _declared(value: T | None, flag: Input) -> T:
 
 # Holes beyond the rendered field of view, other holes, what is covered near jumps of depth, and the
 # rest.
-REGIONS = ("border", "inside", "silhouettes", "seen")
+REGIONS = ("border_holes", "inside_holes", "silhouettes", "seen")
 SUMS = ("pixels", "squared_error", "flip")
 
 # Across a plane inverse depth changes by the same step from pixel to pixel, whatever its slant.

@@ -1,7 +1,4 @@
-"""Head motion: poses over time, their files, prediction, and synthetic heads.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
+"""Head motion: poses over time, their files, prediction, and synthetic heads."""
 
 import lazy_loader
 

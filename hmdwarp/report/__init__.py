@@ -1,8 +1,6 @@
 """The results of a run: summary.json, frames.csv, pictures, a video, an HTML page, a table.
 
 The pages of a bench and of a study are in report.bench and report.study.
-
-Names are in __init__.pyi; each loads its module at first use.
 """
 
 import lazy_loader

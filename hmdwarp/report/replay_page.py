@@ -213,7 +213,10 @@ def _regions(summary: Summary) -> Section | None:
         return None
     figures = [Figure("share", "share", "%", 1, 100.0)]
     figures += [metrics.get(name).figure for name in ("psnr_db", PRIMARY)]
-    lines = [(name, *(figure.text(entry[figure.name]) for figure in figures)) for name, entry in regions.items()]
+    lines = [
+        (name.replace("_", " "), *(figure.text(entry[figure.name]) for figure in figures))
+        for name, entry in regions.items()
+    ]
     heads = [("", ""), *((figure.label, figure.unit) for figure in figures)]
     table = Table.of("", heads, lines, label="Error by region")
     return Section("Where the error lies", [table, Text(texts("bench")["notes"]["regions"])])

@@ -27,7 +27,7 @@ from ..sources.feed.listener import Asked, Listener
 from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
-from .serve_options import ServeOptions
+from .options import ServeOptions
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30
@@ -52,8 +52,11 @@ def serve(
     listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
     with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
-        how = {"samples": options.samples, "nearest": options.sample_depth == NEAREST}
-        with Gpu() as gpu, closing(Server(gpu, scene, options.mirrors, **how)) as server:
+        nearest = options.sample_depth == NEAREST
+        with (
+            Gpu() as gpu,
+            closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
+        ):
             say(f"listening at {listener.address}: scene '{scene.name}'")
             coders = _Coders(listener)
             while goes_on():

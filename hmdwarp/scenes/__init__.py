@@ -1,7 +1,6 @@
 """Scenes: triangles, textures and baked light in plain arrays, and the effects they call for.
 
-Every public module of `library` is one scene; a new scene is one new file there. Names are in
-__init__.pyi; each loads its module at first use.
+Every public module of `library` is one scene; a new scene is one new file there.
 """
 
 import lazy_loader

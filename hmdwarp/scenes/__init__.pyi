@@ -42,14 +42,14 @@ from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
 from ._viewpoint import with_targets as with_targets
-from .deformations import Joint as Joint
-from .deformations import Skinned as Skinned
-from .deformations import Waving as Waving
+from .motions import Joint as Joint
 from .motions import Pendulum as Pendulum
+from .motions import Skinned as Skinned
 from .motions import Spinning as Spinning
 from .motions import Still as Still
 from .motions import Thrown as Thrown
 from .motions import Track as Track
+from .motions import Waving as Waving
 from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
 from .radiosity import blockers_of as blockers_of

@@ -23,8 +23,8 @@ from hmdwarp.scenes import scenes
 from hmdwarp.sources.sequences import SequenceOptions
 from hmdwarp.sources.server import Server
 
-# Random cases; docs/check.md has the figures of 1000.
-CASES = int(os.environ.get("HMDWARP_CHECK_CASES", "38"))
+# Random cases, by default each misreading once; docs/check.md has the figures of 1000.
+CASES = int(os.environ.get("HMDWARP_CHECK_CASES", len(MISREADINGS)))
 TWO = max(10, CASES // 5)
 CAMERA = DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5)
 
@@ -69,15 +69,10 @@ def test_two_wrong_conventions_are_both_named_or_it_says_that_it_cannot_tell(rec
 
 # Focal lengths over the true ones, and pixels by which the principal point is off; of 96x72.
 INTRINSICS = {
-    "5 % short": (0.95, 0.95, 0, 0),
     "3 % long": (1.03, 1.03, 0, 0),
-    "half as long again": (1.5, 1.5, 0, 0),
     "a third shorter": (0.67, 0.67, 0, 0),
-    "fy 7 % long": (1, 1.067, 0, 0),
     "fx 20 % short": (0.8, 1, 0, 0),
-    "cx right": (1, 1, 3.6, 0),
     "cx far left": (1, 1, -12, 0),
-    "cy down": (1, 1, 0, 3.6),
     "cy up": (1, 1, 0, -5),
 }
 
@@ -138,23 +133,16 @@ def test_a_head_that_only_turns_tells_the_focal_length(gpu):
     assert named(frames) == ["focal"]
 
 
-def test_what_is_named_is_told_and_has_code_and_nothing_else_has(recorded):
+@pytest.mark.parametrize("name", MISREADINGS)
+def test_what_is_named_is_told_and_has_code_that_reads_the_frames_right(name, in_the_room):
     """Headline, reasons and code are one decision."""
-    for name in MISREADINGS:
-        answer = check(Stated(wrong_frames(recorded[-1], name, np.random.default_rng(16))))
-        changed = [finding for finding in answer.findings if not finding.as_stated]
-        assert all(finding.told for finding in changed)
-        assert bool(changed) == bool(answer.code) == (answer.verdict == "wrong" and not answer.as_good)
-        assert all(finding.label in answer.headline() for finding in changed)
-
-
-CODED = [name for name in MISREADINGS if name not in ("right", "eyes swapped", "late", "not reversed")]
-
-
-@pytest.mark.parametrize("name", CODED)
-def test_the_code_reads_the_frames_right(name, in_the_room):
     frames = wrong_frames(in_the_room, name, np.random.default_rng(3))
     answer = check(Stated(frames))
+    changed = [finding for finding in answer.findings if not finding.as_stated]
+    assert all(finding.told and finding.label in answer.headline() for finding in changed)
+    assert bool(changed) == bool(answer.code) == (answer.verdict == "wrong" and not answer.as_good)
+    if name in ("right", "eyes swapped", "late", "not reversed"):
+        return  # no line of code alone puts these right
     assert answer.verdict == "wrong" and answer.code
     mended = check(Stated([mend(frame, answer.code) for frame in frames]))
     assert mended.verdict == "right"

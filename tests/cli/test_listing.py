@@ -23,7 +23,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.experiments.bench.cases import baselines
 from hmdwarp.frames.layers import layers
 from hmdwarp.resources import __version__, recording_names
-from hmdwarp.run.outside import OUTSIDE, missing
+from hmdwarp.run.combinations import OUTSIDE, missing
 
 from .conftest import ROOT
 
@@ -269,6 +269,9 @@ def test_plan_counts_bytes_and_frames(command):
         ("--codec", "q", "unknown codec 'q'"),
         ("--predict", "q", "unknown predictor 'q'"),
         ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
+        ("--samples", "0", "--samples 0"),
+        ("--sample-depth", "mean", "--sample-depth 'mean': expected centre or nearest"),
+        ("--sample-depth", "nearest", "a pixel has one sample; say --samples 4 too"),
         ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )

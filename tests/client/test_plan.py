@@ -208,12 +208,23 @@ def test_any_text_is_a_plan_or_an_unknown_name(text):
 RENDERED_SIZE, SHOWN_SIZE = (33, 21), (29, 17)
 
 
+class Asked(ShaderLibrary):
+    """Counts programs as one that compiles them; the session's compiles each once for all cases."""
+
+    def __init__(self, gpu) -> None:
+        super().__init__(gpu.gl)
+        self._session = gpu.shaders._session if isinstance(gpu.shaders, Asked) else gpu.shaders
+
+    def _get(self, paths, defines, make):
+        return super()._get(paths, defines, lambda: self._session._get(paths, defines, make))
+
+
 class Costs:
     """What a context was asked to make: programs by path, textures, buffers, framebuffers."""
 
     def __init__(self, gpu, monkeypatch) -> None:
         self.made: dict[str, list] = {"texture": [], "buffer": [], "framebuffer": []}
-        self.library = ShaderLibrary(gpu.gl)
+        self.library = Asked(gpu)
         monkeypatch.setattr(gpu, "shaders", self.library)
         for kind, made in self.made.items():
             monkeypatch.setattr(moderngl.Context, kind, self._counting(getattr(moderngl.Context, kind), made))

@@ -127,7 +127,7 @@ def test_ctrl_c_ends_it(screen, tmp_path):
 
 
 def test_minimised_it_waits_and_comes_back(screen, tmp_path):
-    """Meanwhile it hardly uses the processor, of which it takes more than one otherwise."""
+    """Meanwhile it hardly uses the processor, of which it takes all of one otherwise."""
     with Live(screen, tmp_path, *SMALL) as live:
         as_manager(screen, STATE, window=live.window, state=3)
         screen.do("sleep", 1)

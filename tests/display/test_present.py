@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
 from hmdwarp.display import FRAMEBUFFER_SRGB, Notices, Presenter, fitted, text_ink
-from hmdwarp.display.notice import KEPT
+from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, allocate, download, upload
 

@@ -24,6 +24,7 @@ from hmdwarp.display import Presenter
 from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
+from hmdwarp.frames.layers.difference import Simplified
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
@@ -32,7 +33,7 @@ from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.run.seen_offset import DepthSamples
+from hmdwarp.run.late_client import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.server import MIRRORS, Server
 
@@ -44,10 +45,11 @@ STAGES = [name for name in FILES if not name.endswith(".glsl")]
 
 
 class Recorder(ShaderLibrary):
-    """Remembers what is asked for, and compiles it afresh."""
+    """Remembers what is asked for; what it compiles, the session keeps."""
 
-    def __init__(self, gl) -> None:
-        super().__init__(gl)
+    def __init__(self, gpu: Gpu) -> None:
+        super().__init__(gpu.gl)
+        self._cache = gpu.shaders._cache
         self.used: set[tuple[str, tuple]] = set()
 
     def compute(self, path, **defines):
@@ -65,7 +67,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 
     Every registered pass, the server with and without colour, the copy.
     """
-    before, gpu.shaders = gpu.shaders, Recorder(gpu.gl)
+    before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
@@ -88,6 +90,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         server.draw(view, (8, 6))
         server.draw_depth(view, (8, 6), depth)
         server.draw_frame([view], 0, (8, 6), needs=Needs(peeled=1))
+        server = Server(gpu, load_scene("planes"), samples=4, nearest=True)
+        server.draw_frame([view], 0, (8, 6), needs=Needs(ids=True, velocity=True))
         _draw_every_content(gpu)
         with Copier(gpu, 16):
             pass
@@ -171,12 +175,16 @@ def _present(gpu: Gpu) -> None:
 
 
 def _draw_every_content(gpu: Gpu) -> None:
-    """Every scene that has more than plain surfaces, whole and in layers."""
-    everything = Needs(**{layer.name: layer.something for layer in layers if layer.drawn_by})
+    """Every scene that has more than plain surfaces, whole and in layers; mirrors in both ways.
+
+    Without what takes long and compiles nothing: fewer triangles, and a scene that is sent.
+    """
+    drawn = {layer.name: layer.something for layer in layers if layer.drawn_by and layer.name != "scene_update"}
+    everything = Needs(**{**drawn, "difference": frozenset({Simplified(share=1.0)})})
     for source in scenes:
         if source.effects:
             scene = source.build()
-            for mirrors in MIRRORS:
+            for mirrors in MIRRORS if "planar_reflections" in source.effects else MIRRORS[:1]:
                 server, view = Server(gpu, scene, mirrors), View(scene.viewpoint, Fov(-0.7, 0.7, -0.7, 0.7))
                 for needs in (Needs(), everything):
                     server.recycle(server.draw_frame([view], 0, (8, 6), needs=needs))

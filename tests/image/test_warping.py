@@ -425,8 +425,10 @@ def test_the_largest_integer_is_a_hole_and_said(dtype):
     depth = np.full((12, 16), 2000, dtype)
     depth[3:5, 6:9] = np.iinfo(dtype).max
     colour = halves(np.random.default_rng(23), (16, 12))
-    with pytest.warns(UserWarning, match=f"6 pixels .3.1 %. of its depth are {np.iinfo(dtype).max}.* no depth"):
+    with pytest.warns(UserWarning, match=f"6 pixels .3.1 %. of its depth are {np.iinfo(dtype).max}.* no depth") as told:
         found = warp_image(colour, depth, view(), view(), depth_scale=0.001)
+        warp_image(colour, depth, view(), view(), depth_scale=0.001, repair="edges")
+    assert len(told) == 2
     assert (found.coverage[3:5, 6:9] == 0).all() and (found.coverage == 0).sum() == 6
     masked = np.ma.masked_array(depth, depth == np.iinfo(dtype).max)  # the caller knows
     assert np.array_equal(warp_image(colour, masked, view(), view(), depth_scale=0.001).coverage, found.coverage)

@@ -136,7 +136,7 @@ def test_pictures_are_pooled_before_the_logarithm():
         shown.reshape(-1, 3)[:holes] = error
         return region_sums(shown, truth, region_of(coverage.reshape(48, 64), zeros, *SAME), zeros)
 
-    figures = pooled([one(1000, 10), one(10, 200)])["inside"]
+    figures = pooled([one(1000, 10), one(10, 200)])["inside_holes"]
     mean_square = (1000 * 10**2 + 10 * 200**2) / 1010 / 255**2
     assert figures["psnr_db"] == pytest.approx(-10 * math.log10(mean_square))
     assert figures["share"] == pytest.approx(1010 / (2 * 48 * 64))
@@ -145,7 +145,7 @@ def test_pictures_are_pooled_before_the_logarithm():
 def test_an_empty_region_has_no_error():
     flat = np.zeros((48, 64), np.float32)
     figures = pooled([region_sums(noise(1, SIZE), noise(1, SIZE), region_of(FULL, flat, *SAME), flat)])
-    assert figures["border"] == figures["inside"] == {"share": 0.0, "psnr_db": None, "flip": None}
+    assert figures["border_holes"] == figures["inside_holes"] == {"share": 0.0, "psnr_db": None, "flip": None}
     assert figures["seen"] == {"share": 1.0, "psnr_db": 100.0, "flip": 0.0}
     assert pooled([])["silhouettes"] == {"share": None, "psnr_db": None, "flip": None}
 

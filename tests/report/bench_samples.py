@@ -73,8 +73,8 @@ def a_row(
         "border_share": holes / 4,
         "flicker": error / 7 * noise[4],
     }
-    shares = {"border": holes / 4, "inside": holes * 3 / 4, "silhouettes": 0.12, "seen": 0.88 - holes}
-    parts = {"border": 0.7, "inside": 0.6, "silhouettes": error * 1.9, "seen": error * 0.6}
+    shares = {"border_holes": holes / 4, "inside_holes": holes * 3 / 4, "silhouettes": 0.12, "seen": 0.88 - holes}
+    parts = {"border_holes": 0.7, "inside_holes": 0.6, "silhouettes": error * 1.9, "seen": error * 0.6}
     bounds = {"warp": 2.6, "fill": 1.6, "lens": 2.2}
     return {
         "schema": 1,

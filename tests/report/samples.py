@@ -67,8 +67,8 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
         "clock": "wall",
         **aggregate(rows),
         "regions": {
-            "border": {"share": 0.011, "psnr_db": 19.2, "flip": 0.31},
-            "inside": {"share": 0.034, "psnr_db": 21.4, "flip": 0.27},
+            "border_holes": {"share": 0.011, "psnr_db": 19.2, "flip": 0.31},
+            "inside_holes": {"share": 0.034, "psnr_db": 21.4, "flip": 0.27},
             "silhouettes": {"share": 0.062, "psnr_db": 24.7, "flip": 0.16},
             "seen": {"share": 0.893, "psnr_db": 38.9, "flip": 0.03},
         },

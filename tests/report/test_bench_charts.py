@@ -225,7 +225,7 @@ def test_regions_add_up_to_the_whole():
     assert (
         sum(added) == pytest.approx(sum(r["share"] * r["flip"] for r in row["regions"].values())) and len(within) == 4
     )
-    assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"inside": {}})) is None
+    assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"inside_holes": {}})) is None
     assert "not measured" in words(regions_chart(cases([a_row(regions={})])[0]))
 
 

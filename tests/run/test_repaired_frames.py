@@ -10,7 +10,7 @@ import pytest
 from recorded_folders import taken, write_npz
 
 from hmdwarp.errors import InputError, UnknownNameError
-from hmdwarp.pipeline.options import PipelineOptions
+from hmdwarp.pipeline import PipelineOptions
 from hmdwarp.pipeline.recorded_source import RecordingSource
 from hmdwarp.run import RunOptions, replay
 from hmdwarp.sources import sequences

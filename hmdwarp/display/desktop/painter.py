@@ -9,8 +9,7 @@ from ...gpu.context import Gpu
 from ...gpu.textures import Canvas
 from .. import Command, Label
 from ..controls import Control, Status, help_closes
-from ..notice import Notice
-from ..present import Presenter
+from ..present import Notice, Presenter
 from .control_panel import PANEL_REMEDY, make_control_panel
 from .window import Window
 from .window_system import Rectangle, Size, WindowView, picture_area, viewports

@@ -18,8 +18,7 @@ from ...errors import HmdwarpError, MachineError
 from ...geometry import View
 from ...poses import PoseSample
 from .. import Closed, Command, DisplayOptions, EyePicture, Label, Picture, Status, Tick
-from ..notice import Notice
-from ..present import Presenter
+from ..present import Notice, Presenter
 from .connection import IDLE_S, NEAR_M, READY_S, Connected, Connection, Swapchain, connect
 from .diagnosis import RUNTIME_LABEL
 from .graphics import Graphics, open_graphics

@@ -130,7 +130,7 @@ def clustered_interval(
     less one.
     Source: Cameron, Gelbach and Miller 2011, Robust Inference With Multiway Clustering, 2.2.
     """
-    kinds = (list(heads), list(scenes), list(range(len(values))))
+    kinds: tuple[Sequence[object], ...] = (heads, scenes, range(len(values)))
     counts = [len(set(kind)) for kind in kinds]
     if min(counts) < LEAST_CLUSTERS:
         return None
@@ -140,8 +140,8 @@ def clustered_interval(
     mean = float(series.mean())
     variances = []
     for kind, count in zip(kinds, counts, strict=True):
-        _, place = np.unique(np.array([str(one) for one in kind]), return_inverse=True)
-        sums = np.bincount(place, weights=series - mean)
+        places = {one: number for number, one in enumerate(dict.fromkeys(kind))}
+        sums = np.bincount([places[one] for one in kind], weights=series - mean)
         variances.append(float(sums @ sums) / len(series) ** 2 * count / (count - 1))
     by_head, by_scene, single = variances
     variance = max(by_head + by_scene - single, by_head, by_scene)

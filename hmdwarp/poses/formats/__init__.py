@@ -40,7 +40,7 @@ class TraceFormat:
 
     name = ""  # the name of the format
     summary = ""  # one line for people
-    kind: str = ""  # of the table that such files are made into, see `reading.made`
+    kind: str = ""  # of the table that such files are made into, see `reading.columns.Made`
     file: str = ""  # what such a file is called, for errors
     header: tuple[str, ...] = ()  # names of columns that every such file has
     likelihood = 90  # of a file with that header, see `sniff`

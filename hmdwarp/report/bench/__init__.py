@@ -1,7 +1,4 @@
-"""The page, tables and charts of a bench.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
+"""The page, tables and charts of a bench."""
 
 import lazy_loader
 

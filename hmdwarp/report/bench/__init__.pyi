@@ -1,8 +1,3 @@
-from .bench_table import DECISION as DECISION
-from .bench_table import bench_table as bench_table
-from .bench_table import choice_terms as choice_terms
-from .bench_table import decision as decision
-from .bench_table import markdown_table as markdown_table
 from .charts import AXES as AXES
 from .charts import axes_of as axes_of
 from .charts import curves as curves
@@ -17,9 +12,14 @@ from .charts import traffic as traffic
 from .charts import traffic_chart as traffic_chart
 from .page import render_bench_page as render_bench_page
 from .rows import COLUMNS as COLUMNS
+from .rows import DECISION as DECISION
 from .rows import Case as Case
 from .rows import Column as Column
+from .rows import bench_table as bench_table
 from .rows import cases as cases
+from .rows import choice_terms as choice_terms
 from .rows import column as column
 from .rows import common as common
+from .rows import decision as decision
 from .rows import first_cases as first_cases
+from .rows import markdown_table as markdown_table

@@ -383,8 +383,9 @@ def _region_key(figure: Figure) -> None:
     for colour, hatch, marker in zip(PAGE.regions, HATCHES, _REGION_MARKERS, strict=True):
         patch = Patch(facecolor=colour, edgecolor=PAGE.ink, hatch=hatch, linewidth=0.5)
         handles.append((patch, mark(marker=marker, **_dot(colour))))
+    labels = [name.replace("_", " ") for name in REGIONS]
     legend(
-        figure, handles, labels=REGIONS, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
+        figure, handles, labels=labels, handler_map={tuple: HandlerTuple(ndivide=None, pad=0.6)}, handlelength=3.2,
         loc="outside upper left", ncols=len(REGIONS),
     )  # fmt: skip
 

@@ -29,7 +29,6 @@ from ..page import (
 from ..run_texts import axes_of_traces
 from ..style import markers_of
 from ..words import Cell, Line, Table, counted, listed, plain
-from .bench_table import choice_terms, decision, marked_how
 from .charts import (
     axes_of,
     axis_heading,
@@ -45,7 +44,7 @@ from .charts import (
     traffic,
     traffic_chart,
 )
-from .rows import COLUMNS, Case, Row, cases, column, common, measure_label
+from .rows import COLUMNS, Case, Row, cases, choice_terms, column, common, decision, marked_how, measure_label
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with

@@ -1,6 +1,7 @@
 """Models of the library's scenes: geometry with baked light in GLB files next to their modules.
 
-README.md in this folder says what the files hold and how to edit them.
+README.md in this folder says what the files hold and how to edit them. Rooms of boxes and walls,
+for scenes whose light moves, have places in the light atlas instead.
 """
 
 from __future__ import annotations

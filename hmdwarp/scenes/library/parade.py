@@ -7,7 +7,7 @@ import numpy as np
 
 from .._mesh import Deformation
 from .._scene import Scene, SceneSource, scenes
-from ..deformations import Joint, Skinned, Waving
+from ..motions import Joint, Skinned, Waving
 from ._models import SKY, StoredModel, deck_textures
 
 SUMMARY = "a walled deck with a waving flag and a marching figure that waves: soft motion by itself"

@@ -378,7 +378,7 @@ class Multisampled:
         kind = (into.components, into.dtype)
         define = {NUMBER: {"NUMBER": 1}, COLOUR: {"VELOCITY": 1}}.get(kind, {})
         program = self._gpu.shaders.compute("server/one_sample.comp", **define)
-        drawn.color_attachments[0].use(0)
+        _textures_of(drawn)[0].use(0)
         into.bind_to_image(0, read=not define, write=True)
         program.uniforms.set(samples=0, resolved=0, count=self.count, **uniforms)
         self._gpu.barrier()
@@ -391,7 +391,7 @@ class Multisampled:
             _free(framebuffer)
 
     def _bytes_of(self, key: tuple[Any, ...], framebuffer: moderngl.Framebuffer) -> int:
-        bytes_ = sum(map(texture_bytes, framebuffer.color_attachments))
+        bytes_ = sum(map(texture_bytes, _textures_of(framebuffer)))
         return self.count * (bytes_ + _DEPTH_BYTES * framebuffer.width * framebuffer.height)
 
     def close(self) -> None:
@@ -399,6 +399,10 @@ class Multisampled:
         for framebuffer in self._made.values():
             _free(framebuffer)
         self._made.clear()
+
+
+def _textures_of(framebuffer: moderngl.Framebuffer) -> list[moderngl.Texture]:
+    return [one for one in framebuffer.color_attachments if isinstance(one, moderngl.Texture)]
 
 
 def _free(framebuffer: moderngl.Framebuffer) -> None:

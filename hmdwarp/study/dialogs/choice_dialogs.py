@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 from ...display import Command
 from ..console import Question
 from ..design import Ask
-from .buttons import KEYS, Choices, InputHints, picking_hint
-from .canvas import PAD, TEXT, WIDTH, wrapped
+from .buttons import KEYS, PAD, TEXT, WIDTH, Choices, InputHints, picking_hint, wrapped
 from .dialog_panels import MessagePanel, heading_of, message_panel
 
 CONTINUE, BREAK, AGAIN, SKIP, STOP = "continue", "break", "again", "skip", "stop"
@@ -25,7 +24,7 @@ OFFERED = (CONTINUE, BREAK, AGAIN, STOP)
 SURE = (("no", "no, go on"), ("yes", "yes, stop"))
 SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
-ROWS = 9  # of a page; a headset's eye cannot see more at once (display/notice.py)
+ROWS = 9  # of a page; a headset's eye cannot see more at once (display/present.py)
 ON, BACK, DONE, AGREE, REFUSE = "on", "back", "done", "agree", "refuse"
 DECLINE = "decline"  # the experimenter's REFUSE, confirmed at the console
 FIRST: Choices = ((ON, "next page"),)

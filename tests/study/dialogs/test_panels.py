@@ -16,7 +16,7 @@ from scipy import ndimage
 
 from hmdwarp.display import MAX_HEIGHT_M, MAX_WIDTH_M, Notices
 from hmdwarp.display.desktop import window_view
-from hmdwarp.display.notice import KEPT
+from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
 from hmdwarp.study.dialogs import (
@@ -36,8 +36,7 @@ from hmdwarp.study.dialogs import (
     width_of,
     wrapped,
 )
-from hmdwarp.study.dialogs.buttons import Button
-from hmdwarp.study.dialogs.canvas import Canvas
+from hmdwarp.study.dialogs.buttons import Button, Canvas
 
 from .made_scales import SHIPPED, any_scale, asked_of, said
 
