@@ -33,7 +33,7 @@ from hmdwarp.geometry import Fov, View
 from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
-from hmdwarp.run.outside import opencv_camera, opencv_depth, opencv_motion
+from hmdwarp.run.combinations import opencv_camera, opencv_depth, opencv_motion
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 

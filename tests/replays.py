@@ -78,7 +78,7 @@ def replayed(options: RunOptions, page: bool = False, gpu: Gpu | None = None) ->
     with ExitStack() as stack:
         stack.enter_context(patch("hmdwarp.run.replay_setup.load_trace", _load))
         if not page:
-            stack.enter_context(patch("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page"))
+            stack.enter_context(patch("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page"))
         if gpu is not None:
             stack.enter_context(patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)))
         return replay(options)

@@ -58,8 +58,8 @@ def exported(module: ast.Module) -> list[str]:
     """Return what a package re-exports: the names of its __all__, or of its stub."""
     found: list[str] = []
     for statement in module.body:
-        if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.List | ast.Tuple):
-            found += [entry.value for entry in statement.value.elts if isinstance(entry, ast.Constant)]
+        if isinstance(statement, ast.Assign) and ast.unparse(statement.targets[0]) == "__all__":
+            found += [node.value for node in ast.walk(statement.value) if isinstance(node, ast.Constant)]
         elif isinstance(statement, ast.ImportFrom):
             found += [alias.asname for alias in statement.names if alias.asname]
     return [name for name in found if not name.startswith("__")]

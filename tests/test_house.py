@@ -67,7 +67,7 @@ CLOCK_READERS = {
     "pipeline/frame_coder.py",
     "pipeline/loop.py",
     "pipeline/remote.py",
-    "cli/machine/checks.py",
+    "cli/doctor.py",
     "study/store/store_connection.py",
 }
 # Display: its clock is the one all live times are on.

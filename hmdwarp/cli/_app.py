@@ -10,22 +10,22 @@ import typer
 
 from ..options import Option
 from ..resources import __version__, commit
-from ._help import Command, Group
+from ._options import Command, Group
 
 HELP = "Latency compensation for head-mounted displays: warps late RGB-D frames to the newest head pose."
 # Command or group -> module in this package, and function or typer application there.
 COMMANDS = {
-    "replay": ("replay", "replay"),
-    "live": ("live", "live"),
-    "record": ("record", "record"),
-    "serve": ("serve", "serve"),
-    "bench": ("bench", "bench"),
-    "bench merge": ("bench", "merge"),
-    "compare": ("compare", "compare"),
+    "replay": ("runs", "replay"),
+    "live": ("runs", "live"),
+    "record": ("runs", "record"),
+    "serve": ("runs", "serve"),
+    "bench": ("experiments", "bench"),
+    "bench merge": ("experiments", "merge"),
+    "compare": ("experiments", "compare"),
     "diff": ("diff", "diff"),
     "warp": ("warp", "warp"),
     "check": ("check", "check"),
-    "thesis": ("thesis", "thesis"),
+    "thesis": ("experiments", "thesis"),
     "list": ("listing", "list_"),
     "plan": ("plan", "plan"),
     "doctor": ("doctor", "doctor"),

@@ -49,7 +49,7 @@ def _strategies() -> list[dict[str, str]]:
 def _warps() -> list[dict[str, str]]:
     from ..client.variants import every_baseline, parse_warp
     from ..client.warps import warps
-    from ..run.outside import OUTSIDE, missing
+    from ..run.combinations import OUTSIDE, missing
 
     rows = [
         {

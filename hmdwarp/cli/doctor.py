@@ -15,7 +15,7 @@ def doctor(said: Said) -> None:
 
     GL, compute, timers, OpenXR; what is missing and how to get it.
     """
-    from .machine.checks import examine, replay_can_run
+    from ._checks import examine, replay_can_run
 
     findings = examine()
     ready = replay_can_run(findings)

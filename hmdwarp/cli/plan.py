@@ -13,7 +13,7 @@ from .. import client, headsets, pipeline, scenes
 from ..errors import InputError, counted
 from ..options import AUTO, Option
 from ..pipeline.options import PipelineOptions
-from ..pipeline.source_kinds import PROXY
+from ..pipeline.proxy_options import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
@@ -133,7 +133,7 @@ def _auto(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any
 
 
 def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
-    from ..pipeline.auto.levels import best_within
+    from ..pipeline.levels import best_within
     from ..pipeline.planning import plans_for
     from ..run import levels_from_file
 

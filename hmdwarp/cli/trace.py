@@ -12,8 +12,7 @@ from .. import poses
 from ..errors import InputError
 from ..options import FORCE, Declared, Option, force_field, option, out_field
 from ..poses.options import MOTIONS, TraceOptions
-from ._help import Group
-from ._options import JSON, Said, as_json, takes
+from ._options import JSON, Group, Said, as_json, takes
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -1,1 +1,1 @@
-"""Experiments over many cases: bench, compare and the sweep engine."""
+"""Experiments over many cases: bench with compare, the thesis, and the sweep engine."""

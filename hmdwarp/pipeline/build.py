@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from collections.abc import Sequence as Several
 from contextlib import ExitStack
 
@@ -9,30 +10,57 @@ import attrs
 
 from ..client import ClientScene
 from ..client.classes import load_client
-from ..client.compensator import Compensator
-from ..client.inputs import History
+from ..client.compensator import Compensator, EyeResult
+from ..client.inputs import History, PassInputs
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import EyeSizes, frame_bytes, video_pixels
 from ..gpu.context import Gpu
+from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
 from ..link.codec import codecs
 from ..poses.track import Moment
 from ..sources.server import Renderer
-from .auto.adaptive import AdaptiveCompensator
-from .auto.governor import Governor
-from .changes import Changes
-from .channel import Channel, ChannelSetup
-from .frame_source import Target, settling
-from .layers_read import Reads
-from .link_times import check_held, expected_age_ns
+from .channel import Changes, Channel, ChannelSetup
+from .frame_coder import Reads
+from .governor import AdaptiveCompensator, Governor
 from .loop import Loop
 from .options import PipelineOptions
 from .recorded_renderer import MomentOf
-from .requested import PoseRequest
-from .sized import SizedCompensator
-from .sizes import eye_sizes
-from .source import Source
+from .sizes import check_held, expected_age_ns, eye_sizes
+from .source import PoseRequest, Source, Target, settling
+
+Size = tuple[int, int]
+
+
+class SizedCompensator(Compensator):
+    """Compensate frames of any size: passes for another than `rendered` are made when one comes.
+
+    What a pass remembers of earlier refreshes is of one size.
+    """
+
+    def __init__(
+        self, gpu: Gpu, plan: Plan, headset: Headset | None, rendered: Size, shown: Size, geometry: ClientScene
+    ) -> None:
+        super().__init__(gpu, plan, headset, rendered, shown, geometry)
+        self._full_size = rendered
+        self._others: dict[Size, Compensator] = {}
+        self._make: Callable[[Size], Compensator] = lambda size: Compensator(gpu, plan, headset, size, shown, geometry)
+
+    def run(self, inputs: PassInputs) -> EyeResult:
+        """Run the plan on a frame of its size; see Compensator.run."""
+        size = inputs.rendered.size
+        if size == self._full_size:
+            return super().run(inputs)
+        if size not in self._others:
+            self._others[size] = self._make(size)
+        return self._others[size].run(inputs)
+
+    def close(self) -> None:
+        """Free every texture and buffer of all sizes."""
+        super().close()
+        for other in self._others.values():
+            other.close()
 
 
 @attrs.define(eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from statistics import median
 from typing import TYPE_CHECKING, Any, Protocol
@@ -13,9 +13,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..client.plan import Plan, needs_of
 from ..colour import picture_from_linear
-from ..frames import Frame
-from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO
+from ..frames import Frame, Needs
+from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov
 from ..gpu.textures import download, upload
 from ..link.codec import (
@@ -38,10 +39,42 @@ from ..link.codec import (
     unpack,
 )
 from ..metrics import psnr_db
-from .layers_read import Reads
 
 if TYPE_CHECKING:
     import moderngl
+
+
+# Number of the eye, and name of the layer.
+Place = tuple[int, str]
+
+
+@attrs.frozen
+class Reads:
+    """Layers by readable name, and how much of each."""
+
+    names: frozenset[str] = frozenset()
+    needs: Needs = Needs()
+
+    @classmethod
+    def of(cls, plans: Iterable[Plan]) -> Reads:
+        """Return what any of the plans reads."""
+        plans = tuple(plans)
+        return cls(frozenset(name for plan in plans for name in plan.layers), needs_of(plans))
+
+    @property
+    def pictures(self) -> frozenset[str]:
+        """What is read that the server draws for an eye, by readable name."""
+        return self.names & {layer.readable() for layer in layers if not layer.per_frame}
+
+    def __or__(self, other: Reads) -> Reads:
+        return Reads(self.names | other.names, self.needs | other.needs)
+
+    def contents(self, frame: Frame) -> Iterator[tuple[Place, type[Layer], Any]]:
+        """Yield each layer that is read, with its data; what both eyes share comes once."""
+        for eye, image in frame.pictures():
+            for layer, data in image.only(self.needs).contents():
+                if layer.readable() in self.names and not (eye and layer.per_frame):
+                    yield (eye, layer.name), layer, data
 
 
 # At most so many samples are kept: half an hour at 60 Hz.

@@ -14,11 +14,9 @@ from ..geometry import Eyes, View
 from ..gpu.timers import Lap, Stages
 from ..link import ResponseTime, TransitStats
 from ..poses import PoseSample
-from .auto.adaptive import AdaptiveCompensator
-from .changes import SEEN_PX, Changes
-from .channel import Channel
-from .frame_source import FrameSource
-from .requested import PoseRequest
+from .channel import SEEN_PX, Changes, Channel
+from .governor import AdaptiveCompensator
+from .source import FrameSource, PoseRequest
 
 
 class _Pictures(TypedDict):

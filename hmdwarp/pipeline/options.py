@@ -9,11 +9,10 @@ from typing import Any, ClassVar, Self
 
 import attrs
 
-from .. import headsets
+from .. import geometry, headsets
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError
-from ..geometry import GuardBand
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..link.options import ALL, DROP
@@ -39,10 +38,23 @@ from ..options import (
 )
 from ..scenes.options import SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
-from . import auto
-from .defaults import DEFAULT_FILL, DEFAULT_PREDICTOR, DEFAULT_WARP, default_fill, default_guard, default_predictor
-from .proxy_options import ProxyOptions
-from .source_kinds import PROXY, RECORDING, REMOTE, SCENE, SourceKind, refuse_with_frames, with_frames
+from .levels import QualityLevel
+from .proxy_options import (
+    DEFAULT_FILL,
+    DEFAULT_PREDICTOR,
+    DEFAULT_WARP,
+    PROXY,
+    RECORDING,
+    REMOTE,
+    SCENE,
+    ProxyOptions,
+    SourceKind,
+    default_fill,
+    default_guard,
+    default_predictor,
+    refuse_with_frames,
+    with_frames,
+)
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]
@@ -235,7 +247,7 @@ class PipelineOptions(Declared):
         study=DISPLAY,
         heading=DISPLAYED,
     )
-    # "auto" is replaced by a number before a run is built, see run.guard.
+    # "auto" is replaced by a number before a run is built, see run.short_bench.
     guard: Guard | str = guard_field(
         attrs.Factory(lambda self: default_guard(self.warp), takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
@@ -284,7 +296,7 @@ class PipelineOptions(Declared):
         heading=RENDERING,
     )
     # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
-    levels: tuple[auto.QualityLevel, ...] = ()
+    levels: tuple[QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.source_kind is REMOTE:
@@ -355,12 +367,12 @@ class PipelineOptions(Declared):
         return None if self.horizon_ms is None else round(self.horizon_ms * 1e6)
 
     @property
-    def guard_band(self) -> GuardBand:
+    def guard_band(self) -> geometry.GuardBand:
         """The guard band. Errors: InputError while it is "auto"."""
         return guard_band(self)
 
     @property
-    def guard_factors(self) -> GuardBand:
+    def guard_factors(self) -> geometry.GuardBand:
         """The guard band in factors, whatever pixels are drawn. Errors: as guard_band."""
         return guard_band(attrs.evolve(self, rendered_size=None))
 

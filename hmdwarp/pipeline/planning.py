@@ -17,8 +17,7 @@ from ..headsets import Headset
 from ..options import AUTO, Choice
 from ..scenes import Scene
 from .options import PipelineOptions
-from .proxy_options import ProxyOptions
-from .source_kinds import PROXY, RECORDING
+from .proxy_options import PROXY, RECORDING, ProxyOptions
 
 
 def plans_for(

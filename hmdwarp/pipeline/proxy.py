@@ -11,26 +11,33 @@ import moderngl
 
 from ..client.client_scene import ClientScene
 from ..client.compensator import Compensator, EyeResult
+from ..client.effects import effects
 from ..client.inputs import History
-from ..errors import InputError
+from ..client.lens import lenses
+from ..client.variants import parse_fills, parse_indirect, parse_warp
+from ..errors import InputError, unknown_name
 from ..frames import EyeImage, Frame
 from ..geometry import Eyes, Guard, GuardBand, Pose, View, guarded_eyes
 from ..gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..gpu.timers import Laps
+from ..link.codec import check_codec
 from ..metrics import middle_and_tail
+from ..options import AUTO
 from ..poses import PoseSample
+from ..poses.predictors import predictors
+from ..sources.feed.options import FeedOptions
 from ..sources.server import Renderer
+from ..sources.server.draw import MIRRORS
 from .channel import Channel, ChannelSetup
-from .frame_source import ServerFrames, Target, settling
-from .layers_read import Reads
-from .link_times import age_over_ns, held_over, refreshes_of
+from .frame_coder import Reads
 from .loop import Loop, Refresh
 from .options import PipelineOptions
 from .planning import proxy_plan_for
-from .requested import PoseRequest
-from .sizes import check_room, eye_sizes, guarded_size, rendered_entry
-from .source import Source
-from .source_kinds import PROXY
+from .proxy_options import PROXY, RECORDING, REMOTE
+from .recorded_source import RecordingSource
+from .remote_source import RemoteSource
+from .sizes import age_over_ns, check_room, eye_sizes, guarded_size, held_over, refreshes_of, rendered_entry
+from .source import PoseRequest, ServerFrames, Source, Target, settling
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
 _KEPT = 1 << 15
@@ -245,3 +252,40 @@ class ProxySource(Source):
         proxy = Proxy(loop, known, channel, made.shown, about)
         stack.callback(proxy.close)
         return proxy
+
+
+def source_of(options: PipelineOptions) -> Source:
+    """Return what gives the frames, once all names in the options are known.
+
+    Errors: as check_names; as sequences.open, for recorded frames.
+    """
+    check_names(options)
+    if options.source_kind is RECORDING:
+        return RecordingSource.opened(options)
+    if options.source_kind is REMOTE:
+        feed = getattr(options, "feed", FeedOptions())
+        return RemoteSource(options, feed, draws_truth=options.draws_truth)
+    return ProxySource(options) if options.source_kind is PROXY else Source(options)
+
+
+def check_names(options: PipelineOptions) -> None:
+    """Check warp, fills, lens, effects, predictor, codec, mirrors, indirect light and network.
+
+    It loads nothing, so that a misspelt name is reported before a scene is built.
+
+    Errors: UnknownNameError; InputError for an impossible network; MachineError for a codec that
+    cannot run here.
+    """
+    if options.warp != AUTO:
+        parse_warp(options.warp)
+    parse_fills(options.fill)
+    if options.lens != AUTO:
+        lenses.get(options.lens)
+    effects.forced(options.effects)
+    predictors.get(options.predict)
+    check_codec(options.coding.codec)
+    if options.mirrors not in MIRRORS:
+        raise unknown_name("kind of mirrors", options.mirrors, list(MIRRORS))
+    parse_indirect(options.indirect)
+    check_codec(options.proxy.codec)
+    options.client_link.check(round(options.latency_ms * 1e6))

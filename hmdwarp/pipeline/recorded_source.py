@@ -24,9 +24,9 @@ from ..sources import sequences
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import Sequence
 from .options import PipelineOptions
+from .proxy_options import RECORDING
 from .recorded_renderer import MomentOf, RecordedRenderer
 from .source import Options, Source, nothing
-from .source_kinds import RECORDING
 
 Size = tuple[int, int]
 _SAME_FOV = 1e-6  # rad, far below a pixel

@@ -31,13 +31,12 @@ from .channel import Channel, ChannelSetup
 from .feed_coding import depth_error, left_out, wish_of
 from .feed_layers import made
 from .frame_coder import Coder
-from .frame_source import Target as Shown
 from .options import PipelineOptions
+from .proxy_options import REMOTE, SERVER_SCENE
 from .recorded_renderer import MomentOf
 from .remote import Pending, Remote, ViewsApart
-from .requested import PoseRequest
-from .source import FirstRequest, Options, Source, nothing
-from .source_kinds import REMOTE, SERVER_SCENE
+from .source import FirstRequest, Options, PoseRequest, Source, nothing
+from .source import Target as Shown
 
 _MS = 1e6
 

@@ -1,17 +1,22 @@
-"""Picture sizes of a run, and whether the machine has memory for them."""
+"""Picture sizes of a run, how old its frames are and how many exist at once, and their memory."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..client.plan import Plan, needs_of
 from ..errors import InputError, MachineError
 from ..frames import EyeSizes, Needs, frame_bytes
 from ..geometry import Eyes, Guard, GuardBand, Pose, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
+from ..headsets import Headset
+from ..link import LinkOptions
+from ..options import DEFAULT_GUARD
+from .options import PipelineOptions
 
 Size = tuple[int, int]
 
@@ -92,3 +97,88 @@ def memory_bytes() -> float:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, ValueError, OSError):
         return math.inf
+
+
+# A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one
+# refresh at 60 Hz, not a little more.
+_SAME_REFRESH = 1e-3
+
+
+def latency_ns(options: PipelineOptions) -> int:
+    """Return the motion-to-photon latency that the options set."""
+    return round(options.latency_ms * 1e6)
+
+
+def refreshes_of(latency_ms: float, rate_hz: float) -> int:
+    """Return how many refreshes after drawing a frame is shown: the first one after it arrives."""
+    return math.ceil(latency_ms * 1e-3 * rate_hz - _SAME_REFRESH)
+
+
+def frames_held(options: PipelineOptions, rate_hz: float, needs: Needs) -> int:
+    """Return the largest number of frames alive at once, as held_over does."""
+    return held_over(options.client_link, options.latency_ms, rate_hz, needs)
+
+
+def held_over(link: LinkOptions, latency_ms: float, rate_hz: float, needs: Needs) -> int:
+    """Return the largest number of frames alive at once over a link.
+
+    Counts frames in transit, the one shown, the one being drawn, and the older ones that warps
+    read.
+    """
+    sends_hz = link.sends_hz(rate_hz)
+    if link.is_plain:
+        # Those sent since the refresh before, less the latency.
+        return refreshes_of(latency_ms + 1e3 / rate_hz, sends_hz) + 1 + needs.others.past
+    return link.most_under_way(round(latency_ms * 1e6), sends_hz) + 2 + needs.others.past
+
+
+def expected_age_ns(options: PipelineOptions, plain_ns: int, rate_hz: float) -> int:
+    """Return the mean age of a frame when it is seen, as age_over_ns does."""
+    return age_over_ns(options.client_link, options.latency_ms, plain_ns, rate_hz)
+
+
+def age_over_ns(link: LinkOptions, latency_ms: float, plain_ns: int, rate_hz: float) -> int:
+    """Return the mean age of a frame over a link when it is seen.
+
+    plain_ns: the age over a link that only delays, of a frame drawn at a refresh.
+    """
+    stays_ns = max(0.0, 1e9 / link.sends_hz(rate_hz) - 1e9 / rate_hz)
+    newest_ns = plain_ns if link.is_plain else link.typical_ns(round(latency_ms * 1e6))
+    return newest_ns + round(stays_ns / 2)
+
+
+def check_held(gpu: Gpu, options: PipelineOptions, needs: Needs, sizes: EyeSizes, rate_hz: float) -> None:
+    """Check that the largest number of frames alive at once fits. Errors: as check_room."""
+    check_room(gpu, needs, sizes, options.guard_band, frames_held(options, rate_hz, needs), options.latency_ms)
+
+
+# 3 on each axis: of a field of view of 90 degrees that makes 143, and a planar picture of more is
+# mostly border.
+MOST_GUARD_PIXELS = 9
+
+
+def frame_weight(options: PipelineOptions, headset: Headset, plans: Sequence[Plan]) -> dict[str, Any]:
+    """Return eyes, sizes, bytes of each layer and of a frame, and how many frames there are."""
+    rate_hz = options.rate_hz or headset.refresh_hz
+    needs, sizes = needs_of(plans), eye_sizes(options.guard_band, headset, options.size or headset.eye_size_px)
+    pictures = options.source_kind.eyes
+    layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
+    return {
+        "eyes": pictures,
+        **rendered_entry(options.guard_band, sizes),
+        "layers": layers,
+        "bytes": sum(layers.values()),
+        "at_once": frames_held(options, rate_hz, needs),
+        "latency_ms": options.latency_ms,
+        "rate_hz": rate_hz,
+    }
+
+
+def guard_notes(options: PipelineOptions, weight: dict[str, Any]) -> list[str]:
+    """Return a note on a guard band that is larger than head motion ever calls for."""
+    if weight["pixels"] <= MOST_GUARD_PIXELS:
+        return []
+    band = f"{options.guard_band} draws {weight['pixels']:.0f} times the pixels"
+    return [
+        f"{band}: --guard is a factor of the field of view in tangents, not degrees; the default is {DEFAULT_GUARD:g}"
+    ]

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..headsets import Headset, load_headset
 from ..options.documents import json_in
 from ..options.named_files import RESULTS
-from ..pipeline.auto.levels import QualityLevel, levels_from
+from ..pipeline.levels import QualityLevel, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
 from ..report import SCHEMA, summary_faults

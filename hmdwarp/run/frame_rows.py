@@ -1,17 +1,96 @@
-"""Rows of frames.csv: two for each refresh, in a replay and in a live run."""
+"""The rows of frames.csv, one per eye and refresh; the head's speed; the way of the last frames."""
 
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterable, Sequence
+import math
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
+import numpy as np
 
+from ..link import ResponseTime, TransitStats
+from ..metrics import QUALITY
 from ..pipeline.loop import Refresh
-from ..poses import Origin, PoseSample
+from ..poses import Origin, PoseSample, PoseTrack, quaternions
 from ..report import FRAME_COLUMNS, POSE_PARTS
-from .speeds import Speeds
+
+_HALF_NS = 5_000_000
+_APART_NS = 500_000_000  # after a longer break the speed between two pictures is meaningless
+Speeds = tuple[float | None, float | None]
+
+
+def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
+    """Return angular speed in deg/s and linear speed in m/s, by central differences over 10 ms."""
+    before, after = track.at(time_ns - _HALF_NS).pose, track.at(time_ns + _HALF_NS).pose
+    turned = quaternions.angle_between(before.orientation_xyzw, after.orientation_xyzw)
+    seconds = 2 * _HALF_NS * 1e-9
+    return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
+
+
+def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
+    """Return both speeds over the time between two pictures.
+
+    None for the first picture and after a break.
+    """
+    if before is None or not 0 < now.shown_ns - before.shown_ns <= _APART_NS:
+        return None, None
+    seconds = (now.shown_ns - before.shown_ns) * 1e-9
+    a, b = before.head.pose, now.head.pose
+    turned = angle_between(a.orientation_xyzw.tolist(), b.orientation_xyzw.tolist())
+    return math.degrees(turned) / seconds, math.dist(a.position_m.tolist(), b.position_m.tolist()) / seconds
+
+
+def angle_between(a: Sequence[float], b: Sequence[float]) -> float:
+    """Return `poses.quaternions.angle_between` of two, in plain floats: 1 us instead of 20."""
+    apart, together = math.dist(a, b), math.dist(a, [-value for value in b])
+    return 4 * math.atan2(min(apart, together), max(apart, together))
+
+
+MOST_FRAMES = 12
+
+
+@attrs.define(eq=False)
+class _Shown:
+    transit: TransitStats
+    first_ns: int
+    last_ns: int
+
+
+class Timeline:
+    """Keep how the last MOST_FRAMES frames that were shown came there, and when they were seen."""
+
+    def __init__(self) -> None:
+        self._kept: deque[_Shown] = deque(maxlen=MOST_FRAMES)
+
+    def add(self, refresh: Refresh) -> None:
+        """Add a refresh; it may show the frame of the one before."""
+        if self._kept and self._kept[-1].transit is refresh.transit:
+            self._kept[-1].last_ns = refresh.shown_ns
+        else:
+            self._kept.append(_Shown(refresh.transit, refresh.shown_ns, refresh.shown_ns))
+
+    def as_list(self) -> list[dict[str, Any]]:
+        """Return the `timeline` of summary.json, in ms since the first of its frames was drawn.
+
+        parts: each part of the way, in order; shown, until: the first and the last refresh.
+        """
+        if not self._kept:
+            return []
+        start_ns = self._kept[0].transit.sent_ns
+        return [
+            {
+                "frame": shown.transit.number,
+                "drawn": (shown.transit.sent_ns - start_ns) * 1e-6,
+                "parts": {name: part_ns * 1e-6 for name, part_ns in shown.transit.parts_ns().items()},
+                "shown": (shown.first_ns - start_ns) * 1e-6,
+                "until": (shown.last_ns - start_ns) * 1e-6,
+            }
+            for shown in self._kept
+        ]
+
 
 Row = dict[str, Any]
 Stages = Iterable[tuple[str, float]]
@@ -146,3 +225,61 @@ def _text(value: float | str | None) -> str:
 def _quoted(text: str) -> str:
     """Quote a value for CSV: a warp's settings are separated by commas."""
     return '"' + text.replace('"', '""') + '"' if any(mark in text for mark in ',"\r\n') else text
+
+
+_NOT_MEASURED = dict.fromkeys(QUALITY)
+_NO_PASSES = dict(zip(STAGE_COLUMNS, NOT_KNOWN, strict=True))
+
+
+class ReplayLog:
+    """Rows and response times of a replay.
+
+    Poses are kept as objects and turned into columns only when written: ten minutes at 60 Hz are
+    72,000 rows.
+    """
+
+    def __init__(self, track: PoseTrack) -> None:
+        self._track = track
+        # Two for each refresh; figures are made from them.
+        self.rows: list[Row] = []
+        # One for each refresh with a new picture.
+        self.responses: list[ResponseTime] = []
+        self.timeline = Timeline()
+        # One for each refresh.
+        self.moments: list[Moment] = []
+
+    def add(self, refresh: Refresh, *, stale: bool = False) -> None:
+        """Add the next refresh. stale: it shows a picture again, and no passes ran."""
+        speeds = speeds_at(self._track, refresh.shown_ns)
+        moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
+        self.moments.append(moment)
+        if not stale:
+            self.responses.append(refresh.response)
+        self.timeline.add(refresh)
+        figures = moment.figures()
+        for eye, stages in enumerate(refresh.stage_ms):
+            self.rows.append({**figures, "eye": eye, **(_NO_PASSES if stale else stage_columns(stages))})
+
+    def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
+        """Add the figures of the measured refreshes, by (frame, eye)."""
+        for row in self.rows:
+            row.update(figures.get((row["frame"], row["eye"]), _NOT_MEASURED))
+
+    def compared(self, times: Mapping[tuple[int, int], Stages], figures: Mapping[tuple[int, int], Row]) -> list[Row]:
+        """Return rows of the comparison warp, which ran along with this one on some refreshes.
+
+        They have its own times and figures, and the same head poses.
+        """
+        return [
+            {**row, **stage_columns(times[key]), **figures.get(key, _NOT_MEASURED)}
+            for row in self.rows
+            if (key := (row["frame"], row["eye"])) in times
+        ]
+
+    def frames_csv(self) -> Iterator[Row]:
+        """Yield the rows with the columns of report.FRAME_COLUMNS.
+
+        Both eyes share the poses.
+        """
+        for row in self.rows:
+            yield {**row, **self.moments[row["frame"]].poses()}

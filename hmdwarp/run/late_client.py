@@ -1,21 +1,150 @@
-"""The client of a replay that takes its time: a picture that is late is seen later."""
+"""A client that takes its time: a late picture is seen later, and away from its place."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
 from ..client.compensator import Compensator, EyeResult
 from ..client.inputs import PassInputs
+from ..frames import EyeImage
+from ..geometry import Pose, View
+from ..gpu.context import Gpu
+from ..gpu.textures import download, flip_rows
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for
+from ..poses import quaternions
 from .frame_rows import Row
 from .misses import MEASURED, STANDS, TURNED, Misses, miss_figures
 from .replay_setup import ReplaySetup
-from .seen_offset import SeenOffset
-from .spread import is_measured
+from .truth import is_measured
+
+Array = NDArray[np.float64]
+_POINTS = 17  # a row and a column of the late frame
+_MOST_EYES = 2
+_MOST_LOOKED_AT = 16  # of the refreshes in a row that show one picture; between them it is interpolated
+
+
+class SeenOffset:
+    """Angles between where points of the late frame are seen and where they are.
+
+    The points are on a grid over the frame, as far away as its depth says; where it has no depth at
+    all, infinitely far. turned: pictures are turned to the newest head, else they stand.
+    """
+
+    def __init__(self, *, turned: bool) -> None:
+        self._turned = turned
+        self._made: Refresh | None = None
+        self._points: list[tuple[Array, Array]] = []
+
+    def off_deg(self, made: Refresh, refresh: Refresh) -> float:
+        """Return the RMS over the points of all eyes. made: when its picture was made."""
+        if made is refresh:
+            return 0.0
+        if made is not self._made:
+            self._look(made, (_sampled(inputs.rendered) for inputs in made.inputs))
+        return self._rms_deg(made, [inputs.shown for inputs in refresh.inputs])
+
+    def between_deg(
+        self, made: Refresh, depths: Iterable[Array], then: Refresh, missed: int, periods: int
+    ) -> list[float]:
+        """Return it for each of the missed refreshes that showed a picture again.
+
+        depths: as of DepthSamples, of the frame of `made`. then: the next picture, so many periods
+        later; the head keeps its speed in between.
+        """
+        self._look(made, depths)
+        shares = np.arange(1, missed + 1) / periods
+        looked_at = np.linspace(shares[0], shares[-1], min(missed, _MOST_LOOKED_AT))
+        pairs = [(a.shown, b.shown) for a, b in zip(made.inputs, then.inputs, strict=False)]
+        found = [self._rms_deg(made, [_between(a, b, float(share)) for a, b in pairs]) for share in looked_at]
+        return [float(off) for off in np.interp(shares, looked_at, found)]
+
+    def _look(self, made: Refresh, depths: Iterable[Array]) -> None:
+        self._made = made
+        self._points = [_points_of(i.rendered, depth) for i, depth in zip(made.inputs, depths, strict=True)]
+
+    def _rms_deg(self, made: Refresh, now: Sequence[View]) -> float:
+        views = zip(self._points, [inputs.shown for inputs in made.inputs], now, strict=False)
+        angles = [self._angles(points, then, view) for points, then, view in views]
+        return float(np.degrees(np.sqrt(np.mean(np.concatenate(angles) ** 2))))
+
+    def _angles(self, points: tuple[Array, Array], then: View, now: View) -> Array:
+        seen, right = (_ways(points, view) for view in (then, now))
+        if not self._turned:
+            seen = seen @ then.pose.rotation_matrix @ now.pose.rotation_matrix.T
+        apart, together = (np.linalg.norm(ways, axis=1) for ways in (seen - right, seen + right))
+        return np.asarray(2 * np.arctan2(apart, together))
+
+
+class DepthSamples:
+    """Inverse depth of late frames at the points of a SeenOffset, without waiting for the GPU.
+
+    take() starts; before() returns those of the refresh before, which are finished long ago.
+    """
+
+    def __init__(self, gpu: Gpu) -> None:
+        self._gl = gpu.gl
+        self._program = gpu.shaders.compute("live/depths.comp")
+        size = 4 * _MOST_EYES * _POINTS**2
+        self._now, self._before = (gpu.gl.buffer(reserve=size) for _ in range(2))
+
+    def take(self, inputs: Sequence[PassInputs]) -> None:
+        """Sample the frame of each eye. Call once for each picture."""
+        self._now, self._before = self._before, self._now
+        self._now.bind_to_storage_buffer(0)
+        for slot, eye in enumerate(inputs):
+            depth = eye.rendered.inverse_depth
+            depth.bind_to_image(0, read=True, write=False)
+            self._program.uniforms.set(inverse_depth=0, size=depth.size, points=_POINTS, slot=slot)
+            self._program.run(_POINTS, _POINTS)
+        self._gl.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
+
+    def before(self, eyes: int) -> list[Array]:
+        """Return (17, 17) for each eye, the top row first, of the picture before the last one."""
+        every = np.frombuffer(self._before.read(), np.float32).reshape(_MOST_EYES, _POINTS, _POINTS)
+        return [flip_rows(one.astype(np.float64)) for one in every[:eyes]]
+
+    def close(self) -> None:
+        """Free the buffers."""
+        for buffer in (self._now, self._before):
+            buffer.release()
+
+
+def _sampled(eye: EyeImage) -> Array:
+    inverse = download(eye.inverse_depth)
+    rows, columns = ((np.arange(_POINTS) + 0.5) * side / _POINTS for side in inverse.shape[:2])
+    found: Array = inverse.reshape(inverse.shape[:2])[np.ix_(rows.astype(int), columns.astype(int))].astype(np.float64)
+    return found
+
+
+def _points_of(eye: EyeImage, depths: Array) -> tuple[Array, Array]:
+    """Return homogeneous points in the world, (n, 3) times the inverse depth, (n, 1).
+
+    All of the late frame that the picture may show.
+    """
+    found = depths.reshape(-1, 1)
+    inverse = np.where((found >= 0).any(), found, 0.0)
+    ways = eye.view.rays((_POINTS, _POINTS)).reshape(-1, 3) @ eye.view.pose.rotation_matrix.T
+    points, drawn = ways + eye.view.pose.position_m * inverse, inverse[:, 0] >= 0
+    return points[drawn], inverse[drawn]
+
+
+def _between(a: View, b: View, share: float) -> View:
+    turned = quaternions.slerp(a.pose.orientation_xyzw.tolist(), b.pose.orientation_xyzw.tolist(), share)
+    return View(Pose(a.pose.position_m + share * (b.pose.position_m - a.pose.position_m), turned), a.fov)
+
+
+def _ways(points: tuple[Array, Array], view: View) -> Array:
+    """Return the unit vectors, (n, 3), from an eye to the points."""
+    ways = points[0] - view.pose.position_m * points[1]
+    return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))
+
 
 MISS_COLUMNS = ("frame", "time_s", "stale", "off_deg", "took_ms")
 

@@ -14,23 +14,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..display import Display, Status, Tick
-from ..pipeline.auto.adaptive import AdaptiveCompensator
+from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, live_lines, render_live_report
-from .commands import values
-from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, stage_columns
-from .hole_counter import HoleCounter
-from .host import PipelineHost
-from .kept_pictures import Pictures
-from .lines import Lines
-from .live_figures import LiveFigures
-from .live_markers import LiveMarkers
-from .live_summary import LiveFacts, live_facts_of, live_summary_of
-from .markers import NoMarkers
+from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, speeds_between, stage_columns
+from .host import PipelineHost, values
+from .late_client import DepthSamples, SeenOffset
+from .live_figures import HoleCounter, LiveFigures
+from .live_summary import LiveFacts, Pictures, live_facts_of, live_summary_of
+from .markers import LiveMarkers, NoMarkers
 from .options import LiveOptions
+from .recorder import Lines
 from .run_summary import OWNED
-from .seen_offset import DepthSamples, SeenOffset
-from .speeds import speeds_between
 from .trace_events import TraceEvents
 
 _STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])

@@ -1,28 +1,157 @@
-"""The live run: the loop, once a refresh of a display, and the choice of that display."""
+"""Runs on a display, live or recording a head: the loop driven by it, once a refresh."""
 
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing
 from pathlib import Path
+from typing import Protocol
 
-from ..display import CONTROLS, Closed, Command, Control, Display, DisplayOptions, OffscreenDisplay, desktop, openxr
+from ..display import (
+    CONTROLS,
+    Closed,
+    Command,
+    Control,
+    Display,
+    DisplayOptions,
+    Label,
+    Lost,
+    OffscreenDisplay,
+    Tick,
+    desktop,
+    openxr,
+)
 from ..errors import MachineError
 from ..pipeline.loop import Refresh
 from ..pipeline.source import Source
-from ..poses import load_trace
+from ..poses import Origin, PoseSample, load_trace
+from ..poses.synth import RATE_HZ, synthesise
 from ..report import refuse_source
-from .commands import CommandHandler, choices, values
-from .driver import AfterRefresh, Driver, FrameHandler, Say
-from .ending import Ending
-from .host import PipelineHost, checked_source
+from ..scenes import check_scene_name
+from .ending import Ending, GarbageControl, Watchdog, come_back
+from .host import CommandHandler, PipelineHost, checked_source, choices, values
 from .live_log import LiveLog, LiveResult
-from .live_markers import LiveMarkers
-from .markers import Markers, NoMarkers, load_lsl, marker_stream
-from .options import DESKTOP, OFFSCREEN, OPENXR, LiveOptions
-from .recorder import Recorder
-from .watchdog import Watchdog
+from .markers import LiveMarkers, Markers, NoMarkers, load_lsl, marker_stream
+from .options import DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
+from .recorder import LEAST, Recorder
+
+Say = Callable[[str], None]
+AfterRefresh = Callable[[int], None]
+WAITING = "waiting for the first frame"
+
+
+class FrameHandler(Protocol):
+    """The behaviour of a stretch of refreshes: its label, its commands, its end."""
+
+    # Whether the scene is shown. If not, the display stays black but for the label, and nothing is
+    # logged.
+    pictures: bool
+    # Whether, without pictures, the server and the passes run all the same: then frames are in
+    # transit and caches are warm when pictures begin.
+    ahead: bool = False
+
+    def over(self) -> bool:
+        """Return whether to stop now; called before each refresh."""
+        ...
+
+    def label(self) -> Label:
+        """Return the text over the picture, "" for none."""
+        ...
+
+    def handle(self, commands: Sequence[Command]) -> bool:
+        """Apply the commands; return whether the options of the run changed."""
+        ...
+
+    def arrived(self, refresh: Refresh) -> None:
+        """Handle a refresh that has a frame, shown or not."""
+        ...
+
+    def on_display_lost(self, why: str) -> None:
+        """Handle the loss of the display; it may come back."""
+        ...
+
+
+class Driver:
+    """Drive one display and its pipeline. A stretch may have its own log and recorder.
+
+    Waits for a lost display as long as the options allow.
+    """
+
+    def __init__(self, display: Display, host: PipelineHost, ending: Ending, say: Say) -> None:
+        """Drive a display.
+
+        ending: a signal ends every stretch. say: called with a sentence for the user.
+        """
+        self._display, self._host, self._ending, self._say = display, host, ending, say
+
+    def run(
+        self,
+        handler: FrameHandler,
+        log: LiveLog | None = None,
+        recorder: Recorder | None = None,
+        after: AfterRefresh = lambda number: None,
+    ) -> None:
+        """Run until `handler` is over or a signal arrives.
+
+        after(number): called after each refresh that showed a picture, counted from 1.
+        Errors: Closed, when the window or session was closed; Lost, when the display did not come
+        back in time.
+        """
+        number = 0
+        with GarbageControl(self._host.options.collect and (handler.pictures or handler.ahead)) as garbage:
+            while self._ending.asked is None and not handler.over():
+                try:
+                    tick = self._display.wait()
+                    if tick is not None:
+                        refresh = self._refresh(tick, handler, log)
+                        if refresh is not None:
+                            if recorder is not None:
+                                recorder.add(refresh.head)
+                            number += 1
+                            after(number)
+                            if log is not None:
+                                self._display.show_status(log.status)
+                        garbage.between()
+                    if handler.handle(self._display.commands()) and log is not None:
+                        log.changed(self._host)
+                except Lost as lost:
+                    self._come_back(lost, handler, log, recorder)
+
+    def _refresh(self, tick: Tick, handler: FrameHandler, log: LiveLog | None) -> Refresh | None:
+        """Submit a picture, and return it if one was shown."""
+        refresh = self._made(tick, handler) if tick.render and (handler.pictures or handler.ahead) else None
+        if not handler.pictures:
+            # A question stays in place, even while tracking is lost.
+            self._display.show(None, handler.label())
+            return None
+        label = tick.notice or handler.label() or (WAITING if tick.render and refresh is None else "")
+        submitted_ns = self._display.show(refresh, label)
+        if log is not None:
+            log.add(tick, refresh, submitted_ns, label if isinstance(label, str) else "")
+        return refresh
+
+    def _made(self, tick: Tick, handler: FrameHandler) -> Refresh | None:
+        self._host.fit()
+        loop = self._host.loop
+        loop.draw(self._display.now_ns())
+        refresh = loop.show(tick.shown_ns)
+        if refresh is not None:
+            handler.arrived(refresh)
+        return refresh
+
+    def _come_back(self, lost: Lost, handler: FrameHandler, log: LiveLog | None, recorder: Recorder | None) -> None:
+        """Wait until the display is back. Errors: Lost, when that takes too long."""
+        handler.on_display_lost(str(lost))
+        if recorder is not None:
+            recorder.flush()
+        if log is not None:
+            log.on_display_lost(str(lost))
+        back = come_back(self._display.reopen, lost, self._host.options.reconnect_s, self._ending, self._say)
+        if back and log is not None:
+            log.came_back()
+
 
 STREAM = "hmdwarp live"  # name of the stream of markers
 Watching = Callable[[str], AbstractContextManager[None]]
@@ -186,3 +315,104 @@ def display_options(
         rate_hz=options.rate_hz,
         controls=controls,
     )
+
+
+BY = "hmdwarp record"
+
+
+def record(options: RecordOptions, say: Say = lambda text: None) -> None:
+    """Record until Ctrl-C, the runtime or the window ends it, or for the seconds in the options.
+
+    say: called with a sentence for the user.
+    Errors: InputError for wrong options, including an existing file; MachineError for missing
+    hardware or software, and for a headset without any pose. The recording up to that point is kept
+    in any case.
+    """
+    check_scene_name(options.scene)  # also where no window will show it
+    {OPENXR: _of_headset, DESKTOP: _of_window, SYNTHETIC: _made_up}[options.source](options, say)
+
+
+def _of_window(options: RecordOptions, say: Say) -> None:
+    """Record a window's head without latency or warp: the scene is shown as it is."""
+    shown = LiveOptions(
+        source=DESKTOP,
+        scene=options.scene,
+        scene_options=options.scene_options,
+        warp="none",
+        fill="none",
+        latency_ms=0.0,
+        record=options.out,
+        force=options.force,
+        seconds=options.seconds,
+        rate_hz=options.rate_hz,
+        reconnect_s=options.reconnect_s,
+        hang_s=options.hang_s,
+    )
+    live(shown, say)
+
+
+def _made_up(options: RecordOptions, say: Say) -> None:
+    track = synthesise(options.kind, seconds=options.seconds, rate_hz=options.rate_hz or RATE_HZ)
+    with Ending(None, None) as ending, Recorder(options.out, say, BY, force=options.force) as recorder:
+        recorder.begin({"synthetic motion": options.kind}, options.rate_hz or RATE_HZ)
+        say(_telling(f"synthetic motion '{options.kind}'", recorder, track.duration_ns * 1e-9))
+        began_ns = time.monotonic_ns()
+        for index in range(len(track)):
+            time_ns = began_ns + int(track.time_ns[index])
+            _sleep_until(time_ns)
+            recorder.add(PoseSample(time_ns, track.pose(index), Origin.MEASURED))
+            if ending.asked is not None:
+                return
+
+
+def _of_headset(options: RecordOptions, say: Say) -> None:
+    with (
+        Ending(options.seconds, None) as ending,
+        Recorder(options.out, say, BY, force=options.force) as recorder,
+        Watchdog(options.hang_s, [recorder.save]) as watchdog,
+        openxr.OpenXrHead(watchdog.watching) as head,
+    ):
+        rate_hz = options.rate_hz or head.rate_hz
+        recorder.begin(head.about, rate_hz)
+        say(_telling(f"{head.about['headset']} at {rate_hz:g} Hz", recorder, options.seconds))
+        _sample(head, recorder, ending, round(1e9 / rate_hz), options.reconnect_s, say)
+        if recorder.count < LEAST and ending.asked is None:
+            raise MachineError(
+                "the runtime has not told where the head is: put the headset on, where its tracking can see the room"
+            )
+
+
+def _telling(what: str, recorder: Recorder, seconds: float | None) -> str:
+    ends = "Ctrl-C ends" if seconds is None else f"{seconds:g} s, Ctrl-C ends sooner"
+    return f"recording {what} to {recorder.path} ({ends})"
+
+
+def _sample(
+    head: openxr.OpenXrHead, recorder: Recorder, ending: Ending, period_ns: int, reconnect_s: float, say: Say
+) -> None:
+    """Sample a head at even intervals.
+
+    A source that needs longer than that is sampled as often as it can be read.
+    """
+    count = 0
+    due_ns = head.now_ns()
+    while not ending.due(count):
+        _sleep_until(due_ns)
+        try:
+            if head.poll():
+                recorder.add(head.head_at(head.now_ns()))
+        except Closed as closed:
+            say(str(closed))
+            return
+        except Lost as lost:
+            recorder.flush()
+            come_back(head.reopen, lost, reconnect_s, ending, say)
+        count += 1
+        due_ns = max(due_ns + period_ns, head.now_ns())
+
+
+def _sleep_until(due_ns: int) -> None:
+    """Sleep until then; a signal that only requests an end does not wake it."""
+    wait_ns = due_ns - time.monotonic_ns()
+    if wait_ns > 0:
+        time.sleep(wait_ns * 1e-9)

@@ -15,12 +15,9 @@ from ..metrics import Compared, QualityJob, QualityPool
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.remote_source import NoTruth
-from .clip_rating import clips_of
-from .read_back import coverage, shown_picture
 from .replay_setup import ReplaySetup
-from .spread import is_measured
-from .truth import MOST_BANDS, draw_truth
-from .whole_pictures import WholePictures
+from .side_by_side import clips_of
+from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
 
 # The run's own warp; those that it is compared with have 1, 2 and so on.
 MAIN = 0

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import attrs
 
+from .. import poses
 from ..errors import InputError
 from ..options import (
     AUTO,
@@ -16,6 +17,7 @@ from ..options import (
     PICTURE,
     Declared,
     Number,
+    Option,
     force_field,
     group,
     names_in,
@@ -23,12 +25,14 @@ from ..options import (
     option,
     out_field,
     same_as,
+    several,
 )
 from ..pipeline.options import DISPLAYED, PipelineOptions
-from ..pipeline.source_kinds import RECORDING, REMOTE, SourceKind
+from ..pipeline.proxy_options import RECORDING, REMOTE, SourceKind
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions
+from ..sources.feed.sockets import MOST_OF_ADDRESS
 from .misses import Misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
@@ -326,3 +330,77 @@ class RecordOptions(Declared):
     scene_options: SceneOptions = group(SceneOptions)
     reconnect_s: float = same_as(_LIVE.reconnect_s)
     hang_s: float = same_as(_LIVE.hang_s)
+
+
+_PIPELINE = attrs.fields(PipelineOptions)
+
+
+@attrs.frozen(kw_only=True)
+class ServeOptions(Declared):
+    """A server for others. Errors: InputError for a value out of range."""
+
+    scene: str = same_as(_PIPELINE.scene)
+    scene_options: SceneOptions = group(SceneOptions)
+    mirrors: str = same_as(_PIPELINE.mirrors)
+    samples: int = same_as(_PIPELINE.samples)
+    sample_depth: str = same_as(_PIPELINE.sample_depth)
+    listen: str = option(
+        "127.0.0.1:5570",
+        "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "
+        "frames through shared memory. Other machines need a key pair or a token.",
+    )
+    key_pair: Path | None = option(
+        None,
+        "Encrypt with the keys in NAME.key_secret and NAME.key, created if missing; clients need NAME.key.",
+        kind=Path,
+        metavar="NAME",
+    )
+    token_file: Path | None = option(None, "File with the secret that clients must share.", kind=Path)
+    per_address: int = option(
+        MOST_OF_ADDRESS,
+        "Connections from one address, at most; one that is idle makes room for another.",
+        valid=Number(least=1),
+    )
+    open: bool = option(False, "Accept clients on other machines without authentication.")
+
+
+_TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")
+
+
+def recordings_field() -> Any:
+    """Return the field; its class passes the set options through with_recordings()."""
+    return several(
+        attrs.fields(RunOptions).trace,
+        ("look-around", "walk"),
+        name="traces",
+        metavar="TRACE",
+        positional=True,
+        parse=None,
+        beside=(_TRACE,),
+    )
+
+
+def with_recordings(said: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the set options, with the recordings of both ways together."""
+    return {**said, "traces": [*(said.get("traces") or ()), *(said.get("trace") or ())] or None}
+
+
+def refuse_traces_of_one_name(traces: Mapping[str, poses.LoadedTrace]) -> None:
+    """Raise InputError if two traces have one name. traces: by option."""
+    refuse_one_name(
+        "recordings", {recording: trace.track.name or trace.path.stem for recording, trace in traces.items()}
+    )
+
+
+def refuse_one_name(kind: str, called: Mapping[str, str]) -> None:
+    """Raise InputError if two share a name: rows, tables and charts distinguish cases by it.
+
+    called: name by option.
+    """
+    found: dict[str, str] = {}
+    for asked, name in called.items():
+        first = found.setdefault(name, asked)
+        if first != asked:
+            raise InputError(
+                f"{kind} '{first}' and '{asked}' are both called '{name}': leave one out, or rename a file"
+            )

@@ -19,21 +19,19 @@ from ..geometry import Pose
 from ..gpu.textures import download
 from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
 from ..options import AUTO
-from ..pipeline.link_times import refreshes_of
 from ..pipeline.loop import Refresh
+from ..pipeline.proxy import source_of
+from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.recorded_source import about_second_eye, second_eye
-from ..pipeline.source_choice import source_of
-from ..pipeline.source_kinds import SERVER_SCENE
+from ..pipeline.sizes import refreshes_of
 from ..report import OutputFolder, VideoWriter, refuse_source
-from .frame_rows import Row
+from .frame_rows import ReplayLog, Row
 from .late_client import MISS_COLUMNS, LateClient, Seen
-from .log import ReplayLog
 from .measuring import MAIN, Probe
 from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions
-from .replay_results import ReplayResult, compare, result_of, write_results
 from .replay_setup import ReplaySetup, set_up_replay
-from .run_summary import OWNED
+from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
 from .short_bench import decided
 from .trace_events import TraceEvents
 

@@ -16,20 +16,19 @@ from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..pipeline.auto.adaptive import AdaptiveCompensator
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
+from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
+from ..pipeline.proxy import source_of
+from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.source import Source
-from ..pipeline.source_choice import source_of
-from ..pipeline.source_kinds import SERVER_SCENE
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
 from .options import RunOptions
-from .schedule import Schedule, schedule_for, schedule_of
-from .setup import EmulatedScreen, RunSetup
+from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
 
 _MANY = 10_000  # refreshes
 # Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two

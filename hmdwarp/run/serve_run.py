@@ -27,7 +27,7 @@ from ..sources.feed.listener import Asked, Listener
 from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
-from .serve_options import ServeOptions
+from .options import ServeOptions
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30

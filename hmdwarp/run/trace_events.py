@@ -13,7 +13,7 @@ from typing import Any
 
 from ..link import TransitStats
 from ..pipeline.loop import Refresh
-from .lines import Lines
+from .recorder import Lines
 from .run_summary import EYES
 
 # Rows of the time line from top to bottom, each a process of the format: number and name.

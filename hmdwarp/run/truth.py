@@ -1,6 +1,8 @@
-"""Reference pictures: what an eye should see.
+"""Reference pictures, what an eye should see, and what a run showed in their place.
 
-The scene drawn for the view itself, in bands where the display lights up row by row.
+The scene drawn for the view itself, in bands where the display lights up row by row; pictures read
+back from the GPU (the passes must not be fused with the lens); whole pictures of frames that carry
+parts of them as layers.
 """
 
 from __future__ import annotations
@@ -12,9 +14,16 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..client.compensator import EyeResult
 from ..client.inputs import PassInputs
+from ..client.plan import Plan
+from ..colour import picture_from_linear
+from ..frames import EyeImage, Frame
+from ..frames.layers import layers
 from ..geometry import Fov, View
 from ..gpu.textures import download
+from ..pipeline.frame_coder import Reads
+from ..pipeline.loop import Loop, Refresh
 from ..sources.server import Renderer
 
 # Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
@@ -81,3 +90,77 @@ def band_count(first: View, last: View, size: tuple[int, int]) -> int:
     pixels = math.degrees(turn + step / NEAR_M) * first.fov.pixels_per_degree(size)
     wanted: int = 2 ** math.ceil(math.log2(max(pixels / PIXELS_PER_BAND, 1)))
     return min(wanted, MOST_BANDS, size[1])
+
+
+def shown_picture(result: EyeResult) -> NDArray[np.uint8]:
+    """Return the picture before the lens: (h, w, 3) sRGB, top row first."""
+    assert result.shown is not None
+    return picture_from_linear(download(result.shown.texture))
+
+
+def coverage(result: EyeResult) -> NDArray[np.floating]:
+    """Return the coverage (h, w) after the warp, before the fill."""
+    assert result.warped is not None
+    return download(result.warped.texture)[..., 3]
+
+
+class WholePictures:
+    """The inputs of plans that run along with others on the same frames.
+
+    Frames for a plan with effects lack what its layers show by themselves (mirrors, glass, the
+    HUD), and frames that no plan reads a picture of have none. A plan without such layers gets the
+    picture as if frames were drawn for it alone: it is drawn again, once for each frame and eye,
+    and held until the next frame.
+    """
+
+    def __init__(self, server: Renderer) -> None:
+        self._server = server
+        self._frame: Frame | None = None
+        self._drawn: dict[int, EyeImage] = {}
+
+    def inputs(self, loop: Loop, refresh: Refresh, plan: Plan) -> tuple[PassInputs, ...]:
+        """Return the inputs of the plan for the refresh just shown."""
+        every = loop.inputs(refresh, plan.needs)
+        if not _is_apart(refresh.frame, plan) and not _lacks_pictures(refresh.frame, plan):
+            return every
+        if refresh.frame is not self._frame:
+            self.close()
+            self._frame = refresh.frame
+        return tuple(attrs.evolve(eye_inputs, rendered=self._whole(eye_inputs)) for eye_inputs in every)
+
+    def _whole(self, inputs: PassInputs) -> EyeImage:
+        image = inputs.rendered
+        if inputs.eye not in self._drawn:
+            self._drawn[inputs.eye] = self._server.draw(image.view, image.size, time_ns=image.drawn_ns)
+            self._server.gpu.timer.collect()
+        drawn = self._drawn[inputs.eye]
+        return attrs.evolve(image, colour=drawn.colour, inverse_depth=drawn.inverse_depth, left_out=frozenset())
+
+    def close(self) -> None:
+        """Return the pictures to the server."""
+        for image in self._drawn.values():
+            self._server.pool(image.size).release(image.colour)
+        self._drawn, self._frame = {}, None
+
+
+def _lacks_pictures(frame: Frame, plan: Plan) -> bool:
+    return not frame.eyes[0].left_out.isdisjoint(Reads.of([plan]).names)
+
+
+def _is_apart(frame: Frame, plan: Plan) -> bool:
+    apart = [name for name in frame.eyes[0].carried if layers.get(name).apart]
+    return bool(apart) and not any(name in plan.needs for name in apart)
+
+
+_GOLDEN = (5**0.5 - 1) / 2
+
+
+def is_measured(number: int, every: int) -> bool:
+    """Return whether refresh `number` is the measured one of its n = `every`.
+
+    Its place among them is spread by the golden ratio, which is in step with no period: of misses,
+    of a server's frames, of a head that nods. The first refresh is measured, and each run measures
+    the same ones.
+    """
+    block, place = divmod(number, every)
+    return place == int(every * (block * _GOLDEN % 1))

@@ -35,9 +35,9 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
 
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
     session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
-    from where it was first; head_still: session/task_score.py; ended_by: "time", or who
+    from where it was first; head_still: session/wording.py; ended_by: "time", or who
     ended a trial that is shown until done, "" for one that was not seen to its end;
-    task_..: session/task_score.py, of trials with a task.
+    task_..: session/wording.py, of trials with a task.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
     the frame to showing it. period: between two pictures. missed: refreshes without a new picture,

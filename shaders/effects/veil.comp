@@ -26,7 +26,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
     vec2 place = start + r * along;
-    Surface surface = surface_at(place);
+    Surface surface = surface_at(place, 0.0);
     float change = (surface.depth - r) / max(1.0 - dot(surface.slope, along), 0.25);
     r = surface.known ? max(r + change, 0.0) : r;
     vec2 p = start + r * along;

@@ -18,21 +18,22 @@ bool is_depth(float inverse_depth) {
     return inverse_depth >= 0.0 && inverse_depth < 1e30; // false for NaN
 }
 
-bool are_connected(float a, float b) {
-    return b >= 0.0 && abs(a - b) <= depth_tolerance * (min(a, b) + depth_floor);
+bool are_connected(float a, float b, float joined) {
+    return b >= 0.0 && abs(a - b) <= max(depth_tolerance * (min(a, b) + depth_floor), joined);
 }
 
 ivec2 texel_at(vec2 p) {
     return ivec2(clamp(p, vec2(0.0), last_centre));
 }
 
-// The surface at p; outside the picture the extended surface of the nearest texel. It takes three
-// loads, which are cheaper on llvmpipe than a gather of four and its selections. The texel across
-// the corner is not loaded (a fourth load costs `iterative` a third of its time): where it alone is
-// of another surface, at the inner corners of silhouettes, it contributes up to a quarter of the
-// colour. Beyond the border an image reads 0: a sky there is connected with that, without a slope,
-// and the sampler clamps its colour.
-Surface surface_at(vec2 p) {
+// The surface at p; outside the picture the extended surface of the nearest texel. joined: 1/m by
+// which neighbours may differ in any case, and be connected. It takes three loads, which are
+// cheaper on llvmpipe than a gather of four and its selections. The texel across the corner is not
+// loaded (a fourth load costs `iterative` a third of its time): where it alone is of another
+// surface, at the inner corners of silhouettes, it contributes up to a quarter of the colour.
+// Beyond the border an image reads 0: a sky there is connected with that, without a slope, and the
+// sampler clamps its colour.
+Surface surface_at(vec2 p, float joined) {
     ivec2 texel = texel_at(p);
     Surface found;
     found.centre = vec2(texel) + 0.5;
@@ -42,7 +43,7 @@ Surface surface_at(vec2 p) {
     float beside = imageLoad(rendered_inverse_depth, texel + ivec2(side.x, 0)).r;
     float above = imageLoad(rendered_inverse_depth, texel + ivec2(0, side.y)).r;
     found.known = is_depth(own);
-    found.connected = bvec2(are_connected(own, beside), are_connected(own, above));
+    found.connected = bvec2(are_connected(own, beside, joined), are_connected(own, above, joined));
     found.slope = vec2(found.connected.x ? (beside - own) * float(side.x) : 0.0, found.connected.y ? (above - own) * float(side.y) : 0.0);
     found.depth = own + dot(found.slope, off);
     return found;

@@ -15,6 +15,9 @@
 #endif
 #include OUTPUT
 uniform float most_pixels; // by which the last guess may have been off
+uniform float sheet;       // pixels that two neighbours may part by, and still be joined
+
+const float LEAST_RUN = 1e-6; // pixels per 1/m: a head that stays in place joins all finite depths
 
 vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
     vec2 start = base.xy / base.z;
@@ -30,12 +33,13 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         float seen = imageLoad(rendered_inverse_depth, texel_at(start + r * along)).r;
         r = is_depth(seen) && abs(seen - r) > depth_tolerance * (r + depth_floor) ? seen : r;
     }
+    float joined = sheet / max(length(along), LEAST_RUN);
     // Newton steps: exact on planes, however far off the guess was.
     Surface surface;
     float change;
     for (int k = 0; k < SLANTED; ++k) {
         vec2 place = start + r * along;
-        surface = surface_at(place);
+        surface = surface_at(place, joined);
         change = (surface.depth - r) / max(1.0 - dot(surface.slope, along), 0.25);
         r = surface.known ? max(r + change, 0.0) : r;
     }

@@ -72,7 +72,7 @@ void visit(ivec2 cell) {
     ivec2 texel = ivec2(key & ((1u << index_bits.x) - 1u), (key >> index_bits.x) & ((1u << index_bits.y) - 1u));
     // Slanted towards its neighbours in the block, which are more likely to belong to its surface.
     vec2 place = vec2(texel) + mix(vec2(0.25), vec2(0.75), lessThan(texel & (BLOCK - 1), ivec2(BLOCK / 2)));
-    float r = meets(surface_at(place), place, start, e.xy - start * e.z);
+    float r = meets(surface_at(place, 0.0), place, start, e.xy - start * e.z);
     // A ray behind the rendered eye has no line in its picture, though the division gives one.
     seed_of[slot] = key != 0u && base.z > 0.0 && r > 0.0 && r < 1e30 ? floatBitsToUint(r) : 0u;
 }

@@ -54,7 +54,7 @@ vec4 gathered(vec2 shown, vec3 base, vec3 parallax) {
         } else {
             if (level == 0) {
                 vec2 middle = start + 0.5 * (r + until) * along;
-                Surface surface = surface_at(middle);
+                Surface surface = surface_at(middle, 0.0);
                 float facing = 1.0 - dot(surface.slope, along);
                 float found = (surface.depth + dot(surface.slope, start - middle)) / max(facing, 1e-3);
                 met = surface.known && facing > 1e-3 && found <= r + slack && found >= until - slack && found * parallax.z < 1.0;

@@ -582,7 +582,7 @@ def test_the_package_leaves_glfw_alone(gpu, screen, monkeypatch):
 def test_the_doctor_tells_of_it(monkeypatch):
     import importlib.metadata
 
-    from hmdwarp.cli.machine import checks as doctor
+    from hmdwarp.cli import _checks as doctor
 
     def found():
         return next(extra for extra in doctor.extras() if extra.name == "extra panel")

@@ -33,7 +33,7 @@ from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
-from hmdwarp.run.seen_offset import DepthSamples
+from hmdwarp.run.late_client import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
 from hmdwarp.sources.server import MIRRORS, Server
 

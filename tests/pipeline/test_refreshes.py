@@ -15,9 +15,9 @@ from replays import run, small
 
 from hmdwarp.errors import InputError
 from hmdwarp.link import Link, LinkOptions
-from hmdwarp.pipeline.link_times import refreshes_of
+from hmdwarp.pipeline.sizes import refreshes_of
 from hmdwarp.poses import PoseTrack
-from hmdwarp.run.schedule import schedule_of
+from hmdwarp.run.setup import schedule_of
 
 BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
 

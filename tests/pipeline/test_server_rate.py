@@ -9,7 +9,7 @@ from replays import rows_of, run, small
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.link import LinkOptions
-from hmdwarp.pipeline.link_times import frames_held
+from hmdwarp.pipeline.sizes import frames_held
 from hmdwarp.run import set_up_replay
 
 

@@ -14,7 +14,7 @@ from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synt
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
 from hmdwarp.study.export import motion_text
-from hmdwarp.study.export.head_motion import channels_json, channels_text
+from hmdwarp.study.export.bids import channels_json, channels_text
 
 from .traces import head, kinds, same_motion, write
 

@@ -128,8 +128,11 @@ class RenderedSurface:
         fraction = np.nan_to_num(place) - np.floor(np.nan_to_num(place))
         return np.minimum(fraction, 1 - fraction).min(axis=-1) <= error
 
-    def at(self, place: Array, error: Array) -> Found:
-        """The plane of the texel at each place (..., 2)."""
+    def at(self, place: Array, error: Array, joined: Array | float = 0.0, joined_error: Array | float = 0.0) -> Found:
+        """The plane of the texel at each place (..., 2).
+
+        joined: 1/m by which neighbours may differ in any case and be connected, and its error.
+        """
         texel = self.texel(place)
         centre = texel + 0.5
         off = np.nan_to_num(place) - centre
@@ -140,10 +143,12 @@ class RenderedSurface:
             step = np.zeros_like(texel)
             step[..., axis] = side
             other = self.held(texel + step)
-            limit = self.tolerance * (np.minimum(own, other) + self.floor)
+            limit = np.maximum(self.tolerance * (np.minimum(own, other) + self.floor), joined)
             difference = np.abs(own - other)
             connected.append((other >= 0) & (difference <= limit))
-            close |= (other >= 0) & (np.abs(difference - limit) <= 16 * FLOAT32_UNIT * (own + other + self.floor))
+            close |= (other >= 0) & (
+                np.abs(difference - limit) <= joined_error + 16 * FLOAT32_UNIT * (own + other + self.floor)
+            )
             slope.append(np.where(connected[-1], (other - own) * side, 0.0))
         slopes = np.stack(slope, axis=-1)
         return Found(own + (slopes * off).sum(axis=-1), slopes, centre, np.stack(connected, axis=-1), own >= 0, close)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
+from scipy import ndimage
 
+from hmdwarp.client.warps.iterative import IterativeSettings
 from hmdwarp.geometry import WarpMap
 from reference._rays import FLOAT32_UNIT, project
 from reference._rendered_surface import LEAST_RUN, Array, Bools, RaysInRendered, RenderedSurface, run_of
@@ -12,6 +14,7 @@ from reference.picture import ReferencePicture, TwinInputs, near_edge
 
 BLOCK = 4
 SAME_SURFACE = 0.9
+LEAST_RUN_PIXELS = 1e-6  # per 1/m
 MOST_CELLS = 8
 FARTHEST_BITS, NEAREST_BITS = (
     int(np.float32(x).view(np.uint32)) for x in (2.0**-20, np.nextafter(np.float32(2**11), np.float32(0)))
@@ -24,15 +27,19 @@ def iterative(inputs: TwinInputs) -> ReferencePicture:
     What still moves is a hole.
     """
     settings, size = inputs.settings, inputs.size
+    if settings.fringe == "front":
+        inputs = attrs.evolve(inputs, inverse_depth=with_fringes_moved(inputs.inverse_depth, settings))
     surface = RenderedSurface(inputs.inverse_depth, settings.tolerance, settings.floor)
     rays = RaysInRendered.of(inputs.rendered, size, inputs.shown, inputs.shown_size)
     r, r_error, unsure = first_guess(inputs, surface) if settings.seed == "forward" else _nothing(rays.lead)
     for _ in range(settings.steps - settings.slanted):
         r, r_error, unsure = _plain_look(surface, rays, r, r_error, unsure)
+    reach = np.maximum(np.linalg.norm(rays.along, axis=-1), LEAST_RUN_PIXELS)
+    joined = settings.sheet / reach
     for _ in range(settings.slanted):
         place = rays.place(r)
         place_error = rays.place_error(r, r_error)
-        found = surface.at(place, place_error)
+        found = surface.at(place, place_error, joined, joined * (rays.along_error / reach + 4 * FLOAT32_UNIT))
         run = run_of(found, rays)
         change = np.where(found.known, (found.depth - r) / run, 0.0)
         depth_error = np.abs(found.slope).sum(axis=-1) * place_error + 4 * FLOAT32_UNIT * np.abs(found.depth)
@@ -46,6 +53,17 @@ def iterative(inputs: TwinInputs) -> ReferencePicture:
     unsure |= found.known & (np.abs(moved - settings.converged) <= 2 * length * r_error + 16 * FLOAT32_UNIT * moved)
     looked = _coloured(inputs, rays, r, met, np.where(found.connected, pixels, found.centre), pixels, error, unsure)
     return attrs.evolve(looked, inverse_depth=rays.shown_depth(r, r_error))
+
+
+def with_fringes_moved(inverse_depth: Array, settings: IterativeSettings) -> Array:
+    """The depth (h, w) where pixels beside a nearer surface have that of the nearest of their four
+    neighbours; in float32, as the shader compares.
+    """
+    own = inverse_depth.astype(np.float32)
+    cross = ndimage.generate_binary_structure(2, 1)
+    nearest = ndimage.maximum_filter(own, footprint=cross, mode="constant")
+    limit = np.float32(settings.tolerance) * (own + np.float32(settings.floor))
+    return np.where((own >= 0) & (nearest - own > limit), nearest, own).astype(float)
 
 
 def _coloured(

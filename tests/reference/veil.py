@@ -18,10 +18,11 @@ Array = NDArray[np.float64]
 def lay_over(inputs: TwinInputs, passing: Array, behind: Array) -> ReferencePicture:
     """What is shown where nothing that is known stands before the veil.
 
-    inputs: the veil as a rendered picture, premultiplied by coverage. passing: (h, w, 3) of the
-    rendered size, 1 where no sheet is. behind: (h, w, 4) of the shown size, what the veil is laid
-    over; its holes stay holes.
+    Its surface has no stretched sheets and keeps its fringes. inputs: the veil as a rendered
+    picture, premultiplied by coverage. passing: (h, w, 3) of the rendered size, 1 where no sheet
+    is. behind: (h, w, 4) of the shown size, what the veil is laid over; its holes stay holes.
     """
+    inputs = attrs.evolve(inputs, settings=attrs.evolve(inputs.settings, sheet=0.0, fringe="own"))
     covered = inputs.colour[..., 3:]
     stopped = np.concatenate([(1 - passing) * covered, covered], axis=2)
     veil, stops = iterative(inputs), iterative(attrs.evolve(inputs, colour=stopped))

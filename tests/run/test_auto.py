@@ -19,8 +19,7 @@ from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.pipeline import build_plan_for, source_of
-from hmdwarp.pipeline.auto import QualityLevel
+from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
 from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, levels_by_short_bench, levels_from_file, set_up_replay
 from hmdwarp.run.bench_levels import read_rows

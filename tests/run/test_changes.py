@@ -13,7 +13,7 @@ import pytest
 from hmdwarp.display import CONTROLS, Command, control
 from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions
-from hmdwarp.run.commands import changed, choices, values
+from hmdwarp.run.host import changed, choices, values
 
 OURS = [control.name for control in CONTROLS if not control.of_display]
 OPTIONS = LiveOptions(scene="room", latency_ms=200, warp="forward", fill="interpolate", guard=1.5)

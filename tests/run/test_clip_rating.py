@@ -5,8 +5,8 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.run.clip_rating import clips_before
 from hmdwarp.run.combinations import instants_of
+from hmdwarp.run.side_by_side import clips_before
 
 
 @given(st.integers(1, 500), st.integers(1, 40), st.integers(2, 60))

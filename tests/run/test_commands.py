@@ -11,8 +11,8 @@ from replays import suited
 from hmdwarp.client import parse_warp
 from hmdwarp.display import Command
 from hmdwarp.run import CommandHandler, LiveOptions, PipelineHost
-from hmdwarp.run import commands as handling
-from hmdwarp.run.commands import choices
+from hmdwarp.run import host as handling
+from hmdwarp.run.host import choices
 
 from .offscreen import OffscreenDisplay, run_on
 

@@ -13,7 +13,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.options import parse_guard
 from hmdwarp.poses import PoseTrack
 from hmdwarp.run import Guard, RunOptions, needed_factors
-from hmdwarp.run.guard import MOST, NEAR_M, settled
+from hmdwarp.run.short_bench import MOST, NEAR_M, settled
 
 DK1 = load_headset("rift-dk1")
 FLAT = load_headset("flat-90")  # 45 degrees to every side

@@ -14,7 +14,7 @@ import hmdwarp.pipeline.sizes
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.run import LiveOptions, PipelineHost
-from hmdwarp.run.commands import changed
+from hmdwarp.run.host import changed
 
 from .gl_objects import living
 from .offscreen import OffscreenDisplay

@@ -16,7 +16,7 @@ from replays import run, small
 
 from hmdwarp.errors import InputError
 from hmdwarp.run import Misses, RunOptions, miss_figures
-from hmdwarp.run.spread import is_measured
+from hmdwarp.run.truth import is_measured
 
 PERIOD_MS = 1e3 / 60.0  # of the small replays
 QUALITY = ("psnr_db", "ssim", "flip", "flicker")

@@ -15,7 +15,8 @@ import pytest
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample, load_trace
-from hmdwarp.run import Lines, Recorder, lines, origin_of
+from hmdwarp.run import Lines, Recorder, origin_of
+from hmdwarp.run import recorder as recording
 
 ABOUT = {"runtime": "Monado", "runtime_version": "25.0", "headset": "Simulated HMD"}
 
@@ -218,8 +219,8 @@ def test_a_disk_that_stands_still_holds_no_pose_up_and_its_backlog_is_bounded(tm
         stands.set()
         go.wait(60)
 
-    monkeypatch.setattr(lines.os, "fsync", stalled)
-    monkeypatch.setattr(lines, "MOST_WAITING", 20_000)
+    monkeypatch.setattr(recording.os, "fsync", stalled)
+    monkeypatch.setattr(recording, "MOST_WAITING", 20_000)
     heads, told = list(samples(1000)), []
     recorder = Recorder(tmp_path / "a.csv", told.append)
     with pytest.raises(MachineError, match="does not answer"), recorder:

@@ -25,7 +25,7 @@ from hmdwarp.poses import Origin, load_trace, synthesise, write_synthetic
 from hmdwarp.report import FRAME_COLUMNS, validate_summary, write_text
 from hmdwarp.resources import __version__
 from hmdwarp.run import set_up_replay
-from hmdwarp.run.spread import is_measured
+from hmdwarp.run.truth import is_measured
 
 QUALITY_AT = ("psnr_db", "ssim", "flip", "hole_share", "border_share")
 

@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.poses import quaternions
-from hmdwarp.run.garbage import Pauses
+from hmdwarp.run.ending import Pauses
+from hmdwarp.run.frame_rows import angle_between
 from hmdwarp.run.live_figures import Thinned
-from hmdwarp.run.speeds import angle_between
 
 
 @given(count=st.integers(0, 3000), half=st.integers(1, 40))

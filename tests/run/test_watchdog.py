@@ -24,8 +24,8 @@ PATIENCE_S = 90  # of a loaded machine; nothing here waits for it unless it fail
 
 def started(body: str, tmp_path: Path) -> subprocess.Popen:
     """A Python that runs `body` with a Watchdog class at hand."""
-    head = "import ctypes, os, sys, threading, time\nimport hmdwarp.run.watchdog as module\n"
-    head += "from hmdwarp.run.watchdog import Watchdog\n"
+    head = "import ctypes, os, sys, threading, time\nimport hmdwarp.run.ending as module\n"
+    head += "from hmdwarp.run.ending import Watchdog\n"
     path = tmp_path / "program.py"
     path.write_text(head + textwrap.dedent(body), encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}

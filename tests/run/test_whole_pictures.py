@@ -10,7 +10,7 @@ from hmdwarp.client import build_plan
 from hmdwarp.gpu import download
 from hmdwarp.link import LinkOptions
 from hmdwarp.run import set_up_replay
-from hmdwarp.run.whole_pictures import WholePictures
+from hmdwarp.run.truth import WholePictures
 from hmdwarp.scenes import scenes
 
 CALLING = [name for name in scenes.names() if scenes.get(name).effects]

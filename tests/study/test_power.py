@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from PIL import Image
 from scipy.stats import binomtest, norm
 
-from hmdwarp.cli.study.power import power as command
+from hmdwarp.cli.study.plan import power as command
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.report.study import comparison_lines

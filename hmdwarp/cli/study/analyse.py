@@ -1,4 +1,4 @@
-"""hmdwarp study analyse: tests, intervals and plots of the ratings."""
+"""Commands on the ratings of a study: tests, intervals and plots; what predicts them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import typer
 
 from ...errors import InputError
 from ...options import Declared, Number, force_field, option, out_field
-from .._options import QUIET, Said, command_line, takes
-from ._options import pilot_field, simulated_field, store_field
+from .._options import JSON, QUIET, Said, as_json, command_line, takes
+from ._options import origin_of, pilot_field, simulated_field, store_field
 
 if TYPE_CHECKING:
     from rich.table import Table
+
 
 _SIGN = "positive: rated better than the baseline, the one after 'over'"
 _Texts = list[str] | None
@@ -200,3 +201,62 @@ def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:
     for line in lines:
         table.add_row(*map(Text, line))
     return table
+
+
+@attrs.frozen
+class PredictOptions(Declared):
+    """Whose ratings to predict."""
+
+    studies: tuple[str, ...] = option(
+        attrs.NOTHING,
+        "Studies: .toml files with their data beside them, or names of shipped ones.",
+        kind=list,
+        positional=True,
+        metavar="STUDY",
+        names_files=True,
+    )
+    scale: str = option("", "Scale of the ratings; by default the first that all studies have.")
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
+
+
+@takes(PredictOptions, JSON)
+def predict(said: Said) -> None:
+    """Say which picture measure follows the ratings best, over all studies given, and how surely.
+
+    Pictures must have been measured (`study measure`). The choice of the measure is tested on
+    people who took no part in it.
+    """
+    from ...errors import InputError
+    from ...study.analysis import SourceOptions, ratings_from
+    from ...study.prediction import pooled, prediction_data
+
+    options = PredictOptions.of(said)
+    places = [Path(name).resolve() for name in options.studies]
+    if doubled := [name for name, place in zip(options.studies, places, strict=True) if places.count(place) > 1]:
+        raise InputError(f"{doubled[0]} is given twice: its people would count twice")
+    source = SourceOptions({}, "", None, origin_of(options.pilot, options.simulated))
+    found = {name: ratings_from(name, None, source).long for name in options.studies}
+    scale, rows = pooled(found, options.scale)
+    data = prediction_data(rows, scale)
+    if data is None:
+        raise InputError("no picture of these studies was measured: 'hmdwarp study measure STUDY' first")
+    if said["json"]:
+        typer.echo(as_json({"scale": scale, "studies": list(options.studies), **data}))
+    else:
+        _print_prediction(data, scale, options.studies)
+
+
+def _print_prediction(data: dict[str, Any], scale: str, studies: tuple[str, ...]) -> None:
+    from ...report import listed
+    from ...report.study import prediction_lines
+    from .._show import console, paragraph
+    from .analyse import lines_as_table
+
+    paragraph(f"Ratings on {scale} of {listed(studies)}.")
+    if data["measures"]:
+        typer.echo()
+        console().print(lines_as_table("What goes with the ratings", *prediction_lines(data["measures"])))
+    for sentence in data["sentences"]:
+        typer.echo()
+        paragraph(sentence)

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import attrs
 
-from ...gpu.textures import Canvas
+from ...gpu.textures import SCALAR, Canvas, allocate
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
@@ -34,14 +34,19 @@ class IterativeSettings(GatherSettings):
     tolerance: float = DEPTH_TOLERANCE
     floor: float = DEPTH_FLOOR  # 1/m
     converged: float = 0.75  # Pixels by which the last guess may be off; beyond that the pixel is a hole.
+    # Pixels by which neighbours on two surfaces may part and still be joined by a stretched sheet:
+    # narrower than a pixel it looks like the mixed colours of an antialiased silhouette.
+    sheet: float = 1.0
+    # Whether the pixel beside a nearer surface, whose colour antialiasing has mixed, moves with it.
+    fringe: Literal["front", "own"] = attrs.field(default="front", validator=attrs.validators.in_(("front", "own")))
 
     def __attrs_post_init__(self) -> None:
         if not 1 <= self.slanted <= self.steps <= MOST_STEPS:
             raise ValueError(
                 f"steps={self.steps}, slanted={self.slanted}: expected 1 <= slanted <= steps <= {MOST_STEPS}"
             )
-        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged)):
-            raise ValueError("tolerance, floor and converged must be 0 or more")
+        if not all(0 <= limit < float("inf") for limit in (self.tolerance, self.floor, self.converged, self.sheet)):
+            raise ValueError("tolerance, floor, converged and sheet must be 0 or more")
 
 
 @warps.register
@@ -60,7 +65,7 @@ class Iterative(GatherWarp):
     exact_when = "the rendered picture saw the surface and the guesses converge, up to one bilinear resample"
     gets_wrong = (
         "may miss the front one of several surfaces on a ray, or end in a hole there; "
-        "silhouettes end half way between rendered pixels"
+        "silhouettes are a pixel too wide, which suits antialiased pictures"
     )
     source = "Bowles et al. 2012, Iterative Image Warping; Lee et al. 2018, Iterative Depth Warping"
     Settings = IterativeSettings
@@ -73,6 +78,9 @@ class Iterative(GatherWarp):
         seeded = chosen.seed == "forward"
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
+        fringed = chosen.fringe == "front"
+        self._fringe = self.gpu.shaders.compute("warps/iterative_fringe.comp") if fringed else None
+        self._fringed = allocate(self.gpu.gl, self.rendered_size, SCALAR) if fringed else None
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     @classmethod
@@ -80,20 +88,35 @@ class Iterative(GatherWarp):
         # Per shown pixel one colour, one depth and the result; with the forward seed the rendered
         # depth once more.
         splat = rendered_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
-        return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat
+        fringe = rendered_pixels * 2 * DEPTH_BYTES if settings.fringe == "front" else 0
+        return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat + fringe
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
-        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
         wide, high = self.rendered_size
-        surface: dict[str, object] = {"rendered_inverse_depth": 1, "last_centre": (wide - 0.5, high - 0.5)}
-        surface |= depth_limits(self.settings, inputs.rendered)
+        surface: dict[str, object] = {"rendered_inverse_depth": 1, **depth_limits(self.settings, inputs.rendered)}
+        self._bind_depth(inputs, surface)
+        surface |= {"last_centre": (wide - 0.5, high - 0.5)}
         cells = {}
         if self._seeds is not None:
             self._seeds.find(inputs, surface)
             cells["cells"] = self._seeds.cells
-        self.run_gather(self._program, inputs, into, most_pixels=self.settings.converged, **surface, **cells)
+        limits = {"most_pixels": self.settings.converged, "sheet": self.settings.sheet}
+        self.run_gather(self._program, inputs, into, **limits, **surface, **cells)
+
+    def _bind_depth(self, inputs: PassInputs, surface: dict[str, object]) -> None:
+        """Bind the depth that the gather reads: the rendered one, or with its fringes moved."""
+        inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
+        if self._fringe is None or self._fringed is None:
+            return
+        self._fringed.bind_to_image(2, read=False, write=True)
+        self._fringe.uniforms.set(fringed_inverse_depth=2, rendered_size=self.rendered_size, **surface)
+        self._fringe.run(*self.rendered_size)
+        self.gpu.barrier()
+        self._fringed.bind_to_image(1, read=True, write=False)
 
     def close(self) -> None:
         super().close()
+        if self._fringed is not None:
+            self._fringed.release()
         if self._seeds is not None:
             self._seeds.close()

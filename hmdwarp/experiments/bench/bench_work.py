@@ -17,15 +17,12 @@ from ...gpu.context import Gpu
 from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
 from ...headsets import Headset
 from ...metrics import QualityPool, clip_length, worker_count
-from ...pipeline.link_times import check_held
-from ...pipeline.sizes import eye_sizes, memory_bytes
-from ...run.clip_rating import rate_clips
-from ...run.combination_bench import Comparison
+from ...pipeline.sizes import check_held, eye_sizes, memory_bytes
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
 from ...run.options import RunOptions
-from ...run.replay_results import summary_of_rows
 from ...run.replay_setup import set_up_replay
-from ...run.run_summary import machine_of
+from ...run.run_summary import machine_of, summary_of_rows
+from ...run.side_by_side import Comparison, rate_clips
 from ..sweep import Result, SweepCase
 from .bench_rows import row_of
 from .cases import BenchCase, prepared

@@ -25,11 +25,9 @@ from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import guarded_size
 from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
-from ...run.combinations import Case, Combination, batches, instants_of
-from ...run.options import RunOptions
-from ...run.outside import OUTSIDE, missing
-from ...run.recordings import refuse_traces_of_one_name
-from ...run.schedule import first_shown_s, schedule_for, schedule_of
+from ...run.combinations import OUTSIDE, Case, Combination, batches, instants_of, missing
+from ...run.options import RunOptions, refuse_traces_of_one_name
+from ...run.setup import first_shown_s, schedule_for, schedule_of
 from ...scenes import Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions

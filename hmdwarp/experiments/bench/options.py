@@ -1,4 +1,4 @@
-"""Options of `hmdwarp bench` and `hmdwarp bench merge`, checked before anything is started."""
+"""Options of `hmdwarp bench`, `bench merge` and `compare`, checked before anything is started."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import attrs
 from ...client.classes import PICTURE_CLIENT
 from ...errors import InputError
 from ...link import LinkOptions
+from ...link.codec import Coding
 from ...options import (
     DEFAULT_GUARD,
     Declared,
@@ -18,6 +19,7 @@ from ...options import (
     Number,
     check_one_guard,
     force_field,
+    group,
     guard_field,
     names_in,
     one_of,
@@ -154,3 +156,58 @@ class MergeOptions(Declared):
     def __attrs_post_init__(self) -> None:
         if len(self.folders) < 2:
             raise InputError(f"{len(self.folders)} folder to merge: expected two or more")
+
+
+SIZE, START_S = (640, 400), 1.0
+
+
+@attrs.frozen
+class _Coding(Coding):
+    codec: str = same_as(attrs.fields(Coding).codec, "h264")
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class CompareOptions(RecordedOptions):
+    """Every strategy on every recording at every latency, over the same link.
+
+    Errors: InputError for a value out of range, and for an empty list.
+    """
+
+    with_frames = ("recordings", "scene", "headset", "rate_hz")
+    why_not = "all are compared on the camera's own frames, head and rate"
+
+    # With settings where they matter; empty for all.
+    strategies: tuple[str, ...] = several(
+        _RUN.strategy, (), f"Strategy: {names_in('client/strategies')}; by default all.", split=split_names
+    )
+    latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (200.0, 400.0, 800.0))
+    clients: tuple[str, ...] = several(
+        _RUN.client,
+        ("class-1", "class-2", "class-3"),
+        f"Clients to draw Pareto fronts for: {names_in('client/classes', '*.toml')}, or a .toml file",
+    )
+    scene: str = same_as(_RUN.scene)
+    repair: str = same_as(_RUN.repair)
+    size: tuple[int, int] | None = same_as(
+        _RUN.size, help=f"Pixels of one eye, by default {SIZE[0]}x{SIZE[1]}, or as recorded."
+    )
+    start_s: float = same_as(_RUN.start_s, START_S)
+    seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
+    metrics_every: int = same_as(_RUN.metrics_every)
+    network: LinkOptions = group(LinkOptions)
+    coding: Coding = group(_Coding)
+    out: Path = out_field(Path("out/compare"), "Folder for compare.html, compare.json and compare.csv.")
+
+    @property
+    def eye_size(self) -> tuple[int, int] | None:
+        """Pixels of one eye; None for those of recorded frames."""
+        return self.size or (None if self.frames is not None else SIZE)
+
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields that were set. Errors: InputError."""
+        values = super().values_of(said)
+        # A second into a recording that may last less is not begun unless it is asked for.
+        if values.get("frames") is not None and values.get("start_s", START_S) == START_S:
+            values["start_s"] = 0.0
+        return values

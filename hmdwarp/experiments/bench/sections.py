@@ -22,17 +22,15 @@ from ...gpu.textures import Canvas, download
 from ...link import LinkOptions
 from ...metrics import Compared, QualityJob, QualityPool, sharpness
 from ...pipeline.channel import Channel, ChannelSetup
-from ...pipeline.frame_source import ServerFrames
-from ...pipeline.layers_read import Reads
+from ...pipeline.frame_coder import Reads
 from ...pipeline.loop import Loop
-from ...pipeline.requested import PoseRequest
+from ...pipeline.source import PoseRequest, ServerFrames
 from ...poses import Origin, PoseSample
 from ...run.combinations import Combination, instants_of
 from ...run.frame_rows import stage_columns
-from ...run.read_back import coverage, shown_picture
 from ...run.replay_setup import ReplaySetup
 from ...run.side_by_side import refreshes
-from ...run.whole_pictures import WholePictures
+from ...run.truth import WholePictures, coverage, shown_picture
 from ...scenes import Scene
 from ...sources.server.targets import Target, TargetPool
 from .cases import plan_of

@@ -1,9 +1,3 @@
-from .identity import identity_of as identity_of
-from .identity import program_hash as program_hash
-from .kept import Failure as Failure
-from .kept import KeptCases as KeptCases
-from .kept import KeptRows as KeptRows
-from .kept import Result as Result
 from .options import ClusterOptions as ClusterOptions
 from .options import KeptOptions as KeptOptions
 from .options import SweepOptions as SweepOptions
@@ -14,6 +8,12 @@ from .run_cases import experiment as experiment
 from .run_cases import outcomes as outcomes
 from .run_cases import raise_failed as raise_failed
 from .run_cases import run_cases as run_cases
+from .sweep_case import Failure as Failure
+from .sweep_case import KeptCases as KeptCases
+from .sweep_case import KeptRows as KeptRows
+from .sweep_case import Result as Result
 from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase
 from .sweep_case import Work as Work
+from .sweep_case import identity_of as identity_of
+from .sweep_case import program_hash as program_hash

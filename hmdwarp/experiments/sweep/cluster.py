@@ -21,10 +21,20 @@ import attrs
 from ...errors import HmdwarpError, InputError, MachineError
 from ...options.declared import HOW
 from ...resources import import_extra
-from .identity import files_at, hash_of_files, is_place, whole_program_hash
-from .kept import Failure, Result
 from .options import LOCAL
-from .sweep_case import Say, SweepCase, Work, groups_of, run_group
+from .sweep_case import (
+    Failure,
+    Result,
+    Say,
+    SweepCase,
+    Work,
+    files_at,
+    groups_of,
+    hash_of_files,
+    is_place,
+    run_group,
+    whole_program_hash,
+)
 
 RUN_AGAIN = 2  # times that a case is run again because its worker died
 CONNECT_S = 30.0

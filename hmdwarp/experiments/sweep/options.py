@@ -12,8 +12,7 @@ import attrs
 from ...errors import InputError
 from ...options import Declared, force_field, group, one_of, option, option_of, same_as
 from ...poses.options import TraceOptions
-from ...run.options import RunOptions
-from ...run.recordings import recordings_field, with_recordings
+from ...run.options import RunOptions, recordings_field, with_recordings
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 

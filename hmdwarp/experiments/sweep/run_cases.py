@@ -14,9 +14,22 @@ from ...errors import HmdwarpError, InputError, MachineError
 from ...report import SCHEMA, OutputFolder
 from ...resources import __version__
 from .cluster import run_on_cluster
-from .kept import DONE, FAILED, FOLDER, Failure, KeptCases, KeptRows, Result, RowsOf
 from .options import ClusterOptions, ExperimentOptions, KeptOptions
-from .sweep_case import Say, SweepCase, Work, groups_of, run_group
+from .sweep_case import (
+    DONE,
+    FAILED,
+    FOLDER,
+    Failure,
+    KeptCases,
+    KeptRows,
+    Result,
+    RowsOf,
+    Say,
+    SweepCase,
+    Work,
+    groups_of,
+    run_group,
+)
 
 Progress = Callable[[int, int], None]
 # Cases on a page, which draws charts of each: a second for two.

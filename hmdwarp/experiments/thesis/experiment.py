@@ -14,9 +14,25 @@ from typing import Any
 
 import attrs
 
-from ...errors import unknown_name
-from .run_kinds import LATENCIES_MS, RATED_MS, FactRun, Figures, PictureRun, RatingsRun, Run, StreamRun, motions, usual
-from .verdicts import Rule, number_of
+from ...errors import InputError, unknown_name
+from ...options import group, option, out_field, same_as
+from ...run import RunOptions
+from ..sweep.options import ExperimentOptions, KeptOptions, own_first
+from .run_kinds import (
+    FULL_SIZE,
+    LATENCIES_MS,
+    RATED_MS,
+    FactRun,
+    Figures,
+    PictureRun,
+    RatingsRun,
+    Rule,
+    Run,
+    StreamRun,
+    motions,
+    number_of,
+    usual,
+)
 
 KINDS = ("forward", "rotate", "sideways", "backward")
 Table = Mapping[str, Any]
@@ -29,7 +45,7 @@ class Cell:
     row: str
     column: str
     runs: tuple[Run, ...]
-    # What is computed, see verdicts.py.
+    # What is computed, see run_kinds.py.
     computed: str
 
     def number(self, figures: Sequence[Figures]) -> float | None:
@@ -147,3 +163,49 @@ def _run(table: Table, **more: Any) -> Any:
 
 def _ms(latency_ms: float) -> str:
     return f"{latency_ms:g} ms"
+
+
+_RUN = attrs.fields(RunOptions)
+QUICK_SCALE = 1 / 8
+QUICK_SIZE = (160, 100)
+
+
+def _names(texts: list[str]) -> tuple[str, ...]:
+    return tuple(name.strip() for text in texts for name in text.split(","))
+
+
+@attrs.frozen(kw_only=True, field_transformer=own_first)
+class ThesisOptions(ExperimentOptions):
+    """Which experiments of the thesis to run again, and how large.
+
+    Errors: UnknownNameError for an unknown experiment; InputError for a size with
+    `quick`.
+    """
+
+    out: Path = out_field(attrs.NOTHING, "Folder for thesis.html, results.json, results.csv and the folder cases.")
+    only: tuple[str, ...] = option(
+        (),
+        "Only these experiments, by their names on the page; for several, repeat it or use commas.",
+        kind=list,
+        default=None,
+        metavar="NAME,..",
+        parse=_names,
+    )
+    quick: bool = option(
+        False, "Small pictures and the middle speed only: a check that everything runs, in two minutes."
+    )
+    size: tuple[int, int] | None = same_as(
+        _RUN.size,
+        help=f"Pixels of one eye, by default {FULL_SIZE[0]}x{FULL_SIZE[1]}; streams keep those of the thesis.",
+    )
+    sweep: KeptOptions = group(KeptOptions)
+
+    def __attrs_post_init__(self) -> None:
+        experiments_named(self.only)
+        if self.quick and self.size is not None:
+            raise InputError(f"size {self.size[0]}x{self.size[1]} beside --quick, which has its own: leave one out")
+
+    @property
+    def eye_size(self) -> tuple[int, int]:
+        """Pixels of one eye."""
+        return self.size or (QUICK_SIZE if self.quick else FULL_SIZE)

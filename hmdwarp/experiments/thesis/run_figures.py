@@ -15,25 +15,87 @@ from numpy.typing import NDArray
 from ...client.compensator import EyeResult
 from ...client.plan import needs_of
 from ...colour import picture_from_linear
+from ...geometry import View, WarpMap
+from ...gpu import flip_rows
 from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
 from ...link.codec import Coding
-from ...metrics import Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
-from ...pipeline.link_times import refreshes_of
+from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
 from ...pipeline.loop import Refresh
 from ...pipeline.planning import build_plan_for
+from ...pipeline.sizes import refreshes_of
 from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
 from ...report import timeline_svg
 from ...run import RunOptions, draw_truth, figures, set_up_replay
 from ...run.combinations import Combination
-from ...run.read_back import coverage, shown_picture
 from ...run.replay_setup import ReplaySetup
 from ...run.side_by_side import refreshes
+from ...run.truth import coverage, shown_picture
 from ...scenes import load_scene
-from .hole_kinds import holes_of, seam
 from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
+
+Map = NDArray[Any]
+
+
+@attrs.frozen(eq=False)
+class Holes:
+    """Masks (h, w), top row first; together they are all holes."""
+
+    # Beyond the rendered field of view.
+    border: NDArray[np.bool_]
+    # In front of these surfaces the late frame had another.
+    disoccluded: NDArray[np.bool_]
+    # The late frame had these surfaces, and no pixel landed here.
+    cracks: NDArray[np.bool_]
+
+
+def holes_of(
+    coverage: Map, truth_inverse_depth: Map, shown: View, rendered: View, rendered_inverse_depth: Map
+) -> Holes:
+    """Tell the kinds of holes apart: where was the true surface of each hole in the late frame?
+
+    coverage, truth_inverse_depth: (h, w), top row first, of the shown view; rendered_inverse_depth:
+    (h, w), top row first, of the late frame.
+    """
+    hole = flip_rows(np.asarray(coverage) == 0)
+    there = np.argwhere(hole)
+    inverse = np.nan_to_num(flip_rows(np.asarray(truth_inverse_depth, dtype=np.float64)), nan=0.0)[tuple(there.T)]
+    frame = flip_rows(np.asarray(rendered_inverse_depth, dtype=np.float64))
+    height, width = frame.shape
+    mapping = WarpMap.between(shown, (hole.shape[1], hole.shape[0]), rendered, (width, height))
+    at, expected, w = mapping.apply(there[:, ::-1] + 0.5, inverse)
+    with np.errstate(invalid="ignore"):
+        inside = (w > 0) & ((at >= 0) & (at < (width, height))).all(axis=1)
+    column, row = np.where(inside[:, None], at, 0).astype(np.intp).T
+    seen = frame[row, column]
+    same = inside & (np.abs(seen - expected) <= RELATIVE_STEP * expected + LEAST_STEP)
+    masks = []
+    for chosen in (~inside, inside & ~same, same):
+        mask = np.zeros(hole.shape, bool)
+        mask[tuple(there[chosen].T)] = True
+        masks.append(flip_rows(mask))
+    return Holes(*masks)
+
+
+def seam(shown: Map, truth: Map, filled: NDArray[np.bool_], warped: NDArray[np.bool_]) -> float | None:
+    """Return the mean false step, 0..1, between filled pixels and the warped ones next to them.
+
+    The step of the picture from one to the other, less that of the truth. shown, truth: (h, w, 3)
+    sRGB bytes. None where a filled pixel has no such neighbour.
+    """
+    error = shown.astype(np.float32) - truth.astype(np.float32)
+    total, count = 0.0, 0
+    for axis in (0, 1):
+        steps = np.abs(np.diff(error, axis=axis)).mean(axis=2)
+        ends = [(slice(None),) * axis + (part,) for part in (slice(None, -1), slice(1, None))]
+        first, second = ends
+        beside = (filled[first] & warped[second]) | (warped[first] & filled[second])
+        total += float(steps[beside].sum())
+        count += int(beside.sum())
+    return total / count / 255 if count else None
+
 
 HEADSET = "flat-90"
 # By the wall clock a shorter pass is mostly the driver's overhead.

@@ -1,7 +1,11 @@
-"""What an experiment runs: pictures of one motion at a few instants, or a stream of frames."""
+"""What an experiment runs, the number of each setting of it, and the verdict by a stated rule."""
 
 from __future__ import annotations
 
+import enum
+import itertools
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -147,3 +151,179 @@ def is_quick(run: Run) -> bool:
 def usual(kind: str) -> Motion:
     """Return a kind at its middle speed."""
     return Motion(kind, USUAL_DEG_S if kind == ROTATE else USUAL_M_S)
+
+
+# Shares below this are a few pixels: their ratios say nothing.
+LEAST_SHARE = 1e-4
+
+
+def number_of(text: str, runs: Sequence[Figures]) -> float | None:
+    """Return the number that a text such as "change psnr_db" stands for; None if it is not known.
+
+    runs: the figures of the cell's runs, in their order.
+    """
+    name, *words = text.split()
+    return _NUMBERS[name](runs, *words)
+
+
+def _only(runs: Sequence[Figures], name: str, over: str = "1") -> float | None:
+    """Return the figure of the only run, over a number."""
+    (run,) = runs
+    found = run.get(name)
+    return None if found is None else found / float(over)
+
+
+def _change(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the figure of the last run less that of the first."""
+    first, last = runs[0].get(name), runs[-1].get(name)
+    return None if first is None or last is None else last - first
+
+
+def _ratio(runs: Sequence[Figures], name: str, of: str = "", expected: str = "1") -> float | None:
+    """Return the figure of the last run over `of`, by default the same figure, of the first.
+
+    expected: the ratio that is 1.
+    """
+    first, last = runs[0].get(of or name), runs[-1].get(name)
+    return None if last is None or not first else last / first / float(expected)
+
+
+def _least_growth(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the least ratio of a share to that of the run before it."""
+    known = [share for run in runs if (share := run.get(name)) is not None and share >= LEAST_SHARE]
+    return None if len(known) < len(runs) else min(after / before for before, after in itertools.pairwise(known))
+
+
+def _least_step(runs: Sequence[Figures], name: str) -> float | None:
+    """Return the least difference of a figure from that of the run before it."""
+    known = [figure for run in runs if (figure := run.get(name)) is not None]
+    return None if len(known) < len(runs) else min(after - before for before, after in itertools.pairwise(known))
+
+
+def _closed(runs: Sequence[Figures], left: str, whole: str) -> float | None:
+    """Return the part of the holes `whole` that the last run does not leave; None for no holes."""
+    there, left_over = runs[-1].get(whole), runs[-1].get(left)
+    return None if there is None or left_over is None or there < LEAST_SHARE else 1 - left_over / there
+
+
+def _growth_exponent(runs: Sequence[Figures], name: str) -> float | None:
+    """Return n where the figure grows as pixels to the power of n, from first run to last."""
+    grown, pixels = _ratio(runs, name), _ratio(runs, "pixels")
+    return None if not grown or not pixels else math.log(grown) / math.log(pixels)
+
+
+_NUMBERS: Mapping[str, Callable[..., float | None]] = {
+    "only": _only,
+    "change": _change,
+    "ratio": _ratio,
+    "least_growth": _least_growth,
+    "least_step": _least_step,
+    "closed": _closed,
+    "growth_exponent": _growth_exponent,
+    # The program has no such thing.
+    "none": lambda runs: None,
+}
+
+
+@attrs.frozen
+class Rule:
+    """The number lies from `low` to `high`, both included."""
+
+    low: float = -math.inf
+    high: float = math.inf
+
+    @classmethod
+    def of(cls, text: str) -> Rule:
+        """Return the rule of a text: "at least 1", "at most 0.5" or "from 0.5 to 2"."""
+        kind, first, *rest = text.split()
+        if kind == "from":
+            return cls(float(first), float(rest[-1]))
+        return cls(low=float(rest[-1])) if first == "least" else cls(high=float(rest[-1]))
+
+    def holds(self, value: float) -> bool:
+        """Return whether the claim holds for the number."""
+        return self.low <= value <= self.high
+
+    def words(self, unit: str, scale: float) -> str:
+        """Return the rule for a number that is written in `unit`, `scale` times the stored one."""
+        low, high = (f"{limit * scale:g}" for limit in (self.low, self.high))
+        if math.isinf(self.low):
+            text = f"at most {high}"
+        else:
+            text = f"at least {low}" if math.isinf(self.high) else f"from {low} to {high}"
+        return f"{text} {unit}".strip()
+
+
+class Verdict(enum.Enum):
+    """What the numbers say of a claim."""
+
+    HOLDS = "holds"
+    CONDITIONS = "holds under conditions"
+    FAILS = "does not hold"
+    UNKNOWN = "cannot be told"
+
+
+@attrs.frozen
+class Finding:
+    """The number of one setting, and whether the claim holds there."""
+
+    row: str
+    column: str
+    # None where nothing could be measured; then `holds` is None too.
+    value: float | None
+    holds: bool | None
+
+    @classmethod
+    def of(cls, row: str, column: str, value: float | None, rule: Rule) -> Finding:
+        """Judge a number; NaN and infinity count as not measured."""
+        known = value if value is not None and math.isfinite(value) else None
+        return cls(row, column, known, None if known is None else rule.holds(known))
+
+
+def verdict_of(findings: Iterable[Finding]) -> Verdict:
+    """Return the verdict: settings without a number do not count."""
+    judged = {finding.holds for finding in findings if finding.holds is not None}
+    if not judged:
+        return Verdict.UNKNOWN
+    if len(judged) == 2:
+        return Verdict.CONDITIONS
+    return Verdict.HOLDS if True in judged else Verdict.FAILS
+
+
+def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
+    """Return the settings whose findings are so, as in "sideways 0.25 m/s (200, 400 ms); rotate".
+
+    The columns of a row are named unless all of them are so; rows with the same columns share them.
+    "" where there are none.
+    """
+    all_columns: dict[str, list[str]] = {}
+    columns: dict[str, list[str]] = {}
+    for finding in findings:
+        all_columns.setdefault(finding.row, []).append(finding.column)
+        if finding.holds is holds:
+            columns.setdefault(finding.row, []).append(finding.column)
+    rows_of: dict[tuple[str, ...], list[str]] = {}
+    for row, found in columns.items():
+        named = () if found == all_columns[row] else tuple(found)
+        rows_of.setdefault(named, []).append(row)
+    return "; ".join(_together(rows) + (f" ({_together(named)})" if named else "") for named, rows in rows_of.items())
+
+
+def _together(texts: Sequence[str]) -> str:
+    """Join texts like "a 1 m" and "a 2 m" to "a 1, 2 m": what neighbours share is written once."""
+    groups: list[tuple[str, str, list[str]]] = []
+    for text in texts:
+        words = text.split(" ")
+        for at in range(len(words)):
+            head, tail = " ".join(words[:at]), " ".join(words[at + 1 :])
+            if groups and groups[-1][:2] == (head, tail) and _is_number(words[at]) and _is_number(groups[-1][2][0]):
+                groups[-1][2].append(words[at])
+                break
+        else:
+            at = next((place for place, word in enumerate(words) if _is_number(word)), 0)
+            groups.append((" ".join(words[:at]), " ".join(words[at + 1 :]), [words[at]]))
+    return " and ".join(" ".join(filter(None, (head, ", ".join(middle), tail))) for head, tail, middle in groups)
+
+
+def _is_number(text: str) -> bool:
+    return text.removesuffix("%").replace(".", "", 1).isdigit()

@@ -25,11 +25,20 @@ from ..sweep import (
     Swept,
     experiment,
 )
-from .experiment import Experiment, experiments, experiments_named
-from .options import QUICK_SCALE, ThesisOptions
+from .experiment import QUICK_SCALE, Experiment, ThesisOptions, experiments, experiments_named
 from .run_figures import FACTS, Looked, Thoroughness, look, stream
-from .run_kinds import Figures, PictureRun, RatingsRun, Run, StreamRun, is_quick
-from .verdicts import Finding, Verdict, settings_text, verdict_of
+from .run_kinds import (
+    Figures,
+    Finding,
+    PictureRun,
+    RatingsRun,
+    Run,
+    StreamRun,
+    Verdict,
+    is_quick,
+    settings_text,
+    verdict_of,
+)
 
 COLUMNS = ("experiment", "source", "row", "column", "measured", "value", "unit", "holds", "rule", "verdict")
 PAGE, TABLE, DATA = FILES = ("thesis.html", "results.csv", "results.json")
@@ -37,7 +46,7 @@ PAGE_WIDTH = 560
 PICTURE, TRUTH, TIMELINE = "shown.jpg", "truth.jpg", "timeline.svg"
 # What the figures depend on besides what draws and measures pictures; the rules that judge them do
 # not count.
-_ALSO = ("experiments/thesis/run_figures.py", "experiments/thesis/hole_kinds.py")
+_ALSO = ("experiments/thesis/run_figures.py",)
 # What the published ratings of a part and latency say: the study package's, handed in.
 Ratings = Callable[[str, float], Figures]
 Progress = Callable[[int, int], None]

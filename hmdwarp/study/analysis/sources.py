@@ -30,11 +30,11 @@ from ..store import (
     folder_to_read,
     store_folder,
 )
-from .claims import Claims, load_claims
+from .comparisons import Claims, load_claims
 from .ratings import Preference, Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 from .table_ratings import SourceOptions, from_csv
 
-# Scores of a task, analysed like the ratings: by the name of a figure of study/actual.py.
+# Scores of a task, analysed like the ratings: by the name of a figure of study/store/records.py.
 TASK_MEASURES = {
     "task_target_s": ScaleInfo("task_target_s", "Time for each target found", low_is_good=True, unit="s"),
     "task_misses": ScaleInfo("task_misses", "Selections without a target", low_is_good=True, unit="selections"),

@@ -1,19 +1,209 @@
-"""Console of plain lines: events on stderr, commands line by line from stdin."""
+"""Console as a session sees it, commands that experimenters type, and a console of plain lines."""
 
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import queue
 import select
 import sys
 import threading
 from collections.abc import Sequence
-from typing import Self
+from typing import Protocol, Self
+
+import attrs
 
 from ...display import Command
-from ._base import ConsoleState
-from .console_commands import COMMANDS, answers_text, parse_line, subject_of
+from ..scales import range_text
+
+KINDS = (AUTO, TERMINAL, BROWSER, LINES, NONE) = ("auto", "terminal", "browser", "lines", "none")
+
+
+@attrs.frozen
+class Question:
+    """Question that the participant answers now."""
+
+    text: str
+    least: float  # lowest answer
+    most: float  # highest answer
+    step: float  # distance between two answers
+    anchors: tuple[tuple[float, str], ...] = ()  # (value, words) of some answers
+    entered: float | str | None = None  # answer so far, before it is confirmed; None for nothing
+    scale: str = ""  # title of its scale: two scales may ask the same in the same words
+    in_words: bool = False  # whether the answer is a text and no number
+
+
+@attrs.frozen(kw_only=True)
+class ConsoleState:
+    """All that a console shows. It hides the condition unless the experimenter may know it."""
+
+    heading: str = ""  # study, participant, session; PILOT, REHEARSAL and SIMULATED stand out
+    step: str = ""  # "trial 3 of 12"
+    done: float = 0.0  # share of the steps, 0 to 1
+    elapsed_s: float = 0.0  # since this run of the program began
+    left_s: float | None = None  # of this step; None where unknown
+    seen_s: float | None = None  # of a trial that the participant ends; None for any other step
+    # "reading" (consent), "waiting" (to begin), "showing", "asking", "break", "paused" or "over"
+    phase: str = ""
+    question: Question | None = None
+    rate_hz: float = 0.0  # frames per second
+    missed: int = 0  # refreshes without a new frame
+    position_m: tuple[float, float, float] | None = None  # head (x, y, z); None before there is one
+    angles_deg: tuple[float, float, float] | None = None  # head (yaw, pitch, roll)
+    notice: str = ""  # "tracking lost"
+    condition: str = ""  # "" where it is hidden
+
+
+class Console(Protocol):
+    """Context manager around a session. No method blocks: frames are due between two calls."""
+
+    def __enter__(self) -> Self: ...
+
+    def __exit__(self, *_: object) -> None: ...
+
+    def tell(self, state: ConsoleState) -> None:
+        """Show a new state; called a few times a second."""
+
+    def say(self, text: str) -> None:
+        """Add a line to the journal."""
+
+    def commands(self) -> Sequence[Command]:
+        """Return the experimenter's commands since the last call.
+
+        "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
+        "answer" has a number, or a text for a question in words, "remark" a text.
+        """
+
+
+class NoConsole:
+    """Console that shows nothing and sends nothing."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def tell(self, state: ConsoleState) -> None:
+        """Do nothing."""
+
+    def say(self, text: str) -> None:
+        """Do nothing."""
+
+    def commands(self) -> Sequence[Command]:
+        """Return nothing."""
+        return ()
+
+
+COMMANDS = {
+    "pause": "hold everything until it is continued",
+    "continue": "go on, after a pause or a break",
+    "break": "a break after this trial",
+    "again": "ask the last question once more",
+    "answer": "what the participant says: answer 3.25",
+    "skip": "leave this question without an answer",
+    "remark": "a line for the journal: remark the strap slipped",
+    "agree": "the participant has read the text and agrees",
+    "decline": "the participant does not agree: the session ends, and counts nowhere",
+    "stop": "end the session; answers are kept",
+}
+LONGEST_REMARK = 1000
+ON_STEP = 1e-6  # of a step: 3.35 typed for steps of 0.05 is off by 1e-14 of one
+Subject = tuple[str, str, str, bool]  # step, scale, question, whether it is the consent
+
+
+def clock(seconds: float) -> str:
+    """Return 1:05, or 1:02:03 from an hour on; whole seconds, rounded down."""
+    whole = max(0, math.floor(seconds))
+    hours, minutes = whole // 3600, whole % 3600 // 60
+    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"
+
+
+def answers_text(question: Question) -> str:
+    """Return which answers there are."""
+    return "in words" if question.in_words else range_text(question)
+
+
+def checked_answer(text: str, question: Question) -> float | str:
+    """Return the typed answer; a comma may stand for the point of a number.
+
+    Errors: ValueError with a sentence that says which answers there are.
+    """
+    if question.in_words:
+        if not text.strip():
+            raise ValueError("nothing was typed: this question is answered in words; skip leaves it without an answer")
+        return text.strip()
+    wanted = f"answers go from {range_text(question)}"
+    try:
+        value = float(text.strip().replace(",", "."))
+    except ValueError:
+        found = f"{text.strip()!r} is no number" if text.strip() else "nothing was typed"
+        raise ValueError(f"{found}: {wanted}") from None
+    if not question.least <= value <= question.most:  # refuses NaN too
+        raise ValueError(f"{text.strip()} is not on the scale: {wanted}")
+    steps = (value - question.least) / question.step
+    if abs(steps - round(steps)) > ON_STEP:
+        raise ValueError(f"{text.strip()} lies between two steps: {wanted}")
+    return round(question.least + round(steps) * question.step, 9)
+
+
+def refusal(name: str, state: ConsoleState) -> str:
+    """Return why a command has no meaning now, "" where it has one."""
+    if state.phase == "over" and name != "remark":
+        return "the session is over"
+    without_meaning = {
+        "skip": (state.question is None, "nothing is being asked now"),
+        "answer": (state.question is None, "nothing is being asked now"),
+        "agree": (state.phase != "reading", "there is no text to agree to now"),
+        "decline": (state.phase != "reading", "there is no text to decline now"),
+        "continue": (
+            state.phase not in ("paused", "break", "waiting"),
+            "it is going on already: there is no pause and no break",
+        ),
+        "pause": (state.phase == "paused", "it is paused already"),
+        "break": (state.phase == "break", "it is a break already"),
+    }
+    holds, why = without_meaning.get(name, (False, ""))
+    return why if holds else ""
+
+
+def subject_of(state: ConsoleState) -> Subject:
+    """Return the subject of an answer typed now; once it has changed, the answer is void."""
+    scale, text = ("", "") if state.question is None else (state.question.scale, state.question.text)
+    return state.step, scale, text, state.phase == "reading"
+
+
+def is_bound(name: str) -> bool:
+    """Return whether a command belongs to its subject, and must not reach the step after it."""
+    return name in ("answer", "skip", "agree", "decline")
+
+
+def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:
+    """Parse a command and its value ("answer 3.25", "pause"); None for an empty line.
+
+    Errors: ValueError with a sentence.
+    """
+    name, _, rest = line.strip().partition(" ")
+    name, rest = name.lower(), rest.strip()
+    if not name:
+        return None
+    if name not in COMMANDS:
+        raise ValueError(f"{name!r} is no command: there are {', '.join(COMMANDS)} and help")
+    why = refusal(name, state)
+    if why:
+        raise ValueError(why)
+    if name == "answer":
+        assert state.question is not None
+        return name, checked_answer(rest, state.question)
+    if name == "remark":
+        if not rest:
+            raise ValueError("a remark needs words: remark the strap slipped")
+        return name, rest[:LONGEST_REMARK]
+    if rest:
+        raise ValueError(f"{name!r} takes no value: {rest!r} means nothing")
+    return name, None
+
 
 LAST_LINES_S = 1.0
 LONGEST_LINE = 1 << 16  # bytes without a line end: a sender of that sends no commands

@@ -26,12 +26,9 @@ from textual.containers import Horizontal, Vertical
 from textual.drivers.linux_driver import LinuxDriver
 from textual.widgets import RichLog, Static
 
-from ._base import ConsoleState
-from .console_commands import clock
-from .key_entry import Entered, KeyEntry
-from .message_socket import MessageSocket, PeerGone
-from .output_capture import pieces
-from .screen_text import COLOURED, PLAIN, Scene, help_text, plain
+from .line_console import ConsoleState, clock
+from .message_socket import MessageSocket, PeerGone, pieces
+from .screen_text import COLOURED, PLAIN, Entered, KeyEntry, Scene, help_text, plain
 
 ROOMY = 24  # rows from which on there are blank ones between the blocks
 REDRAW_S = 0.1  # of new states; keys are shown at once

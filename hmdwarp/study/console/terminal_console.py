@@ -11,28 +11,176 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import secrets
+import shlex
+import shutil
 import signal
 import socket
+import stat
 import subprocess
 import sys
+import tempfile
 import termios
+from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
 from ...resources import install_line
-from ._base import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, NoConsole
-from .browser_console import BrowserConsole
-from .line_console import LineConsole
-from .message_socket import LONGEST_LINE, MessageSocket, PeerGone, ProgramConsole
-from .output_capture import OutputCapture
+from .line_console import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, LineConsole, NoConsole
+from .message_socket import LINES_KEPT, LONGEST_LINE, MessageSocket, OutputCapture, PeerGone, ProgramConsole
 
-LEAVING_S = 3.0  # for the console to restore the terminal
+LOOPBACK = "127.0.0.1"
+TOKEN_BYTES = 24  # of the address: who does not know it gets "404: Not Found"
+LEAVING_S = 3.0  # for the programs to end and to restore the terminal
+PAGE_CODE = (
+    "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
+    "from hmdwarp.study.console.browser_app import {main}; {main}(*sys.argv[2:])"
+)
+
+
+class BrowserConsole(ProgramConsole):
+    """Console in a browser; one page at a time, the newest.
+
+    A LineConsole replaces a server that dies, and the session goes on.
+    Errors, on entering: MachineError where no socket can be made.
+    """
+
+    what = "the console in the browser"
+
+    def __init__(self, title: str) -> None:
+        super().__init__(title)
+        self._journal: deque[tuple[str, float]] = deque(maxlen=LINES_KEPT)  # lines, and when they were printed
+        self._page: MessageSocket | None = None
+        self.address = ""
+
+    def __enter__(self) -> Self:
+        self._folder = Path(tempfile.mkdtemp(prefix="hmdwarp-console-"))  # for this user alone
+        door = str(self._folder / "door")
+        self._door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        try:
+            self._door.bind(door)
+        except OSError as error:  # a path of more than 107 bytes
+            self._close_door()
+            raise MachineError(f"--console browser: {door}: {error}; TMPDIR may name another folder") from error
+        self._door.listen()
+        self._door.setblocking(False)
+        token = secrets.token_urlsafe(TOKEN_BYTES)
+        screen = shlex.join(_program("show", door))
+        with socket.create_server((LOOPBACK, 0)) as listener:
+            self.address = f"http://{LOOPBACK}:{listener.getsockname()[1]}/{token}/"
+            given = {"listener": listener.fileno(), "token": token, "title": self._title, "command": screen}
+            self.server = subprocess.Popen(
+                _program("serve"),
+                stdin=subprocess.PIPE,  # its end tells the server that this program is gone
+                stdout=2,
+                pass_fds=[listener.fileno()],
+                env={**os.environ, "PYTHONUTF8": "1"},
+                start_new_session=True,  # Ctrl-C is for this program
+            )
+        assert self.server.stdin is not None
+        with suppress(BrokenPipeError):  # it died: tell() goes on with lines
+            self.server.stdin.write(json.dumps({**given, "folder": str(self._folder)}).encode() + b"\n")
+            self.server.stdin.flush()
+        print(f"console: open {self._told()} in a browser on this machine", file=sys.stderr, flush=True)
+        return self
+
+    def _told(self) -> str:
+        """Return the address, or a file that has it: a log is kept, and read by others."""
+        if not stat.S_ISREG(os.fstat(2).st_mode):
+            return self.address
+        page = self._folder / "console.html"
+        page.write_text(f'<meta http-equiv="refresh" content="0; url={self.address}">', encoding="utf-8")
+        return page.as_uri()
+
+    def tell(self, state: ConsoleState) -> None:
+        """Show a new state."""
+        self._state = state
+        self._queue.tell(state)
+        if self._lines is not None:
+            self._lines.tell(state)
+        elif self.server.poll() is not None:
+            self._continue_with_lines()
+        elif self._page is not None:
+            try:
+                self._page.send_state(state)
+            except PeerGone:
+                self._close_page()
+
+    def say(self, text: str) -> None:
+        """Add a line to the journal."""
+        if self._lines is not None:
+            self._lines.say(text)
+            return
+        line = text[:LONGEST_LINE], self._state.elapsed_s
+        self._journal.append(line)
+        if self._page is not None:
+            try:
+                self._page.send("say", *line)
+            except PeerGone:
+                self._close_page()
+
+    def commands(self) -> Sequence[Command]:
+        """Return the commands since the last call."""
+        if self._lines is not None:
+            return [*self._queue.taken(), *self._lines.commands()]
+        self._welcome()
+        if self._page is not None:
+            try:
+                self._queue.receive(self._page)
+            except PeerGone:
+                self._close_page()
+        return self._queue.taken()
+
+    def _welcome(self) -> None:
+        """Take the page that was opened since the last call in place of the one before."""
+        try:
+            caller, _ = self._door.accept()
+        except BlockingIOError:
+            return
+        self._close_page()
+        self._page = MessageSocket(caller)
+        try:
+            self._page.send_state(self._state)
+            for line in self._journal:
+                self._page.send("say", *line)
+        except PeerGone:
+            self._close_page()
+
+    def _close_page(self) -> None:
+        if self._page is not None:
+            self._page.leave()
+            self._page.close()
+            self._page = None
+
+    def _end(self) -> int:
+        """End page and server. Returns the exit status of the server."""
+        self._close_page()
+        assert self.server.stdin is not None
+        self.server.stdin.close()
+        try:
+            status = self.server.wait(LEAVING_S)
+        except subprocess.TimeoutExpired:
+            self.server.kill()
+            status = self.server.wait()
+        self._close_door()
+        return status
+
+    def _close_door(self) -> None:
+        self._door.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+
+def _program(main: str, *arguments: str) -> list[str]:
+    return [sys.executable, "-c", PAGE_CODE.format(main=main), json.dumps(sys.path), *arguments]
+
+
 # Signals of the session's program alone; the console ends when that program does.
 BLOCKED = {signal.SIGINT, signal.SIGTERM, signal.SIGTTOU}
-CODE = (
+SCREEN_CODE = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from hmdwarp.study.console.terminal_app import main; main(*map(int, sys.argv[2:]))"
 )
@@ -56,7 +204,7 @@ class TerminalConsole(ProgramConsole):
         masked = signal.pthread_sigmask(signal.SIG_BLOCK, BLOCKED)  # the new program inherits the mask
         try:
             self.program = subprocess.Popen(
-                [sys.executable, "-c", CODE, json.dumps(sys.path), *map(str, passed), str(os.getpid())],
+                [sys.executable, "-c", SCREEN_CODE, json.dumps(sys.path), *map(str, passed), str(os.getpid())],
                 stdin=0,
                 stdout=capture.out,
                 stderr=capture.out,  # textual draws on stderr

@@ -13,9 +13,10 @@ from ...errors import InputError, unknown_name
 from ...options import KeyFault, Table, as_keys, quoted
 from ...pipeline import SceneKey, Source
 from ...scenes import with_targets
-from .condition_settings import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
 from .definitions import (
     ADAPTIVE,
+    DISPLAY,
+    KINDS,
     ONE,
     ONLY_PART,
     ORDERS,
@@ -27,7 +28,11 @@ from .definitions import (
     Condition,
     Family,
     Part,
+    SettingFault,
     Task,
+    check_settings,
+    live_options,
+    resolve_paths,
 )
 
 NAME = re.compile(r"[^\W_][\w.+-]{0,63}")

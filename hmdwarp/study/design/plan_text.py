@@ -10,7 +10,6 @@ import attrs
 from ...report import counted, pair_text
 from ..scales import Scale
 from ..statistics import smallest_p
-from .condition_settings import live_options
 from .definitions import (
     ADAPTIVE,
     BOTH,
@@ -26,6 +25,7 @@ from .definitions import (
     Sickness,
     Task,
     every_scale,
+    live_options,
 )
 from .orders import pair_name, presented, rows_for
 from .outline import balance, least_participants, notes, session_phases

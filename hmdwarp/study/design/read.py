@@ -4,23 +4,269 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import attrs
+from PIL.Image import Image
+
 from ...errors import InputError, unknown_name
-from ...options import Table, parsed, quoted, text_of
+from ...options import PICTURE_FILE, Table, opened, parsed, quoted, text_of
 from ...report import refuse_existing, write_text
-from ..scales import Scale
+from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
-from ._sections import (
-    breaks_of,
-    consent_of,
-    length_of,
-    page_of,
-    practice_of,
-    questionnaires_of,
-    scales_of,
-    sickness_of,
-    task_of,
+from .definitions import (
+    ADAPTIVE,
+    BLIND,
+    BOTH,
+    ONE,
+    ORDERS,
+    PAIR,
+    PICTURE,
+    REFERENCE_FIRST,
+    SHOWS,
+    WILLIAMS,
+    Breaks,
+    Condition,
+    Consent,
+    Design,
+    Page,
+    Part,
+    Sickness,
+    Task,
 )
-from .definitions import ADAPTIVE, BLIND, BOTH, ONE, ORDERS, PAIR, SHOWS, WILLIAMS, Design, Sickness
+
+PRACTICE = "practice"
+TASKS = ("targets",)
+UNTIL_DONE, LONGEST_S = "until done", 600.0
+_MOST_ASKED = 3  # questions of a questionnaire after each trial
+_PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
+
+
+def scale_at(table: Table, key: str, name: str, folder: Path, *within: int) -> Scale:
+    """Load a shipped scale, or a .toml file next to the study's. Errors: KeyFault."""
+    try:
+        return load_scale(str(folder / name), folder) if name.endswith(".toml") else load_scale(name)
+    except InputError as error:
+        raise table.fault(key, f"has '{name}': {error}", *within) from error
+
+
+def scales_of(table: Table, key: str, folder: Path, *, questionnaires: bool = False) -> tuple[Scale, ...]:
+    """Load the scales of a list.
+
+    questionnaires: whether they belong before or after the session; else they follow each trial,
+    where a questionnaire is short.
+    """
+    names = table.texts(key) if not questionnaires else table.texts(key, ())
+    made: list[Scale] = []
+    for number, name in enumerate(names):
+        scale = scale_at(table, key, name, folder, number)
+        if not questionnaires and scale.kind == QUESTIONNAIRE and (scale.scores or len(scale.items) > _MOST_ASKED):
+            raise table.fault(
+                key,
+                f"has '{name}', a questionnaire of {len(scale.items)} items{' with scores' if scale.scores else ''}: "
+                f"expected a scale that takes a moment, {_MOST_ASKED} questions at most and no scores",
+                number,
+            )
+        if questionnaires and scale.kind == PREFERENCE:
+            raise table.fault(
+                key, f"has '{name}', a {PREFERENCE}, which is about a pair: it belongs in [trial]", number
+            )
+        if scale.name in [scale.name for scale in made]:
+            raise table.fault(key, f"has '{scale.name}' twice: expected each scale once", number)
+        made.append(scale)
+    if not made and not questionnaires:
+        raise table.fault(key, "is empty: expected one scale at least; see 'hmdwarp list scales'")
+    if not questionnaires:
+        _check_kinds(table, key, made)
+    return tuple(made)
+
+
+def _check_kinds(trial: Table, key: str, made: list[Scale]) -> None:
+    """Check that the scales after a trial fit what it shows."""
+    names = ", ".join(scale.name for scale in made)
+    preferences = [scale for scale in made if scale.kind == PREFERENCE]
+    shows = trial.word("shows", SHOWS, ONE)
+    if shows == PAIR:
+        if len(preferences) != 1 or any(scale.kind not in (PREFERENCE, QUESTIONNAIRE) for scale in made):
+            raise trial.fault(
+                key,
+                f"is {names}, after a pair: expected one scale of kind {PREFERENCE}, such as preference, and perhaps "
+                "a short questionnaire",
+            )
+        return
+    if preferences:
+        raise trial.fault(key, f"has '{preferences[0].name}', a {PREFERENCE}: it needs shows = \"{PAIR}\"")
+    if all(scale.kind != RATING for scale in made):
+        # Tables of ratings and the analysis hold only that kind.
+        raise trial.fault(
+            key,
+            f"has no rating ({names}): expected one scale of kind rating at least; the others belong in [sickness]",
+        )
+    for scale in made:
+        if scale.kind == RATING and scale.beside_reference != (shows == REFERENCE_FIRST):
+            raise trial.fault(
+                key,
+                f"has '{scale.name}', which asks for the difference from a reference shown right before: it needs "
+                f'shows = "{REFERENCE_FIRST}"'
+                if scale.beside_reference
+                else f"has '{scale.name}', which asks nothing about the reference: expected dcr, or a scale with "
+                f'beside_reference = true, with shows = "{REFERENCE_FIRST}"',
+            )
+
+
+def length_of(trial: Table) -> tuple[float, bool]:
+    """Return how long a trial is at most, and whether the participant ends it."""
+    seconds = trial.raw("seconds") if "seconds" in trial else None
+    if isinstance(seconds, str):
+        if seconds != UNTIL_DONE:
+            raise trial.fault("seconds", f'is {quoted(seconds)}: expected a finite number, or "{UNTIL_DONE}"')
+        return trial.within("longest", 0, 3600, LONGEST_S, above=True), True
+    if "longest" in trial:
+        raise trial.fault("longest", f'belongs to seconds = "{UNTIL_DONE}": leave it out beside a number')
+    return trial.within("seconds", 0, 3600, 20.0, above=True), False
+
+
+def practice_of(data: Table, checker: Checker) -> Condition | None:
+    """Return the practice condition, None without [practice].
+
+    No latency and no warp by default; its look is that of [common].
+    """
+    if PRACTICE not in data:
+        return None
+    table = data.table(PRACTICE)
+    others = ("seconds",)
+    own = {key: table.raw(key) for key in table.keys() if key not in others}  # noqa: SIM118  (a Table is no dict)
+    settings = checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
+    return Condition(PRACTICE, settings)
+
+
+def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | None:
+    """Return the task, None without [task]; the scenes of all conditions must have room for it."""
+    if "task" not in data:
+        return None
+    if (shows := data.table("trial").word("shows", SHOWS, ONE)) != ONE:
+        raise data.fault("task", f'does not go with shows = "{shows}": expected trials of one condition')
+    table = data.table("task")
+    table.word("kind", TASKS)
+    names = table.texts("conditions", ())
+    known = [condition.name for part in parts for condition in part.conditions]
+    for number, name in enumerate(names):
+        if name not in known:
+            raise table.fault("conditions", f"has '{name}': expected some of {', '.join(known)}", number)
+    count, seed = table.whole("count", 1, 100), table.whole("seed", 0, 2**63 - 1, 0)
+    task = Task(count, table.within("size", 0.5, 20, 4.0), seed, names)
+    try:
+        checker.has_room_for(task)
+    except InputError as error:
+        raise table.fault("count", f"is {count}, and with a quarter to spare {error}") from error
+    return task
+
+
+def breaks_of(data: Table) -> Breaks:
+    """Return the breaks; none without [breaks]."""
+    if "breaks" not in data:
+        return Breaks()
+    table = data.table("breaks")
+    return Breaks(table.whole("every", 0, 10_000), table.within("seconds", 0, 3600, 0.0))
+
+
+def sickness_of(data: Table, folder: Path) -> Sickness | None:
+    """Return the sickness rule, None without [sickness].
+
+    stop_at must be worse than the best answer, or every session would end at once.
+    """
+    if "sickness" not in data:
+        return None
+    table = data.table("sickness")
+    scale = scale_at(table, "scale", table.text("scale"), folder)
+    if scale.kind == QUESTIONNAIRE:
+        raise table.fault(
+            "scale",
+            f"has '{scale.name}', a questionnaire of {len(scale.items)} items: expected a scale that takes a moment",
+        )
+    if scale.kind in (RATING, PREFERENCE):
+        raise table.fault(
+            "scale",
+            f"has '{scale.name}', a {scale.kind}, and would stand among those of the trials: expected fms, misc or "
+            "the like",
+        )
+    stop_at = table.within("stop_at", scale.least, scale.most, None)
+    if stop_at is not None and scale.badness(stop_at) <= 0:
+        raise table.fault(
+            "stop_at",
+            f"is {stop_at:g}, the best answer of '{scale.name}': expected a worse one, or every session stops at once",
+        )
+    rise = table.within("rise", 0, scale.most - scale.least, None, above=True)
+    return Sickness(scale, table.whole("every", 1, 10_000, 1), stop_at, rise)
+
+
+def questionnaires_of(data: Table, folder: Path) -> tuple[tuple[Scale, ...], tuple[Scale, ...]]:
+    """Return the questionnaires before and after the session."""
+    if "questionnaires" not in data:
+        return (), ()
+    table = data.table("questionnaires")
+    before, after = (scales_of(table, key, folder, questionnaires=True) for key in ("before", "after"))
+    return before, after
+
+
+def consent_of(data: Table, folder: Path) -> Consent | None:
+    """Return the consent, None without [consent]; its text is there or in a file next to it."""
+    if "consent" not in data:
+        return None
+    table = data.table("consent")
+    version = table.text("version")
+    if ("text" in table) == ("file" in table):
+        raise table.fault(None, "needs either text, or file: a text beside the study file")
+    return Consent(version, table.text("text") if "text" in table else _text_of(table, folder))
+
+
+def page_of(data: Table, key: str, title: str, folder: Path, checked: bool) -> Page | None:
+    """Return a page to read, None without its table: its text, or a file with a text or picture.
+
+    checked: False leaves files alone, which may be gone when an old session is exported.
+    """
+    if key not in data:
+        return None
+    table = data.table(key)
+    title = table.line("title", title)
+    if ("text" in table) == ("file" in table):
+        raise table.fault(None, "needs either text, or file: a text or a picture beside the study file")
+    if "text" in table:
+        return Page(title, table.text("text"))
+    path = folder / table.text("file")
+    if path.suffix.lower() in ENDINGS:
+        if checked:
+            try:
+                open_picture(path, folder)
+            except InputError as error:
+                raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
+        return Page(title, picture=str(path))
+    return Page(title, _text_of(table, folder) if checked else "")
+
+
+def _text_of(table: Table, folder: Path) -> str:
+    path = folder / table.text("file")
+    try:
+        text = text_of(path, "a text that participants read", folder)
+    except InputError as error:
+        raise table.fault("file", f"is {quoted(str(path))}: {error}") from error
+    if not text.strip():
+        raise table.fault("file", f"is {quoted(str(path))}, which is empty: expected a text that participants read")
+    return text
+
+
+ENDINGS = (".png", ".jpg", ".jpeg")
+PNG_OR_JPEG = attrs.evolve(PICTURE_FILE, what="a PNG or JPEG file")
+
+
+def open_picture(path: Path | str, folder: Path | None = None) -> Image:
+    """Load a picture, RGBA. folder: as `opened` takes it. Errors: InputError."""
+    from PIL import Image
+
+    try:
+        with opened(path, PNG_OR_JPEG, folder) as plain, Image.open(plain) as file:
+            return file.convert("RGBA")
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError(f"no picture ({error}): expected a PNG or JPEG file") from error
+
 
 SCHEMA = 1
 SHIPPED = Path(__file__).resolve().parent.parent / "ready"

@@ -9,8 +9,7 @@ from typing import Any, ClassVar
 from ...display import Command
 from ..console import Question
 from ..design import Ask
-from .buttons import KEYS, Choices, InputHints, picking_hint
-from .canvas import PAD, TEXT, WIDTH, wrapped
+from .buttons import KEYS, PAD, TEXT, WIDTH, Choices, InputHints, picking_hint, wrapped
 from .dialog_panels import MessagePanel, heading_of, message_panel
 
 CONTINUE, BREAK, AGAIN, SKIP, STOP = "continue", "break", "again", "skip", "stop"

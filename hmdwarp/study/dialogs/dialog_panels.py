@@ -2,25 +2,231 @@
 
 from __future__ import annotations
 
+import functools
+import math
+from typing import Protocol
+
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..design import Ask
+from ..scales import number_text
 from .buttons import (
+    DIM,
+    FULL,
     GAP,
+    HUGE,
     KEYS,
+    LARGE,
+    PAD,
+    SMALL,
+    TEXT,
+    WIDTH,
     Button,
+    Canvas,
     Choices,
     InputHints,
     button_at,
     column_of,
     draw_footer,
     footer_height,
+    height_of,
+    picture_light,
     row_of,
+    width_of,
+    wrapped,
 )
-from .canvas import DIM, LARGE, PAD, SMALL, TEXT, WIDTH, Canvas, height_of, picture_light, wrapped
-from .scale_layout import Layout, ScaleForm, layout_of
+
+LEFT, RIGHT = PAD + 36.0, WIDTH - PAD - 36.0
+LABEL_APART, TICK_APART = 14, 6  # least pixels between two numbers, and between two ticks
+MOST_ROWS = 3  # of an anchor's words
+LISTED = 12  # most values of a list
+ROW = 40  # height of a list's row
+
+
+@attrs.frozen
+class ScaleForm:
+    """The part of a scale that is drawn."""
+
+    least: float
+    most: float
+    step: float
+    anchors: tuple[tuple[float, str], ...] = ()  # (value, words), by value
+    listed: bool = False  # whether it is a list in any case
+
+    def values(self) -> list[float]:
+        """Return every value, from least to most."""
+        return [round(self.least + k * self.step, 9) for k in range(self.last + 1)]
+
+    @property
+    def last(self) -> int:
+        """Number of steps from least to most."""
+        return round((self.most - self.least) / self.step)
+
+
+class Layout(Protocol):
+    """Layout of a scale in pixels, y down from its top."""
+
+    height: int
+    downwards: bool  # whether larger values are further down
+
+    def value_at(self, x: float, y: float) -> float | None:
+        """Return the value at that place, None for none."""
+
+    def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
+        """Draw the scale. value: of the marker, None for none. typed: digits shown instead."""
+
+
+@functools.lru_cache(32)
+def layout_of(form: ScaleForm) -> Layout:
+    """Choose a line where the anchors fit, else a list, else a line with its ends named."""
+    placed = None if form.listed else _placed(form)
+    if placed is None and form.last < LISTED:
+        return ListLayout(form)
+    if placed is None:
+        ends = tuple((value, words) for value, words in form.anchors if value in (form.least, form.most))
+        placed = _placed(attrs.evolve(form, anchors=ends)) or ()
+    return LineLayout(form, placed)
+
+
+@attrs.frozen
+class Placed:
+    """Anchor of a line with its place."""
+
+    value: float
+    lines: tuple[str, ...]
+    x: float  # middle of the lines
+    row: int  # 0 or 1: of the two rows of anchors
+
+
+def x_of(form: ScaleForm, value: float) -> float:
+    """Return the place of a value on the line."""
+    return LEFT + (RIGHT - LEFT) * (value - form.least) / (form.most - form.least)
+
+
+def _placed(form: ScaleForm) -> tuple[Placed, ...] | None:
+    """Place the anchors in one row or in two alternating ones; None where they still overlap."""
+    for rows in (1, 2):
+        found = [_row(form, form.anchors[first::rows], first) for first in range(rows)]
+        if all(row is not None for row in found):
+            return tuple(anchor for row in found for anchor in row or ())
+    return None
+
+
+def _row(form: ScaleForm, anchors: tuple[tuple[float, str], ...], number: int) -> list[Placed] | None:
+    """Place each anchor within half the way to its neighbours, or up to the edge of the panel."""
+    placed, xs = [], [x_of(form, value) for value, _ in anchors]
+    for k, (value, words) in enumerate(anchors):
+        low = PAD if k == 0 else (xs[k - 1] + xs[k]) / 2 + 5
+        high = WIDTH - PAD if k == len(xs) - 1 else (xs[k] + xs[k + 1]) / 2 - 5
+        lines = wrapped(words, SMALL, min(high - low, 2.4 * SMALL * max(4, math.sqrt(len(words)))))
+        cut = " ".join(lines) != " ".join(words.split())
+        if len(lines) > MOST_ROWS or cut:
+            return None
+        half = max(width_of(line, SMALL) for line in lines) / 2 if lines else 0
+        placed.append(Placed(value, lines, min(max(xs[k], low + half), high - half), number))
+    return placed
+
+
+class LineLayout:
+    """Line with ticks, numbers and words; the value stands large over its marker."""
+
+    downwards = False
+
+    def __init__(self, form: ScaleForm, placed: tuple[Placed, ...]) -> None:
+        self._form, self._placed = form, placed
+        self._line = HUGE + 34
+        self._numbers = self._line + 14
+        below = self._numbers + height_of(1, SMALL) + 4
+        rows = [max((len(anchor.lines) for anchor in placed if anchor.row == row), default=0) for row in (0, 1)]
+        self._rows = (below, below + height_of(rows[0], SMALL) + 4)
+        self.height = self._rows[0] + sum(height_of(count, SMALL) + 4 for count in rows if count)
+        self._ticks, self._labels = _ticks(form)
+
+    def value_at(self, x: float, y: float) -> float | None:
+        """Return the value over or under that place, a little beyond the ends too."""
+        if not 0 <= y <= self.height or not PAD / 2 <= x <= WIDTH - PAD / 2:
+            return None
+        steps = round((x - LEFT) / (RIGHT - LEFT) * self._form.last)
+        return round(self._form.least + min(max(steps, 0), self._form.last) * self._form.step, 9)
+
+    def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
+        """Draw the scale, as Layout.draw."""
+        y = top + self._line
+        canvas.line(LEFT, y, RIGHT, y, width=3)
+        for tick in self._ticks:
+            x, long = x_of(self._form, tick), tick in self._labels
+            canvas.line(x, y - (9 if long else 5), x, y + (9 if long else 5), FULL if long else DIM)
+        for label in self._labels:
+            canvas.text(x_of(self._form, label), top + self._numbers, number_text(label), SMALL, DIM, "ma")
+        for anchor in self._placed:
+            ink = FULL if value is None or anchor.value == value else DIM
+            canvas.rows(top + self._rows[anchor.row], anchor.lines, SMALL, ink, anchor.x, "ma")
+        self._marker(canvas, top, value, typed)
+
+    def _marker(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
+        if value is None:
+            if typed:
+                canvas.text(WIDTH / 2, top, f"{typed}_", HUGE, DIM, "ma")
+            return
+        x, text = x_of(self._form, value), typed or number_text(value)
+        half = width_of(text, HUGE) / 2
+        canvas.text(min(max(x, PAD + half), WIDTH - PAD - half), top, text, HUGE, FULL, "ma")
+        canvas.pointer(x, top + self._line - 4, 24)
+
+
+def _ticks(form: ScaleForm) -> tuple[list[float], frozenset[float]]:
+    """Return the values with a tick, and those with a number: round ones, as many as fit."""
+    strides = [k for k in range(1, form.last + 1) if form.last % k == 0 and _is_round(k * form.step)] or [form.last]
+    apart = (RIGHT - LEFT) / form.last
+    widest = (
+        max(width_of(number_text(value), SMALL) for value in (form.least, form.most, form.least + form.step))
+        + LABEL_APART
+    )
+    stride = next((k for k in strides if k * apart >= widest), form.last)
+    # 1, 2, 3 rather than 1, 1.5, 2
+    whole = next((k for k in strides if k * form.step >= 1 - 1e-9 and k * apart >= widest), stride)
+    fine = next((k for k in strides if k * apart >= TICK_APART), stride)
+    values = form.values()
+    return values[::fine], frozenset(values[::whole])
+
+
+def _is_round(number: float) -> bool:
+    """Return whether a step is 1, 2, 2.5 or 5 times a power of ten."""
+    digits = f"{number:.6e}".partition("e")[0].rstrip("0").rstrip(".")
+    return digits in ("1", "2", "5", "2.5")
+
+
+class ListLayout:
+    """List with a row for each value: its number and its words."""
+
+    downwards = True
+
+    def __init__(self, form: ScaleForm) -> None:
+        self._form, self._words = form, dict(form.anchors)
+        self.height = ROW * (form.last + 1)
+
+    def value_at(self, x: float, y: float) -> float | None:
+        """Return the value of the row at that place, None for none."""
+        number = math.floor(y / ROW)
+        return self._form.values()[number] if 0 <= number <= self._form.last and 0 <= x <= WIDTH else None
+
+    def draw(self, canvas: Canvas, top: float, value: float | None, typed: str) -> None:
+        """Draw the scale, as Layout.draw."""
+        for number, own in enumerate(self._form.values()):
+            y, marked = top + number * ROW, own == value
+            if marked:
+                canvas.box(PAD / 2, y, WIDTH - PAD / 2, y + ROW - 2, marked=True)
+            ink = FULL if marked or value is None else DIM
+            canvas.text(PAD + 44, y + ROW / 2, number_text(own), TEXT, ink, "rm")
+            canvas.text(PAD + 64, y + ROW / 2, self._fitting(own), TEXT, ink, "lm")
+
+    def _fitting(self, value: float) -> str:
+        """Return its words on one line, cut where they do not fit."""
+        lines = wrapped(self._words.get(value, ""), TEXT, WIDTH - 2 * PAD - 64)
+        return "" if not lines else lines[0] if len(lines) == 1 else f"{lines[0]} ..."
+
 
 SKIP, YES, BACK = "skip", "yes", "back"
 TAKE_BACK = ((BACK, "back to the scale"), (YES, "leave it unanswered"))

@@ -12,8 +12,7 @@ from ..console import Question
 from ..design import Ask
 from ..scales import CHOICE, Scale, number_text, range_text
 from .buttons import KEYS, InputHints
-from .dialog_panels import BACK, SKIP, YES, QuestionPanel, heading_of
-from .scale_layout import ScaleForm, layout_of
+from .dialog_panels import BACK, SKIP, YES, QuestionPanel, ScaleForm, heading_of, layout_of
 
 CLOSE = 1e-6  # of a step: typed numbers are decimal, values of a scale are multiples of its step
 

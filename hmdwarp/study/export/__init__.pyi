@@ -1,3 +1,7 @@
+from .bids import CHANNELS as CHANNELS
+from .bids import Rates as Rates
+from .bids import TrackingSystem as TrackingSystem
+from .bids import motion_text as motion_text
 from .export_rows import SessionData as SessionData
 from .export_rows import answer_rows as answer_rows
 from .export_rows import declined as declined
@@ -6,10 +10,6 @@ from .export_rows import of_origin as of_origin
 from .export_rows import sessions_of as sessions_of
 from .export_rows import settings_row as settings_row
 from .export_rows import unconsented as unconsented
-from .head_motion import CHANNELS as CHANNELS
-from .head_motion import Rates as Rates
-from .head_motion import TrackingSystem as TrackingSystem
-from .head_motion import motion_text as motion_text
 from .table_columns import COLUMNS as COLUMNS
 from .table_columns import FLAG as FLAG
 from .table_columns import INTEGER as INTEGER

@@ -6,7 +6,6 @@ from .planned_models import pairs_model as pairs_model
 from .planned_models import planned_model as planned_model
 from .planned_models import scales_for as scales_for
 from .planned_models import with_effect as with_effect
-from .power_run import simulate as simulate
 from .power_text import COLUMNS as COLUMNS
 from .power_text import name_of as name_of
 from .power_text import power_folder as power_folder
@@ -22,4 +21,5 @@ from .simulation import people_for as people_for
 from .simulation import power_from as power_from
 from .simulation import proportion_of as proportion_of
 from .simulation import significant as significant
+from .simulation import simulate as simulate
 from .simulation import tally_of as tally_of

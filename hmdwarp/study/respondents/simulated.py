@@ -3,16 +3,236 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, Self
 
+import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from ...display import Command
-from ..design import Ask, Design, Order, Pause, Read, Show, Step
-from ..scales import QUESTIONNAIRE, WORDS
-from ..store import STOPPED
-from .cohort import Population
-from .response_model import Model, draw_for, of_share
+from ..design import PAIR, Ask, Design, Order, Part, Pause, Read, Show, Step, allot, pair_of, rows_for, trials_of
+from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, WORDS, Scale
+from ..store import COMPLETE, SICK, STOPPED
+from .response_model import Floats, Model, draw_for, mean_on_scale, normal, of_share, on_scale, table_of
+
+Ints = NDArray[np.intp]
+
+
+@attrs.frozen(eq=False)
+class Cohort:
+    """Answers of n people with T trials each; NaN where there is no answer."""
+
+    part: Part
+    order: Ints  # (n, T) numbers of the part's conditions in the order shown, of a pair the second
+    first: Ints  # (n, T) the first of a pair; as order where one condition is shown
+    trials: Ints  # (n) trials shown and rated before the end
+    why: tuple[str, ...]  # (n) status of the session
+    answers: dict[str, Floats]  # (n, T) by scale, rounded to the scale
+    latent: dict[str, Floats]  # (n, T) by scale, before steps and ends of the scale
+    sickness: Floats  # (n, T + 1) answers after the practice and after each trial
+    susceptible: Floats  # (n) uniform draws of how easily each gets sick
+
+    def per_condition(self, scale: str, *, latent: bool = False, people: slice = slice(None)) -> Floats:
+        """Compute (n, conditions) means of each person's answers over the repeats."""
+        values, order = (self.latent if latent else self.answers)[scale][people], self.order[people]
+        n, c = len(values), len(self.part.conditions)
+        there = ~np.isnan(values)
+        where = (np.arange(n)[:, None] * c + order)[there]
+        counts = np.bincount(where, minlength=n * c)
+        sums = np.bincount(where, weights=values[there], minlength=n * c)
+        return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan).reshape(n, c)
+
+
+class Population:
+    """All that many simulated studies of one part have in common.
+
+    scales: the names of those to answer, all of the study's without it.
+    Errors: InputError where the model lacks one of them or a condition of the study.
+    """
+
+    def __init__(self, model: Model, design: Design, part: str, scales: Sequence[str] | None = None) -> None:
+        self.model, self.design, self.part = model, design, design.part(part)
+        self._rows = rows_for(design, part)
+        self._names = {condition.name: number for number, condition in enumerate(self.part.conditions)}
+        self._trials = trials_of(design, part)
+        self._orders = np.array([self._flat(row) for row in self._rows])
+        self._ratings = {
+            scale.name: model.rating(scale)
+            for scale in design.scales
+            if scale.kind != QUESTIONNAIRE and (scales is None or scale.name in scales)
+        }
+        self._means = {
+            name: rating.means_of(self.part, f"{model.path}: [rating.{name}.means]")
+            for name, rating in self._ratings.items()
+        }
+
+    @property
+    def balanced(self) -> int:
+        """Number of people who together have each order once."""
+        return len(self._rows)
+
+    def means(self, scale: str) -> Floats:
+        """Return each condition's mean in the model, before anything else counts."""
+        return self._means[scale]
+
+    def of(self, persons: Sequence[int], seed: int, study: int = 0, orders: Sequence[Order] | None = None) -> Cohort:
+        """Simulate one study of these people, in the sequence they come.
+
+        orders: of each person; None allots them as the store does.
+        """
+        drawn = _Draws.of(self, persons, seed, study)
+        trials, why, sickness = self._ends(drawn)
+        shown = (
+            self._orders[self._allotted(why)] if orders is None else np.array([self._flat(order) for order in orders])
+        )
+        first, order = np.moveaxis(shown, -1, 0)
+        over = np.arange(order.shape[1]) >= trials[:, None]
+        answers, latent = {}, {}
+        for number, scale in enumerate(self.design.scales):
+            if scale.name not in self._means:
+                continue
+            is_choice = scale.kind == PREFERENCE
+            felt = self._preferred(drawn, number, first, order) if is_choice else self._felt(drawn, number, order)
+            none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
+            latent[scale.name] = np.where(none, np.nan, felt)
+            answered = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
+            answers[scale.name] = np.where(none, np.nan, answered)
+        return Cohort(self.part, order, first, trials, why, answers, latent, sickness, drawn.susceptible)
+
+    def expected(self, scale: str, *, latent: bool = False) -> Floats:
+        """Compute each condition's expected rating, exactly: over all people, showings and orders.
+
+        Drift and carry-over count as in a session without dropouts. latent: before steps and ends
+        of the scale.
+        """
+        orders = self._orders[..., 1]
+        rating, means = self._ratings[scale], self._means[scale][orders]
+        at = rating.latent_mean(means, _before(means), np.arange(means.shape[1]))
+        if not latent:
+            answers = next(asked for asked in self.design.scales if asked.name == scale)
+            values, where = np.unique(at, return_inverse=True)
+            on = np.array([mean_on_scale(float(value), rating.latent_sd, answers) for value in values])
+            at = on[where].reshape(at.shape)
+        numbers = orders.ravel()
+        return np.bincount(numbers, weights=at.ravel()) / np.bincount(numbers)
+
+    def _flat(self, order: Order) -> list[tuple[int, int]]:
+        """Return the numbers of the conditions, trial by trial, over all repeats.
+
+        Of both of a pair, and of a single condition twice.
+        """
+        pairs = (pair_of(name) if self.design.shows == PAIR else (name, name) for names in order for name in names)
+        return [(self._names[first], self._names[second]) for first, second in pairs]
+
+    def _felt(self, drawn: _Draws, number: int, order: Ints) -> Floats:
+        scale = self.design.scales[number]
+        means = self._means[scale.name][order]
+        taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
+        place = np.arange(order.shape[1])
+        return self._ratings[scale.name].latent(
+            means, _before(means), place, drawn.level[:, number, None], taste, drawn.noise[:, number]
+        )
+
+    def _preferred(self, drawn: _Draws, number: int, first: Ints, second: Ints) -> Floats:
+        """Compute by how much each second condition is felt to be better than the first, in JOD."""
+        name = self.design.scales[number].name
+        rating, means = self._ratings[name], self._means[name]
+
+        def at(order: Ints) -> Floats:
+            taste = np.take_along_axis(drawn.taste[:, number], order, axis=1)
+            return means[order] + rating.condition_sd * normal(taste)
+
+        return np.asarray(at(second) - at(first) + np.sqrt(2) * rating.noise_sd * normal(drawn.noise[:, number]))
+
+    def _choice(self, felt: Floats, scale: Scale) -> Floats:
+        """Return the answers to a preference: neither below the threshold, where allowed."""
+        chosen = np.where(felt > 0, SECOND, FIRST)
+        threshold = self._ratings[scale.name].threshold
+        return np.where(np.abs(felt) < threshold, NEITHER, chosen) if scale.allows_ties else chosen
+
+    def _ends(self, drawn: _Draws) -> tuple[Ints, tuple[str, ...], Floats]:
+        """Return (trials, why, sickness) as in Cohort."""
+        count = self._trials
+        sickness, sick_after = _sickness(self.model, self.design, drawn.sickness, drawn.susceptible)
+        leaves = drawn.dropout < self.model.dropout
+        left_after = np.where(leaves.any(axis=1), leaves.argmax(axis=1) + 1, count)
+        trials = np.minimum(np.minimum(sick_after, left_after), count)
+        why = tuple(
+            SICK if s <= t else STOPPED if t < count else COMPLETE for s, t in zip(sick_after, trials, strict=True)
+        )
+        later = np.arange(count + 1) > trials[:, None]
+        return trials, why, np.where(later, np.nan, sickness)
+
+    def _allotted(self, why: Sequence[str]) -> list[int]:
+        """Allot rows; an incomplete session leaves its order to the next."""
+        filled, rows = [0] * len(self._rows), []
+        for status in why:
+            rows.append(allot(filled, self.design.seed))
+            filled[rows[-1]] += status == COMPLETE
+        return rows
+
+
+def _before(means: Floats) -> Floats:
+    """Return the mean of the condition before each trial, and its own for the first one."""
+    return np.concatenate([means[:, :1], means[:, :-1]], axis=1)
+
+
+@attrs.frozen(eq=False)
+class _Draws:
+    """Uniform draws of n people; the length of a person's table depends on the plan alone."""
+
+    susceptible: Floats  # (n)
+    level: Floats  # (n, scales)
+    taste: Floats  # (n, scales, conditions)
+    sickness: Floats  # (n, T + 1)
+    dropout: Floats  # (n, T)
+    noise: Floats  # (n, scales, T)
+    missing: Floats  # (n, scales, T)
+
+    @classmethod
+    def of(cls, population: Population, persons: Sequence[int], seed: int, study: int) -> Self:
+        """Draw for these people."""
+        design, part = population.design, population.part
+        s, c = len(design.scales), len(part.conditions)
+        t = trials_of(design, part.name)
+        # In the order of the fields: the table is cut in this order, and that decides every answer.
+        shapes: list[tuple[int, ...]] = [(), (s,), (s, c), (t + 1,), (t,), (s, t), (s, t)]
+        ends = np.cumsum([int(np.prod(shape)) for shape in shapes])
+        table = np.stack([table_of(seed, study, part.name, person, int(ends[-1])) for person in persons])
+        cuts = np.split(table, ends[:-1], axis=1)
+        return cls(*(cut.reshape(len(table), *shape) for cut, shape in zip(cuts, shapes, strict=True)))
+
+
+def _sickness(model: Model, design: Design, noise: Floats, susceptible: Floats) -> tuple[Floats, Ints]:
+    """Return (n, T + 1) answers and (n) the trial after which the stop rule ends the session.
+
+    Answers are NaN where the plan does not ask; the trial lies beyond T where no rule applies.
+    noise: (n, T + 1) and susceptible: (n) uniform draws.
+    """
+    rule, trial = design.sickness, np.arange(noise.shape[1])
+    never = noise.shape[1]
+    if rule is None:
+        return np.full(noise.shape, np.nan), np.full(len(noise), never)
+    asked = np.where(trial == 0, design.practice is not None, trial % rule.every == 0)
+    felt = model.sickness.latent(trial, susceptible.reshape(-1, 1), noise)
+    answers = np.where(asked, of_share(felt, rule.scale), np.nan)
+    over = asked & _stops(answers, asked, rule.scale, rule.stop_at, rule.rise)
+    return answers, np.where(over.any(axis=1), over.argmax(axis=1), never)
+
+
+def _stops(
+    answers: Floats, asked: NDArray[np.bool_], scale: Scale, stop_at: float | None, rise: float | None
+) -> NDArray[np.bool_]:
+    """Return (n, T + 1) whether the session ends after each answer."""
+    bad = answers - scale.least if scale.low_is_good else scale.most - answers
+    over = np.zeros(answers.shape, bool)
+    if not asked.any():
+        return over
+    if stop_at is not None:
+        over |= bad >= scale.badness(stop_at)
+    if rise is not None:
+        over |= bad - bad[:, [int(asked.argmax())]] >= rise
+    return over
 
 
 class Respondent(Protocol):

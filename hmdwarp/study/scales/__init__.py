@@ -1,8 +1,380 @@
-"""Scales: one .toml file each, with anchors, direction and source.
+"""Scales: one .toml file each, with anchors, direction and source."""
 
-Names are in __init__.pyi; each loads its module at first use.
-"""
+from __future__ import annotations
 
-import lazy_loader
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol, Self
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+import attrs
+
+from ...errors import InputError, unknown_name
+from ...options import Table, parsed, quoted, text_of
+
+KINDS = (RATING, SICKNESS, QUESTIONNAIRE, PREFERENCE) = ("rating", "sickness", "questionnaire", "preference")
+# Answers to a preference, and so the numbers of its choices.
+FIRST, SECOND, NEITHER = 1.0, 2.0, 3.0
+OF = (SUMS, SCORES) = ("sums", "scores")
+OWN_ANSWERS = (CHOICE, NUMBER, WORDS) = ("choice", "number", "text")
+
+
+@attrs.frozen
+class Item:
+    """One question of a scale."""
+
+    key: str  # its name in tables
+    text: str  # the question in words
+    # One of OWN_ANSWERS, for a question of a questionnaire that has answers of its own; "" for
+    # those of its scale.
+    answer: str = ""
+    choices: tuple[str, ...] = ()  # the answer is the number of one, from 1 on
+    least: float = 0.0  # of a number
+    most: float = 0.0
+    step: float = 1.0
+    anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)  # in place of the scale's
+    is_reversed: bool = False  # whether scores count it from the other end
+
+    @property
+    def described(self) -> str:
+        """The question, with what differs from the other questions of its scale."""
+        own = [f"{value:g} = {words}" for value, words in self.anchors.items()]
+        own += ["reversed"] if self.is_reversed else []
+        return f"{self.text} ({'; '.join(own)})" if own else self.text
+
+
+@attrs.frozen
+class Score:
+    """A score of a questionnaire: a weighted sum of answers, or of other scores."""
+
+    name: str
+    items: tuple[int, ...] = ()  # numbers of the items that are summed, counted from 1
+    of: tuple[str, ...] = ()  # names of the scores that are summed instead of items
+    weight: float = 1.0
+    of_what: str = SUMS  # what `of` sums: "sums" before their weights, or weighted "scores"
+    title: str = ""
+
+
+@attrs.frozen
+class Scale:
+    """Rating, sickness scale, questionnaire or preference; its fields are what its file says."""
+
+    name: str  # the stem of its file
+    title: str
+    kind: str  # one of KINDS
+    items: tuple[Item, ...]  # exactly one for a rating or a preference
+    least: float  # lowest answer
+    most: float  # highest answer
+    step: float  # distance between two answers
+    low_is_good: bool
+    anchors: Mapping[float, str] = attrs.field(factory=dict, hash=False)  # words for some answers
+    scores: tuple[Score, ...] = ()  # of a questionnaire
+    units: str = ""  # for tables; "" for a plain number
+    source: str = ""  # the paper or standard it comes from
+    prompt: str = ""  # the question about every item; "" where the items are questions themselves
+    # Whether a rating is of the difference from the reference, which is shown right before.
+    beside_reference: bool = False
+
+    def values(self) -> tuple[float, ...]:
+        """Return every possible answer, from least to most."""
+        count = round((self.most - self.least) / self.step) + 1
+        return tuple(round(self.least + k * self.step, 9) for k in range(count))
+
+    def badness(self, answer: float) -> float:
+        """Return how bad an answer is, in units of the scale: 0 is the best answer, high is bad."""
+        return answer - self.least if self.low_is_good else self.most - answer
+
+    @property
+    def direction(self) -> str:
+        """Which answers are good, in words; "" where each question has answers of its own."""
+        return "" if not self.has_answers else f"{'low' if self.low_is_good else 'high'} is good"
+
+    @property
+    def allows_ties(self) -> bool:
+        """Whether a preference may be for neither."""
+        return self.kind == PREFERENCE and len(self.items[0].choices) >= NEITHER
+
+    @property
+    def has_answers(self) -> bool:
+        """Whether any question has the answers of the scale and not its own."""
+        return any(not item.answer for item in self.items)
+
+    def of(self, item: Item) -> Self:
+        """Return the scale of one item's answers; itself where the item has none of its own."""
+        if item.answer == CHOICE:
+            words = {float(number): text for number, text in enumerate(item.choices, 1)}
+            return attrs.evolve(self, least=1.0, most=float(len(words)), step=1.0, anchors=words)
+        if item.answer == NUMBER:
+            return attrs.evolve(self, least=item.least, most=item.most, step=item.step, anchors={})
+        return attrs.evolve(self, anchors=item.anchors) if item.anchors else self
+
+    def words_for(self, item: Item, value: float | None, text: str) -> str | None:
+        """Return an answer of the item's own in words: the choice, or what was typed; else None."""
+        if item.answer == CHOICE and value is not None:
+            return item.choices[round(value) - 1]
+        return text or None
+
+
+class AnswerRange(Protocol):
+    """Anything with a least and a most answer and a step between two."""
+
+    @property
+    def least(self) -> float: ...
+
+    @property
+    def most(self) -> float: ...
+
+    @property
+    def step(self) -> float: ...
+
+
+def number_text(number: float) -> str:
+    """Return the number as people write it, without trailing zeros."""
+    return f"{number:.9f}".rstrip("0").rstrip(".")
+
+
+def range_text(answers: AnswerRange) -> str:
+    """Return which answers there are: "1 to 6 in steps of 0.25"."""
+    steps = f" in steps of {number_text(answers.step)}" if answers.step != 1 else ""
+    return f"{number_text(answers.least)} to {number_text(answers.most)}{steps}"
+
+
+def scored(scale: Scale, answers: Mapping[str, float | None]) -> dict[str, float | None]:
+    """Compute every score of the scale from answers by item key; None where an answer is missing.
+
+    Errors: InputError for an unknown item, or an answer outside the scale.
+    """
+    known = {item.key: item for item in scale.items}
+    for key, value in answers.items():
+        if key not in known:
+            raise unknown_name(f"item of scale '{scale.name}'", key, list(known))
+        own = scale.of(known[key])
+        if value is not None and not own.least <= value <= own.most:
+            where = f"scale '{scale.name}', item '{key}'"
+            raise InputError(f"{where}: {value:g}: expected an answer from {own.least:g} to {own.most:g}")
+    values = [_counted(scale, item, answers.get(key)) for key, item in known.items()]
+    sums: dict[str, float | None] = {}
+    scores: dict[str, float | None] = {}
+    for score in scale.scores:
+        of = scores if score.of_what == SCORES else sums
+        parts = [of[name] for name in score.of] if score.of else [values[n - 1] for n in score.items]
+        present = [part for part in parts if part is not None]
+        total = sum(present) if len(present) == len(parts) else None
+        sums[score.name] = total
+        scores[score.name] = None if total is None else total * score.weight
+    return scores
+
+
+def _counted(scale: Scale, item: Item, answer: float | None) -> float | None:
+    """Return what an answer counts in scores."""
+    return scale.least + scale.most - answer if item.is_reversed and answer is not None else answer
+
+
+def score_ranges(scale: Scale) -> tuple[dict[str, float | None], dict[str, float | None]]:
+    """Return the least and the most that every score can be; None where no answers give it."""
+    items = [item for item in scale.items if not item.answer]
+    low = {item.key: scale.most if item.is_reversed else scale.least for item in items}
+    high = {item.key: scale.least if item.is_reversed else scale.most for item in items}
+    return scored(scale, low), scored(scale, high)
+
+
+FOLDER = Path(__file__).parent
+_EXAMPLE = "the scale of docs/scales.md"
+_MOST_VALUES = 10_000  # of one answer: no panel can tell more apart
+_MOST_ITEMS = 500
+MOST_CHOICES = 12  # rows of a list that a panel holds
+
+
+def scale_names() -> list[str]:
+    """Return the names of the shipped scales, sorted."""
+    return sorted(p.stem for p in FOLDER.glob("*.toml"))
+
+
+def load_scale(name: str, folder: Path | None = None) -> Scale:
+    """Load a shipped scale by name, or any .toml file by path.
+
+    folder: as text_of takes it. Errors: InputError naming the file, the line and the value.
+    """
+    path = Path(name) if name.endswith(".toml") else FOLDER / f"{name}.toml"
+    if not name.endswith(".toml") and name not in scale_names():
+        raise unknown_name("scale", name, [*scale_names(), "FILE.toml"])
+    text = text_of(path, f"a .toml file, or one of {', '.join(scale_names())}", folder)
+    return parsed(text, path, lambda data: _scale(data, path.stem), _EXAMPLE)
+
+
+def _scale(data: Table, name: str) -> Scale:
+    kind = data.word("kind", KINDS)
+    items = _items(data, own=kind in (QUESTIONNAIRE, PREFERENCE))
+    if kind == PREFERENCE:
+        _check_preference(data, items)
+    made = Scale(
+        name=name,
+        title=data.line("title"),
+        kind=kind,
+        items=items,
+        **(_no_answers() if "answer" not in data and all(item.answer for item in items) else _answers(data)),
+        units=data.line("units", ""),
+        source=data.line("source"),
+        prompt=data.line("prompt", ""),
+        beside_reference=data.flag("beside_reference", False),
+    )
+    return attrs.evolve(made, scores=_scores(data, made))
+
+
+def _check_preference(data: Table, items: tuple[Item, ...]) -> None:
+    """Check that there is one question, answered by the first, the second, and perhaps neither."""
+    if len(items) != 1 or items[0].answer != CHOICE or len(items[0].choices) not in (2, 3):
+        raise data.fault(
+            "item",
+            f'is no preference: expected one [[item]] with answer = "{CHOICE}" and 2 choices, for the first and for '
+            "the second of a pair, or 3, the last of them for neither",
+        )
+
+
+def _answers(data: Table) -> dict[str, Any]:
+    answer = data.table("answer")
+    least, most = answer.number("least"), answer.number("most")
+    return {
+        "least": least,
+        "most": most,
+        "step": _step(answer, least, most),
+        "low_is_good": answer.flag("low_is_good"),
+        "anchors": _anchors(answer, least, most),
+    }
+
+
+def _no_answers() -> dict[str, Any]:
+    """Return what a questionnaire has whose questions all have answers of their own."""
+    return {"least": 0.0, "most": 0.0, "step": 1.0, "low_is_good": False}
+
+
+def _items(data: Table, own: bool) -> tuple[Item, ...]:
+    """Read the questions. own: whether they may have answers of their own."""
+    tables = data.tables("item")
+    if not 1 <= len(tables) <= _MOST_ITEMS:
+        raise data.fault(
+            "item", f"comes {len(tables)} times: expected 1 to {_MOST_ITEMS} questions, each beginning with [[item]]"
+        )
+    items: list[Item] = []
+    for table in tables:
+        key = table.text("key")
+        if not key.isidentifier():
+            raise table.fault(
+                "key", f"is {key!r}: expected a word of letters, digits and _, as a column of a table can be called"
+            )
+        if key in [item.key for item in items]:
+            raise table.fault("key", f"is {key!r} a second time: every item has one of its own")
+        if "answer" in table and not own:
+            raise table.fault(
+                "answer", f"is for kind {QUESTIONNAIRE} or {PREFERENCE}: expected the answers of the scale alone"
+            )
+        items.append(Item(key, table.line("text"), **(_of_item(table, data) if own else {})))
+    return tuple(items)
+
+
+def _of_item(table: Table, data: Table) -> dict[str, Any]:
+    """Return what an item says of its answers."""
+    if "answer" in table:
+        return _own_answers(table)
+    made: dict[str, Any] = {"is_reversed": table.flag("reversed", False)}
+    if "anchors" in table:
+        answer = data.table("answer")
+        made["anchors"] = _anchors(table, answer.number("least"), answer.number("most"))
+    return made
+
+
+def _own_answers(table: Table) -> dict[str, Any]:
+    kind = table.word("answer", OWN_ANSWERS)
+    if kind == CHOICE:
+        choices = table.texts("choices")
+        if not 2 <= len(choices) <= MOST_CHOICES or len(set(choices)) < len(choices):
+            raise table.fault("choices", f"is {quoted(list(choices))}: expected 2 to {MOST_CHOICES} different texts")
+        return {"answer": kind, "choices": tuple(choices)}
+    if kind == NUMBER:
+        least, most = table.number("least"), table.number("most")
+        step = _step(table, least, most) if "step" in table or not most > least else 1.0
+        return {"answer": kind, "least": least, "most": most, "step": step}
+    return {"answer": kind}
+
+
+def _step(answer: Table, least: float, most: float) -> float:
+    if not most > least:
+        raise answer.fault("most", f"is {most:g}: expected more than answer.least, {least:g}")
+    step = answer.number("step")
+    if not step > 0:
+        raise answer.fault("step", f"is {step:g}: expected a number above 0")
+    steps = (most - least) / step
+    if not steps <= _MOST_VALUES:
+        raise answer.fault(
+            "step", f"is {step:g}: expected one that makes at most {_MOST_VALUES} steps from {least:g} to {most:g}"
+        )
+    if round(steps) < 1 or not math.isclose(steps, round(steps), abs_tol=1e-6):
+        raise answer.fault("step", f"is {step:g}: expected one that divides {least:g} to {most:g} into equal steps")
+    return step
+
+
+def _anchors(answer: Table, least: float, most: float) -> dict[float, str]:
+    table = answer.table("anchors")
+    anchors: dict[float, str] = {}
+    for key in table.keys():  # noqa: SIM118  (a Table is no dict)
+        try:
+            value = float(key)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= most:
+            raise table.fault(
+                key,
+                f"is no answer: expected a number from {least:g} to {most:g}, in quotes where it has a point or a sign",
+            )
+        if value in anchors:
+            raise table.fault(key, "says a second time what this answer means")
+        anchors[value] = table.line(key)
+    for end in (least, most):
+        if end not in anchors:
+            raise answer.fault("anchors", f"has no word for {end:g}: expected words for both ends at least")
+    return dict(sorted(anchors.items()))
+
+
+def _scores(data: Table, scale: Scale) -> tuple[Score, ...]:
+    tables = data.tables("score")
+    if tables and scale.kind != QUESTIONNAIRE:
+        raise data.fault("score", f"is for questionnaires: a {scale.kind} is its own score")
+    made: list[Score] = []
+    for table in tables:
+        name = table.text("name")
+        if not name.isidentifier() or name in [score.name for score in made]:
+            raise table.fault("name", f"is {name!r}: expected a word of letters, digits and _ that no other score has")
+        made.append(_score(table, name, len(scale.items), [score.name for score in made]))
+    return tuple(made)
+
+
+def _score(table: Table, name: str, items: int, before: list[str]) -> Score:
+    if ("items" in table) == ("of" in table):
+        raise table.fault(
+            None, f"'{name}': expected either items, numbers of questions from 1 on, or of, names of scores above it"
+        )
+    weight = table.number("weight", 1.0)
+    if "items" in table:
+        return Score(name, _item_numbers(table, items), weight=weight, title=table.line("title"))
+    of = table.texts("of")
+    for other in of:
+        if other not in before:
+            raise table.fault(
+                "of",
+                f"names {other!r}: expected scores that stand above this one ({', '.join(before) or 'there are none'})",
+            )
+    return Score(name, of=of, of_what=table.word("of_what", OF, SUMS), weight=weight, title=table.line("title"))
+
+
+def _item_numbers(table: Table, items: int) -> tuple[int, ...]:
+    numbers = table.numbers("items")
+    known = set(range(1, items + 1))
+    if not numbers or not set(numbers) <= known or len(set(numbers)) < len(numbers):
+        raise table.fault(
+            "items", f"is {list(map(_tidy, numbers))}: expected numbers of questions, from 1 to {items}, each once"
+        )
+    return tuple(map(int, numbers))
+
+
+def _tidy(value: float) -> float | int:
+    return int(value) if value == int(value) else value

@@ -4,7 +4,7 @@ from .runner import counting as counting
 from .runner import why_sick as why_sick
 from .session_context import head_angles_deg as head_angles_deg
 from .session_options import SessionOptions as SessionOptions
-from .task_score import STILL_DEG as STILL_DEG
-from .task_score import STILL_M as STILL_M
-from .task_score import HeadRange as HeadRange
 from .trial_runner import first_picture_wait_s as first_picture_wait_s
+from .wording import STILL_DEG as STILL_DEG
+from .wording import STILL_M as STILL_M
+from .wording import HeadRange as HeadRange

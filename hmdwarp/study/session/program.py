@@ -22,11 +22,11 @@ from ..design import Ask, Design, Show, design_from_text, live_options, load_des
 from ..dialogs import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
-from .closing_words import ClosingWords
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
 from .session_options import SessionOptions
 from .trial_runner import TrialRunner, first_picture_wait_s
+from .wording import ClosingWords
 
 Say = Callable[[str], None]
 

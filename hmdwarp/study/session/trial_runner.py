@@ -21,8 +21,7 @@ from ..dialogs import hints_for
 from ..store import Showing
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
-from .task_score import HeadRange, TaskScore
-from .wording import number_panel
+from .wording import HeadRange, TaskScore, number_panel
 
 BY = "hmdwarp study"
 TIME, FOUND = "time", "targets"  # ended a trial, where no one did
@@ -118,7 +117,7 @@ class TrialHandler(StepHandler):
         self.context.mark(event, self.step, at_ns, **shown, **data)
 
     def figures(self) -> dict[str, Any]:
-        """Return what the session adds to the figures of study/actual.py."""
+        """Return what the session adds to the figures of study/store/records.py."""
         score = self.score
         without = FOUND if score is not None and score.is_over and self.step.until_done else TIME
         ended_by = (self.by or without) if self.finished() and not self.interrupt else ""

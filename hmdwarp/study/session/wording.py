@@ -2,15 +2,127 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+import shlex
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Any
 
 import attrs
+import numpy as np
+from numpy.typing import NDArray
 
+from ...errors import HmdwarpError
+from ...geometry import Pose
+from ...poses import Origin, PoseSample
 from ...report import counted
-from ..design import Ask, Page, PageStep, Pause, Read, Show, Step
+from ...run import Recorder
+from ..design import Ask, Design, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
-from ..store import COMPLETE, DECLINED, SICK, STOPPED, UNCONSENTED
-from .task_score import HeadRange
+from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
+from .session_options import SessionOptions
+
+# Below both, a trial counts as one in which the head hardly moved. A head that is held still sways
+# by some 2 degrees and 2 cm; one that looks around turns by tens of degrees within seconds. A warp
+# has next to nothing to correct below these, whatever the latency.
+STILL_DEG, STILL_M = 5.0, 0.05
+
+
+@attrs.define
+class HeadRange:
+    """Largest distances of a head from where it was first."""
+
+    turn_deg: float = 0.0
+    shift_m: float = 0.0
+    _first: Pose | None = None
+
+    def add(self, head: PoseSample) -> None:
+        """Take a head; one held because tracking was lost is no motion."""
+        if head.origin is Origin.HELD:
+            return
+        pose = head.pose
+        if self._first is None:
+            self._first = pose
+            return
+        near = abs(sum(a * b for a, b in zip(pose.unit_quaternion, self._first.unit_quaternion, strict=True)))
+        self.turn_deg = max(self.turn_deg, math.degrees(2 * math.acos(min(near, 1.0))))
+        self.shift_m = max(self.shift_m, math.dist(pose.position_m, self._first.position_m))
+
+    @property
+    def is_still(self) -> bool:
+        """Whether the head hardly moved."""
+        return self.turn_deg < STILL_DEG and self.shift_m < STILL_M
+
+    def figures(self) -> dict[str, float | bool | None]:
+        """Return the figures of study/store/records.py; None throughout where no head was seen."""
+        if self._first is None:
+            return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
+        return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}
+
+
+@attrs.define(eq=False)
+class TaskScore:
+    """Score of one trial. A target is selected by a confirmation while the head points at it."""
+
+    places_m: NDArray[np.float64]  # (n, 3) of the targets, in the world
+    size_deg: float  # the head's direction may be off by as much
+    times_s: list[float] = attrs.field(factory=list)  # of the selections, since the first picture
+    misses: int = 0
+    turned_deg: float = 0.0  # path of the head until the last target was found
+    _left: list[int] = attrs.field(init=False)
+    _head: Pose | None = None
+
+    def __attrs_post_init__(self) -> None:
+        self._left = list(range(len(self.places_m)))
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all targets are found."""
+        return not self._left
+
+    def add(self, head: PoseSample) -> None:
+        """Take the head of a picture; one held because tracking was lost is no motion."""
+        if head.origin is Origin.HELD or self.is_over:
+            return
+        if self._head is not None:
+            self.turned_deg += _turn_deg(self._head, head.pose)
+        self._head = head.pose
+
+    def select(self, seen_s: float) -> None:
+        """Select the nearest target that the head points at, at that time; else count a miss."""
+        if self.is_over or self._head is None:
+            return
+        off = self._off_deg(self._head)
+        nearest = min(self._left, key=lambda number: off[number])
+        if off[nearest] > self.size_deg:
+            self.misses += 1
+            return
+        self._left.remove(nearest)
+        self.times_s.append(seen_s)
+
+    def _off_deg(self, head: Pose) -> NDArray[np.float64]:
+        ahead = -np.array(head.rotation_matrix)[:, 2]
+        ways = self.places_m - np.array(head.position_m)
+        return np.asarray(np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1))))
+
+    def figures(self, seen_s: float) -> dict[str, Any]:
+        """Return the figures of study/store/records.py. seen_s: since the first picture."""
+        found = len(self.times_s)
+        spent_s = self.times_s[-1] if self.is_over else seen_s
+        return {
+            "task_targets": len(self.places_m),
+            "task_found": found,
+            "task_misses": self.misses,
+            "task_target_s": spent_s / found if found else None,
+            "task_turned_deg": self.turned_deg,
+            "task_times_s": " ".join(f"{time_s:.3f}" for time_s in self.times_s),
+        }
+
+
+def _turn_deg(one: Pose, other: Pose) -> float:
+    near = abs(sum(a * b for a, b in zip(one.unit_quaternion, other.unit_quaternion, strict=True)))
+    return math.degrees(2 * math.acos(min(near, 1.0)))
+
 
 # Keys of what comes between the steps.
 READY, MENU, REQUESTED_BREAK, STOP_RULE, END = ("ready", "menu", "asked-break", "sick", "end")
@@ -108,3 +220,83 @@ def page_panel(page: Page, hint: str, text: str) -> MessagePanel:
 def _trials(steps: Sequence[Step]) -> int:
     """Count the trials, without the practice."""
     return max((step.trial for step in steps if isinstance(step, Show)), default=0)
+
+
+class ClosingWords:
+    """Closing words of one run of the program."""
+
+    def __init__(
+        self,
+        options: SessionOptions,
+        design: Design,
+        store: Store,
+        say: Callable[[str], None],
+        on_end: Callable[[Session], None],
+    ) -> None:
+        self._options, self._design, self._store, self._say, self._on_end = options, design, store, say, on_end
+        self.session: Session | None = None  # None until there is one
+        self.recording: Callable[[], Recorder | None] = lambda: None  # of the trial under way
+        self.quiet = False  # whether an error says it all
+
+    @property
+    def how_to_resume(self) -> str:
+        """Sentence with the command that resumes the session."""
+        assert self.session is not None
+        several = len(self._design.parts) > 1
+        return f"resume with: {self._options.command(self.session.code, self.session.part, several)}"
+
+    def say(self) -> None:
+        """Say them, once everything else is closed."""
+        if self.session is None or self.quiet:
+            return
+        for line in self._lines(self.session):
+            self._say(line)
+        self._on_end(self.session)
+
+    def _lines(self, session: Session) -> list[str]:
+        origin = "" if session.origin == PERSON else f" ({session.origin})"
+        why = f": {session.why}" if session.why else ""
+        lines = [
+            f"participant {session.code}{origin}, session {session.number}, part {session.part}: {session.status}{why}"
+        ]
+        with suppress(HmdwarpError):  # a full disk may not even be readable
+            answers = self._store.answers(session)
+            rated = sum(answer.phase == "trial" and answer.value is not None for answer in answers)
+            count = f"{counted(len(answers), 'answer')}, {rated} of them about trials" if answers else "no answers"
+            lines.append(f"stored in {self._store.folder}: {count}")
+            lines += self._still(session)
+        lines.append(self.how_to_resume if session.status == INTERRUPTED else self._next())
+        return lines
+
+    def _still(self, session: Session) -> list[str]:
+        """Say in how many trials the head hardly moved."""
+        shown = self._store.contents(pilot=session.origin == PILOT).showings
+        trials = {
+            showing.key: showing
+            for showing in shown
+            if showing.session == session.id and showing.complete and showing.trial
+        }
+        still = sum(bool(showing.actual.get("head_still")) for showing in trials.values())
+        of = f"{still} of {counted(len(trials), 'trial')}"
+        return [f"the head hardly moved in {of}: almost a still picture was rated (head_still)"] if still else []
+
+    def _next(self) -> str:
+        words = ["hmdwarp", "study", "export", self._options.study, "--out", "DIR"]
+        words += ["--store", str(self._options.store)] if self._options.store is not None else []
+        words += [f"--{self._options.origin}"] if self._options.origin != PERSON else []
+        return f"next: another participant, or {shlex.join(words)}"
+
+    def explained(self, error: HmdwarpError) -> HmdwarpError:
+        """Return the same error with how to resume: it is the only line that will be read."""
+        self.quiet = True
+        if self.session is None:
+            return error
+        return type(error)(f"{error}; what was answered before is stored, {self.how_to_resume}")
+
+    def last_words(self) -> str:
+        """Return the words for the watchdog, which ends the program; answers are on the disk."""
+        recorder = self.recording()
+        saved = recorder.save() if recorder is not None else ""
+        if self.session is None:
+            return ""
+        return "; ".join(filter(None, (saved, "what was answered is stored", self.how_to_resume)))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.special import entr, log_ndtr, ndtr, ndtri
 from scipy.stats import t as student
 
-from .bootstrap import bca_shares
+from .rank_tests import bca_shares
 
 Array = NDArray[np.float64]
 

@@ -16,8 +16,7 @@ from replays import contents, run
 
 from hmdwarp.client import build_plan
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.bench.bench_rows import COLUMNS, passes_of
-from hmdwarp.experiments.bench.notes import answer
+from hmdwarp.experiments.bench.bench_rows import COLUMNS, answer, passes_of
 from hmdwarp.experiments.bench.sections import AXES, displaced
 from hmdwarp.geometry import Pose
 from hmdwarp.link import LinkOptions

@@ -19,7 +19,7 @@ from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
-from hmdwarp.experiments.compare import start_bytes, unfit
+from hmdwarp.experiments.bench import start_bytes, unfit
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, first_cases, render_compare_page
 

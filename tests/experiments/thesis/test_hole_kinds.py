@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis.hole_kinds import holes_of, seam
+from hmdwarp.experiments.thesis.run_figures import holes_of, seam
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import border_share
 

@@ -16,7 +16,7 @@ from commands import hmdwarp
 from hmdwarp.experiments.sweep import KeptOptions, run_cases
 from hmdwarp.experiments.thesis import Motion, PictureRun, ThesisWork, Thoroughness, Verdict, cases_of, experiments
 from hmdwarp.report import summary_markdown
-from hmdwarp.study.thesis_ratings import published_ratings
+from hmdwarp.study.analysis import published_ratings
 
 EXPERIMENTS = experiments()
 FEW = "scene,fig28-30,ratings-figures"

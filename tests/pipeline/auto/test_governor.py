@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.pipeline.auto import Governor, QualityLevel
-from hmdwarp.pipeline.auto.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW
+from hmdwarp.pipeline import QualityLevel
+from hmdwarp.pipeline.governor import BACK_OFF, PATIENCE, SETTLING, TRIAL, WINDOW, Governor
 
 BUDGET = 10.0
 LADDER = tuple(

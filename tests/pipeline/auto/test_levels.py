@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.pipeline.auto import QualityLevel, choose, levels_from, settings_of
+from hmdwarp.pipeline import QualityLevel
+from hmdwarp.pipeline.levels import choose, levels_from, settings_of
 
 
 def row(warp: str, fill: str, total: float | None, flip: float | None, **case) -> dict:

@@ -9,7 +9,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.pipeline.motion_vectors import velocity_of
+from hmdwarp.pipeline.feed_layers import velocity_of
 
 WIDE, HIGH, SECONDS = 40, 30, 1 / 90
 NOW = View(Pose((0.3, 1.6, -2.0), (0.05, -0.1, 0.02, 0.99)), Fov(-0.7, 0.8, -0.75, 0.6))

@@ -17,7 +17,7 @@ from hmdwarp.pipeline.remote import Remote
 from hmdwarp.pipeline.remote_source import RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
-from hmdwarp.run.log import ReplayLog
+from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
@@ -56,7 +56,7 @@ def pictures(monkeypatch, options) -> dict[int, tuple[int, list]]:
 
     with monkeypatch.context() as patched:
         patched.setattr(ReplayLog, "add", look)
-        patched.setattr("hmdwarp.run.replay_results.render_report", lambda *_, **__: "no page")
+        patched.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
         done = replay(options)
     return found, done.summary
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import comparison_lines, render_study_report
 from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, analyse, copied_rows, load_claims, order_effects
-from hmdwarp.study.analysis.sentences import of_copied, of_order, of_reference
+from hmdwarp.study.analysis.full_analysis import sentence_of_copied, sentence_of_reference, sentences_of_order
 from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of
@@ -215,7 +215,7 @@ def test_confounded_effects_are_named():
             )
     found = order_effects(rows)
     assert found["place"]["f"] == pytest.approx(found["previous"]["f"]) and found["place"]["p"] < 0.05
-    said = of_order(found, GRADE)
+    said = sentences_of_order(found, GRADE)
     assert said[0].endswith("it changed the ratings; here it is confounded with the condition shown before.")
     assert said[1].endswith("it changed the ratings; here it is confounded with the place of a trial.")
 
@@ -266,7 +266,7 @@ def test_equal_rows_on_a_coarse_scale_are_called_likely():
     made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
     (found,) = copied_rows(Ratings(tuple(r for table in made for r in table.rows), {"grade": GRADE}), "grade", 1)
     assert found["by_chance"] > 0.5 and found["within"] > 0
-    assert "no sign of copying" in of_copied(found) and "most likely" not in of_copied(found)
+    assert "no sign of copying" in sentence_of_copied(found) and "most likely" not in sentence_of_copied(found)
 
 
 # --- claims -------------------------------------------------------------------------------------
@@ -306,7 +306,7 @@ def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
 
 
 def test_an_unrated_reference_is_not_praised():
-    assert of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."
+    assert sentence_of_reference({"rated": 0, "missed": []}) == "The hidden reference was not rated."
 
 
 REFERENCE = [  # (ratings by condition, what is said of the reference); 1 is the best grade

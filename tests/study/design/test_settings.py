@@ -9,12 +9,12 @@ from pathlib import Path
 import attrs
 import pytest
 
-from hmdwarp.cli import live as live_command
+from hmdwarp.cli import runs as live_command
 from hmdwarp.errors import InputError
 from hmdwarp.options.named_files import OUTSIDE
 from hmdwarp.run import LiveOptions
 from hmdwarp.study.design import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
-from hmdwarp.study.design.condition_settings import _NOT_SETTINGS, PICTURE
+from hmdwarp.study.design.definitions import _NOT_SETTINGS, PICTURE
 
 
 def test_every_option_of_live_is_a_setting_or_says_why_not():
@@ -29,7 +29,7 @@ def by_command_line(monkeypatch, *arguments: str) -> LiveOptions:
     from hmdwarp.cli import main
 
     caught: list[LiveOptions] = []
-    monkeypatch.setattr(live_command, "run", lambda options, quiet: caught.append(options))
+    monkeypatch.setattr(live_command, "run_live", lambda options, quiet: caught.append(options))
     monkeypatch.setattr("hmdwarp.cli.end_cleanly", lambda: None)
     monkeypatch.setattr(sys, "argv", ["hmdwarp", "live", *arguments])
     with pytest.raises(SystemExit) as left:

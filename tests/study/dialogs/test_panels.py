@@ -36,8 +36,7 @@ from hmdwarp.study.dialogs import (
     width_of,
     wrapped,
 )
-from hmdwarp.study.dialogs.buttons import Button
-from hmdwarp.study.dialogs.canvas import Canvas
+from hmdwarp.study.dialogs.buttons import Button, Canvas
 
 from .made_scales import SHIPPED, any_scale, asked_of, said
 

@@ -16,7 +16,7 @@ from hmdwarp.study.analysis import analyse, from_contents
 from hmdwarp.study.design import design_as_json, load_design
 from hmdwarp.study.dialogs import MessagePanel
 from hmdwarp.study.export import long_rows
-from hmdwarp.study.session.task_score import TaskScore
+from hmdwarp.study.session.wording import TaskScore
 from hmdwarp.study.store import plan_signature
 
 from .sessions import Person, contents, run, study

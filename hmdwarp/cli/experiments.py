@@ -1,0 +1,109 @@
+"""Commands of experiments over many cases."""
+
+from __future__ import annotations
+
+import typer
+
+from ..experiments import sweep
+from ..experiments.bench import BenchOptions, MergeOptions
+from ..experiments.bench.options import CompareOptions
+from ..experiments.thesis import ThesisOptions
+from ..run.requirements import Requirements
+from ._options import QUIET, Said, command_line, takes
+
+
+@takes(BenchOptions, Requirements, QUIET)
+def bench(said: Said) -> None:
+    """Run every combination of warps, fills, latencies, scenes, traces and sizes.
+
+    All see the same late frames; the result is error against time.
+    """
+    from ..experiments.bench import bench as run
+    from ._show import run_experiment
+
+    required, options = Requirements.of(said), BenchOptions.of(said, command=command_line())
+    run_experiment(run, "instants", _tell_bench, options, quiet=said["quiet"], required=required)
+
+
+@takes(MergeOptions, QUIET)
+def merge(said: Said) -> None:
+    """Join benches of several machines or parts: quality once, times for each machine.
+
+    Fails where two machines showed different pictures.
+    """
+    from ..experiments.bench import merge as run
+
+    result = run(MergeOptions.of(said, command=command_line()))
+    if not said["quiet"]:
+        _tell_bench(result)
+        typer.echo(f"report: {result.report}")
+
+
+def _tell_bench(result: sweep.ExperimentResult) -> None:
+    from ..experiments.bench.bench_rows import answer
+    from ..experiments.sweep import MOST_SHOWN
+    from ..report import axes_of_traces
+    from ..report.bench import bench_table, first_cases
+    from ._show import console, paragraph
+
+    screen, rows = console(), result.data["rows"]
+    shown, count = first_cases(rows, MOST_SHOWN)
+    screen.print(bench_table(shown, width=screen.width))
+    if count > MOST_SHOWN:
+        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all.")
+    paragraph(f"Timed by {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
+    for trace, axes in axes_of_traces(rows).items():
+        paragraph(f"Axes of {trace}: {axes}.")
+    of_rows = (note for row in rows for note in row["notes"])
+    for note in dict.fromkeys([*result.data["notes"], *of_rows]):
+        paragraph(f"note: {note}")
+    for sentence in answer(result.data["choice"]) if result.data["choice"] else ():
+        paragraph(sentence)
+
+
+@takes(CompareOptions, Requirements, QUIET)
+def compare(said: Said) -> None:
+    """Run every strategy of remote rendering on the same heads, over the same coded link.
+
+    Error, time, traffic and memory, and which class of clients can run what.
+    """
+    from ..experiments.bench import compare as run
+    from ._show import run_experiment
+
+    required, options = Requirements.of(said), CompareOptions.of(said, command=command_line())
+    run_experiment(run, "runs", _tell_compare, options, quiet=said["quiet"], required=required)
+
+
+def _tell_compare(result: sweep.ExperimentResult) -> None:
+    from ..experiments.sweep import MOST_SHOWN
+    from ..report.compare_page import compare_table, first_cases
+    from ._show import console, paragraph
+
+    rows = result.data["rows"]
+    numbers, count = first_cases(rows, MOST_SHOWN)
+    console().print(compare_table([rows[number] for number in numbers]))
+    if count > MOST_SHOWN:
+        paragraph(f"These are the first {MOST_SHOWN} of {count} cases; compare.csv and compare.json have all.")
+    for entry in result.data["left_out"]:
+        paragraph(f"note: {entry['strategy']} is left out: {entry['why']}")
+
+
+@takes(ThesisOptions, QUIET)
+def thesis(said: Said) -> None:
+    """Run the thesis's figures, times and claims again, each with its number and a verdict.
+
+    Each run is kept in the folder as soon as it is done: --resume goes on there.
+    """
+    from ..experiments.thesis import run_thesis
+    from ..study.analysis import published_ratings
+    from ._show import run_experiment
+
+    options = ThesisOptions.of(said, command=command_line())
+    run_experiment(run_thesis, "runs", _tell_thesis, options, published_ratings, quiet=said["quiet"])
+
+
+def _tell_thesis(result: sweep.ExperimentResult) -> None:
+    from ._show import in_columns
+
+    in_columns((each["verdict"], each["claim"]) for each in result.data["experiments"])
+    typer.echo(", ".join(f"{count} {verdict}" for verdict, count in result.data["verdicts"].items()))

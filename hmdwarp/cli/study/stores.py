@@ -1,0 +1,196 @@
+"""Commands on a study's store: what leaves it, what enters it, and what is measured of it."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import attrs
+import typer
+
+from ...errors import InputError
+from ...options import Declared, force_field, group, option, out_field, path_of
+from ...study.measure_options import MeasureOptions
+from .._options import QUIET, Said, takes
+from ._options import origin_of, pilot_field, simulated_field, store_field, store_of, study_field
+
+
+@attrs.frozen
+class MeasureCommand(Declared):
+    """A study, and how to measure it."""
+
+    study: str = study_field()
+    store: Path | None = store_field()
+    simulated: bool = simulated_field()
+    options: MeasureOptions = group(MeasureOptions)
+
+
+@takes(MeasureCommand, QUIET)
+def measure(said: Said) -> None:
+    """Replay each trial's head trace and measure its pictures against zero latency; resumable."""
+    from ...experiments.sweep import raise_failed
+    from ...study.design import load_design
+    from ...study.measure import measure_study
+    from ...study.store import Store, folder_to_read
+    from .._show import steps
+
+    wanted, quiet = MeasureCommand.of(said), said["quiet"]
+    origin = origin_of(wanted.options.pilot, wanted.simulated)
+    design = load_design(wanted.study, checked=False)  # only its name is needed
+    with (
+        Store(folder_to_read(design, wanted.store, origin), study=design.name) as data,
+        steps("refreshes", quiet=quiet) as (progress, screen),
+    ):
+        found = measure_study(data, wanted.options, progress, *([] if quiet else [screen.print]))
+    if not quiet:
+        for line in found.describe():
+            typer.echo(line)
+    raise_failed(found.failed, found.measured + len(found.failed), "the others are kept: run it again")
+
+
+@attrs.frozen
+class ExportCommand(Declared):
+    """An export."""
+
+    study: str = study_field()
+    out: Path = out_field(attrs.NOTHING, "A new folder for the tables and the BIDS data set.")
+    force: bool = force_field()
+    store: Path | None = store_field()
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
+    remarks: bool = option(False, "Also remarks, which may name people.")
+    all_revisions: bool = option(False, "Also every answer that was corrected later.")
+    parquet: bool | None = option(
+        None, "Write ratings.parquet; by default where pyarrow is installed.", kind=bool, off="--no-parquet"
+    )
+
+
+@takes(ExportCommand, QUIET)
+def export(said: Said) -> None:
+    """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
+    from ...study.design import load_design
+    from ...study.export import ExportOptions
+    from ...study.export import export as run
+    from ...study.store import Store, folder_to_read
+    from .._show import steps
+
+    wanted = ExportCommand.of(said)
+    origin = origin_of(wanted.pilot, wanted.simulated)
+    design = load_design(wanted.study, checked=False)
+    with Store(folder_to_read(design, wanted.store, origin), study=design.name) as data:
+        contents = data.contents(pilot=wanted.pilot)
+    options = ExportOptions(
+        origin=origin,
+        remarks=wanted.remarks,
+        revisions=wanted.all_revisions,
+        parquet=wanted.parquet,
+        force=wanted.force,
+    )
+    with steps("recordings", quiet=said["quiet"]) as (progress, _):
+        made = run(contents, design, wanted.out, options, progress)
+    if not said["quiet"]:
+        for line in made.notes:
+            typer.echo(line)
+        typer.echo(f"written: {made.folder}")
+
+
+@attrs.frozen
+class MergeStoresOptions(Declared):
+    """Which stores to join."""
+
+    stores: tuple[str, ...] = option(
+        attrs.NOTHING,
+        "The folders of data of two or more sites, each after the site's name: berlin=DIR.",
+        kind=list,
+        positional=True,
+        metavar="STORE",
+    )
+    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.", kind=Path)
+
+
+@takes(MergeStoresOptions, QUIET)
+def merge(said: Said) -> None:
+    """Join the stores of several sites; every command takes the result with --store.
+
+    Participants keep their sessions, and get their site's name before their code.
+    """
+    from ...report import counted
+    from ...study.store import merge as run
+
+    options = MergeStoresOptions.of(said)
+    sites: dict[str, Path] = {}
+    for text in options.stores:
+        site, equals, folder = text.partition("=")
+        if not equals:
+            raise InputError(f"'{text}': expected SITE=DIR, as in berlin=DIR")
+        if site in sites:
+            raise InputError(f"site '{site}' is given twice: expected one folder for each")
+        sites[site] = path_of(folder, "STORE")
+    for rows in run(sites, options.out):
+        if not said["quiet"]:
+            amounts = (counted(rows.participants, "participant"), counted(rows.sessions, "session"))
+            typer.echo(f"{rows.site}: {', '.join(amounts)}, {counted(rows.answers, 'answer')}")
+    if not said["quiet"]:
+        typer.echo(f"store: {options.out}")
+
+
+@attrs.frozen
+class WithdrawOptions(Declared):
+    """Who withdraws from which study."""
+
+    study: str = study_field()
+    code: str = option(attrs.NOTHING, "The participant's code.", positional=True, metavar="CODE")
+    store: Path | None = store_field()
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
+    yes: bool = option(False, "Erase without confirmation.")
+
+
+@takes(WithdrawOptions)
+def withdraw(said: Said) -> None:
+    """Erase all ratings, events and head traces of a participant; the code stays reserved."""
+    from ...errors import InputError
+    from ...study.store import BEYOND, Store
+
+    options = WithdrawOptions.of(said)
+    code = options.code
+    folder, design = store_of(options)
+    with Store(folder, study=None if design is None else design.name, say=typer.echo) as opened:
+        if not options.yes and not opened.finish_withdrawal(code):
+            if not sys.stdin.isatty():
+                raise InputError(f"withdrawing {code} cannot be undone: use --yes, or a terminal for the confirmation")
+            found = opened.holdings(code)
+            typer.echo(f"{folder} holds of participant {found.code}: {found.describe()}.")
+            if not typer.confirm("Erase it for good?"):
+                typer.echo("Nothing was erased.")
+                return
+        erased = opened.withdraw(code)
+        known, amount = (code, "the rest of it") if erased is None else (erased.code, erased.describe())
+    typer.echo(
+        f"Participant {known} has withdrawn; erased: {amount}. The code stays marked, and their order is free. {BEYOND}"
+    )
+
+
+@attrs.frozen
+class RecoverOptions(Declared):
+    """Which store to rescue, and where to."""
+
+    study: str = study_field()
+    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.", kind=Path)
+    store: Path | None = store_field()
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
+
+
+@takes(RecoverOptions)
+def recover(said: Said) -> None:
+    """Rescue what can be read of damaged data into a new folder, and say what is lost."""
+    from ...study.store import recover as run
+
+    options = RecoverOptions.of(said)
+    folder, design = store_of(options)
+    origin = origin_of(options.pilot, options.simulated)
+    found = run(folder, options.out, design, "" if design is None else design.name, origin)
+    for line in found.describe():
+        typer.echo(line)
+    typer.echo(f"written: {options.out}; name it with --store, and keep {folder} as it is")

@@ -1,0 +1,278 @@
+"""Every strategy on the same heads, over the same link, by the same measures."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+import platform
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...client.capability import lacking
+from ...client.classes import Client, load_client
+from ...client.plan import Plan
+from ...client.strategies import strategies
+from ...errors import InputError, PlanError
+from ...frames import EyeSizes, frame_bytes, video_pixels
+from ...link.codec import codecs
+from ...metrics import QUALITY, ratings_of
+from ...pipeline.planning import build_plan_for
+from ...pipeline.proxy import source_of
+from ...report import OutputFolder, png_bytes
+from ...report.compare_page import first_cases, render_compare_page
+from ...run.options import RunOptions
+from ...run.replay_run import Measured, measured
+from ...run.setup import first_shown_s, schedule_for
+from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Separate, SweepCase, experiment
+from .cases import heads_of
+from .options import CompareOptions
+
+_DUPLICATE = (
+    "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
+)
+Progress = Callable[[int, int], None]
+
+COLUMNS = (
+    *("trace", "scene", "latency_ms", "strategy", "warp", "fill"),
+    *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95")),
+    *("jod", "truth_preferred", "client_ms", "server_ms", "mbit_s", "up_mbit_s", "decoded_mpx_s"),
+    *("start_bytes", "client_bytes", "unfit"),
+)
+PAGE, TABLE, DATA = FILES = ("compare.html", "compare.csv", "compare.json")
+
+
+def compare(
+    options: CompareOptions,
+    progress: Progress = lambda done, total: None,
+    say: Callable[[str], None] = lambda text: None,
+) -> ExperimentResult:
+    """Run every strategy on every recording at every latency, and write options.out.
+
+    Each run is a case; those of a recording and latency, which are compared, run on one machine.
+
+    All options are checked before anything runs. progress(done, total): in runs. say: gets a
+    sentence.
+    Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
+    the run where none of several was done.
+    """
+    clients = [load_client(name) for name in options.clients]
+    runs, left_out = _checked(options)
+    cases = [_case(run, options.clients) for run in runs]
+
+    with experiment(options, FILES, Separate(run_part), cases, progress, say) as (out, swept, described):
+        rows = swept.rows(lambda row: (row,))
+        failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
+        data = described(
+            {
+                **{key: rows[0][key] for key in ("machine", "clock")},
+                "clients": [{"name": client.name, "summary": client.summary} for client in clients],
+                "strategies": [_described(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
+                "left_out": [*left_out, *failed],
+                "rows": rows,
+            }
+        )
+        _write(out, data, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
+    return ExperimentResult(options.out, data, options.out / PAGE, swept)
+
+
+def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
+    front = f"{run.trace}, {run.total_latency_ms:g} ms"
+    return SweepCase.of("compare", f"{run.strategy}, {front}", ComparePart(run, tuple(clients)), group=front)
+
+
+def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
+    """Return the options of every run, and which strategies are left out and why.
+
+    Those not named are left out where the scene does not call for them, where they would do
+    what another one does, and where recorded frames lack what they send.
+    Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
+    """
+    first = _run_options(options, "", options.recordings[0], 0.0, 0.0)
+    source = source_of(first)
+    scene, headset, left_out, chosen = source.scene, source.headset, [], dict[str, Any]()
+    for text in options.strategies or strategies.names():
+        try:
+            run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
+            build_plan_for(run, headset, None)
+            plan = build_plan_for(run, headset, scene)
+            source.check_eyes(plan.needs, 2)
+        except (PlanError, InputError) as error:
+            if options.strategies or not (isinstance(error, PlanError) or options.frames):
+                raise
+            left_out.append({"strategy": text, "why": str(error)})
+            continue
+        does = _what_it_does(run, plan)
+        alike = None if options.strategies else next((name for name, same in chosen.items() if same == does), None)
+        if alike is None:
+            chosen[text] = does
+        else:
+            left_out.append({"strategy": text, "why": _DUPLICATE.format(scene=scene.name, alike=alike)})
+    rate_hz = options.rate_hz or headset.refresh_hz
+    # From the same refresh on: that of the longest wait for a first frame.
+    latest = [_run_options(options, text, options.recordings[0], max(options.latencies_ms), 0.0) for text in chosen]
+    start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
+    cases = itertools.product(options.recordings, options.latencies_ms, chosen)
+    runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
+    traces = heads_of(options, source)
+    for run in runs:
+        codecs.get(run.coding.codec)
+        schedule_for(run, source, traces[run.trace], rate_hz)
+    return runs, left_out
+
+
+def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
+    """Return what tells two strategies apart on one scene: all but their names and reasons."""
+    return (
+        attrs.evolve(run, strategy="", warp="none", fill="none", effects="none"),
+        attrs.evolve(plan, steps=(), left_out=()),
+    )
+
+
+def _run_options(options: CompareOptions, text: str, recording: str, latency_ms: float, start_s: float) -> RunOptions:
+    """Return the options of one run. Errors: as RunOptions.of."""
+    by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
+    return attrs.evolve(
+        by_strategy.over(latency_ms, options.network, options.coding),
+        **options.of_run("scene", "repair", "metrics_every"),
+        size=options.eye_size,
+        start_s=start_s,
+        lens="none",
+        against="",
+        workers=options.sweep.measuring(options.workers),
+        images=1,
+    )
+
+
+def _described(text: str) -> dict[str, Any]:
+    strategy = strategies.get(text.partition(":")[0])
+    about = {name: getattr(strategy, name) for name in ("summary", "crosses", "client", "late")}
+    classes = [f"class-{number}" for number in strategy.classes]
+    return {"name": text, **about, "classes": classes, "source": strategy.source}
+
+
+def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[Picture, Picture]]]) -> None:
+    numbers, count = first_cases(data["rows"], MOST_SHOWN)
+    shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
+    out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
+    out.write_text(PAGE, render_compare_page(shown, [pictures[number] for number in numbers]))
+    out.write_json(DATA, data)
+
+
+def _flat(rows: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    for row in rows:
+        plain = {name: row[name] for name in COLUMNS if name in row and name != "jod"} | ratings_of(row)
+        ends = list(itertools.product(QUALITY, (("", "mean"), ("_p95", "p95"))))
+        quality = {f"{name}{tail}": row["quality"][name][which] for name, (tail, which) in ends}
+        why = "; ".join(f"{client}: {reason}" for client, reason in row["unfit"].items() if reason)
+        yield {**plain, **quality, "unfit": why}
+
+
+Picture = NDArray[np.uint8]
+SHOWN, TRUTH = "shown.png", "truth.png"
+
+
+@attrs.frozen
+class ComparePart:
+    """What one case runs."""
+
+    run: RunOptions
+    # Whom it may suit: names or files.
+    clients: tuple[str, ...]
+
+
+def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
+    """Return what the left eye saw at the first measured instant, and the truth.
+
+    Each is (h, w, 3) sRGB, top row first.
+    """
+    from PIL import Image
+
+    shown, truth = (np.asarray(Image.open(kept.file(case.identity, name))) for name in (SHOWN, TRUTH))
+    return shown, truth
+
+
+def run_part(case: SweepCase, step: Callable[[float], None]) -> Result:
+    """Run one strategy; its pictures are kept with its row."""
+    part: ComparePart = case.what
+    result = measured(part.run)
+    job = min(result.kept, key=lambda kept: kept.key).job
+    pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
+    return Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)
+
+
+def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[str, Any]:
+    """Return one row of compare.json: the keys of summary.json, and what the strategy takes."""
+    summary, about = result.summary, (result.plan, result.sizes)
+    summary["link"].pop("timeline")
+    return {
+        **summary,
+        "machine": {**summary["machine"], "host": platform.node()},
+        "latency_ms": run.total_latency_ms,
+        "client_ms": summary["time_ms"]["total"]["median"],
+        "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
+        "mbit_s": summary["link"]["mbit_s"],
+        "up_mbit_s": summary["link"]["up_mbit_s"],
+        "decoded_mpx_s": decoded_mpx_s(summary, *about),
+        "start_bytes": start_bytes(summary),
+        "client_bytes": client_bytes(summary, *about),
+        "unfit": {client.name: unfit(summary, *about, client) for client in clients},
+    }
+
+
+def unfit(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes, client: Client) -> str:
+    """Return why the client cannot do what was measured, "" if it can.
+
+    summary: as summary.json. Its time counts where a GPU measured it: a class's budget is of its
+    own machine, and a software renderer's times say nothing about that.
+    """
+    reasons = [lacking(plan, client)]
+    mbit_s = summary["link"]["mbit_s"]
+    if mbit_s > client.download_mbit_s:
+        reasons.append(f"it takes {mbit_s:.0f} Mbit/s, and the client has {client.download_mbit_s:g}")
+    mpx_s = decoded_mpx_s(summary, plan, sizes)
+    if summary["link"]["codec"] != "none" and mpx_s > client.decoder_mpx_s:
+        reasons.append(f"it takes {mpx_s:.0f} Mpx/s of video, and the client decodes {client.decoder_mpx_s:g}")
+    total_ms = summary["time_ms"]["total"]["median"]
+    if summary["clock"] == "gpu" and math.isfinite(client.budget_ms) and total_ms > client.budget_ms:
+        reasons.append(f"it takes {total_ms:.2f} ms an eye here, and the client has {client.budget_ms:g}")
+    return "; ".join(filter(None, reasons))
+
+
+def decoded_mpx_s(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> float:
+    """Return the million pixels of video that the client decodes in a second.
+
+    A proxy sends a picture at each refresh, however often the server draws.
+    """
+    drawn_hz = None if "proxy" in summary["link"] else summary["server_rate_hz"]
+    rate_hz: float = drawn_hz or summary["rate_hz"]
+    return video_pixels(frame_bytes(plan.needs, sizes, set(plan.layers))) * rate_hz * 1e-6
+
+
+def start_bytes(summary: Mapping[str, Any]) -> int:
+    """Return the bytes that the client needs before the first picture, besides the first frame.
+
+    Packed where a model says so. One that has not become a picture counts with all that came.
+    """
+    return sum(
+        int(model.get("first_picture_bytes") or model["arrived_bytes"])
+        if "arrived_bytes" in model
+        else _held_bytes(model)
+        for model in summary.get("client_models", ())
+    )
+
+
+def _held_bytes(model: Mapping[str, Any]) -> int:
+    return int(model["geometry_bytes"] + model["texture_bytes"])
+
+
+def client_bytes(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes) -> int:
+    """Return what the client holds: the frames that it reads, its fills' memory and its models."""
+    frames = (1 + plan.needs.others.past) * sum(frame_bytes(plan.needs, sizes, set(plan.layers)).values())
+    rendered = sizes.rendered[0] * sizes.rendered[1]
+    kept = sum(fill.entry.bytes_kept(rendered, fill.settings) for fill in plan.fills)
+    return frames + kept + sum(map(_held_bytes, summary.get("client_models", ())))

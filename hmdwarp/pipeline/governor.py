@@ -1,0 +1,274 @@
+"""Governor: keep a run within its budget by moving between quality levels on measured times.
+
+Pure: it reads neither clock nor GPU. Time counts in refreshes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+from statistics import median
+
+import attrs
+
+from ..client.compensator import Compensator, EyeResult, Stages
+from ..client.inputs import PassInputs
+from ..client.plan import Plan
+from ..errors import HmdwarpError
+from ..gpu.context import Gpu
+from .levels import QualityLevel, best_within
+
+# Evidence against a level is the share by which its time exceeds the budget, summed while the sum
+# is above 0 (CUSUM). One refresh adds a quarter at most, so that a spike alone is no evidence: 4
+# refreshes far over the budget are, or 10 that are 10 % over.
+CLIP = 0.25
+ENOUGH = 1.0
+# Move up only into 95 % of the budget. From there, uniform noise of 10 % reaches the threshold with
+# probability exp(-2 m h / s^2) = exp(-30), with m = 0.05, h = 1, s^2 = 0.1^2 / 3 (Siegmund 1985,
+# random walk with drift).
+MARGIN = 0.95
+WINDOW = 31  # refreshes of the running median
+PATIENCE = 60  # refreshes of headroom before a move up
+TRIAL = 240  # a move up has failed if the level drops again within so many refreshes
+# Both grow by this factor with each failure: attempts at 60, 240, 960, 3840 refreshes, six in an
+# hour at 60 Hz.
+BACK_OFF = 4
+# A level's time measured in this run overrides the benchmark if it is below it by this factor: two
+# medians of noise differ by less.
+DOUBT = 0.85
+SETTLING = 2  # refreshes to ignore after a switch, which disturbs their times
+
+
+@attrs.frozen
+class Change:
+    """A switch from one level to another."""
+
+    # The refresh after which it was decided, counted from 0.
+    refresh: int
+    before: QualityLevel
+    after: QualityLevel
+    # The reason, in words with figures.
+    reason: str
+
+
+@attrs.define(eq=False)
+class _Stay:
+    """Evidence since the last switch."""
+
+    # For how many refreshes each level has had headroom.
+    room: list[int]
+    # The previous level and its time when it was left; None once that is recorded.
+    came: tuple[int, float] | None = None
+    # First refresh at the level.
+    arrived: int = 0
+    climbed: bool = False
+    window: deque[float] = attrs.field(factory=lambda: deque(maxlen=WINDOW))
+    evidence: float = 0.0
+    # Times of the refreshes that the evidence comes from.
+    against: deque[float] = attrs.field(factory=lambda: deque(maxlen=WINDOW // 2))
+
+
+class Governor:
+    """Choose the level to run from the levels, the budget and the time of each refresh.
+
+    It starts at the most accurate level within the budget. `level` is the one to run now; pass
+    measured() its time, the worse eye of each refresh.
+
+    Down: as soon as there is enough evidence that the time exceeds the budget, to the most accurate
+    level that is expected to fit. Up: when a better level has been expected within 95 % of the
+    budget for a while; each failed attempt makes that wait four times as long. The time expected of
+    a level is that of the current one, times the ratio of the two by the benchmark, or by what this
+    run has measured of both. A move down uses the worse of the two, to be safe; a move up uses the
+    benchmark unless the measurement is clearly better, so that one bad moment does not count for
+    ever.
+    Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes,
+    Biometrika 41, eq. 1.
+    Errors: InputError for a budget in which no level fits; HmdwarpError for empty or unsorted
+    levels.
+    """
+
+    def __init__(self, levels: tuple[QualityLevel, ...], budget_ms: float) -> None:
+        """Start at the most accurate level within the budget.
+
+        levels: From cheapest to most accurate, as levels_from returns them. budget_ms: per eye.
+        """
+        _check_levels(levels)
+        self.levels, self.budget_ms = tuple(levels), float(budget_ms)
+        self._at = best_within(self.levels, budget_ms)
+        self._refresh = -1
+        # Times seen in this run, up to one common factor.
+        self._own = {self._at: self.level.total_ms}
+        self._failures = [0] * len(self.levels)
+        self._stay = _Stay([0] * len(self.levels))
+
+    @property
+    def level(self) -> QualityLevel:
+        """The level to run at the next refresh."""
+        return self.levels[self._at]
+
+    def measured(self, total_ms: float) -> Change | None:
+        """Count the time of the refresh just shown.
+
+        Return the switch to make at the next refresh, if any.
+        """
+        if not (math.isfinite(total_ms) and total_ms >= 0):
+            raise HmdwarpError(f"a refresh took {total_ms} ms: expected a finite time from 0")
+        self._refresh += 1
+        if self._refresh - self._stay.arrived < SETTLING:
+            return None
+        self._stay.window.append(total_ms)
+        self._weigh(total_ms)
+        if self._stay.evidence >= ENOUGH and self._at > 0:
+            return self._down()
+        if len(self._stay.window) == WINDOW:
+            self._learn(median(self._stay.window))
+            return self._up(median(self._stay.window))
+        return None
+
+    def _weigh(self, total_ms: float) -> None:
+        over = min(max(total_ms / self.budget_ms - 1, -CLIP), CLIP)
+        self._stay.evidence = min(max(0.0, self._stay.evidence + over), ENOUGH)
+        if self._stay.evidence == 0:
+            self._stay.against.clear()
+        else:
+            self._stay.against.append(total_ms)
+
+    def _down(self) -> Change:
+        time_ms = median(self._stay.against)
+        self._learn(time_ms)
+        fits = [k for k in range(self._at) if max(self._expected(k, time_ms)) <= self.budget_ms]
+        to = fits[-1] if fits else 0
+        self._judge_climb()
+        expected = max(self._expected(to, time_ms))
+        fate = f"{self.levels[to]} is expected to take {expected:.2f} ms" + ("" if fits else ", the least there is")
+        return self._change(
+            to, time_ms, f"{self.level} takes {time_ms:.2f} ms, over the budget of {self.budget_ms:g} ms; {fate}"
+        )
+
+    def _judge_climb(self) -> None:
+        """Count a move up that soon led down as a failure, also of dearer levels.
+
+        One that lasted cancels one failure.
+        """
+        if self._stay.climbed:
+            failures = self._failures[self._at]
+            lasted = self._refresh - self._stay.arrived >= TRIAL * BACK_OFF**failures
+            if lasted:
+                self._failures[self._at] = max(0, failures - 1)
+            else:
+                self._failures[self._at :] = [max(failures + 1, f) for f in self._failures[self._at :]]
+
+    def _up(self, time_ms: float) -> Change | None:
+        for k in range(self._at + 1, len(self.levels)):
+            self._stay.room[k] = self._stay.room[k] + 1 if self._hoped(k, time_ms) <= MARGIN * self.budget_ms else 0
+        ready = [
+            k
+            for k in range(self._at + 1, len(self.levels))
+            if self._stay.room[k] >= PATIENCE * BACK_OFF ** self._failures[k]
+        ]
+        if not ready:
+            return None
+        to = ready[-1]
+        reason = (
+            f"{self.level} takes {time_ms:.2f} ms, and for {self._stay.room[to]} refreshes {self.levels[to]} has "
+            "been expected within "
+            f"{MARGIN:.0%} of the budget of {self.budget_ms:g} ms, now to take {self._hoped(to, time_ms):.2f} ms"
+        )
+        return self._change(to, time_ms, reason)
+
+    def _expected(self, k: int, time_ms: float) -> tuple[float, float]:
+        """Return the expected time of level k now: by the benchmark, and by this run's times."""
+        by_bench = time_ms * self.levels[k].total_ms / self.levels[self._at].total_ms
+        if not {k, self._at} <= self._own.keys():
+            return by_bench, by_bench
+        return by_bench, time_ms * self._own[k] / self._own[self._at]
+
+    def _hoped(self, k: int, time_ms: float) -> float:
+        by_bench, by_run = self._expected(k, time_ms)
+        return by_run if by_run < DOUBT * by_bench else by_bench
+
+    def _learn(self, time_ms: float) -> None:
+        """Measure the ratio to the previous level, once for each stay.
+
+        The machine's state was the same a moment ago.
+        """
+        if self._stay.came is not None:
+            before, its_ms = self._stay.came
+            if its_ms > 0 and time_ms > 0:
+                self._own[self._at] = self._own[before] * time_ms / its_ms
+            self._stay.came = None
+
+    def _change(self, to: int, time_ms: float, reason: str) -> Change:
+        change = Change(self._refresh, self.level, self.levels[to], reason)
+        self._stay = _Stay([0] * len(self.levels), (self._at, time_ms), self._refresh + 1, climbed=to > self._at)
+        self._at = to
+        return change
+
+
+def _check_levels(levels: tuple[QualityLevel, ...]) -> None:
+    times, errors = [r.total_ms for r in levels], [r.error for r in levels]
+    dearer = all(0 < a < b for a, b in zip([1e-300, *times], times, strict=False))
+    if not levels or not dearer or any(a <= b for a, b in zip(errors, errors[1:], strict=False)):
+        raise HmdwarpError(
+            f"expected levels that each take longer and err less than the one before, not {list(map(str, levels))}"
+        )
+
+
+class AdaptiveCompensator:
+    """One compensator for each quality level; the governor chooses which one runs.
+
+    Drop-in for a Compensator.
+
+    Frames carry what any of the levels needs. All levels are compiled and allocated at the start,
+    so that a switch costs nothing at the refresh where it happens. Both eyes switch together.
+    `changes` lists the switches.
+    """
+
+    def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
+        self._governor, self._compensators = governor, dict(compensators)
+        self.changes: list[Change] = []
+        self._first_ms = governor.level.total_ms
+
+    @property
+    def gpu(self) -> Gpu:
+        return self._running.gpu
+
+    @property
+    def plan(self) -> Plan:
+        """The plan of the next refresh."""
+        return self._running.plan
+
+    @property
+    def levels(self) -> tuple[QualityLevel, ...]:
+        """All levels, from cheapest to most accurate."""
+        return self._governor.levels
+
+    @property
+    def budget_ms(self) -> float:
+        """Time budget of one eye at a refresh."""
+        return self._governor.budget_ms
+
+    @property
+    def share_of_first(self) -> float:
+        """How long the current level is expected to take, of the time of the first one."""
+        return self._governor.level.total_ms / self._first_ms
+
+    @property
+    def _running(self) -> Compensator:
+        return self._compensators[self._governor.level]
+
+    def run(self, inputs: PassInputs) -> EyeResult:
+        """Run the current level; see Compensator.run."""
+        return self._running.run(inputs)
+
+    def record_timings(self, stages: Sequence[Stages]) -> None:
+        """Pass the stage times of the last refresh to the governor; the slower eye counts."""
+        change = self._governor.measured(max(sum(milliseconds for _, milliseconds in eye) for eye in stages))
+        if change is not None:
+            self.changes.append(change)
+
+    def close(self) -> None:
+        """Free every texture and buffer of all levels."""
+        for compensator in self._compensators.values():
+            compensator.close()

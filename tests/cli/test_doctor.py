@@ -1,0 +1,332 @@
+"""The doctor tells each kind of lack apart, says how to mend it, and outlives drivers that crash or
+hang.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import stat
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from hmdwarp.cli import _checks as doctor
+from hmdwarp.cli._checks import Finding, State
+from hmdwarp.cli.doctor import doctor as command
+from hmdwarp.resources import EXTRAS
+
+
+@pytest.fixture
+def probe(tmp_path, monkeypatch):
+    """Makes every probe a shell script of the test's choosing."""
+
+    def use(script: str) -> None:
+        path = tmp_path / "python"
+        path.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setattr(doctor.sys, "executable", str(path))
+
+    return use
+
+
+def answers(monkeypatch, **known):
+    monkeypatch.setattr(doctor, "run_probe", lambda question: known)
+
+
+# --- asking -------------------------------------------------------------------------------------
+
+
+def test_last_whole_line_counts(probe):
+    probe(
+        """echo 'driver says hello'; echo '{"stage": "a"}'; echo '{"stage": "b", "x": 1}'; printf '{"stage": "c", '"""
+    )
+    assert doctor.run_probe("gl") == {"stage": "b", "x": 1}
+
+
+def test_crash_keeps_what_was_known_and_the_last_words(probe):
+    probe("""echo '{"stage": "instance"}'; echo 'assertion failed' >&2; kill -SEGV $$""")
+    known = doctor.run_probe("openxr")
+    assert (known["stage"], known["error"]) == ("instance", "died")
+    assert "status -11" in known["message"] and "assertion failed" in known["message"]
+
+
+def test_hang_is_ended_and_keeps_what_was_known(probe):
+    probe("""echo '{"stage": "headset", "runtime": "R"}'; exec sleep 600""")
+    known = doctor.run_probe("openxr", seconds=1.0)
+    assert (known["stage"], known["runtime"], known["error"]) == ("headset", "R", "died")
+    assert "no answer within 1 s" in known["message"]
+
+
+def test_silence_is_a_lack(probe):
+    probe("exit 0")
+    assert doctor.run_probe("window")["error"] == "died"
+
+
+# --- OpenXR -------------------------------------------------------------------------------------
+
+AT = {"binding": "1.1", "loader": "1.1.0"}
+NAMED = {
+    **AT,
+    "runtime": "Runtime",
+    "runtime_version": "25.0.0",
+    "extensions": ["XR_KHR_opengl_enable", "XR_KHR_convert_timespec_time"],
+}
+
+
+@pytest.mark.parametrize(
+    ("known", "words"),
+    [
+        ({**AT, "stage": "runtime", "error": "RuntimeUnavailableError", "message": ""}, "no OpenXR runtime: "),
+        ({**AT, "stage": "instance", "error": "RuntimeUnavailableError", "message": ""}, "no OpenXR runtime: "),
+        ({**AT, "stage": "instance", "error": "RuntimeFailureError", "message": ""}, "service does not answer"),
+        (
+            {**AT, "stage": "instance", "error": "died", "message": "gave no answer"},
+            "gave no answer when an instance was made",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "FormFactorUnavailableError", "message": ""},
+            "Runtime 25.0.0 sees no headset",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "FormFactorUnsupportedError", "message": ""},
+            "Runtime 25.0.0 sees no headset",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "died", "message": "ended with status -11"},
+            "status -11 when asked for a headset",
+        ),
+        (
+            {**NAMED, "stage": "headset", "error": "OutOfMemoryError", "message": "no\nmemory"},
+            "OutOfMemoryError: no memory",
+        ),
+        (
+            {**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_KHR_convert_timespec_time"]},
+            "lacks XR_KHR_opengl_enable or",
+        ),
+        (
+            {**NAMED, "stage": "done", "headset": "H", "extensions": ["XR_MNDX_egl_enable"]},
+            "lacks XR_KHR_convert_timespec_time",
+        ),
+    ],
+)
+def test_each_openxr_lack_is_told_apart(monkeypatch, known, words):
+    answers(monkeypatch, **known)
+    loader, runtime = doctor.openxr()
+    assert loader.state is State.OK
+    assert runtime.state is State.OPTIONAL  # never what keeps replay from running
+    assert words in runtime.detail
+    assert runtime.remedy
+
+
+def test_openxr_whole(monkeypatch):
+    answers(monkeypatch, **NAMED, stage="done", headset="Simulated HMD")
+    assert [finding.state for finding in doctor.openxr()] == [State.OK, State.OK]
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        {"stage": "binding", "error": "AttributeError: 'NoneType' object has no attribute 'glXGetCurrentContext'"},
+        {"stage": "binding", "error": "died", "message": "ended with status -6"},
+        {"stage": "start", "error": "died", "message": "said nothing"},
+    ],
+)
+def test_openxr_binding_that_does_not_load(monkeypatch, known):
+    answers(monkeypatch, **known)
+    (loader,) = doctor.openxr()
+    assert loader.state is State.OPTIONAL and "libgl1" in loader.remedy
+
+
+# --- live ---------------------------------------------------------------------------------------
+
+HEADSET = [Finding("OpenXR loader", State.OK, "there"), Finding("OpenXR runtime", State.OK, "Runtime 1, headset 'H'")]
+NO_LOADER = [Finding("OpenXR loader", State.OPTIONAL, "no libGL", "get it")]
+NO_RUNTIME = [HEADSET[0], Finding("OpenXR runtime", State.OPTIONAL, "its service is down", "start it")]
+WINDOW, NO_WINDOW = (
+    Finding("desktop window", State.OK, "opens"),
+    Finding("desktop window", State.OPTIONAL, "no display", "xvfb"),
+)
+
+
+@pytest.mark.parametrize("window", [WINDOW, NO_WINDOW])
+def test_live_takes_the_headset_if_there_is_one(window):
+    finding = doctor.live(HEADSET, window)
+    assert (finding.state, finding.facts["source"]) == (State.OK, "openxr")
+    assert "headset 'H'" in finding.detail
+
+
+@pytest.mark.parametrize(("headset", "why"), [(NO_LOADER, "no libGL"), (NO_RUNTIME, "its service is down")])
+def test_live_takes_the_window_else_and_says_why(headset, why):
+    finding = doctor.live(headset, WINDOW)
+    assert (finding.state, finding.facts["source"]) == (State.OK, "desktop")
+    assert why in finding.detail
+    nothing = doctor.live(headset, NO_WINDOW)
+    assert (nothing.state, nothing.facts["source"]) == (State.OPTIONAL, None)  # replay can run all the same
+    assert why in nothing.detail and "no display" in nothing.detail and nothing.remedy
+
+
+def test_the_doctor_says_what_live_would_take(monkeypatch):
+    """On this machine, with no runtime and no screen: asked for real."""
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("XR_RUNTIME_JSON", "nowhere.json")
+    found = {finding.name: finding for finding in doctor.examine()}
+    assert found["live"].facts["source"] is None
+    assert found["live"].detail.startswith(
+        "no display: no headset (no OpenXR runtime: XR_RUNTIME_JSON names nowhere.json"
+    )
+
+
+# --- the rest, and the command ------------------------------------------------------------------
+
+
+def run(*options: str):
+    app = typer.Typer()
+    app.command()(command)
+    return CliRunner().invoke(app, list(options))
+
+
+def test_no_display(monkeypatch):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    finding = doctor.window()
+    assert finding.state is State.OPTIONAL and "xvfb" in finding.remedy
+
+
+def test_a_display_that_is_not_there(monkeypatch):
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.setenv("DISPLAY", ":987")
+    assert doctor.window().state is State.OPTIONAL
+
+
+def test_missing_package_is_named(monkeypatch):
+    declared = ["typer>=0.1", "no-such.package-xyz>=2", 'pytest; extra == "test"']
+    monkeypatch.setattr(doctor.importlib.metadata, "requires", lambda name: declared)
+    finding = doctor.packages()
+    assert finding.state is State.MISSING
+    assert finding.detail == "not installed: no-such.package-xyz"
+    assert "typer" in finding.facts and "pytest" not in finding.facts
+
+
+def test_this_machine_can_replay(gpu):
+    done = run("--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.output)
+    assert told["replay"] is True
+    facts = next(f for f in told["findings"] if f["name"] == "OpenGL")["facts"]
+    assert facts["renderer"] == gpu.renderer
+    assert facts["max_texture_size"] == gpu.max_texture_size
+    assert facts["max_work_group_invocations"] >= 1024  # what OpenGL 4.3 promises
+
+
+def test_old_opengl_ends_with_3_and_the_line_to_type(monkeypatch):
+    """Mesa pretends to know OpenGL 3.0 only."""
+    monkeypatch.setenv("MESA_GL_VERSION_OVERRIDE", "3.0")
+    if "error" not in doctor.run_probe("gl"):
+        pytest.skip("this driver does not heed MESA_GL_VERSION_OVERRIDE")
+    done = run()
+    assert done.exit_code == 3
+    assert "missing   OpenGL" in done.output
+    assert "sudo apt-get install libegl1 libgl1 libgl1-mesa-dri" in done.output
+    assert "cannot run here" in done.output
+
+
+def test_only_what_replay_needs_decides():
+    found = Finding("a", State.OK, "")
+    assert doctor.replay_can_run([found, Finding("b", State.OPTIONAL, "")])
+    assert not doctor.replay_can_run([found, Finding("b", State.MISSING, "")])
+
+
+def test_probes_are_found_by_the_interpreter():
+    """The path that -P leaves must still hold hmdwarp: it does once it is installed."""
+    assert doctor.run_probe("gl").get("message", "").find("No module named") == -1, (
+        f"install hmdwarp into {sys.prefix} first (make setup)"
+    )
+
+
+PROJECT = tomllib.loads((Path(__file__).resolve().parents[3] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+DECLARED = PROJECT["optional-dependencies"]
+
+
+def test_every_extra_says_what_it_is_for():
+    """Those for work on hmdwarp itself are no user's."""
+    assert set(EXTRAS) == set(DECLARED) - {"test", "docs"}
+
+
+def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
+    there = {"pyarrow": "26.0.1"}
+
+    def version(name: str) -> str:
+        if name not in there:
+            raise doctor.importlib.metadata.PackageNotFoundError(name)
+        return there[name]
+
+    monkeypatch.setattr(doctor.importlib.metadata, "version", version)
+    found = {extra.name: extra for extra in doctor.extras()}
+    assert list(found) == [f"extra {name}" for name in EXTRAS]
+    study = found["extra study"]
+    assert study.state is State.OPTIONAL and "hmdwarp[study]" in study.remedy
+    assert "statsmodels" in study.detail and "textual" in study.detail and "pyarrow" not in study.detail
+    assert EXTRAS["study"] in study.detail
+    there.update({re.split(r"[^\w.-]", line)[0]: "1.0" for line in DECLARED["study"]})
+    states = {extra.name: extra.state for extra in doctor.extras()}
+    assert states["extra study"] is State.OK and states["extra feed"] is State.OPTIONAL
+
+
+def test_a_folder_that_is_not_installed_is_no_lack_of_replay(monkeypatch):
+    def requires(name: str) -> list[str]:
+        raise doctor.importlib.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(doctor.importlib.metadata, "requires", requires)
+    found = doctor.packages()
+    assert found.state is State.OPTIONAL and "not installed" in found.detail and found.remedy == "make setup"
+    assert doctor.extras() == []
+
+
+def test_an_av_that_does_not_load_costs_the_video_and_the_codecs_alone(monkeypatch):
+    """None in sys.modules is how Python itself says that a module cannot be imported."""
+    monkeypatch.setitem(sys.modules, "av", None)
+    for found in (doctor.video(), doctor.codecs()):
+        assert found.state is State.OPTIONAL and "av" in found.remedy, found
+    assert "h264 is missing" in doctor.codecs().detail and "none in PyAV" in doctor.video().detail
+
+
+def test_drivers_are_asked_at_the_same_time(probe, monkeypatch):
+    """Each probe waits until all three have begun: one after the other they would wait for ever."""
+    monkeypatch.setenv("DISPLAY", ":0")
+    answer = '{"stage": "binding", "error": "seen", "message": "together"}'
+    probe(f"""touch "$0.$4"; while [ "$(ls "$0".* | wc -l)" -lt 3 ]; do sleep 0.05; done; echo '{answer}'""")
+    found = {finding.name: finding.detail for finding in doctor.examine()}
+    assert [found[name] for name in ("OpenGL", "OpenXR loader", "desktop window")] == ["together"] * 3
+
+
+# --- devices ------------------------------------------------------------------------------------
+
+
+def test_the_devices_are_listed_with_what_draws_on_each():
+    found = doctor.devices()
+    if found.state is State.OPTIONAL:
+        pytest.skip(f"EGL lists no devices here: {found.detail}")
+    assert found.detail.startswith("0: ") and "HMDWARP_EGL_DEVICE chooses another" in found.detail
+    assert [device["index"] for device in found.facts["devices"]] == list(range(len(found.facts["devices"])))
+
+
+def test_a_device_that_crashes_is_named_after_those_that_did_not(monkeypatch):
+    good = {"index": 0, "file": "/dev/dri/card0", "renderer": "Some GPU"}
+    answers(monkeypatch, stage="device 1", devices=[good], error="died", message="ended with status -11")
+    found = doctor.devices()
+    assert found.state is State.OPTIONAL
+    assert found.detail == "0: Some GPU at /dev/dri/card0; ended with status -11, at device 1"
+
+
+def test_a_device_that_is_not_there_is_told_with_the_list(monkeypatch):
+    monkeypatch.setenv("HMDWARP_EGL_DEVICE", "99")
+    (found,) = doctor.opengl()
+    assert found.state is State.MISSING
+    assert "HMDWARP_EGL_DEVICE=99 names no device here, expected one of 0: " in found.detail
+    assert found.remedy.startswith("unset HMDWARP_EGL_DEVICE")
