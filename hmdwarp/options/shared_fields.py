@@ -11,8 +11,8 @@ from typing import Any, Protocol
 
 import attrs
 
+from .. import geometry
 from ..errors import InputError, listed
-from ..geometry import GuardBand
 from .declared import CONDITION, Number, Option, option, option_of
 
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
@@ -209,8 +209,12 @@ def check_one_guard(said: Mapping[str, Any]) -> None:
         raise InputError(_BOTH)
 
 
-def guard_band(options: HasGuard) -> GuardBand:
+def guard_band(options: HasGuard) -> geometry.GuardBand:
     """Return the guard band of the options. Errors: InputError while it is "auto"."""
     if isinstance(options.guard, str):
         raise InputError("--guard auto looks at a whole trace first: give a number, or replay a recording")
-    return GuardBand.of(options.guard) if options.rendered_size is None else GuardBand(size=options.rendered_size)
+    return (
+        geometry.GuardBand.of(options.guard)
+        if options.rendered_size is None
+        else geometry.GuardBand(size=options.rendered_size)
+    )

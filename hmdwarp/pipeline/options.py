@@ -9,11 +9,10 @@ from typing import Any, ClassVar, Self
 
 import attrs
 
-from .. import headsets
+from .. import geometry, headsets
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError
-from ..geometry import GuardBand
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..link.options import ALL, DROP
@@ -368,12 +367,12 @@ class PipelineOptions(Declared):
         return None if self.horizon_ms is None else round(self.horizon_ms * 1e6)
 
     @property
-    def guard_band(self) -> GuardBand:
+    def guard_band(self) -> geometry.GuardBand:
         """The guard band. Errors: InputError while it is "auto"."""
         return guard_band(self)
 
     @property
-    def guard_factors(self) -> GuardBand:
+    def guard_factors(self) -> geometry.GuardBand:
         """The guard band in factors, whatever pixels are drawn. Errors: as guard_band."""
         return guard_band(attrs.evolve(self, rendered_size=None))
 

@@ -17,10 +17,10 @@ from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
 
-STEP_NS = 8_000_000_000
-MIDDLE, LAST = 38, 75  # refreshes: 5 and 10 minutes
-# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 37 times
-# 0.24 kB here. A picture of 32x24 kept at each refresh would be 37 times 6 kB.
+STEP_NS = 4_000_000_000
+MIDDLE, LAST = 75, 150  # refreshes: 5 and 10 minutes
+# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 75 times
+# 0.24 kB here. A picture of 32x24 kept at each refresh would be 75 times 6 kB.
 GROWTH_BYTES = 40_000
 # Light of fewer paths or cells, solved at every fifth refresh, and fewer layers are kept in the
 # same places.
