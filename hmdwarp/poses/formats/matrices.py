@@ -7,8 +7,9 @@ import numpy as np
 from ...errors import TraceError
 from ..assumptions import By, Layout
 from ..options import TraceOptions
+from ..reading.columns import Cells
 from ..reading.file_head import Head, is_number
-from ..reading.matrix_cells import Cells, bare_matrices, read_matrix
+from ..reading.matrix_cells import bare_matrices, read_matrix
 from . import TraceFormat, formats, of_matrix
 
 _CLOCKED = 0.9  # share of the steps in which a clock rises
