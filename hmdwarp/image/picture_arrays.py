@@ -133,7 +133,7 @@ def raw_picture(
         values = depth = np.empty(0)
     if not _can_go_up(values, depth, depth_scale, encoding):
         return checked_picture(colour, depth_m, depth_scale, encoding).raw()
-    hidden = [mask.any(axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
+    hidden = [np.any(mask, axis=2) if mask.ndim == 3 else mask for mask in masks if mask.any()]
     return RawPicture(
         values,
         SRGB8 if values.dtype == np.uint8 else encoding or LINEAR,

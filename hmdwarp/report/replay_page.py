@@ -47,7 +47,7 @@ from .run_texts import (
 from .words import Cell, Line, Table, listed, terminal_table
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from rich.table import Table as TerminalTable
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -404,7 +404,7 @@ def column_names(summary: Summary, *baselines: Summary) -> list[str]:
     return ["this run", *(f"baseline {number}" for number in range(1, len(names)))]
 
 
-def summary_table(summary: Summary, *baselines: Summary) -> Table:
+def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     """Return the table that ends a run: means (medians for times) with the bad tail next to them.
 
     The best column of each quality line is bold and starred, so that it reads without colour too.

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import attrs
-import numpy as np
 
+from ... import metrics
 from ...errors import InputError
-from ...metrics import LEVEL, worker_count
 
 Row = Mapping[str, Any]
 _FILE = Path(__file__).with_name("suites.toml")
@@ -60,7 +59,7 @@ def cost_text(name: str, sizes: Sequence[tuple[int, int]], pictures: Sequence[in
 
     sizes, pictures: (w, h) and the number of measured pictures of each case.
     """
-    suite, count = suites()[name], worker_count(workers)
+    suite, count = suites()[name], metrics.worker_count(workers)
     seconds = sum(w * h * n for (w, h), n in zip(sizes, pictures, strict=True)) * _S_PER_PIXEL
     return (
         f"suite {name} {suite.version}: {len(sizes)} cases, {sum(pictures)} pictures to measure, about "
@@ -134,6 +133,7 @@ def clustered_interval(
     counts = [len(set(kind)) for kind in kinds]
     if min(counts) < LEAST_CLUSTERS:
         return None
+    import numpy as np
     from scipy.special import stdtrit
 
     series = np.asarray(values, np.float64)
@@ -145,5 +145,5 @@ def clustered_interval(
         variances.append(float(sums @ sums) / len(series) ** 2 * count / (count - 1))
     by_head, by_scene, single = variances
     variance = max(by_head + by_scene - single, by_head, by_scene)
-    half = float(stdtrit(min(counts[:2]) - 1, (1 + LEVEL) / 2)) * math.sqrt(variance)
+    half = float(stdtrit(min(counts[:2]) - 1, (1 + metrics.LEVEL) / 2)) * math.sqrt(variance)
     return mean - half, mean + half

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 import struct
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...options import Declared, names_in, one_of, option
 from .codecs import Codec, codecs
+from .coding import check_quality
 from .stream import (
     ColourDecoder,
     ColourEncoder,
@@ -155,77 +154,3 @@ def _coding(codec: str | Codec) -> Codec:
             f"expected one of {', '.join(codec.name for codec in codecs if not codec.is_none)}"
         )
     return codec
-
-
-# m/s. Heads that walk: of 1000 instants of the recording `walk`, one is faster than 0.94.
-HEAD_M_S = 1.0
-# Pixels by which parallax may be wrong, either way.
-PARALLAX_PIXELS = 1 / 16
-# 1/m. Coarser steps than the first would part planes that the warps join (0.03 of inverse depth and
-# 0.02 per metre together); finer ones than the second would not reach 0.25 m in 16 bits.
-COARSEST, FINEST = 2.0**-7, 2.0**-14
-
-
-def depth_step(pixels_per_tangent: float, age_s: float) -> float:
-    """Return the step of inverse depth, 1/m, at which rounding moves no pixel by more than 1/16.
-
-    A wrong inverse depth moves a warped pixel by pixels per tangent * that error * the eye's way
-    across the line of sight, the same for every pixel of the picture. The way is what a walking
-    head covers while a frame ages; rounding is wrong by half a step. Within COARSEST and FINEST.
-    """
-    way_px = pixels_per_tangent * HEAD_M_S * age_s
-    return min(COARSEST, max(FINEST, 2 * PARALLAX_PIXELS / way_px if way_px > 0 else COARSEST))
-
-
-_CRFS = (0, 51)
-# Codes of depth: without loss at fixed steps, at steps of a sixteenth of a pixel, or as video.
-EXACT, SIXTEENTH, AS_VIDEO = DEPTH_CODES = ("exact", "sixteenth", "video")
-
-
-@attrs.frozen
-class Coding(Declared):
-    """Codec and quality. With neither crf nor bitrate_mbit, the codec's own quality.
-
-    Errors: InputError for a quality, a rate or a code of depth without a codec, for quality and
-    rate together, or for one out of bounds.
-    """
-
-    heading = "Coding"
-    # A name of codecs.
-    codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
-    crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)
-    bitrate_mbit: float | None = option(
-        None, "Bit rate of one eye's videos together, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
-    )
-
-    depth: str = option(
-        AS_VIDEO,
-        "How depth is coded: video (lightest; slow to encode), sixteenth (no pixel moves by more than 1/16 for a "
-        "walking head), exact (within 2^-11 per metre).",
-        name="depth_code",
-        valid=one_of(*DEPTH_CODES),
-        limits=", ".join(DEPTH_CODES),
-    )
-
-    def __attrs_post_init__(self) -> None:
-        if self.codec == "none" and (self.crf, self.bitrate_mbit) != (None, None):
-            found = f"--crf {self.crf}" if self.crf is not None else f"--bitrate {self.bitrate_mbit:g} Mbit/s"
-            raise InputError(f"{found} without a codec: nothing is encoded; choose one with --codec, or leave it out")
-        if self.codec == "none" and self.depth != AS_VIDEO:
-            raise InputError(
-                f"--depth-code {self.depth} without a codec: nothing is encoded; choose one with --codec, or leave "
-                "it out"
-            )
-        check_quality(self.crf, self.bitrate_mbit)
-
-
-def check_quality(crf: int | None, bitrate_mbit: float | None) -> None:
-    """Check the numbers. Errors: InputError for both together, or one out of bounds."""
-    if crf is not None and bitrate_mbit is not None:
-        raise InputError(
-            f"--crf {crf} beside --bitrate {bitrate_mbit:g} Mbit/s: expected a quality or a rate, not both"
-        )
-    if crf is not None and not _CRFS[0] <= crf <= _CRFS[1]:
-        raise InputError(f"--crf {crf}: expected {_CRFS[0]} (best) to {_CRFS[1]}")
-    if bitrate_mbit is not None and not 0.01 <= bitrate_mbit <= 1000:
-        raise InputError(f"--bitrate {bitrate_mbit:g} Mbit/s: expected 0.01 to 1000 for one eye")
