@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
-from ..errors import HmdwarpError, InputError, SceneError, unknown_name
-from ..geometry import Pose
-from ..options.named_files import SCENE, opened
-from ._draft import Draft
-from ._gltf_scene import GltfContent
-from ._mesh import Body, Texture
-from ._mesh_files import drafts_of, unreadable
-from ._notes import Notes, add_hints, check_size
-from ._scene import Background, Scene, SceneSource, scenes
-from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, free_place, is_inside, place_at
+from ..errors import InputError, unknown_name
+from ._scene import Scene, SceneSource, scenes
 from .options import SceneOptions
 
 FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply")
@@ -38,6 +28,7 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
         _refuse_options(text, options)
         return _built(scenes.get(text))
     check_scene_name(text)
+    from ._files import scene_from_file  # reading glTF brings SciPy, and shipped scenes do without
 
     return scene_from_file(Path(name_or_path), options)
 
@@ -113,143 +104,3 @@ def slow_in(scene: Scene) -> tuple[str, ...]:
     """Return for each thing that makes drawing slow its count and what to do, one line each."""
     counted = ((load, load.count(scene)) for load in _LOADS)
     return tuple(f"{count:,} {load.what}: {load.remedy}" for load, count in counted if count >= load.many)
-
-
-Array = NDArray[np.float64]
-ENDINGS = (".glb", ".gltf", ".obj", ".ply")
-SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
-# The head at rest: where traces are made, a window's viewer begins and OpenXR has its stage.
-STANDING = np.array([0.0, EYE_HEIGHT_M, 0.0])
-
-
-def scene_from_file(path: Path, options: SceneOptions) -> Scene:
-    """Return the file's triangles as a Scene; its notes say what had to be left out or replaced.
-
-    The scene is put so that the viewer's place is at (0, 1.6, 0), looking along -z. Its origin is
-    kept apart in float64 (origin_m), so that far from it no digits are lost on the GPU.
-    Errors: SceneError, one line, for a file that is missing, empty, corrupt, without triangles or
-    extent, or with positions that are not finite; InputError for a camera or an animation that it
-    lacks.
-    """
-    _check_there(path)
-    notes, units = Notes(path), _units(options)
-    try:
-        with np.errstate(all="ignore"):
-            if path.suffix.lower() in (".glb", ".gltf"):
-                content = GltfContent(path, units, options.animation, notes)
-                return _scene(path, options, notes, content.drafts, content.textures, content)
-            if options.animation is not None:
-                raise InputError(f"--animation '{options.animation}': only glTF files have animations; leave it out")
-            textures: list[Texture] = []
-            drafts = drafts_of(path, units, notes, textures)
-            _note_unstated(options, notes)
-            return _scene(path, options, notes, drafts, textures)
-    except (HmdwarpError, MemoryError):
-        raise
-    except Exception as error:  # a damaged file may hold any value where another is due
-        raise unreadable(path, error) from error
-
-
-def _check_there(path: Path) -> None:
-    with opened(path, attrs.evolve(SCENE, what=f"{SCENE.what}, or the name of a scene")) as file:
-        if not file.read(1):
-            raise SceneError(f"{path}: the file is empty; expected {SCENE.what}")
-    if path.suffix.lower() not in ENDINGS:
-        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
-
-
-def _note_unstated(options: SceneOptions, notes: Notes) -> None:
-    """Note what a file without units and axes, as OBJ and PLY are, was taken to mean."""
-    taken = ["a unit is a metre (--scene-scale)"] if options.scale == 1 else []
-    taken += ["y is up (--scene-up)"] if options.up == "y" else []
-    if taken:
-        notes.add(f"assumed, as nobody says it: {', '.join(taken)}")
-
-
-def _units(options: SceneOptions) -> Array:
-    """Return 4x4, from the file's world to metres with +y up."""
-    turn = np.eye(3) if options.up == "y" else np.array([(1, 0, 0), (0, 0, 1), (0, -1, 0)])
-    out = np.eye(4)
-    out[:3, :3] = options.scale * turn
-    return out
-
-
-def _scene(
-    path: Path,
-    options: SceneOptions,
-    notes: Notes,
-    drafts: Sequence[Draft],
-    textures: list[Texture],
-    content: GltfContent | None = None,
-) -> Scene:
-    """Return the scene of these drafts, put where the viewer stands."""
-    if not drafts:
-        raise SceneError(
-            f"{path}: no triangles in it; expected a mesh, not points, lines or an empty scene:"
-            " make a surface of the points, or export the scene with its meshes"
-        )
-    standing = [draft for draft in drafts if not draft.look.material.head_locked]
-    clouds = [draft.positions for draft in standing] or [np.array([STANDING - 1, STANDING + 1])]
-    low = np.array([points.min(axis=0) for points in clouds]).min(axis=0)
-    high = np.array([points.max(axis=0) for points in clouds]).max(axis=0)
-    if not (high - low).any():
-        raise SceneError(
-            f"{path}: all {sum(len(points) for points in clouds)} positions are the same point; export it again"
-        )
-    check_size(path, low, high)
-    solid = [draft for draft in standing if draft.is_surface] or standing
-    triangles = Triangles.of([(draft.positions, draft.triangles) for draft in solid])
-    add_hints(triangles, low, high, options.scale, options.up, notes)
-    place = _place(options, notes, triangles, low, high, content)
-    world_from_file = _put(place)
-    if content is not None:
-        content.move(world_from_file)
-    bodies: Sequence[Body] = content.bodies if content is not None else ()
-    corners = world_from_file.transform(np.array([low, high]))
-    origin = np.round(corners.mean(axis=0))  # whole metres, so that a scene near the origin keeps its own numbers
-    meshes = [draft.mesh(world_from_file, origin, bodies) for draft in drafts]
-    return Scene(
-        path.stem,
-        f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
-        meshes,
-        textures,
-        SKY,
-        bodies,
-        origin_m=origin,
-        viewpoint=Pose(STANDING),
-        walk_bounds_m=STANDING + place.reach,
-        notes=notes.lines(),
-    )
-
-
-def _place(
-    options: SceneOptions, notes: Notes, triangles: Triangles, low: Array, high: Array, content: GltfContent | None
-) -> Place:
-    cameras = [] if content is None else [name for name, _ in content.cameras]
-    if options.viewpoint is None:
-        found = free_place(triangles, low, high)
-        if cameras:
-            most = ", ".join(f"'{name}'" for name in cameras[:8]) + (" and more" if len(cameras) > 8 else "")
-            notes.add(f"has cameras: {most}; --viewpoint NAME takes one")
-        if found.yaw_deg or np.abs(found.eye - STANDING).max() > 1e-9:
-            text = ",".join(f"{value:.4g}" for value in (*found.eye, *([found.yaw_deg] if found.yaw_deg else [])))
-            notes.add(f"seen from {text} of the file, which is at (0, 1.6, 0) here; --viewpoint changes that")
-        return found
-    numbers = options.place
-    if numbers is None:
-        if content is None:
-            raise InputError(f"--viewpoint '{options.viewpoint}': only glTF files have cameras; give X,Y,Z[,YAW]")
-        numbers = content.camera(options.viewpoint)
-    eye, yaw = np.array(numbers[:3]), numbers[3]
-    if is_inside(triangles, eye):
-        notes.add(f"the viewpoint {options.viewpoint} lies inside an object")
-    elif np.linalg.norm(np.maximum(0, np.maximum(low - eye, eye - high))) > max(2 * float((high - low).max()), 3):
-        notes.add(f"the viewpoint {options.viewpoint} lies far outside the scene, which is hardly seen from there")
-    return place_at(triangles, eye, yaw, high - low)
-
-
-def _put(place: Place) -> Pose:
-    """Return world_from_file, which takes the place to where a head at rest is."""
-    half = np.radians(place.yaw_deg) / 2
-    turned = Pose(place.eye, (0.0, np.sin(half), 0.0, np.cos(half)))
-    return Pose(STANDING) @ turned.inverse()
