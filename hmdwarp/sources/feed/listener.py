@@ -77,6 +77,8 @@ class _Client:
     ask: tuple[Ask, int] | None = None
     passed_over: int = 0
     waiting: deque[_Waiting] = attrs.field(factory=deque)
+    # Time that the server took for it; raised to the others' where it did not ask.
+    spent_ns: int = 0
 
     @property
     def address(self) -> str:
@@ -129,9 +131,11 @@ class Listener:
     """Receive requests, and answer each client at its own pace.
 
     Of each client the newest request counts; it waits while the client has frames to take, and one
-    that is replaced before it was drawn is passed over. No client waits for another: a frame that
-    cannot be sent at once is dropped. What waits is counted here, by what the library has handed to
-    the system, whatever a client says that it has.
+    that is replaced before it was drawn is passed over. Of those that ask, the one that took least
+    of the server's time has its turn, so that a cheap request waits for one costly one at most. No
+    client waits for another to take its frame: one that cannot be sent at once is dropped. What
+    waits is counted here, by what the library has handed to the system, whatever a client says that
+    it has.
     per_address: connections from one address, at most. pair: encrypts; clients without its public
     key are ignored. say: called with each line for the log.
     Errors: InputError for an address that cannot be listened at, and for one beyond the loopback
@@ -157,7 +161,9 @@ class Listener:
         self._zmq: Any = zmq_module()
         self._token, self._log, self._is_encrypted = token_of(secret), _Log(say), pair is not None
         self._clients: dict[bytes, _Client] = {}
-        self._turns: deque[bytes] = deque()
+        # Who has a turn since when, and what the client with the last turn had spent before it.
+        self._drawn_for: tuple[bytes, int] | None = None
+        self._begun_ns = 0
         # What still waits for clients that are forgotten.
         self._left: list[_Waiting] = []
         self._count = 0
@@ -192,7 +198,14 @@ class Listener:
             return None
 
     def next(self, wait_ms: int) -> Asked | None:
-        """Return the next request to answer, None if there is none within that time."""
+        """Return the next request to answer, None if there is none within that time.
+
+        What passes until the next call is taken as time for its client.
+        """
+        if self._drawn_for is not None:
+            (before, since_ns), self._drawn_for = self._drawn_for, None
+            if before in self._clients:
+                self._clients[before].spent_ns += time.monotonic_ns() - since_ns
         waits = any(client.ask is not None for client in self._clients.values())
         self._receive(0 if self._turn() else min(wait_ms, _LOOK_MS) if waits else wait_ms)
         # While a frame is drawn nobody listens, and who asks meanwhile is not silent.
@@ -201,16 +214,19 @@ class Listener:
         who = self._turn()
         if who is None:
             return None
-        self._turns.remove(who)
-        self._turns.append(who)
         client = self._clients[who]
+        self._drawn_for, self._begun_ns = (who, time.monotonic_ns()), client.spent_ns
         assert client.ask is not None, "it has a turn"
         (ask, received_ns), client.ask = client.ask, None
         return Asked(who, ask, received_ns)
 
     def _turn(self) -> bytes | None:
-        """Return the next client that a frame can be drawn for."""
-        for who in list(self._turns):
+        """Return the next client that a frame can be drawn for, by start-time fair queueing.
+
+        Source: Goyal, Vin and Cheng 1996, Start-Time Fair Queueing.
+        """
+        asking = [who for who, client in self._clients.items() if client.ask is not None]
+        for who in sorted(asking, key=lambda who: self._clients[who].spent_ns):
             # One that is stuck may go meanwhile.
             if who not in self._clients or (asked := self._clients[who].ask) is None:
                 continue
@@ -318,11 +334,13 @@ class Listener:
                 raise Malformed(f"a client too many: there are {_MOST_CLIENTS}")
             self._count += 1
             client = self._clients[who] = _Client(f"client {self._count}", now_ns, connection)
-            self._turns.append(who)
             here = f"{client.name}: here, {len(ask.views)} eyes of {ask.size[0]}x{ask.size[1]} pixels"
             self._log.say("here", client.address, here)
         if ask.number <= client.newest:
             raise Malformed(f"{client.name}: request {ask.number} after {client.newest}")
+        if client.ask is None:
+            # Who did not ask has saved up nothing.
+            client.spent_ns = max(client.spent_ns, self._begun_ns)
         client.note(ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
@@ -346,7 +364,6 @@ class Listener:
 
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
-        self._turns.remove(who)
         self._left += client.waiting
         if self._shared is not None:
             self._shared.forget(who)

@@ -1,5 +1,6 @@
 """A server and its client in two processes: what crosses the feed is what would be drawn here."""
 
+import time
 from contextlib import closing
 
 import attrs
@@ -368,6 +369,34 @@ def test_every_client_has_its_own_rate():
     for client in got:
         client.close()
     listener.close()
+
+
+def test_clients_share_the_time_of_a_server_so_that_cheap_requests_have_more_turns():
+    with closing(Listener("127.0.0.1:*")) as listener, zmq.Context() as context:
+        sockets = [context.socket(zmq.DEALER) for _ in range(5)]
+        for socket in sockets:
+            socket.setsockopt(zmq.LINGER, 0)
+            socket.connect(listener.address)
+        number, turns = dict.fromkeys(range(5), 0), []
+
+        def ask(which):
+            number[which] += 1
+            # Each has a size of its own, by which it is known here.
+            request = attrs.evolve(ASK, number=number[which], size=(4 + which, 3), received=0, token=bytes(32))
+            sockets[which].send(encode(request))
+
+        for which in number:
+            ask(which)
+        for _ in range(24):
+            which = next_asked(listener).ask.size[0] - 4
+            time.sleep(0.0 if which == 4 else 0.05)
+            ask(which)
+            turns.append(which)
+            time.sleep(0.01)
+        for socket in sockets:
+            socket.close()
+    # Every second turn, if each request is there in time; one of five if turns only went round.
+    assert turns.count(4) >= 8 and {*turns} == {*number}
 
 
 def test_a_path_on_this_machine_is_an_address(tmp_path):
