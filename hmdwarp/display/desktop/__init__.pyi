@@ -1,9 +1,9 @@
 from .control_panel import PANEL_REMEDY as PANEL_REMEDY
 from .control_panel import installed as installed
 from .control_panel import make_control_panel as make_control_panel
-from .desktop_display import UNSYNCED as UNSYNCED
 from .desktop_display import DesktopDisplay as DesktopDisplay
-from .desktop_display import Pacer as Pacer
+from .pacing import UNSYNCED as UNSYNCED
+from .pacing import Pacer as Pacer
 from .window_input import FASTER as FASTER
 from .window_input import MOVES as MOVES
 from .window_input import Keys as Keys

@@ -1,0 +1,125 @@
+"""When the next picture will be seen, on a screen that may change."""
+
+from __future__ import annotations
+
+from collections import deque
+from statistics import median
+from types import ModuleType
+
+from .window import Window
+
+UNKNOWN_HZ = 60.0
+REMEMBERED = 16  # refreshes; a change of scene or size is forgotten after a quarter of a second
+UNSYNCED = 8  # consecutive pictures faster than the screen, after which vsync counts as off
+TOO_FAST = 0.7  # of a period
+
+
+def known_rate(rate_hz: float) -> float:
+    """Return a screen's reported rate; 60 where that is 0 or less."""
+    return rate_hz if rate_hz > 0 else UNKNOWN_HZ
+
+
+class Pacer:
+    """Estimate display times from when pictures were begun and when their swaps returned.
+
+    All times in ns on one clock. waits: whether the driver should wait for the screen (vsync).
+    Where it does not (software drivers, a user's setting), `paced` turns true and the caller waits
+    until `due` instead; otherwise a window would make pictures that are never visible.
+    """
+
+    def __init__(self, rate_hz: float, waits: bool) -> None:
+        self._expected_ns = 0
+        self._intervals: deque[int] = deque(maxlen=REMEMBERED)
+        self._works: deque[int] = deque(maxlen=REMEMBERED)
+        self.set(rate_hz, waits)
+
+    def set(self, rate_hz: float, waits: bool) -> None:
+        """Use another screen or setting. rate_hz: as known_rate returns it."""
+        self.rate_hz = known_rate(rate_hz)
+        self.period_ns = round(1e9 / self.rate_hz)
+        self.waits = waits
+        self.paced = False
+        self._too_fast = 0
+        self.pause()
+
+    def pause(self) -> None:
+        """Note a deliberate pause: no refresh was missed, and earlier durations are void."""
+        self._last_ns: int | None = None
+        self._missed = 0
+        self._intervals.clear()
+        self._works.clear()
+
+    def swapped(self, begun_ns: int, back_ns: int) -> None:
+        """Note the swap of a picture begun at `begun_ns`; the swap returned at `back_ns`."""
+        self._works.append(back_ns - begun_ns)
+        if self._last_ns is not None:
+            interval = back_ns - self._last_ns
+            self._intervals.append(interval)
+            self._missed += max(0, round(interval / self.period_ns) - 1)
+            self._check_waiting(interval)
+        self._last_ns = back_ns
+
+    def _check_waiting(self, interval_ns: int) -> None:
+        if self.waits and not self.paced:
+            self._too_fast = self._too_fast + 1 if interval_ns < TOO_FAST * self.period_ns else 0
+            self.paced = self._too_fast >= UNSYNCED
+
+    def due(self, now_ns: int) -> int:
+        """Return when to begin the next picture: now, unless we pace in place of the driver."""
+        if not self.paced or self._last_ns is None:
+            return now_ns
+        work = int(median(self._works))
+        return max(now_ns, self._last_ns + self.period_ns - work)
+
+    def expect(self, now_ns: int) -> int:
+        """Return when a picture begun now will be seen; call once for each.
+
+        Pictures keep their order.
+
+        With a driver that waits: at the swap that follows the last one by as many whole periods as
+        a picture takes. Otherwise: when it is done, plus half a period, the screen's mean time to
+        the middle of the picture.
+        """
+        self._expected_ns = max(self._guess(now_ns), self._expected_ns + 1)
+        return self._expected_ns
+
+    def _guess(self, now_ns: int) -> int:
+        if self.waits and not self.paced and self._last_ns is not None and self._intervals:
+            periods = max(1, round(median(self._intervals) / self.period_ns))
+            at = self._last_ns + periods * self.period_ns
+            late = max(0, now_ns - at)
+            return at + -(-late // self.period_ns) * self.period_ns
+        work = int(median(self._works)) if self._works else 0
+        return now_ns + work + self.period_ns // 2
+
+    def missed(self) -> int:
+        """Return the refreshes without a new picture since the last call."""
+        missed, self._missed = self._missed, 0
+        return missed
+
+
+CHECK_NS = 1_000_000_000  # between two checks of which screen the window is on
+
+
+class ScreenMonitor:
+    """Keep the pacer at the refresh rate of the window's screen."""
+
+    def __init__(self, glfw: ModuleType, window: Window, pacer: Pacer) -> None:
+        self._window, self._pacer = window, pacer
+        self._changed, self._checked_ns = False, 0
+        glfw.set_monitor_callback(self._note_change)
+
+    def _note_change(self, *_: object) -> None:
+        self._changed = True
+
+    def update(self, now_ns: int) -> None:
+        """Check the screen, if one was plugged or unplugged or the last check is a second old."""
+        if not self._changed and now_ns - self._checked_ns < CHECK_NS:
+            return
+        self._checked_ns = now_ns
+        if self._changed:
+            self._changed = False
+            self._window.screens_changed()
+        rate_hz = self._window.rate_hz
+        if known_rate(rate_hz) != self._pacer.rate_hz:
+            self._pacer.set(rate_hz, self._window.vsync)

@@ -1,0 +1,103 @@
+"""Commands from keys, mouse and control panel of a window, which handles some of them itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from ...poses.walker import Walker
+from .. import Command
+from .pacing import Pacer
+from .painter import NO_PANEL, Painter, StatusViews
+from .window import Window
+from .window_input import Keys, WindowInput
+
+
+class WindowCommands:
+    """Collect commands, and handle those of controls that belong to the display."""
+
+    def __init__(
+        self,
+        keys: Keys,
+        window: Window,
+        walker: Walker,
+        painter: Painter,
+        pacer: Pacer,
+        views: StatusViews,
+        now_ns: Callable[[], int],
+    ) -> None:
+        self._window, self._walker, self._painter, self._pacer = window, walker, painter, pacer
+        self._views, self._now_ns = views, now_ns
+        self.input = WindowInput(window.handle, walker, now_ns, keys)
+        self.input.close_help = self._close_help
+        self.pending: list[Command] = []  # for the run, oldest first
+        handlers: dict[str, Callable[[object], None]] = {
+            "recentre": self._recentre,
+            "full_screen": self._full_screen,
+            "vsync": self._vsync,
+            "panel": self._control_panel,
+            "help": self._help,
+            "quit": self._quit,
+        }
+        self._handlers = {control.name: handlers[control.name] for control in keys.controls if control.of_display}
+
+    def read(self) -> int:
+        """Read mouse and keys, move the walker, and return the time."""
+        self._window.poll_events()
+        self.input.walk()
+        return self._now_ns()
+
+    def handle_keys(self) -> None:
+        """Handle the window's own commands at once; keep the others for the run."""
+        commands, self.input.commands = self.input.commands, []
+        self.pending += self._others(commands)
+
+    def take(self) -> list[Command]:
+        """Return the commands for the run since the last call."""
+        commands, self.pending = self.pending, []
+        return self._others(commands)
+
+    def _others(self, commands: Iterable[Command]) -> list[Command]:
+        """Handle the window's own commands; return the others."""
+        others = []
+        for command in commands:
+            handler = self._handlers.get(command.control)
+            if handler is None:
+                others.append(command)
+            else:
+                handler(command.value)
+        return others
+
+    # --- one method for each control of the window; value: None for the other state ---
+
+    def _recentre(self, _: object) -> None:
+        self._walker.recentre(self._now_ns())
+
+    def _full_screen(self, value: object) -> None:
+        self._window.fill_screen(not self._window.fills_screen if value is None else bool(value))
+        self._pacer.pause()
+
+    def _vsync(self, value: object) -> None:
+        self._window.wait_for_screen(not self._window.vsync if value is None else bool(value))
+        self._pacer.set(self._window.rate_hz, self._window.vsync)
+
+    def _control_panel(self, value: object) -> None:
+        panel = self._views.panel
+        if panel is not None:
+            panel.on = not panel.on if value is None else bool(value)
+        elif not self.open_panel():
+            self._painter.say(NO_PANEL)
+
+    def _help(self, value: object) -> None:
+        self._painter.help = not self._painter.help if value is None else bool(value)
+
+    def _close_help(self) -> bool:
+        was, self._painter.help = self._painter.help, False
+        return was
+
+    def _quit(self, _: object) -> None:
+        self._window.end()
+
+    def open_panel(self) -> bool:
+        """Open the control panel; return whether its package is installed."""
+        self.input.control_panel = self._views.open_panel()
+        return self._views.panel is not None
