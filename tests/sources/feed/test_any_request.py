@@ -81,7 +81,7 @@ def clients(serving):
         {"size": (8192, 8192)},
         {"instants": (2**63 - 1, 0)},
         {"size": (2048, 2048), "eyes": (foreign.eye(),) * 2, "formats": (4, 2)},
-        {"size": (2048, 2048), "eyes": (foreign.eye(),) * 2, "formats": (255, 3)},
+        {"size": (2304, 2304), "eyes": (foreign.eye(),) * 2, "formats": (255, 3)},
     ],
     ids=[
         "far",
