@@ -33,6 +33,6 @@ def _value(type_: str, text: str) -> Any:
         begin = text[1:].lstrip()
         while begin.startswith("'"):
             begin = begin[1:].lstrip()
-        blank = text[1:2] in ("\t", "\r", "\n")
+        blank = {*text[1 : len(text) - len(begin)]} & {"\t", "\r", "\n"}
         return text[1:] if text.startswith("'") and (blank or begin[:1] in tuple("=+-@＝＋－＠")) else text
     return {NUMBER: float, INTEGER: int}[type_](text)
