@@ -87,7 +87,8 @@ def test_rows_are_summaries_and_more(full):
         validate_summary(row)
         assert row["frames"] == 2 and row["measured"]["flip"] == 2
         assert sum(region["share"] for region in row["regions"].values()) == pytest.approx(1)
-        assert row["regions"]["holes"]["share"] == pytest.approx(row["quality"]["hole_share"]["mean"])
+        holes = sum(row["regions"][name]["share"] for name in ("border_holes", "inside_holes"))
+        assert holes == pytest.approx(row["quality"]["hole_share"]["mean"])
         assert row["mismatch"] is not None and 0 <= row["mismatch"] <= 1
         assert all(row["time_ms"]["warp"][figure] > 0 for figure in ("median", "p95"))
         wanted = ["client_depth"] * (row["warp"] == "backward") + ["warp"] + ["fill"] * (row["fill"] == "interpolate")
