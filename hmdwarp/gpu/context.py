@@ -144,6 +144,17 @@ class Gpu:
         """
         gl_function("glFinish", None)()
 
+    def forget_released(self) -> None:
+        """Drop what moderngl keeps of each object that was released or lost: half a kilobyte.
+
+        Its own Context.gc() fails at the first that was released.
+        """
+        objects = self.gl.objects
+        while objects:
+            kept = objects.popleft()
+            if hasattr(kept, "release"):
+                kept.release()
+
     def give_back_memory(self) -> None:
         """Give freed memory, of textures too, back to the system, where the CPU renders.
 

@@ -410,3 +410,15 @@ def test_a_failed_shader_is_not_cached(gpu, shaders):
     assert library.compiled == 0
     (shaders / "a.comp").write_text("layout(local_size_x = 1) in;\nvoid main() {}", encoding="utf-8")
     assert isinstance(library.compute("a.comp").program, moderngl.ComputeShader)
+
+
+def test_what_was_released_is_forgotten_and_what_was_lost_is_released(gpu):
+    for _ in range(3):
+        gpu.gl.buffer(reserve=64).release()
+    lost = gpu.gl.buffer(reserve=64)
+    kept = gpu.gl.buffer(b"kept")
+    del lost
+    assert len(gpu.gl.objects) >= 4
+    gpu.forget_released()
+    assert len(gpu.gl.objects) == 0 and kept.read() == b"kept"
+    kept.release()

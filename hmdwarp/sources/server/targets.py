@@ -284,6 +284,7 @@ class Renderer:
             pool.close()
         if freed:
             self.gpu.give_back_memory()
+        self.gpu.forget_released()
 
     def close(self) -> None:
         """Free the pools."""
