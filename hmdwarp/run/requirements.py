@@ -205,6 +205,10 @@ class Baseline(Declared):
     )
     tolerance: Tolerance = tolerance_field()
 
+    def __attrs_post_init__(self) -> None:
+        if self.baseline is None and self.tolerance != Tolerance():
+            raise InputError("--tolerance without --baseline: nothing is compared; name a run, or leave it out")
+
     def stored(self, beside: Path) -> report.StoredRun | None:
         """Return the stored run, None without one. beside: where the new one goes.
 

@@ -87,3 +87,5 @@ def test_junit_holds_every_requirement_with_its_failure(tmp_path):
 def test_a_wrong_tolerance_is_refused(text):
     with pytest.raises(InputError, match="--tolerance"):
         Baseline.of({"tolerance": text})
+    with pytest.raises(InputError, match="without --baseline"):
+        Baseline.of({"tolerance": "pixel=2"})

@@ -2,7 +2,7 @@
 
 No confirmed answer is missing or doubled, and the session goes on where it was.
 
-STUDY_KILLS (12) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
+STUDY_KILLS (40) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import pytest
 
 from .killing import Killed, faults
 
-KILLS = int(os.environ.get("STUDY_KILLS", "12"))
+KILLS = int(os.environ.get("STUDY_KILLS", "40"))
 SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
 
 
-@pytest.mark.slow(15)
+@pytest.mark.slow(40)
 def test_killing_the_program_loses_nothing(tmp_path, capsys):
     killed = Killed(tmp_path, SEED, KILLS)
     killed.run()
@@ -27,4 +27,4 @@ def test_killing_the_program_loses_nothing(tmp_path, capsys):
         told = ", ".join(f"{count} {phase}" for phase, count in sorted(killed.tally.items()))
         sessions = f"{len(killed.codes)} sessions, {answers} confirmed answers"
         print(f"\n{KILLS} kills, seed {SEED} ({told}): {sessions}, all there once")
-    assert killed.tally["starting"] <= 0.75 * KILLS, "some must hit a session, not the start of the program"
+    assert killed.tally["starting"] < KILLS / 2, "most of them must hit a session, not the start of the program"

@@ -201,4 +201,4 @@ def test_every_request_within_the_bounds_is_answered_and_none_costs_much(serving
             print(f"{found['frame']} drawn; refused: {refused.most_common(12)}")
     assert found["frame"] > REQUESTS / 3
     # What is kept for the next frames: textures of some sizes, and encoders of the clients.
-    assert most_taken < MOST_TAKEN and grown < 2 * MOST_TAKEN and worst < MOST_CPU_S and serving.process.poll() is None
+    assert most_taken < MOST_TAKEN and grown < MOST_TAKEN and worst < MOST_CPU_S and serving.process.poll() is None
