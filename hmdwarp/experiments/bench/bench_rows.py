@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import add
@@ -27,19 +28,21 @@ from ...metrics import (
     QualityPool,
     at_instants,
     blocks_text,
+    db_of,
     metrics,
     pooled,
     ratings_of,
 )
 from ...report.bench import cases, choice_terms
 from ...resources import __version__, import_extra
-from ...run.combinations import Case
+from ...run.combinations import ORACLE, Case, Combination
 from ...run.replay_setup import ReplaySetup
 from ...run.run_summary import summary_of_rows
 from ...run.side_by_side import Measured
 from .cases import baselines
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
+ORACLE_LACKS = "it knows the depth of the truth, which no client has"
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
 _PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
@@ -90,18 +93,33 @@ def row_of(
         **({"strategy": combination.strategy} if combination.strategy else {}),
         "frames": len(pictures),
         "client": client.name,
-        "lacks": OUTSIDE_LACKS if combination.is_outside else lacking(combination.plan, client),
+        "lacks": _lacks(combination, client),
         "baseline": baselines().get(combination.warp, ""),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
         },
         "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
+        **_where_seen(measured.where_seen),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
         "passes": []
         if combination.is_outside
         else passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
     }
+
+
+def _lacks(combination: Combination, client: Client) -> str:
+    if combination.is_outside:
+        return ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
+    return lacking(combination.plan, client)
+
+
+def _where_seen(pictures: Sequence[tuple[int, int, float]]) -> dict[str, Any]:
+    """Return `where_seen`: share and PSNR of what the late frame saw; nothing without an oracle."""
+    pixels, seen, error = (math.fsum(column) for column in zip(*pictures, strict=True)) if pictures else (0, 0, 0)
+    if not seen:
+        return {}
+    return {"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}}
 
 
 def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -200,6 +218,7 @@ def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
 
     rows: of bench.json. Empty if the client can run all of them.
     """
+    rows = [row for row in rows if row["warp"] != ORACLE]
     lacking = [row for row in rows if row["lacks"]]
     if not lacking:
         return []

@@ -49,7 +49,8 @@ from .cases import (
 )
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .sections import GRID_STEPS, fused_steps
-from .suites import cost_text, suite_entry
+from .suite_means import suite_entry
+from .suites import cost_text
 
 # What is measured once, and what stands in bench.json without it.
 SECTIONS: Mapping[str, Any] = {GRID: [], FUSED: [], "grid_at": None, "fused_at": None}
@@ -191,7 +192,7 @@ _KEY = (
     *("strategy", "warp", "fill"),
 )
 # Of the picture, not of the machine that made it.
-_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod")
+_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod", "where_seen")
 _MACHINE = ("machine", "clock", "clocks", "copy_gb_s")
 Row = dict[str, Any]
 

@@ -97,26 +97,40 @@ def _suite(entry: Mapping[str, Any] | None) -> Section | None:
     """Return the means of a suite over all heads and scenes; None for a bench of no suite."""
     if not entry:
         return None
-    figures = [metrics.get(name).figure for name in ("flip", "psnr_db")]
-    figures.insert(1, attrs.evolve(figures[0], name="behind", label="FLIP behind the best"))
+    flip, psnr = (metrics.get(name).figure for name in ("flip", "psnr_db"))
+    behind = attrs.evolve(flip, name="behind", label="FLIP behind the best")
+    seen = attrs.evolve(psnr, name="where_seen_db", label="PSNR where seen")
+    columns = [(flip, "mean"), (flip, "p95"), (behind, "mean"), (psnr, "mean"), (psnr, "p95"), (seen, "mean")]
     lines = [
         (
             f"{row['latency_ms']:g} ms",
             row_name(row),
-            *(text for figure in figures for text in _mean_and_interval(figure, row[figure.name])),
+            *_rank(row["rank"]),
+            *(text for figure, which in columns for text in _with_interval(figure, row[figure.name], which)),
         )
         for row in entry["over_all"]
     ]
-    heads = [("", ""), ("", ""), *(pair for f in figures for pair in ((f.label, f.unit), ("95 %", f.unit)))]
+    heads = [("", ""), ("", ""), ("rank", "95 %"), ("best", "%")]
+    for figure, which in columns:
+        label = figure.label if which == "mean" else f"{figure.label} {which}"
+        heads += [(label, figure.unit), ("95 %", figure.unit)]
     heading = f"Suite {entry['name']} {entry['version']}: over all heads and scenes"
     return Section(
         heading, [Table.of("", heads, lines, label=heading, words=2), Text(texts("bench")["notes"]["suite"])]
     )
 
 
-def _mean_and_interval(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
-    interval = entry["interval"]
-    return figure.text(entry["mean"]), " to ".join(map(figure.text, interval)) if interval else "–"
+def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:
+    if rank is None:
+        return "–", "–"
+    return " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
+
+
+def _with_interval(figure: Figure, entry: Mapping[str, Any] | None, which: str) -> tuple[str, str]:
+    if entry is None:
+        return "–", "–"
+    interval = entry["interval" if which == "mean" else f"{which}_interval"]
+    return figure.text(entry[which]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:
