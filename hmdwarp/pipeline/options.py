@@ -103,7 +103,7 @@ class PipelineOptions(Declared):
 
     scene: str = option(
         "room",
-        f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.",
+        f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj, .ply or Mitsuba .xml file.",
         study=PICTURE,
         names_files=True,
     )

@@ -97,6 +97,7 @@ class RecordingSource(Source):
             "size": list(sequence.frames[0].size),
             "fov_deg": [round(angle, 2) for angle in _degrees(sequence.frames[0].fov)],
             "eye_distance_mm": self._eye_distance_mm,
+            "noise_floor_db": sequence.noise_floor_db,
         }
 
     @property
@@ -117,6 +118,8 @@ class RecordingSource(Source):
             if self._eye_distance_mm
             else "One eye is shown, the camera's.",
         ]
+        if sequence.noise_floor_db is not None:
+            sentences.append(f"Its noise floor is {sequence.noise_floor_db:g} dB, by camera.json.")
         return " ".join(sentences)
 
     def fitted(self, options: Options) -> Options:

@@ -47,6 +47,7 @@ from .cases import (
     run_options,
     source_of,
 )
+from .further import about_sequence, further
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .sections import GRID_STEPS, fused_steps
 from .suite_means import suite_entry
@@ -79,6 +80,14 @@ def bench(
         sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
         options = attrs.evolve(options, scenes=(source.scene.name,), recordings=("",), sizes=sizes)
     works, notes = _checked(options, headset, source)
+    parts, without = further(options)
+    for text in without:
+        say(text)
+    notes += without
+    for part in parts:
+        place = source_of(part, part.scenes[0])
+        added, told = _checked(part, place.headset, place)
+        works, notes = works + added, notes + told
     if options.sweep.cluster is None:
         check_room(works)
     if options.suite:
@@ -104,7 +113,7 @@ def bench(
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
-                **suite_entry(options.suite, rows),
+                **suite_entry(options.suite, rows, [about_sequence(part) for part in parts if part.frames is not None]),
                 **sections,
                 "choice": choice,
             }

@@ -285,6 +285,7 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
     """Return the options that have this case alone; start_s: of all latencies of its recording."""
     return attrs.evolve(
         options,
+        also=None,
         scenes=(case.scene,),
         recordings=(case.recording,),
         latencies_ms=(case.latency_ms,),
@@ -314,7 +315,7 @@ def prepared(options: BenchOptions) -> BenchCase:
 def source_of(options: BenchOptions, scene: str) -> Source:
     """Return the recorded frames of the options, or one of their scenes."""
     if options.frames is not None:
-        return RecordingSource(open_sequence(options.frames, options.sequence_options))
+        return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options))
     return Source(PipelineOptions(scene=scene, scene_options=options.scene_options, headset=options.headset))
 
 

@@ -65,7 +65,7 @@ class BenchOptions(RecordedOptions):
     """
 
     # What a recording has itself, or cannot have.
-    with_frames = ("recordings", "scenes", "guard", "rendered_size", "rate_hz", "strategies")
+    with_frames = ("recordings", "scenes", "rendered_size", "rate_hz", "strategies")
     why_not = "a bench takes what was recorded"
 
     # Sets what is run; "" for none.
@@ -75,6 +75,13 @@ class BenchOptions(RecordedOptions):
         "and scenes.",
         valid=one_of("", *suites()),
         limits=" or ".join(suites()),
+    )
+    also: Path | None = option(
+        None,
+        "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
+        kind=Path,
+        metavar="DIR",
+        convert=attrs.converters.optional(Path),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
@@ -134,7 +141,7 @@ class BenchOptions(RecordedOptions):
         said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
         check_one_guard(said)
         values = super().values_of(said)
-        return values if said.get("frames") is None else {**values, "guard": 1.0, "grid": False, "fused": False}
+        return values if said.get("frames") is None else {"guard": 1.0, **values, "grid": False, "fused": False}
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:

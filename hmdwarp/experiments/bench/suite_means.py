@@ -26,9 +26,15 @@ LEAST_CLUSTERS = 3
 _DRAWS = 500
 
 
-def suite_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
-    """Return `suite` of bench.json: name, version and over_all; empty for a bench of no suite."""
-    return {"suite": {"name": name, "version": suites()[name].version, "over_all": over_all(rows)}} if name else {}
+def suite_entry(name: str, rows: Iterable[Row], sequences: Sequence[Row] = ()) -> dict[str, Any]:
+    """Return `suite` of bench.json: name, version, sequences, over_all; empty for no suite.
+
+    sequences: what it took that was recorded: see about_sequence.
+    """
+    if not name:
+        return {}
+    about = {"name": name, "version": suites()[name].version, "sequences": list(sequences)}
+    return {"suite": {**about, "over_all": over_all(rows)}}
 
 
 def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
@@ -117,7 +123,8 @@ class Clusters:
         for kind in (self.heads, self.scenes):
             names, place = np.unique(kind, return_inverse=True)
             weights *= rng.multinomial(len(names), np.full(len(names), 1 / len(names)), _DRAWS)[:, place]
-        return weights[weights.sum(axis=1) > 0]
+        drawn: NDArray[Any] = weights[weights.sum(axis=1) > 0]
+        return drawn
 
     def mean(self, values: Sequence[float]) -> dict[str, Any]:
         """Return the mean of one value of each case and its interval: see clustered_interval."""

@@ -25,6 +25,8 @@ class Suite:
     name: str
     version: int
     summary: str
+    # Names of the scenes by others that it takes where they are: see further.toml.
+    recipes: tuple[str, ...]
     # Values by option, as the command line has them.
     sets: Mapping[str, Any]
 
@@ -32,7 +34,10 @@ class Suite:
 def suites() -> dict[str, Suite]:
     """Return all suites by name."""
     entries = tomllib.loads(_FILE.read_text(encoding="utf-8"))
-    return {name: Suite(name, entry.pop("version"), entry.pop("summary"), entry) for name, entry in entries.items()}
+    return {
+        name: Suite(name, entry.pop("version"), entry.pop("summary"), tuple(entry.pop("recipes")), entry)
+        for name, entry in entries.items()
+    }
 
 
 def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -41,6 +46,8 @@ def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str
     usual: the default of each option. Errors: InputError for an option that the suite sets.
     """
     if not said.get("suite"):
+        if said.get("also") is not None:
+            raise InputError("--also without --suite: give scenes by --scene and recorded frames by --frames")
         return said
     suite = suites()[said["suite"]]
     for name in (*suite.sets, "frames", "trace"):

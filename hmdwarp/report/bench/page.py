@@ -115,9 +115,13 @@ def _suite(entry: Mapping[str, Any] | None) -> Section | None:
         label = figure.label if which == "mean" else f"{figure.label} {which}"
         heads += [(label, figure.unit), ("95 %", figure.unit)]
     heading = f"Suite {entry['name']} {entry['version']}: over all heads and scenes"
-    return Section(
-        heading, [Table.of("", heads, lines, label=heading, words=2), Text(texts("bench")["notes"]["suite"])]
-    )
+    told = texts("bench")["notes"]
+    floors = [
+        f"{sequence['name']}: {'unknown' if (floor := sequence['noise_floor_db']) is None else f'{floor:g} dB'}"
+        for sequence in entry.get("sequences", ())
+    ]
+    blocks = [Table.of("", heads, lines, label=heading, words=2), Text(told["suite"])]
+    return Section(heading, [*blocks, floors and Text(f"{told['floors']} {listed(floors)}.")])
 
 
 def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:

@@ -126,6 +126,8 @@ class Sequence:
     repair: RepairChain = RepairChain()
     # Facts that all frames share, with who says them.
     assumptions: tuple[Assumption, ...] = ()
+    # PSNR between two renders of one frame that differ by noise alone; None if unknown.
+    noise_floor_db: float | None = None
 
     def with_no_depth(self, meaning: str) -> Sequence:
         """Return the sequence with pixels without depth as `meaning` has it: FAR or HOLE."""

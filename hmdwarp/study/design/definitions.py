@@ -235,7 +235,7 @@ def _resolved(folder: Path, key: str, name: str, value: object) -> object:
 
 
 def _is_scene_file(name: str, value: str) -> bool:
-    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply"))
+    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply", ".xml"))
 
 
 def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[tuple[str, str, object]]:

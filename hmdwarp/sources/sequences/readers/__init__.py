@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
+
+import attrs
 
 from ....errors import InputError
 from ....options.named_files import enter
 from ....registry import Registry
+from ..camera import read_json
 from ..options import SequenceOptions
 from ..recorded import Sequence
-from ._base import SequenceReader
+from ._base import CAMERA, SequenceReader
 
 readers: Registry[SequenceReader] = Registry("layout", __name__)
 _NAMED = 6  # files of a folder that no reader knows
@@ -47,8 +51,17 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
         if getattr(options, name) is not None and name not in reader.takes:
             known = ", ".join(known.name for known in readers if name in known.takes)
             raise InputError(f"--{name.replace('_', '-')}: layout {reader.name} does not take it; expected {known}")
-    sequence = reader.read(place, options)
+    sequence = attrs.evolve(reader.read(place, options), noise_floor_db=_noise_floor(place))
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
+
+
+def _noise_floor(place: Path) -> float | None:
+    """Return what camera.json states, in dB. Errors: InputError for what is no positive number."""
+    path = (place if place.is_dir() else place.parent) / CAMERA
+    stated = read_json(path).get("noise_floor_db") if path.exists() else None
+    if stated is not None and (type(stated) not in (int, float) or not 0 < stated < math.inf):
+        raise InputError(f"{path}: noise_floor_db is {stated!r}; expected a positive number of dB")
+    return stated
 
 
 def _content(place: Path) -> str:
