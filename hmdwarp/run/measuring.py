@@ -11,9 +11,10 @@ from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..frames.layers import PICTURE
 from ..gpu.textures import download
-from ..metrics import Compared, QualityJob, QualityPool
+from ..metrics import Compared, QualityJob, QualityPool, psnr_db
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
+from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
@@ -47,8 +48,9 @@ class Probe:
         self.without_truth = 0
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
-        # Of the eye without a truth, by refresh: the share of its pixels that the warp left empty.
-        self.untrue_holes: dict[int, float] = {}
+        # Of an eye whose frames were not sent, by refresh: the share of its pixels that the warp
+        # left empty, and its PSNR where what it should see was recorded.
+        self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
 
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
@@ -74,10 +76,10 @@ class Probe:
     def read(self, number: int, refresh: Refresh) -> None:
         """Read back the eyes of refresh `number`, and submit them if it is a measured one.
 
-        An eye that nothing was recorded for has holes alone.
+        An eye that no frames were sent for has holes alone, and a PSNR.
         """
         if len(refresh.eyes) > self._setup.source.kind.eyes and self._measures(number):
-            self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.source.kind.eyes)))
+            self._read_second(number, refresh, self._setup.source.kind.eyes)
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
@@ -94,6 +96,13 @@ class Probe:
                 self._count_filled(result)
             for which, against in enumerate(self._against, 1):
                 self._read_comparison(which, against, (number, eye), refresh, picture, depth)
+
+    def _read_second(self, number: int, refresh: Refresh, eye: int) -> None:
+        result, server = self._before_lens(refresh, eye), self._setup.server
+        self.second_eye["hole_share"][number] = _hole_share(coverage(result))
+        if isinstance(server, RecordedRenderer) and server.right is not None:
+            truth = draw_truth(server.right, refresh.inputs[eye], self._setup.size, depth=False)
+            self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), picture_from_linear(truth.colour))
 
     def _read_comparison(
         self,

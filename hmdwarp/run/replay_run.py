@@ -84,8 +84,8 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
             out.write_csv("jod.csv", _rated_rows(probe.clips), JOD_COLUMNS)
-        if probe.untrue_holes:
-            beside = second_eye(log.rows, probe.untrue_holes)
+        if probe.second_eye["hole_share"]:
+            beside = second_eye(log.rows, probe.second_eye)
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more, probe.without_truth)

@@ -17,6 +17,8 @@ from ..recorded import Sequence
 from ._base import CAMERA, SequenceReader
 
 readers: Registry[SequenceReader] = Registry("layout", __name__)
+# Folder of what the right eye saw, in that of the left one.
+RIGHT = "right"
 _NAMED = 6  # files of a folder that no reader knows
 
 
@@ -52,7 +54,20 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
             known = ", ".join(known.name for known in readers if name in known.takes)
             raise InputError(f"--{name.replace('_', '-')}: layout {reader.name} does not take it; expected {known}")
     sequence = attrs.evolve(reader.read(place, options), noise_floor_db=_noise_floor(place))
+    if (place / RIGHT).is_dir():
+        sequence = attrs.evolve(sequence, right=_right(sequence, reader.read(place / RIGHT, options)))
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
+
+
+def _right(left: Sequence, right: Sequence) -> Sequence:
+    """Return what the right eye saw. Errors: InputError for other instants or another size."""
+    for name, one, other in (
+        ("instants", [frame.time_ns for frame in left.frames], [frame.time_ns for frame in right.frames]),
+        ("pixels", [left.frames[0].size], [right.frames[0].size]),
+    ):
+        if one != other:
+            raise InputError(f"{right.path}: frames of other {name} than those of {left.path}; expected the same")
+    return right
 
 
 def _noise_floor(place: Path) -> float | None:
