@@ -11,7 +11,7 @@ import attrs
 
 from ...metrics import LEVEL, PRIMARY, metrics
 from ...run.combinations import ORACLE
-from .suites import suites
+from .suites import FIT, HELD_OUT, half_of, suites
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,9 +42,9 @@ def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
 
     Each has `heads`, `scenes`; by measure {mean, interval, p95, p95_interval}, where p95 is that of
     all pictures; `behind`: how much more FLIP it has than the best of its latency in the same
-    cases; `where_seen_db`: PSNR where the late frame saw what the eye should see; `rank` {best,
-    interval}: the share of draws in which it is the best by FLIP, and its rank in 95 % of them. The
-    oracle is neither best nor ranked.
+    cases; `halves`: see half_of; `where_seen_db`: PSNR where the late frame saw what the eye should
+    see; `rank` {best, interval}: the share of draws in which it is the best by FLIP, and its rank
+    in 95 % of them. The oracle is neither best nor ranked.
     """
     by_latency: dict[float, dict[Method, list[Row]]] = {}
     for row in rows:
@@ -69,11 +69,19 @@ def _entry(group: Sequence[Row], best_of: Mapping[tuple[str, str], float]) -> di
     clusters = Clusters.of(map(_case, group))
     entry: dict[str, Any] = {"heads": len(set(clusters.heads)), "scenes": len(set(clusters.scenes))}
     entry |= {name: clusters.mean(_values(group, name)) | clusters.tail(group, name) for name in MEASURES}
+    entry["halves"] = {half: _of_half(group, half) for half in (FIT, HELD_OUT)}
     both = [(row, best_of[_case(row)]) for row in group if _case(row) in best_of]
     entry["behind"] = Clusters.of(_case(row) for row, _ in both).mean([_value(row, PRIMARY) - of for row, of in both])
     seen = [row["where_seen"]["psnr_db"] for row in group if "where_seen" in row]
     entry["where_seen_db"] = clusters.mean(seen) if len(seen) == len(group) else None
     return entry
+
+
+def _of_half(group: Sequence[Row], half: str) -> dict[str, Any]:
+    """Return the means of a method's cases in a half of scenes and heads, None without one."""
+    rows = [row for row in group if half_of(*_case(row)) == half]
+    means = {name: _mean(_values(rows, name)) if rows else None for name in MEASURES}
+    return {"cases": len(rows), **means}
 
 
 def _case(row: Row) -> tuple[str, str]:

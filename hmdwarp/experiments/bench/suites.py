@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,8 @@ import attrs
 from ... import metrics
 from ...errors import InputError
 
+# Halves of scenes and heads.
+FIT, HELD_OUT = "fit", "held_out"
 _FILE = Path(__file__).with_name("suites.toml")
 # FLIP and SSIM of a 1280x800 picture take 0.6 s of a core.
 _S_PER_PIXEL = 0.6 / (1280 * 800)
@@ -31,9 +34,26 @@ class Suite:
     sets: Mapping[str, Any]
 
 
+def _entries() -> dict[str, Any]:
+    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def halves() -> dict[str, dict[str, list[str]]]:
+    """Return `scenes` and `heads` of the half that parameters are fitted on, and of the other."""
+    found: dict[str, dict[str, list[str]]] = _entries()["halves"]
+    return found
+
+
+def half_of(head: str, scene: str) -> str:
+    """Return the half that a case belongs to; "" for one of both, or of neither."""
+    return next((name for name, half in halves().items() if head in half["heads"] and scene in half["scenes"]), "")
+
+
 def suites() -> dict[str, Suite]:
     """Return all suites by name."""
-    entries = tomllib.loads(_FILE.read_text(encoding="utf-8"))
+    entries = _entries()
+    del entries["halves"]
     return {
         name: Suite(name, entry.pop("version"), entry.pop("summary"), tuple(entry.pop("recipes")), entry)
         for name, entry in entries.items()

@@ -120,8 +120,25 @@ def _suite(entry: Mapping[str, Any] | None) -> Section | None:
         f"{sequence['name']}: {'unknown' if (floor := sequence['noise_floor_db']) is None else f'{floor:g} dB'}"
         for sequence in entry.get("sequences", ())
     ]
-    blocks = [Table.of("", heads, lines, label=heading, words=2), Text(told["suite"])]
+    blocks = [Table.of("", heads, lines, label=heading, words=2), Text(told["suite"]), *_halves(entry["over_all"])]
     return Section(heading, [*blocks, floors and Text(f"{told['floors']} {listed(floors)}.")])
+
+
+def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
+    """Return the means in the half that parameters are fitted on, and in the one held out."""
+    figures, names = [metrics.get(name).figure for name in MEASURES], {"fit": "fitted on", "held_out": "held out"}
+    heads = [("", ""), ("", ""), *((f"{f.label}, {name}", f.unit) for f in figures for name in names.values())]
+    lines = [
+        (
+            f"{row['latency_ms']:g} ms",
+            row_name(row),
+            *(f.text(row["halves"][h][f.name]) for f in figures for h in names),
+        )
+        for row in rows
+    ]
+    counts = [max((row["halves"][half]["cases"] for row in rows), default=0) for half in names]
+    label = "By half: {} cases of scenes and heads that parameters are fitted on, {} of others".format(*counts)
+    return [Text(f"{label}."), Table.of("", heads, lines, label=label, words=2)] if any(counts) else []
 
 
 def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:

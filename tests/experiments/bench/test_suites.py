@@ -10,7 +10,7 @@ import pytest
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.suite_means import clustered_interval, over_all, suite_entry
-from hmdwarp.experiments.bench.suites import cost_text, suites
+from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench import render_bench_page
 from hmdwarp.resources import recording_names
@@ -117,6 +117,16 @@ def test_a_rank_is_as_sure_as_heads_and_scenes_agree():
     # Draws in which both heads come as often count for both. Of 500, a share of 0.64 is within 0.1.
     assert one["rank"]["best"] == pytest.approx(other["rank"]["best"], abs=0.1)
     assert one["where_seen_db"] is None
+
+
+def test_halves_share_no_scene_and_no_head_and_each_suite_has_both():
+    fit, held_out = halves()["fit"], halves()["held_out"]
+    assert not {*fit["scenes"]} & {*held_out["scenes"]} and not {*fit["heads"]} & {*held_out["heads"]}
+    for name in suites():
+        options = BenchOptions.of({"suite": name})
+        every = [half_of(head, scene) for head, scene in itertools.product(options.recordings, options.scenes)]
+        assert {*every} == {"fit", "held_out", ""}
+        assert {*options.recordings} <= {*fit["heads"], *held_out["heads"]}
 
 
 def test_the_cost_is_told_before():
