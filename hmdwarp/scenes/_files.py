@@ -14,14 +14,13 @@ from ..geometry import Pose
 from ..options.named_files import SCENE, opened
 from ._draft import Draft
 from ._gltf_scene import GltfContent
-from ._load import FILE_ENDINGS
 from ._mesh import Body, Texture
 from ._mesh_files import drafts_of, unreadable
 from ._mitsuba_file import mitsuba_drafts
 from ._notes import Notes, add_hints, check_size
 from ._scene import Background, Scene
 from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, free_place, is_inside, place_at
-from .options import SceneOptions
+from .options import FILE_ENDINGS, SceneOptions
 
 Array = NDArray[np.float64]
 SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))

@@ -10,9 +10,7 @@ import attrs
 
 from ..errors import InputError, unknown_name
 from ._scene import Scene, SceneSource, scenes
-from .options import SceneOptions
-
-FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply", ".xml")
+from .options import FILE_ENDINGS, SceneOptions
 
 
 def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) -> Scene:
