@@ -91,14 +91,14 @@ def degrees_of(parameter: Parameter, value: float, half: Mapping[str, Sequence[s
 
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("only", nargs="*", help="iterative, pyramid or cautious; by default all")
+    arguments.add_argument("only", nargs="*", help="iterative, pyramid, cautious or parameters; by default all")
     arguments.add_argument("--most", type=int, default=2, help="scenes, and heads, of each half")
     said = arguments.parse_args()
     print("| parameter | value | fitted on | held out |\n| --- | ---: | ---: | ---: |")
     for figure, parameters, measure in (("FLIP", PARAMETERS, flip_of), ("degrees", WEIGHTS, degrees_of)):
         for parameter in parameters:
             where = parameter.where if isinstance(parameter.where, str) else parameter.where.__name__.rpartition(".")[2]
-            if said.only and where not in said.only:
+            if said.only and not {where, parameter.name} & {*said.only}:
                 continue
             found = {
                 value: [measure(parameter, value, halves()[half], said.most) for half in (FIT, HELD_OUT)]
