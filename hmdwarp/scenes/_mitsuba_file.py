@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import SceneError
 from ..options.named_files import BESIDE, content_of, keep_inside, text_in
-from ._draft import Draft, Look, normals_of
+from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
 from ._mesh import Material, Texture
 from ._mesh_files import GREY, mesh_parts
 from ._notes import Notes, read_beside, rgba_of
@@ -81,7 +81,10 @@ def _parts(path: Path, shape: ElementTree.Element, notes: Notes) -> Iterator[Par
             uv = np.zeros((len(part.vertices), 2)) if uv is None else np.asarray(uv, np.float64)
             yield np.asarray(part.vertices, np.float64), uv, np.asarray(part.faces).astype(np.uint32)
     elif kind == "serialized":
-        yield serialized(content_of(path.parent / name, BESIDE, path.parent), int(_value(shape, "shapeindex") or 0))
+        try:
+            yield serialized(content_of(path.parent / name, BESIDE, path.parent), int(_value(shape, "shapeindex") or 0))
+        except (ValueError, IndexError, struct.error, zlib.error) as error:
+            raise SceneError(f"{path.parent / name}: not a readable mesh ({error}); export it again") from error
     else:
         notes.add("shapes that are no mesh are left out", kind)
 
@@ -89,16 +92,20 @@ def _parts(path: Path, shape: ElementTree.Element, notes: Notes) -> Iterator[Par
 def serialized(data: bytes, index: int) -> Part:
     """Return a mesh of Mitsuba's own file of meshes.
 
+    Errors: ValueError, IndexError, struct.error or zlib.error for what is none.
+
     Source: Mitsuba 0.6 documentation, 8.1.7 (shape `serialized`).
     """
     (version,), (count,) = struct.unpack_from("<H", data, 2), struct.unpack_from("<I", data, len(data) - 4)
     wide = "Q" if version >= 4 else "I"
     begins = struct.unpack_from(f"<{count}{wide}", data, len(data) - 4 - count * struct.calcsize(wide))[index]
-    stream = io.BytesIO(zlib.decompressobj().decompress(data[begins + 4 :]))
+    stream = _Inflated(data[begins + 4 :])
     (flags,) = struct.unpack("<I", stream.read(4))
     while version >= 4 and stream.read(1) not in (b"\0", b""):  # its name
         pass
     vertices, triangles = struct.unpack("<QQ", stream.read(16))
+    if max(vertices, triangles) > MOST_TRIANGLES:
+        raise ValueError(f"{vertices} vertices and {triangles} triangles; at most {MOST_TRIANGLES} are read")
 
     def numbers(rows: int, columns: int, kind: str) -> NDArray[Any]:
         size = rows * columns * np.dtype(kind).itemsize
@@ -111,6 +118,18 @@ def serialized(data: bytes, index: int) -> Part:
     uv = numbers(vertices, 2, real).astype(np.float64) if flags & _UV else np.zeros((vertices, 2))
     faces = numbers(triangles, 3, "<u4").astype(np.uint32)
     return positions, np.column_stack([uv[:, 0], 1 - uv[:, 1]]), faces
+
+
+class _Inflated:
+    """Packed bytes, of which no more is unpacked than is read: a few may unpack to gigabytes."""
+
+    def __init__(self, packed: bytes) -> None:
+        self._unpacker, self._packed = zlib.decompressobj(), packed
+
+    def read(self, size: int) -> bytes:
+        found = self._unpacker.decompress(self._packed, size) if size else b""
+        self._packed = self._unpacker.unconsumed_tail
+        return found
 
 
 class _Looks:

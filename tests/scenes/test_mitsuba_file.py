@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import tracemalloc
 import zlib
 
 import numpy as np
@@ -28,7 +29,7 @@ SCENE = f"""<scene version="0.6.0">
 </scene>"""
 
 
-def serialized_file(version: int, name: bytes) -> bytes:
+def serialized_file(version: int, name: bytes, after: bytes = b"") -> bytes:
     """Two meshes of one triangle, the second at x = 1, with normals and texture coordinates."""
     data, begins = b"", []
     for x in (0.0, 1.0):
@@ -36,7 +37,7 @@ def serialized_file(version: int, name: bytes) -> bytes:
         body += np.array([(x, 0, 0), (x + 1, 0, 0), (x, 1, 0)], "<f4").tobytes() + np.zeros((3, 3), "<f4").tobytes()
         body += np.array([(0, 0), (1, 0), (0, 1)], "<f4").tobytes() + np.array([0, 1, 2], "<u4").tobytes()
         begins.append(len(data))
-        data += struct.pack("<HH", 0x041C, version) + zlib.compress(body)
+        data += struct.pack("<HH", 0x041C, version) + zlib.compress(body + after, 1)
     return data + struct.pack("<2Q" if version >= 4 else "<2I", *begins) + struct.pack("<I", 2)
 
 
@@ -88,7 +89,7 @@ def test_its_hash_is_that_of_all_it_names(scene):
         ("<scene", "<scene <", "not a readable XML file"),
         ("<matrix value", "<translate value", "placed by <translate>"),
         ("part.obj", "../part.obj", "outside"),
-        ('value="1"/><bsdf type="rough', 'value="2"/><bsdf type="rough', "not a readable XML file"),
+        ('value="1"/><bsdf type="rough', 'value="2"/><bsdf type="rough', "not a readable mesh"),
     ],
 )
 def test_what_cannot_be_read_is_refused_in_one_line(scene, said, instead, why):
@@ -98,3 +99,23 @@ def test_what_cannot_be_read_is_refused_in_one_line(scene, said, instead, why):
         load_scene(scene)
     assert isinstance(caught.value, SceneError) or why == "outside"
     assert "\n" not in str(caught.value)
+
+
+def test_damaged_meshes_are_refused_and_no_more_is_unpacked_than_a_mesh_holds(scene):
+    """Half a gigabyte of zeros packs into half a megabyte."""
+    many = struct.pack("<I", 0x1000) + b"\0" + struct.pack("<QQ", 10**12, 1)
+    path = scene.parent / "parts.serialized"
+    for data in (b"", b"\x1c\x04", packed(many), serialized_file(4, b"a part\0")[:-60]):
+        path.write_bytes(data)
+        with pytest.raises(SceneError, match=r"parts\.serialized: not a readable mesh"):
+            load_scene(scene)
+    path.write_bytes(serialized_file(4, b"a part\0", after=bytes(1 << 29)))
+    tracemalloc.start()
+    load_scene(scene)
+    assert tracemalloc.get_traced_memory()[1] < 1 << 25
+    tracemalloc.stop()
+
+
+def packed(body: bytes) -> bytes:
+    """A file of one mesh."""
+    return struct.pack("<HH", 0x041C, 4) + zlib.compress(body, 1) + struct.pack("<QI", 0, 1)
