@@ -80,6 +80,13 @@ RECORDED = SequenceOptions.heading
 # Depth of a pixel of several samples.
 CENTRE, NEAREST = "centre", "nearest"
 MOST_SAMPLES = 16
+_IPD = Option(
+    "Millimetres between the pupils, within the headset's range; by default the headset's own.",
+    float,
+    name="ipd",
+    unit="mm",
+    study=DISPLAY,
+)
 _WIDE = Option(
     "A second, wide and coarse view with every frame: fill wide before the others.",
     bool,
@@ -232,6 +239,7 @@ class PipelineOptions(Declared):
         "rift-dk1",
         f"Headset that is emulated: {names_in('headsets', '*.toml')}, or a .toml file.",
         study=DISPLAY,
+        beside=(_IPD,),
     )
     # (w, h) of one eye.
     size: tuple[int, int] | None = option(
@@ -327,7 +335,7 @@ class PipelineOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
         usual = {option.name: option.default for option in options_of(cls)}
-        said = with_strategy(with_frames(said, usual), usual)
+        said = with_strategy(with_frames(with_ipd(said, usual["headset"]), usual), usual)
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
@@ -509,6 +517,13 @@ def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> d
     if coded and not said.get("bandwidth") and math.isfinite(client.download_mbit_s):
         values["network"] = attrs.evolve(values["network"], bandwidth=Bandwidth(client.download_mbit_s))
     return values
+
+
+def with_ipd(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
+    """Return the options with --ipd as part of the headset. headset: where none is named."""
+    if said.get("ipd") is None:
+        return said
+    return {**said, "headset": f"{said.get('headset') or headset}:ipd={said['ipd']:g}"}
 
 
 def _own_lens(headset: str) -> str:

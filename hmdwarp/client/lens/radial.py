@@ -23,7 +23,7 @@ class Radial(LensPass):
     def prepare(self) -> None:
         if self.headset.lens is None:
             raise InputError(f"headset '{self.headset.name}' has no lens: use --lens none")
-        self._terms = _terms(self.headset.lens)
+        self._terms = [_terms(eye.lens) for eye in self.headset.eyes if eye.lens is not None]
         self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
         self._program = self.gpu.shaders.compute("lens/radial.comp", **self.library_defines())
 
@@ -39,8 +39,8 @@ class Radial(LensPass):
         self._program.run(*self.panel_size)
 
     def library_defines(self) -> dict[str, object]:
-        one_colour = {"ONE_COLOUR": 1} if (self._terms == self._terms[:, :1]).all() else {}
-        return {**super().library_defines(), "LENS_TERMS": len(self._terms), **one_colour}
+        one_colour = {"ONE_COLOUR": 1} if all((terms == terms[:, :1]).all() for terms in self._terms) else {}
+        return {**super().library_defines(), "LENS_TERMS": len(self._terms[0]), **one_colour}
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))
@@ -56,7 +56,7 @@ class Radial(LensPass):
         return {
             "lens_from_panel": (*scale, *offset),
             "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
-            "lens_terms": self._terms,
+            "lens_terms": self._terms[eye],
         }
 
 
