@@ -216,6 +216,11 @@ class Headset:
             )
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """A line on what is emulated and what is not, where that is not all."""
+        return (f"Headset {self.name}: {self.emulated}.",) if self.emulated else ()
+
+    @property
     def lens(self) -> RadialLens | None:
         """The left eye's lens; both eyes have one or none."""
         return self.eyes[0].lens

@@ -203,6 +203,7 @@ def test_plan_for_programs_has_what_is_printed(command):
         "fill",
         "lens",
         "headset",
+        "eyes",
         "passes",
         "left_out",
         "frame",
@@ -216,6 +217,7 @@ def test_plan_for_programs_has_what_is_printed(command):
     assert list(frame) == ["eyes", "size", "pixels", "fov_deg", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
     assert frame["bytes"] == sum(frame["layers"].values()) and f"{frame['bytes'] / 1e6:.1f} MB uncompressed" in told
     assert f"at most {frame['at_once']} of them at 200 ms and 90 Hz" in told
+    assert all(f"{key.replace('_', ' ')} {text}" in told for key, text in data["eyes"].items())
 
 
 def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(command):
