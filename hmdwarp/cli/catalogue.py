@@ -193,7 +193,7 @@ def _headset_row(headset: headsets.Headset) -> dict[str, str]:
         "eye_size": "x".join(map(str, headset.eye_size_px)),
         "refresh_hz": f"{headset.refresh_hz:g}",
         **headset_facts(headset),
-        "lens": "radial" if headset.lens is not None else "none",
+        "lens": headset.lens.model if headset.lens is not None else "none",
         "emulated": headset.emulated or "all of it",
         "source": headset.source,
     }

@@ -1,9 +1,12 @@
 from ._files import headset_names as headset_names
 from ._files import load_headset as load_headset
-from ._model import COLOURS as COLOURS
-from ._model import MAX_COEFFICIENTS as MAX_COEFFICIENTS
+from ._lenses import COLOURS as COLOURS
+from ._lenses import MAX_COEFFICIENTS as MAX_COEFFICIENTS
+from ._lenses import Lens as Lens
+from ._lenses import RadialLens as RadialLens
+from ._lenses import TableLens as TableLens
+from ._lenses import ViveLens as ViveLens
 from ._model import CameraDisplay as CameraDisplay
 from ._model import Headset as Headset
 from ._model import HeadsetEye as HeadsetEye
-from ._model import RadialLens as RadialLens
 from ._model import camera_display as camera_display

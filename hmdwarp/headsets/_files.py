@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from ..errors import InputError, unknown_name
 from ..geometry import Fov, Pose
 from ..options.tables import Table, parsed, text_of
-from ._model import COLOURS, IPD_RANGE_M, Headset, HeadsetEye, Polygon, RadialLens
+from ._exports import load_export
+from ._lenses import MODELS, Lens
+from ._model import IPD_RANGE_M, Headset, HeadsetEye, Polygon
 
 _FOLDER = Path(__file__).parent
 _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
@@ -27,7 +29,7 @@ def headset_names() -> list[str]:
 
 
 def load_headset(spec: str) -> Headset:
-    """Load a shipped headset by name, or the user's own .toml file by path.
+    """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
     `NAME:ipd=62` sets the distance of its pupils, in millimetres.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
@@ -41,9 +43,11 @@ def load_headset(spec: str) -> Headset:
 
 
 def _loaded(name: str) -> Headset:
+    if name.endswith(".json"):
+        return load_export(Path(name))
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and not path.is_file():
-        raise unknown_name("headset", name, [*headset_names(), "FILE.toml"])
+        raise unknown_name("headset", name, [*headset_names(), "FILE.toml", "FILE.json"])
     text = text_of(path, "a headset, as a .toml file")
     try:
         return parsed(text, path, _headset, _EXAMPLE)
@@ -108,21 +112,16 @@ class _Both:
         fov = Fov.from_tangents(data.numbers("tangents", 4))
         return HeadsetEye(Pose(place, turn), fov, self.size_m, self._lens(data, side), _hidden(data, fov))
 
-    def _lens(self, data: Table | None, side: int) -> RadialLens | None:
+    def _lens(self, data: Table | None, side: int) -> Lens | None:
         if self.lens is None or self.size_m is None:
             return None
-        if self.lens.text("model") != "radial":
-            raise InputError(f"unknown lens model '{self.lens.text('model')}': known is radial")
+        model = self.lens.text("model")
+        if model not in MODELS:
+            raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
         x, y = _pair(self.lens, "axis_from_centre_m")
         axis = _pair(data, "lens_axis_m") if data is not None and "lens_axis_m" in data else (-side * x, y)
-        corner, unit_m = np.array(self.size_m) / 2 + np.abs(axis), self.lens.number("unit_m")
-        return RadialLens(
-            axis_from_centre_m=axis,
-            unit_m=unit_m,
-            tangent_per_unit=self.lens.number("tangent_per_unit"),
-            coefficients={colour: self.lens.numbers(colour) for colour in COLOURS},
-            reach=float(np.hypot(*corner) / unit_m) if unit_m else 0.0,
-        )
+        corner = np.array(self.size_m) / 2 + np.abs(axis)
+        return MODELS[model].of(self.lens, axis, float(np.hypot(*corner)))
 
 
 def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:

@@ -10,83 +10,17 @@ from collections.abc import Sequence
 
 import attrs
 import numpy as np
-from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry import Fov, Pose, View
-
-MAX_COEFFICIENTS = 9
-COLOURS = ("red", "green", "blue")
-
-
-def _refuse_unless_positive(**values: float) -> None:
-    for name, value in values.items():
-        if not 0 < value < math.inf:
-            raise InputError(f"{name} is {value:g}: expected a number above 0")
+from ._lenses import Lens, refuse_unless_positive
 
 
 def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
     if not all(side >= 1 and float(side).is_integer() for side in size):
         raise InputError(f"eye_size_px is {size[0]:g} x {size[1]:g}: expected whole pixels, 1 or more")
     return int(size[0]), int(size[1])
-
-
-@attrs.frozen
-class RadialLens:
-    """Radial distortion: tangent = on_lens * tangent_per_unit * (k0 + k1 r^2 + k2 r^4 ..).
-
-    The coefficients k differ by colour. r = |on_lens|; on_lens is the panel position from the lens
-    axis in units of unit_m metres.
-
-    Errors: InputError with the radius where the polynomial folds back.
-    Source: Brown 1966, Decentering Distortion of Lenses, the radial part.
-    """
-
-    # where the lens's axis meets the eye's panel, from the panel's centre
-    axis_from_centre_m: tuple[float, float]
-    unit_m: float
-    tangent_per_unit: float
-    coefficients: dict[str, tuple[float, ...]]
-    reach: float  # the largest r on the panel, up to which the polynomial must grow
-
-    def __attrs_post_init__(self) -> None:
-        _refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
-        for colour in COLOURS:
-            if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
-                raise InputError(
-                    f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; "
-                    f"expected 1 to {MAX_COEFFICIENTS}"
-                )
-            fold = self.folds_at(colour)
-            if fold is not None:
-                raise InputError(
-                    f"the lens polynomial of {colour} folds back at r = {fold:.4g}, "
-                    f"inside the panel (r up to {self.reach:.4g}): "
-                    "two panel pixels would show the same direction; correct its coefficients"
-                )
-
-    def mirrored(self) -> RadialLens:
-        """Return the other eye's lens."""
-        x, y = self.axis_from_centre_m
-        return attrs.evolve(self, axis_from_centre_m=(-x, y))
-
-    def folds_at(self, colour: str) -> float | None:
-        """Return the smallest r <= reach at which r times the polynomial stops growing, or None."""
-        # d/dr of r (k0 + k1 r^2 + ..) as a polynomial in t = r^2 / reach^2, so that what matters
-        # lies in 0..1.
-        slope = [(2 * i + 1) * k * self.reach ** (2 * i) for i, k in enumerate(self.coefficients[colour])]
-        if slope[0] <= 0:
-            return 0.0
-        while abs(slope[-1]) < 1e-13 * max(map(abs, slope)):  # polyroots divides by the last one
-            slope.pop()
-        roots = polynomial.polyroots(slope)
-        turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1)]
-        # Next to a very large root polyroots may lose a very small one; a coarse scan along the
-        # radius does not.
-        t = np.linspace(0, 1, 1025)
-        turns = np.append(turns, t[polynomial.polyval(t, slope) <= 0])
-        return float(np.sqrt(turns.min())) * self.reach if len(turns) else None
 
 
 Polygon = tuple[tuple[float, float], ...]
@@ -110,13 +44,13 @@ class HeadsetEye:
     head_from_eye: Pose
     fov: Fov
     panel_m: tuple[float, float] | None = None  # (w, h); None where it is not known
-    lens: RadialLens | None = None
+    lens: Lens | None = None
     # Parts of the view that cannot be seen, as polygons of tangents.
     hidden: tuple[Polygon, ...] = ()
 
     def __attrs_post_init__(self) -> None:
         if self.panel_m is not None:
-            _refuse_unless_positive(eye_width_m=self.panel_m[0], eye_height_m=self.panel_m[1])
+            refuse_unless_positive(eye_width_m=self.panel_m[0], eye_height_m=self.panel_m[1])
 
     def check_hidden(self) -> None:
         """Raise InputError for a hidden area that leaves nothing to see."""
@@ -194,7 +128,7 @@ class Headset:
 
     def __attrs_post_init__(self) -> None:
         given = {"peak_cd_m2": self.peak_cd_m2, "black_cd_m2": self.black_cd_m2}
-        _refuse_unless_positive(
+        refuse_unless_positive(
             refresh_hz=self.refresh_hz, **{name: value for name, value in given.items() if value is not None}
         )
         for eye in self.eyes:
@@ -221,7 +155,7 @@ class Headset:
         return (f"Headset {self.name}: {self.emulated}.",) if self.emulated else ()
 
     @property
-    def lens(self) -> RadialLens | None:
+    def lens(self) -> Lens | None:
         """The left eye's lens; both eyes have one or none."""
         return self.eyes[0].lens
 

@@ -237,7 +237,7 @@ class PipelineOptions(Declared):
     )
     headset: str = option(
         "rift-dk1",
-        f"Headset that is emulated: {names_in('headsets', '*.toml')}, or a .toml file.",
+        f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json.",
         study=DISPLAY,
         beside=(_IPD,),
     )
@@ -527,4 +527,5 @@ def with_ipd(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
 
 
 def _own_lens(headset: str) -> str:
-    return "radial" if headsets.load_headset(headset).lens is not None else "none"
+    lens = headsets.load_headset(headset).lens
+    return lens.model if lens is not None else "none"

@@ -103,7 +103,6 @@ def test_the_page_lists_what_the_program_does():
     keys = ("left_fov_deg", "cant_deg", "across_deg", "overlap_deg", "pixels_per_degree", "hidden_share")
     rows = [" | ".join([f"`{row['name']}`", *(row[key] for key in keys)]) for row in entries("headsets")]
     assert [row for row in rows if f"| {row} |" not in page] == []
-    assert page.count("\n| `") == len(rows) + page.count("\n| `[")
 
 
 def test_known_numbers_of_the_dk1():
