@@ -1,4 +1,5 @@
 from ._files import headset_names as headset_names
+from ._files import headset_toml as headset_toml
 from ._files import load_headset as load_headset
 from ._lenses import COLOURS as COLOURS
 from ._lenses import MAX_COEFFICIENTS as MAX_COEFFICIENTS

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
@@ -173,3 +174,23 @@ def rounded_corners(fov: Fov, seen: NDArray[np.float64], share: float) -> tuple[
 def _area(power: float) -> float:
     """Return the share of its box that a superellipse covers."""
     return math.gamma(1 + 1 / power) ** 2 / math.gamma(1 + 2 / power)
+
+
+def headset_toml(headset: Headset) -> str:
+    """Return the file of a headset without a lens: what a runtime reports.
+
+    Errors: InputError for a headset with a lens.
+    """
+    if headset.lens is not None:
+        raise InputError(f"headset '{headset.name}' has a lens, which a file of views cannot hold")
+    texts = {key: getattr(headset, key) for key in ("name", "summary", "source", "emulated")}
+    lines = [f"{key} = {json.dumps(text)}" for key, text in texts.items() if text]
+    lines += ["", "[panel]", f"eye_size_px = {list(headset.eye_size_px)}", f"refresh_hz = {headset.refresh_hz!r}"]
+    lines += ["", "[eyes]", f"ipd_m = {headset.ipd_m!r}"]
+    for name, side, eye in zip(("left", "right"), (-1, 1), headset.eyes, strict=True):
+        offset = eye.head_from_eye.position_m - (side * headset.ipd_m / 2, 0, 0)
+        lines += ["", f"[eyes.{name}]", f"tangents = {eye.fov.tangents.tolist()}", f"offset_m = {offset.tolist()}"]
+        lines += [f"orientation_xyzw = {list(eye.head_from_eye.unit_quaternion)}"]
+        if eye.hidden:
+            lines.append(f"hidden = {[[list(point) for point in polygon] for polygon in eye.hidden]}")
+    return "\n".join(lines) + "\n"

@@ -35,6 +35,9 @@ class Lens(Protocol):
     def mirrored(self) -> Lens:
         """Return the other eye's lens."""
 
+    def centre(self, colour: str) -> Pair:
+        """Return where a colour's axis lies beside the lens's own, in units."""
+
     def scales(self, colour: str, r: Array) -> Array:
         """Return the tangent that the lens shows at radius r from its axis, over r."""
 
@@ -97,6 +100,10 @@ class RadialLens:
                     f"inside the panel (r up to {self.reach:.4g}): "
                     "two panel pixels would show the same direction; correct its coefficients"
                 )
+
+    def centre(self, colour: str) -> Pair:
+        """Return the lens's own axis: the same for every colour."""
+        return 0.0, 0.0
 
     def mirrored(self) -> RadialLens:
         """Return the other eye's lens."""
@@ -161,6 +168,10 @@ class TableLens:
             distances = {colour: data.numbers(colour) for colour in COLOURS}
         return cls(axis, data.number("unit_m"), data.numbers("angle_deg"), distances)
 
+    def centre(self, colour: str) -> Pair:
+        """Return the lens's own axis: the same for every colour."""
+        return 0.0, 0.0
+
     def mirrored(self) -> TableLens:
         """Return the other eye's lens."""
         x, y = self.axis_from_centre_m
@@ -211,6 +222,10 @@ class ViveLens:
                     f"the lens of {colour} folds back at r = {r[1:][folds][0]:.4g}, within its cutoff "
                     f"{r[-1]:.4g}: two panel pixels would show the same direction; correct its coeffs"
                 )
+
+    def centre(self, colour: str) -> Pair:
+        """Return the colour's own centre."""
+        return self.centres[colour]
 
     def mirrored(self) -> ViveLens:
         """Return the other eye's lens."""

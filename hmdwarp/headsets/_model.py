@@ -235,6 +235,17 @@ class Headset:
         offset = (-extent / 2 - np.array(lens.axis_from_centre_m)) / unit
         return scale, offset
 
+    def through_lens(self, eye: int, places: NDArray[np.float64], colour: str) -> NDArray[np.float64]:
+        """Return the tangents (..., 2) that places (..., 2) in 0..1 of an eye's panel show.
+
+        NaN where the lens shows nothing.
+        """
+        lens = self.eyes[eye].lens
+        assert lens is not None
+        scale, offset = self.lens_from_panel(eye, (1, 1))
+        from_centre = places * scale + offset - lens.centre(colour)
+        return from_centre * lens.scales(colour, np.hypot(*np.moveaxis(from_centre, -1, 0)))[..., None]
+
 
 _FLAT_MOST = math.tan(math.radians(75))
 NAME = "camera"

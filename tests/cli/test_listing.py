@@ -38,6 +38,8 @@ COMMANDS = [
     ["trace", "info"],
     ["trace", "convert"],
     ["trace", "synth"],
+    ["headset"],
+    ["headset", "show"],
 ]
 HEAVY = {
     "scipy",
@@ -334,7 +336,9 @@ def test_help_loads_nothing_heavy():
     assert not loaded & HEAVY
 
 
-@pytest.mark.parametrize("group", [[], ["study"], ["trace"]], ids=lambda group: " ".join(group) or "hmdwarp")
+@pytest.mark.parametrize(
+    "group", [[], ["study"], ["trace"], ["headset"]], ids=lambda group: " ".join(group) or "hmdwarp"
+)
 def test_no_summary_is_cut_in_80_columns(group, command, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     out = command(*group, "--help").done().out
