@@ -20,6 +20,7 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
+from .headset_plot import headset_plot_png as headset_plot_png
 from .label_places import boxes_touch as boxes_touch
 from .label_places import leaders as leaders
 from .label_places import place_labels as place_labels

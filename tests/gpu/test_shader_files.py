@@ -13,6 +13,7 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
+from panels import headset_for
 from together import together
 from worlds import every_choice
 
@@ -69,7 +70,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
     """
     before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
-        libraries = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).library]
+        libraries = [made for lens in lenses if (made := lens(gpu, headset_for(lens.name), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
         warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(one_colour)).close()
         for spec in every_choice():
@@ -264,7 +265,7 @@ def test_every_file_says_what_it_is(name):
 
 @together("name", [n for n in STAGES if n.endswith(".comp")])
 def test_every_compute_shader_checks_its_bounds_first(name):
-    outputs = {"OUTPUT": "lib/to_shown.glsl"}
+    outputs = {"OUTPUT": "lib/to_shown.glsl", "LENS": "lens/radial.glsl"}
     main = flatten(name, outputs).text.partition("void main() {")[2]
     if "barrier();" in main:
         return  # a work group that waits for all its members reads within bounds by construction

@@ -149,7 +149,7 @@ def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[l
     """
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations_of(options, None)  # names, before any scene is built
-    called, notes = {}, notes_on_warps(options)
+    called, notes = {}, [*notes_on_warps(options), *headset.notes]
     for name in options.scenes:
         scene = source.scene if source.kind.has_head else source_of(options, name).scene
         build_plan_for(

@@ -223,7 +223,8 @@ def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence
 
 def _resolved(folder: Path, key: str, name: str, value: object) -> object:
     is_file = name in FILES or (
-        isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value))
+        isinstance(value, str)
+        and ((name == "headset" and value.endswith((".toml", ".json"))) or _is_scene_file(name, value))
     )
     if not is_file or not isinstance(value, str):
         return value
