@@ -134,6 +134,18 @@ class StageTimer:
         finally:
             self._waits = True
 
+    @contextmanager
+    def aside(self, name: str) -> Iterator[None]:
+        """Time all that runs inside as one stage of this lap, whatever laps it makes of its own."""
+        around, waits = (self._pending, self._done, self._lap_started_ns), self._waits
+        self._pending, self._done, self._waits = [], [], True
+        started_ns = time.perf_counter_ns()
+        try:
+            yield
+        finally:
+            (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
+            self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
+
     def stage(self, name: str) -> GpuStage | WallStage | nullcontext[None]:
         """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from itertools import cycle
 from numbers import Real
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
 
@@ -22,16 +23,19 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
-from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan
+from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan, needs_of
 from ..errors import HmdwarpError, InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
 from ..gpu.timers import Lap
+from ..options import AUTO
+from ..pipeline.governor import Change
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
 from .array_passes import Found, GiveOut, PixelBuffers, TakeIn
+from .auto import AutoCompensator, plans_of_levels
 from .layer_arrays import CallerLayers
 from .picture_arrays import (
     LINEAR,
@@ -113,7 +117,7 @@ class _Request:
     out: Mapping[str, NDArray[Any]]
 
 
-@attrs.frozen(eq=False)
+@attrs.define(eq=False)
 class _Flight:
     """A call that the GPU has, or has not yet, done."""
 
@@ -122,9 +126,11 @@ class _Flight:
     # The encoding of the result.
     result: str
     out: Mapping[str, NDArray[Any]]
+    eye: int
     buffers: PixelBuffers
-    # What of them has the result, by name.
-    made: dict[str, moderngl.Buffer]
+    # What has run, and what of the buffers has the result, by name.
+    plan: Plan
+    made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)
 
     @property
     def found(self) -> Found:
@@ -180,6 +186,7 @@ class Warper:
 
     size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
     effects, repair: as warp_image takes them; a fill that remembers learns from each picture.
+    warp "auto" keeps warp and fill within budget_ms a picture: `plan` is that of the last one.
     depth: whether results have the depth of what is shown. gpu: a context made in the calling
     thread, which then makes all calls; by default one is shared with all threads, one at a time.
     Take `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then
@@ -199,30 +206,39 @@ class Warper:
         repair: str = "none",
         depth: bool = False,
         gpu: Gpu | None = None,
+        budget_ms: float | None = None,
+        bench: Path | str | None = None,
     ) -> None:
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
-        self.plan = plan_of(warp, fill, effects, depth=depth)
-        self._fill_names = _fill_names(self.plan)
-        self._has_depth = depth
-        self._learns = any(choice.entry.remembers for choice in self.plan.fills)
+        auto = plans_of_levels(bench, effects, depth, budget_ms) if warp == AUTO else None
+        plans = [plan_of(warp, fill, effects, depth=depth)] if auto is None else [*auto.values()]
+        if auto is None and (budget_ms, bench) != (None, None):
+            raise InputError(f"budget_ms and bench are for warp 'auto': '{warp}' takes what it takes; leave them out")
+        self._needs, self._has_depth = needs_of(plans), depth
+        self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
         self.repair = parse_repairs(repair)
         self.size = checked_size(size)
         self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
         with self._context() as current, ExitStack() as stack:
             check_size(current.gl, self.rendered_size)
             check_size(current.gl, self.size)
-            self._compensator = Compensator(current, self.plan, None, self.rendered_size, self.size)
+            sizes = self.rendered_size, self.size
+            self._compensator: Compensator | AutoCompensator
+            if auto is None:
+                self._compensator = Compensator(current, plans[0], None, *sizes)
+            else:
+                self._compensator = AutoCompensator(current, auto, *sizes, budget_ms or 0)
             stack.callback(self._compensator.close)
             self._foreign = ForeignTextures(current, self.rendered_size)
-            self._layers = CallerLayers(current, self.plan.needs, self.rendered_size, self.size)
+            self._layers = CallerLayers(current, self._needs, self.rendered_size, self.size)
             stack.callback(self._layers.close)
             self._client_depth = None
             if self.plan.reads(CLIENT_DEPTH):
                 self._client_depth = allocate(current.gl, self.size, SCALAR)
                 stack.callback(self._client_depth.release)
             # The picture itself, and the others that the plan reads.
-            count = 1 + self.plan.needs.others.count
+            count = 1 + self._needs.others.count
             has_confidence = bool(self.repair.steps)
             self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
             for picture in self._pictures:
@@ -301,7 +317,9 @@ class Warper:
                 self._fetch(gpu, self._in_flight[0])
             gpu.timer.lap()
             try:
-                with gpu.timer.without_waiting():
+                # Passes that the wall clock times for "auto" are waited for.
+                is_timed = isinstance(self._compensator, AutoCompensator) and gpu.timer.clock == "wall"
+                with nullcontext() if is_timed else gpu.timer.without_waiting():
                     asked = _request(
                         colour, depth_m, rendered, shown, others, client_depth_m, layers, age_s, depth_scale, encoding,
                         result, eye, out,
@@ -349,7 +367,7 @@ class Warper:
         if not self._free_buffers:
             self._buffers.append(PixelBuffers(gpu, len(self._pictures)))
             self._free_buffers.append(self._buffers[-1])
-        flight = _Flight(pictures, views, result, asked.out, self._free_buffers.pop(), {})
+        flight = _Flight(pictures, views, result, asked.out, asked.eye, self._free_buffers.pop(), self.plan)
         try:
             self._upload(flight, gpu)
             if self._learns:
@@ -368,14 +386,15 @@ class Warper:
     def _run(self, gpu: Gpu, flight: _Flight, inputs: PassInputs) -> None:
         """Run all passes: the result goes into buffers."""
         made = self._compensator.run(inputs)
+        flight.plan = self.plan
         if self._confidence is not None:
             held = {picture.pair[0]: picture.sure for picture in self._pictures}
             self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
         assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
         with gpu.timer.cpu_stage("download"):
             depth = made.inverse_depth if self._has_depth else None
-            flight.made.update(
-                self._give_out.run(made.shown, made.warped, depth, self._confidence, flight.result, flight.buffers)
+            flight.made = self._give_out.run(
+                made.shown, made.warped, depth, self._confidence, flight.result, flight.buffers
             )
 
     def _ended(self, gpu: Gpu, flight: _Flight, *, late: bool = False) -> WarpedImage:
@@ -394,7 +413,7 @@ class Warper:
         finally:
             self._free_buffers.append(flight.buffers)
         holes = flight.found.holes / (self.size[0] * self.size[1])
-        times = {} if late else self._times(gpu)
+        times = {} if late else self._times(gpu, flight)
         return WarpedImage(arrays["colour"], arrays["coverage"], times, holes, flight.result, arrays.get("depth_m"))
 
     def _fetch(self, gpu: Gpu, pending: Pending) -> None:
@@ -411,7 +430,8 @@ class Warper:
             pending._answer = error
             return
         spent_ms += gpu.timer.lap_ms
-        times = self._summed((*lap.read(), *gpu.timer.lap().read()))
+        times = self._summed((*lap.read(), *gpu.timer.lap().read()), flight.plan)
+        self._record(flight, times)
         own_ms = sum(times.get(name, 0.0) for name in ("upload", "repair", "wait", "download"))
         pending._answer = attrs.evolve(image, time_ms={**times, "host": max(spent_ms - own_ms, 0.0)})
 
@@ -458,10 +478,11 @@ class Warper:
             if not array.flags.writeable:
                 raise InputError(f"out['{name}'] is read-only: expected an array that can be written into")
 
-    def _times(self, gpu: Gpu) -> dict[str, float]:
+    def _times(self, gpu: Gpu, flight: _Flight) -> dict[str, float]:
         """Return the milliseconds of this call by stage name: their sum is the call."""
         whole_ms = gpu.timer.lap_ms
-        total = self._summed(gpu.timer.collect())
+        total = self._summed(gpu.timer.collect(), flight.plan)
+        self._record(flight, total)
         return {**total, "host": max(whole_ms - sum(total.values()), 0.0)}
 
     def warp_textures(
@@ -490,6 +511,8 @@ class Warper:
         views = _checked_views(rendered, shown)
         self._check_needs(0, client_depth=False)
         self._layers.check({}, f"{self._named} runs on arrays where it")
+        if isinstance(self._compensator, AutoCompensator):
+            raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
         if self.repair.steps:
             raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
         if self._own_gpu is None:
@@ -506,14 +529,28 @@ class Warper:
             return WarpedTextures(made.shown.texture, made.inverse_depth, self)
 
     @property
+    def plan(self) -> Plan:
+        """The passes of the last picture."""
+        return self._compensator.plan
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """What warp "auto" has switched, and why."""
+        return self._compensator.changes if isinstance(self._compensator, AutoCompensator) else ()
+
+    @property
     def time_ms(self) -> dict[str, float]:
         """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
         with self._gpu() as gpu:
             return self._summed(gpu.timer.collect())
 
-    def _summed(self, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
-        """Return milliseconds by stage name, all pictures together; see WarpedImage."""
-        fills, total = cycle(self._fill_names), dict[str, float]()
+    def _record(self, flight: _Flight, times: Mapping[str, float]) -> None:
+        if isinstance(self._compensator, AutoCompensator):
+            self._compensator.record(flight.eye, times)
+
+    def _summed(self, stages: Iterable[tuple[str, float]], plan: Plan | None = None) -> dict[str, float]:
+        """Return milliseconds by stage name, all pictures of a plan together; see WarpedImage."""
+        fills, total = cycle(_fill_names(plan or self.plan)), dict[str, float]()
         for stage, milliseconds in stages:
             name = next(fills) if stage == "fill" else stage
             total[name] = total.get(name, 0.0) + milliseconds
@@ -605,7 +642,7 @@ class Warper:
 
     def _check_needs(self, others: int, client_depth: bool) -> None:
         """Check that the plan gets what it reads, and nothing that it does not."""
-        named, most = self._named, self.plan.needs.others.count
+        named, most = self._named, self._needs.others.count
         if most and not others and self.plan.reads(OTHERS):
             raise InputError(f"{named} reads other pictures: give others=[(colour, depth_m, view), ..], at most {most}")
         if others > most:
@@ -721,6 +758,8 @@ def warp_image(
     encoding: str | None = None,
     result: str | None = None,
     depth: bool = False,
+    budget_ms: float | None = None,
+    bench: Path | str | None = None,
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
@@ -744,6 +783,8 @@ def warp_image(
     encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
     by default as `colour` is. depth: whether the result has the depth of what is shown.
+    warp "auto" takes the most accurate warp and fill that warp and fill this picture in budget_ms,
+    of bench, the bench.json that `hmdwarp bench` wrote, or of a few that are known.
     For many pictures of one size take a Warper, which compiles and allocates once.
     A process forked after the first call cannot use OpenGL: take multiprocessing's "spawn" or
     "forkserver", or fork before.
@@ -754,6 +795,7 @@ def warp_image(
     views = _checked_views(rendered, shown)
     shown_size = picture.size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
+    options |= {"budget_ms": budget_ms, "bench": bench}
     with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper, warper._gpu() as current:
         current.timer.collect()
         asked = _Request(views, picture, others, client_depth_m, layers, age_s, depth_scale, encoding, result, 0, {})
