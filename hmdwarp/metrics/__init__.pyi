@@ -1,3 +1,4 @@
+from .flip_pass import FlipPass as FlipPass
 from .job import LEAST_STEP as LEAST_STEP
 from .job import REGIONS as REGIONS
 from .job import RELATIVE_STEP as RELATIVE_STEP

@@ -41,10 +41,12 @@ def _kernels(pixels_per_degree: float) -> tuple[int, Array, Array]:
             for a, b in parts
         ]
         sight += [one / np.sqrt(sum(other.sum() ** 2 for other in gaussians)) for one in gaussians]
-    bell = np.exp(-((k / spread) ** 2) / 2) * (abs(k) <= far[1])
+    # In float32, as the library has it: below two pixels a degree it has no neighbours.
+    bell = np.exp(-((k / spread) ** 2) / 2).astype(np.float32).astype(np.float64) * (abs(k) <= far[1])
     shapes = [bell / bell.sum()]
     for form in (-k * bell, ((k / spread) ** 2 - 1) * bell):
-        shapes.append(np.where(form < 0, form / -form[form < 0].sum(), form / form[form > 0].sum()))
+        sums = np.where(form < 0, -form[form < 0].sum(), form[form > 0].sum())
+        shapes.append(np.divide(form, sums, out=np.zeros_like(form), where=sums > 0))
     return max(far), np.stack(sight, axis=1), np.stack(shapes, axis=1)
 
 
@@ -92,7 +94,7 @@ class FlipPass:
             buffer.bind_to_storage_buffer(binding)
         wide, high = self._size
         self._rows.uniforms.set(**self._constant)
-        self._rows.run(-(-wide // 8), 2 * high)
+        self._rows.run(-(-wide // 4), 2 * high)
         self._gpu.barrier()
         self._columns.uniforms.set(**self._constant, **self._compared)
         self._columns.run(wide, high)

@@ -74,6 +74,8 @@ class QualityJob:
     rendered_size: tuple[int, int] | None = None
     # The late frame's picture, for reports only.
     rendered_picture: NDArray[Any] | None = None
+    # (h, w) FLIP 0..1 of `now`, where a FlipPass has found it.
+    flip_map: NDArray[np.float32] | None = None
     # Whether the result has the FLIP map.
     error_map: bool = False
     # Whether the result says where the error is; this needs coverage, depth and the rendered view.
@@ -81,7 +83,11 @@ class QualityJob:
 
     def __attrs_post_init__(self) -> None:
         size = self.now.shown.shape[:2]
-        for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
+        for name, array in (
+            ("coverage", self.covered),
+            ("truth inverse depth", self.truth_inverse_depth),
+            ("FLIP map", self.flip_map),
+        ):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
         if self.regions and _PLACES not in self.inputs:
@@ -129,7 +135,10 @@ class Measurement:
     @functools.cached_property
     def flip(self) -> tuple[float, NDArray[np.float32]]:
         """Mean FLIP error and its (h, w) map."""
-        return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
+        found = self._job.flip_map
+        if found is None:
+            return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
+        return float(found.mean(dtype=np.float64)), found
 
     @property
     def previous(self) -> Compared:

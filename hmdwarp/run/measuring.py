@@ -173,6 +173,7 @@ class Probe:
             rendered.view,
             rendered.size,
             rendered_picture=_late_picture(rendered) if which == MAIN else None,
+            flip_map=self._setup.flip_map(now.shown, now.truth),
             regions=which == MAIN,
         )
         keep = which == MAIN and self._keep_every is not None and number // self._every % self._keep_every == 0

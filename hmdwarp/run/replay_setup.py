@@ -9,6 +9,7 @@ from contextlib import ExitStack
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from ..client.compensator import Compensator
 from ..client.plan import Plan
@@ -16,6 +17,7 @@ from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
+from ..metrics import FlipPass
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
 from ..pipeline.governor import AdaptiveCompensator
@@ -27,7 +29,7 @@ from ..pipeline.source import Source
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
-from .options import RunOptions
+from .options import BY_LIBRARY, RunOptions
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
 
 _MANY = 10_000  # refreshes
@@ -51,6 +53,7 @@ class ReplaySetup:
     pipeline: Pipeline
     notes: list[str]
     _cleanup: ExitStack
+    _flip: list[FlipPass] = attrs.field(factory=list)  # once it is needed
 
     @property
     def options(self) -> RunOptions:
@@ -111,6 +114,15 @@ class ReplaySetup:
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
+
+    def flip_map(self, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> NDArray[np.float32] | None:
+        """Return the FLIP error of each pixel of an eye; None where the library finds it."""
+        if self.options.metrics_by == BY_LIBRARY:
+            return None
+        if not self._flip:
+            self._flip.append(FlipPass(self.gpu, self.size, self.pixels_per_degree))
+            self._cleanup.callback(self._flip[0].close)
+        return self._flip[0].run(shown, truth)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""

@@ -327,7 +327,8 @@ class Comparison:
             measured.keys.append(key)
             if same is None:
                 handed_in.setdefault(warp, []).append((key, job))
-                self._pool.submit(key, job)
+                flip_map = self._setup.flip_map(job.now.shown, job.now.truth)
+                self._pool.submit(key, attrs.evolve(job, flip_map=flip_map))
         if ORACLE in coverages:
             self._judge_seen(eye, truth, coverages[ORACLE][eye] > 0)
 

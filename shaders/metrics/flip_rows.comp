@@ -1,7 +1,7 @@
 // Filters two sRGB pictures along rows: what the eye tells apart, and edges and points, for FLIP.
 // In: rgba8 sRGB as words, the reference's rows and then the other's. Out: 7 floats a pixel.
 // Source: Andersson et al. 2020, FLIP, eq. 2 to 4 and 10; IEC 61966-2-1 (sRGB).
-#define PIXELS 8
+#define PIXELS 4
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(std430, binding = 0) readonly buffer Pixels { uint pixels[]; };
 layout(std430, binding = 1) readonly buffer Light { float light[]; }; // of each byte
