@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 import moderngl
 
@@ -119,6 +119,8 @@ class StageTimer:
         self._done: list[tuple[str, float]] = []
         self._lap_started_ns = time.perf_counter_ns()
         self._waits = True
+        # Told of each stage by name; what it returns surrounds the stage.
+        self.watch: Callable[[str], AbstractContextManager[None]] | None = None
 
     @property
     def lap_ms(self) -> float:
@@ -146,11 +148,16 @@ class StageTimer:
             (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
             self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
 
-    def stage(self, name: str) -> GpuStage | WallStage | nullcontext[None]:
+    def stage(self, name: str) -> AbstractContextManager[None]:
         """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
 
         Blocks that raise do not count.
         """
+        if self.watch is not None:
+            return _both(self.watch(name), self._stage(name))
+        return self._stage(name)
+
+    def _stage(self, name: str) -> AbstractContextManager[None]:
         if self.clock == "gpu":
             return GpuStage(self, name)
         return WallStage(self, name) if self._waits else nullcontext()
@@ -179,6 +186,12 @@ class StageTimer:
         Waits for the GPU if it has not finished.
         """
         return list(self.lap().read())
+
+
+@contextmanager
+def _both(outer: AbstractContextManager[None], inner: AbstractContextManager[None]) -> Iterator[None]:
+    with outer, inner:
+        yield
 
 
 class GpuStage:

@@ -88,6 +88,9 @@ class RunOptions(PipelineOptions):
         valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )
+    profile: bool = option(
+        False, "Say where the CPU time goes, and write profile.json: trace events for ui.perfetto.dev."
+    )
     # 0 for not at all.
     jod_s: float = option(
         0.0,

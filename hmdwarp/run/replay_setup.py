@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import operator
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 
 import attrs
 import numpy as np
@@ -30,6 +30,7 @@ from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
 from .options import BY_LIBRARY, RunOptions
+from .profile import Profile
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
 
 _MANY = 10_000  # refreshes
@@ -53,6 +54,7 @@ class ReplaySetup:
     pipeline: Pipeline
     notes: list[str]
     _cleanup: ExitStack
+    profile: Profile | None = None
     _flip: list[FlipPass] = attrs.field(factory=list)  # once it is needed
 
     @property
@@ -114,6 +116,10 @@ class ReplaySetup:
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
+
+    def part(self, name: str) -> AbstractContextManager[None]:
+        """Count the CPU time of what runs inside as this part, where there is a profile."""
+        return self.profile.part(name) if self.profile is not None else nullcontext()
 
     def flip_map(self, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> NDArray[np.float32] | None:
         """Return the FLIP error of each pixel of an eye; None where the library finds it."""
@@ -187,7 +193,10 @@ def set_up_replay(
         )
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
         notes.extend(options.notes)
-        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all())
+        profile = Profile() if options.profile else None
+        if profile is not None:
+            profile.finish, gpu.timer.watch = gpu.gl.finish, profile.stage
+        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile)
 
 
 def _cost(refreshes: int) -> str:
