@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
-from .picture_pairs import check_pair, db_of, error_image, flip, pixel_centres, row_blocks
+from .picture_pairs import Alike, check_pair, db_of, error_image, flip, pixel_centres, row_blocks, ssim
 
 T = TypeVar("T")
 
@@ -74,8 +74,8 @@ class QualityJob:
     rendered_size: tuple[int, int] | None = None
     # The late frame's picture, for reports only.
     rendered_picture: NDArray[Any] | None = None
-    # (h, w) FLIP 0..1 of `now`, where a FlipPass has found it.
-    flip_map: NDArray[np.float32] | None = None
+    # FLIP and SSIM of `now`, where a PairPass has found them.
+    alike: Alike | None = None
     # Whether the result has the FLIP map.
     error_map: bool = False
     # Whether the result says where the error is; this needs coverage, depth and the rendered view.
@@ -83,11 +83,9 @@ class QualityJob:
 
     def __attrs_post_init__(self) -> None:
         size = self.now.shown.shape[:2]
-        for name, array in (
-            ("coverage", self.covered),
-            ("truth inverse depth", self.truth_inverse_depth),
-            ("FLIP map", self.flip_map),
-        ):
+        flip_map = None if self.alike is None else self.alike.flip_map
+        depth = self.truth_inverse_depth
+        for name, array in (("coverage", self.covered), ("truth inverse depth", depth), ("FLIP map", flip_map)):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
         if self.regions and _PLACES not in self.inputs:
@@ -135,10 +133,15 @@ class Measurement:
     @functools.cached_property
     def flip(self) -> tuple[float, NDArray[np.float32]]:
         """Mean FLIP error and its (h, w) map."""
-        found = self._job.flip_map
-        if found is None:
+        alike = self._job.alike
+        if alike is None:
             return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
-        return float(found.mean(dtype=np.float64)), found
+        return float(alike.flip_map.mean(dtype=np.float64)), alike.flip_map
+
+    @property
+    def ssim(self) -> float:
+        """Mean structural similarity."""
+        return ssim(self.now.shown, self.now.truth) if self._job.alike is None else self._job.alike.ssim
 
     @property
     def previous(self) -> Compared:

@@ -16,7 +16,7 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
-from .profile import COMPARED, FLIP, READING, TRUTH
+from .profile import ALIKE, COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
@@ -169,8 +169,8 @@ class Probe:
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
             return
-        with self._setup.part(FLIP):
-            flip_map = self._setup.flip_map(now.shown, now.truth)
+        with self._setup.part(ALIKE):
+            alike = self._setup.alike(now)
         with self._setup.part(READING):
             job = QualityJob(
                 now,
@@ -180,7 +180,7 @@ class Probe:
                 rendered.view,
                 rendered.size,
                 rendered_picture=_late_picture(rendered) if which == MAIN else None,
-                flip_map=flip_map,
+                alike=alike,
                 regions=which == MAIN,
             )
         keep = which == MAIN and self._keep_every is not None and number // self._every % self._keep_every == 0

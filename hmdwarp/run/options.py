@@ -84,7 +84,7 @@ class RunOptions(PipelineOptions):
     )
     metrics_by: str = option(
         BY_GPU,
-        f"What finds FLIP: {BY_GPU}, or {BY_LIBRARY}, which is flip-evaluator and takes longer.",
+        f"What finds FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, scikit-image, slower.",
         valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )

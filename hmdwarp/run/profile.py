@@ -10,9 +10,9 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 # Parts, in the order of the table; stages of the passes stand where SHOWING does.
 SET_UP, DRAWING, SHOWING, TRUTH = "set-up", "drawing", "passes, besides", "truth"
-COMPARED, READING, FLIP = "compared warps", "reading back", "FLIP"
+COMPARED, READING, ALIKE = "compared warps", "reading back", "FLIP and SSIM"
 WORKERS, BESIDE, RESULTS = "measuring processes", "the loop besides", "results"
-_BEFORE, _AFTER = (SET_UP, DRAWING), (SHOWING, TRUTH, COMPARED, READING, FLIP, WORKERS, BESIDE, RESULTS)
+_BEFORE, _AFTER = (SET_UP, DRAWING), (SHOWING, TRUTH, COMPARED, READING, ALIKE, WORKERS, BESIDE, RESULTS)
 
 
 class Profile:

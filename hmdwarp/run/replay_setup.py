@@ -9,7 +9,6 @@ from contextlib import AbstractContextManager, ExitStack, nullcontext
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from ..client.compensator import Compensator
 from ..client.plan import Plan
@@ -17,7 +16,7 @@ from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..metrics import FlipPass
+from ..metrics import Alike, Compared, PairPass
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
 from ..pipeline.governor import AdaptiveCompensator
@@ -55,7 +54,7 @@ class ReplaySetup:
     notes: list[str]
     _cleanup: ExitStack
     profile: Profile | None = None
-    _flip: list[FlipPass] = attrs.field(factory=list)  # once it is needed
+    _alike: list[PairPass] = attrs.field(factory=list)  # once it is needed
 
     @property
     def options(self) -> RunOptions:
@@ -121,14 +120,14 @@ class ReplaySetup:
         """Count the CPU time of what runs inside as this part, where there is a profile."""
         return self.profile.part(name) if self.profile is not None else nullcontext()
 
-    def flip_map(self, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> NDArray[np.float32] | None:
-        """Return the FLIP error of each pixel of an eye; None where the library finds it."""
+    def alike(self, now: Compared) -> Alike | None:
+        """Return how alike the pictures of an eye are; None where libraries find it."""
         if self.options.metrics_by == BY_LIBRARY:
             return None
-        if not self._flip:
-            self._flip.append(FlipPass(self.gpu, self.size, self.pixels_per_degree))
-            self._cleanup.callback(self._flip[0].close)
-        return self._flip[0].run(shown, truth)
+        if not self._alike:
+            self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
+            self._cleanup.callback(self._alike[0].close)
+        return self._alike[0].run(now.shown, now.truth)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""

@@ -327,8 +327,7 @@ class Comparison:
             measured.keys.append(key)
             if same is None:
                 handed_in.setdefault(warp, []).append((key, job))
-                flip_map = self._setup.flip_map(job.now.shown, job.now.truth)
-                self._pool.submit(key, attrs.evolve(job, flip_map=flip_map))
+                self._pool.submit(key, attrs.evolve(job, alike=self._setup.alike(job.now)))
         if ORACLE in coverages:
             self._judge_seen(eye, truth, coverages[ORACLE][eye] > 0)
 

@@ -31,7 +31,7 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.image.array_passes import GiveOut, PixelBuffers, TakeIn
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
-from hmdwarp.metrics import FlipPass
+from hmdwarp.metrics import PairPass
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.run.late_client import DepthSamples
@@ -101,7 +101,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _take_textures_over(gpu)
         _take_arrays_over(gpu)
         _give_arrays_out(gpu)
-        FlipPass(gpu, (9, 7), 20.0).close()
+        PairPass(gpu, (9, 7), 20.0).close()
         for spec, depth in product(("difference", "difference:warped=off", "points"), (False, True)):
             choice = parse_warp(spec)
             choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(depth=depth), ClientScene(gpu)).close()

@@ -1,9 +1,10 @@
-"""FLIP on the GPU, of pictures of one size; flip-evaluator is its judge in the tests."""
+"""FLIP and SSIM on the GPU; flip-evaluator and scikit-image are the judges in the tests."""
 
 from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..gpu import Gpu
-from .picture_pairs import check_pair
+from ..gpu.shaders import Compute
+from .picture_pairs import SSIM_SIGMA, Alike, check_pair
 
 Array = NDArray[np.float64]
 # Of sRGB with white D65, as flip-evaluator has it.
@@ -63,45 +65,64 @@ def _green_from_blue() -> float:
     return float((abs(apart[0]) + np.hypot(*apart[1:])) ** _POWER)
 
 
-class FlipPass:
-    """Measures pairs of byte pictures; see picture_pairs.flip, whose numbers it gives."""
+class PairPass:
+    """Measures pairs of byte pictures of one size."""
 
     def __init__(self, gpu: Gpu, size: tuple[int, int], pixels_per_degree: float) -> None:
         self._gpu, self._size = gpu, size
         radius, sight, shape = _kernels(pixels_per_degree)
-        self._rows = gpu.shaders.compute("metrics/flip_rows.comp", RADIUS=radius)
-        self._columns = gpu.shaders.compute("metrics/flip.comp", RADIUS=radius)
         count = size[0] * size[1]
         light = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
         self._pixels = np.zeros((2, size[1], size[0], 4), np.uint8)
         buffer = gpu.gl.buffer
-        self._buffers = [
-            buffer(reserve=8 * count, dynamic=True), buffer(light.tobytes()), buffer(reserve=32 * count),
-            buffer(reserve=32 * count), buffer(reserve=4 * count),
-        ]  # fmt: skip
-        self._constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
-        self._compared = {"rgb_from_white": np.linalg.inv(_WHITE_FROM_RGB), "most": _green_from_blue()}
+        # Pixels, light of bytes, what is filtered along rows (of SSIM all in one), a map.
+        self._pixel_words, self._map = buffer(reserve=8 * count, dynamic=True), buffer(reserve=4 * count)
+        self._light, self._between = buffer(light.tobytes()), buffer(reserve=64 * count)
+        self._half = 32 * count
+        constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
+        compared = {**constant, "rgb_from_white": np.linalg.inv(_WHITE_FROM_RGB), "most": _green_from_blue()}
+        bell = np.exp(-((np.arange(-5, 6) / SSIM_SIGMA) ** 2) / 2)
+        window = {"size": size, "bell": bell / bell.sum()}
+        compute, (wide, high) = gpu.shaders.compute, size
+        self._flip = (
+            (compute("metrics/flip_rows.comp", RADIUS=radius), constant, (-(-wide // 4), 2 * high)),
+            (compute("metrics/flip.comp", RADIUS=radius), compared, size),
+        )
+        self._ssim = (
+            (compute("metrics/ssim_rows.comp"), window, (-(-wide // 2), high)),
+            (compute("metrics/ssim.comp"), window, size),
+        )
 
-    def run(self, shown: NDArray[Any], truth: NDArray[Any]) -> NDArray[np.float32]:
-        """Return the FLIP error of each pixel, (h, w), 0..1.
+    def run(self, shown: NDArray[Any], truth: NDArray[Any]) -> Alike:
+        """Return how alike two pictures are.
 
         shown, truth: (h, w, 3) uint8 sRGB of the size. Errors: InputError as check_pair.
         """
         check_pair(shown, truth)
         self._pixels[0, ..., :3], self._pixels[1, ..., :3] = truth, shown
-        self._buffers[0].write(self._pixels)
-        for binding, buffer in enumerate(self._buffers):
-            buffer.bind_to_storage_buffer(binding)
+        self._pixel_words.write(self._pixels)
+        self._pixel_words.bind_to_storage_buffer(0)
+        self._light.bind_to_storage_buffer(1)
+        self._between.bind_to_storage_buffer(2, size=self._half)
+        self._between.bind_to_storage_buffer(3, offset=self._half)
+        self._map.bind_to_storage_buffer(4)
+        flip_map = self._made(self._flip)
+        self._between.bind_to_storage_buffer(2)
+        return Alike(flip_map, float(self._made(self._ssim).mean(dtype=np.float64)))
+
+    def _made(self, programs: Sequence[tuple[Compute, dict[str, Any], tuple[int, int]]]) -> NDArray[np.float32]:
+        """Filter along rows, then along columns; return the map."""
+        (rows, row_values, invocations), (columns, values, _) = programs
         wide, high = self._size
-        self._rows.uniforms.set(**self._constant)
-        self._rows.run(-(-wide // 4), 2 * high)
+        rows.uniforms.set(**row_values)
+        rows.run(*invocations)
         self._gpu.barrier()
-        self._columns.uniforms.set(**self._constant, **self._compared)
-        self._columns.run(wide, high)
+        columns.uniforms.set(**values)
+        columns.run(wide, high)
         self._gpu.barrier()
-        return np.frombuffer(self._buffers[-1].read(), np.float32).reshape(high, wide)
+        return np.frombuffer(self._map.read(), np.float32).reshape(high, wide)
 
     def close(self) -> None:
         """Free the buffers."""
-        for buffer in self._buffers:
+        for buffer in (self._pixel_words, self._light, self._between, self._map):
             buffer.release()
