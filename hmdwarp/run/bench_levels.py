@@ -10,7 +10,8 @@ import attrs
 
 from ..errors import InputError
 from ..headsets import Headset, load_headset
-from ..pipeline.levels import QualityLevel, levels_from, read_rows
+from ..pipeline.bench_file import read_rows
+from ..pipeline.levels import QualityLevel, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
 
