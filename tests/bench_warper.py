@@ -23,6 +23,7 @@ from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
 from hmdwarp.image.picture_arrays import raw_picture
+from hmdwarp.metrics import PairPass, flip, ssim
 
 # The smaller one has next to nothing to draw, and shows the cost of the calls alone.
 SIZES, WARM = ((64, 48), (640, 480)), 10
@@ -121,10 +122,30 @@ def call_over_passes(gpu: Gpu, size: tuple[int, int], rounds: int) -> tuple[str,
     return line, ratio
 
 
+def measuring(gpu: Gpu, size: tuple[int, int], rounds: int) -> str:
+    """Return a line on FLIP and SSIM of a pair of pictures by the libraries, and by passes."""
+    truth = np.random.default_rng(0).integers(0, 256, (size[1], size[0], 3), np.uint8)
+    shown = np.roll(truth, 1, axis=1)
+    passes = PairPass(gpu, size, 20.0)
+    calls: list[Callable[[], object]] = [
+        lambda: (flip(shown, truth, 20.0), ssim(shown, truth)),
+        lambda: passes.run(shown, truth),
+    ]
+    took: list[list[float]] = [[] for _ in calls]
+    for _, (times, call) in itertools.product(range(rounds), zip(took, calls, strict=True)):
+        started = time.process_time_ns()
+        call()
+        times.append((time.process_time_ns() - started) * 1e-6)
+    passes.close()
+    library, own = map(median, took)
+    how = f"{library:.0f} ms by the libraries, {own:.0f} ms by passes: {own / library:.2f} times"
+    return f"FLIP and SSIM, {size[0]}x{size[1]}: {how}"
+
+
 def print_ratios(gpu: Gpu, rounds: int) -> list[str]:
     """Print a line for each size, and return those above the limit."""
     found = [call_over_passes(gpu, size, rounds) for size in RATIO_SIZES]
-    print("\n".join(line for line, _ in found))
+    print("\n".join([*(line for line, _ in found), *(measuring(gpu, size, rounds) for size in RATIO_SIZES[:2])]))
     return [line for line, ratio in found if ratio > MOST]
 
 
