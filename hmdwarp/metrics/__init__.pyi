@@ -24,15 +24,16 @@ from .library.border_share import border_share as border_share
 from .library.flicker import flicker as flicker
 from .library.hole_share import hole_share as hole_share
 from .library.psnr_db import psnr_db as psnr_db
-from .library.ssim import ssim as ssim
 from .metric import PRIMARY as PRIMARY
 from .metric import Figure as Figure
 from .metric import Metric as Metric
 from .metric import measure as measure
 from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
+from .pair_pass import PairPass as PairPass
 from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
+from .picture_pairs import Alike as Alike
 from .picture_pairs import Mismatch as Mismatch
 from .picture_pairs import SharedSurface as SharedSurface
 from .picture_pairs import block_means as block_means
@@ -43,6 +44,7 @@ from .picture_pairs import error_image as error_image
 from .picture_pairs import flip as flip
 from .picture_pairs import pixel_centres as pixel_centres
 from .picture_pairs import sharpness as sharpness
+from .picture_pairs import ssim as ssim
 from .pool import Kept as Kept
 from .pool import QualityPool as QualityPool
 from .pool import WorstKeeper as WorstKeeper

@@ -260,7 +260,7 @@ class QualityPool:
             if result.regions is not None:
                 self._regions[key] = result.regions
             # Keep only what reports show: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
-            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, regions=False)
+            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, alike=None, regions=False)
             kept = Kept(key, shown, result)
             if keep:
                 self._kept[key] = kept

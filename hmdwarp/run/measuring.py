@@ -16,6 +16,7 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
+from .profile import ALIKE, COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
@@ -85,7 +86,8 @@ class Probe:
             # The predecessor of a measured refresh is read for flicker only.
             measured = self._measures(number)
             try:
-                truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
+                with self._setup.part(TRUTH):
+                    truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
@@ -119,7 +121,8 @@ class Probe:
         """
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
-        other = against.run(inputs)
+        with self._setup.part(COMPARED):
+            other = against.run(inputs)
         self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
         self._take(number, eye, which, inputs.rendered, other, truth, depth)
 
@@ -158,23 +161,28 @@ class Probe:
         truth: NDArray[np.uint8],
         truth_inverse_depth: NDArray[np.float32] | None,
     ) -> None:
-        now = Compared(shown_picture(result), truth, result.view)
+        with self._setup.part(READING):
+            now = Compared(shown_picture(result), truth, result.view)
         if self.clips is not None:
             self.clips.add(number, eye, which, now)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
             return
-        job = QualityJob(
-            now,
-            before if before_number == number - 1 else None,
-            coverage(result),
-            truth_inverse_depth,
-            rendered.view,
-            rendered.size,
-            rendered_picture=_late_picture(rendered) if which == MAIN else None,
-            regions=which == MAIN,
-        )
+        with self._setup.part(ALIKE):
+            alike = self._setup.alike(now)
+        with self._setup.part(READING):
+            job = QualityJob(
+                now,
+                before if before_number == number - 1 else None,
+                coverage(result),
+                truth_inverse_depth,
+                rendered.view,
+                rendered.size,
+                rendered_picture=_late_picture(rendered) if which == MAIN else None,
+                alike=alike,
+                regions=which == MAIN,
+            )
         keep = which == MAIN and self._keep_every is not None and number // self._every % self._keep_every == 0
         self._pool.submit((number, eye, which), job, keep=keep)
 

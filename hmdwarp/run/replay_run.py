@@ -30,6 +30,7 @@ from .late_client import MISS_COLUMNS, LateClient, Seen
 from .measuring import MAIN, Probe
 from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions
+from .profile import BESIDE, DRAWING, RESULTS, SHOWING
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
 from .short_bench import decided
@@ -89,11 +90,17 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more, probe.without_truth)
+        if setup.profile is not None:
+            setup.profile.enter(RESULTS)
+            setup.profile.finish = lambda: None
     if compares_governor:
         ungoverned = _without_governor(options, result, say, progress)
         compared.append(ungoverned.rows)
         misses.append(ungoverned.misses)
     write_results(out, log, result, compared, pool, misses, options.command)
+    if setup.profile is not None:
+        out.write_text("profile.json", setup.profile.events())
+        say(setup.profile.table(setup.schedule.count))
     return result
 
 
@@ -198,12 +205,16 @@ def _run(
     setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress
 ) -> tuple[ReplayLog, LateClient | None]:
     log, count = ReplayLog(setup.track), 0
+    if setup.profile is not None:
+        setup.profile.enter(BESIDE)
     misses = setup.options.miss
     late = LateClient(setup, misses) if misses.on else None
     with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
+            with setup.part(DRAWING):
+                setup.loop.draw(instant_ns)
+            with setup.part(SHOWING):
+                seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
             if seen is not None:
                 refresh = seen.refresh
                 log.add(refresh, stale=seen.stale)

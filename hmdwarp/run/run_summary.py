@@ -54,6 +54,7 @@ OWNED = (
     "delays.csv",
     "jod.csv",
     "misses.csv",
+    "profile.json",
     "report.html",
     "replay.mp4",
 )

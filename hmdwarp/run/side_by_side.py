@@ -327,7 +327,7 @@ class Comparison:
             measured.keys.append(key)
             if same is None:
                 handed_in.setdefault(warp, []).append((key, job))
-                self._pool.submit(key, job)
+                self._pool.submit(key, attrs.evolve(job, alike=self._setup.alike(job.now)))
         if ORACLE in coverages:
             self._judge_seen(eye, truth, coverages[ORACLE][eye] > 0)
 

@@ -511,7 +511,10 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
             for scale in (0, -1, 5000, math.nan, math.inf, True, "0.001", (1,))
         ),
         ({"result": "rgb"}, "result is 'rgb': expected srgb8, srgb, linear"),
-        ({"warp": "auto"}, "'auto' chooses during a run.*name one: forward, "),
+        ({"warp": "auto"}, "'auto' keeps to a budget: give budget_ms"),
+        ({"budget_ms": 9.0}, "for warp 'auto': .* takes what it takes"),
+        ({"warp": "auto", "budget_ms": -1.0}, "budget_ms -1 ms: expected a time above 0"),
+        ({"warp": "auto", "budget_ms": 1e-6}, "budget_ms 1e-06 ms: nothing is that fast here"),
         ({"size": (0, 4)}, "0x4"),
         ({"size": (4, -4)}, "4x-4"),
         ({"size": (4.5, 4)}, "whole pixels"),
