@@ -119,7 +119,8 @@ def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
     from hmdwarp.report.bench import pareto_plot_png
 
-    runs = {"200": "bench", "later": "bench --latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"}
+    later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"
+    runs = {"200": "bench --predict none", "later": f"bench --predict none {later}"}
     made = read(ready) or [hmdwarp(command, folder / name, "bench.json") for name, command in runs.items()]
     rows = [row for data in made for row in data["rows"]]
     replace("machine", gpu_tables.machine_line(made[0]))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import io
 import math
 import threading
 import warnings
@@ -24,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
 from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan, needs_of
+from ..colour import srgb8_from_linear
 from ..errors import HmdwarpError, InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
@@ -98,6 +100,18 @@ class WarpedImage:
     # (h, w) float32 metres along -z in the shown view, inf infinitely far, NaN unknown; None if not
     # requested.
     depth_m: NDArray[Any] | None = None
+
+    def _repr_png_(self) -> bytes:
+        """Return the picture as a PNG file: a notebook shows it."""
+        from PIL import Image
+
+        colour, file = self.colour, io.BytesIO()
+        if self.encoding == LINEAR:
+            colour = srgb8_from_linear(colour)
+        elif colour.dtype != np.uint8:
+            colour = np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8)
+        Image.fromarray(np.ascontiguousarray(colour)).save(file, "PNG")
+        return file.getvalue()
 
 
 @attrs.frozen(eq=False)

@@ -76,6 +76,8 @@ class QualityJob:
     rendered_picture: NDArray[Any] | None = None
     # FLIP and SSIM of `now`, where a PairPass has found them.
     alike: Alike | None = None
+    # (name, picture) of other warps on the same late frame, for reports only.
+    beside: tuple[tuple[str, NDArray[Any]], ...] = ()
     # Whether the result has the FLIP map.
     error_map: bool = False
     # Whether the result says where the error is; this needs coverage, depth and the rendered view.

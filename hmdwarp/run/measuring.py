@@ -93,11 +93,18 @@ class Probe:
                 continue
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
             result = self._before_lens(refresh, eye)
-            self._take(number, eye, MAIN, rendered, result, picture, depth)
+            job = self._job(number, eye, MAIN, rendered, result, picture, depth)
             if depth is not None:
                 self._count_filled(result)
-            for which, against in enumerate(self._against, 1):
+            others = [
                 self._read_comparison(which, against, (number, eye), refresh, picture, depth)
+                for which, against in enumerate(self._against, 1)
+            ]
+            if job is not None:
+                compared = zip(self._setup.options.compared, others, strict=True)
+                beside = tuple((method_name(*pair), other.now.shown) for pair, other in compared if other is not None)
+                keep = self._keep_every is not None and number // self._every % self._keep_every == 0
+                self._pool.submit((number, eye, MAIN), attrs.evolve(job, beside=beside), keep=keep)
 
     def _read_second(self, number: int, refresh: Refresh, eye: int) -> None:
         result, server = self._before_lens(refresh, eye), self._setup.server
@@ -114,8 +121,8 @@ class Probe:
         refresh: Refresh,
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
-    ) -> None:
-        """Measure the comparison warp, which does not compensate effects.
+    ) -> QualityJob | None:
+        """Measure the comparison warp, which does not compensate effects; return its job.
 
         Its rendered picture has all effects drawn in.
         """
@@ -124,7 +131,10 @@ class Probe:
         with self._setup.part(COMPARED):
             other = against.run(inputs)
         self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
-        self._take(number, eye, which, inputs.rendered, other, truth, depth)
+        job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
+        if job is not None:
+            self._pool.submit((number, eye, which), job)
+        return job
 
     def _count_filled(self, result: EyeResult) -> None:
         covered = [("warp", coverage(result))]
@@ -151,7 +161,7 @@ class Probe:
         self._setup.gpu.timer.collect()
         return made
 
-    def _take(
+    def _job(
         self,
         number: int,
         eye: int,
@@ -160,7 +170,8 @@ class Probe:
         result: EyeResult,
         truth: NDArray[np.uint8],
         truth_inverse_depth: NDArray[np.float32] | None,
-    ) -> None:
+    ) -> QualityJob | None:
+        """Return what is to be measured; None for a refresh that only flicker and clips need."""
         with self._setup.part(READING):
             now = Compared(shown_picture(result), truth, result.view)
         if self.clips is not None:
@@ -168,11 +179,11 @@ class Probe:
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
-            return
+            return None
         with self._setup.part(ALIKE):
             alike = self._setup.alike(now)
         with self._setup.part(READING):
-            job = QualityJob(
+            return QualityJob(
                 now,
                 before if before_number == number - 1 else None,
                 coverage(result),
@@ -183,8 +194,11 @@ class Probe:
                 alike=alike,
                 regions=which == MAIN,
             )
-        keep = which == MAIN and self._keep_every is not None and number // self._every % self._keep_every == 0
-        self._pool.submit((number, eye, which), job, keep=keep)
+
+
+def method_name(warp: str, fill: str) -> str:
+    """Return "mesh" or "mesh + pyramid"."""
+    return warp if fill == "none" else f"{warp} + {fill}"
 
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:

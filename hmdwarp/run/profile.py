@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import resource
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -63,9 +63,9 @@ class Profile:
     def seconds(self) -> dict[str, float]:
         """Return CPU seconds by part so far, those of ended child processes included."""
         self._count()
-        children = resource.getrusage(resource.RUSAGE_CHILDREN)
+        times = os.times()
         spent = {name: ns * 1e-9 for name, ns in self._spent_ns.items()}
-        spent[WORKERS] = children.ru_utime + children.ru_stime
+        spent[WORKERS] = times.children_user + times.children_system
         stages = [name for name in spent if name not in (*_BEFORE, *_AFTER)]
         return {name: spent[name] for name in (*_BEFORE, *stages, *_AFTER) if name in spent}
 

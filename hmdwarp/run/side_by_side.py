@@ -184,6 +184,8 @@ def rate_clips(
 ) -> list[dict[str, Any]]:
     """Return the `jod` of each combination, from a clip that ends at each of so many instants.
 
+    Where rating failed, `jod_failure` is why instead.
+
     The instants and their eyes, left and right in turn, are those that a bench measures; step() is
     called after each.
     Errors: as Clips.
@@ -203,7 +205,9 @@ def rate_clips(
             if number in turns:
                 clips.finish()
                 step()
-    return [clips.entry(which) for which in range(len(combinations))]
+    if clips.failure:
+        return [{"jod_failure": clips.failure} for _ in combinations]
+    return [{"jod": clips.entry(which)} for which in range(len(combinations))]
 
 
 # (case, warp, fill, refresh, eye): identifies a picture.

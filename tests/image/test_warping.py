@@ -5,6 +5,7 @@ Bits where bits can be had, derived pixels where something moves, clear refusals
 
 from __future__ import annotations
 
+import io
 import math
 import threading
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import hmdwarp
@@ -41,6 +43,16 @@ def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **
 PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
 MOVING = [name for name in PICTURE_WARPS if name != "none"]
 SIZES = [(1, 1), (33, 17), (2, 129)]
+
+
+@pytest.mark.parametrize("colour", ["uint8", "float32"])
+def test_a_notebook_shows_a_result_as_a_picture(colour):
+    """Its PNG has the colours of an sRGB input seen from where it was rendered, row 0 on top."""
+    levels = np.random.default_rng(0).integers(0, 256, (6, 8, 3), dtype=np.uint8)
+    given = levels if colour == "uint8" else linear_from_srgb(levels / 255).astype(np.float32)
+    result = warp_image(given, np.full((6, 8), 2.0, np.float32), view(), view())
+    shown = np.asarray(Image.open(io.BytesIO(result._repr_png_())))
+    assert np.abs(shown.astype(int) - levels).max() <= 1  # one rounding of half floats
 
 
 def halves(rng: np.random.Generator, size: tuple[int, int]) -> np.ndarray:

@@ -67,8 +67,9 @@ TEXTS = (
     *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
 )
 # Keys of a row that grow with its pictures and passes.
-LONG = ("at_instants", "blocks", "passes", "jod")
+LONG = ("at_instants", "blocks", "passes", "jod", "jod_failure")
 WHOLE = ("frames", "width", "height", "cpu_count")
+TYPES: dict[str, type] = {name: str if name in TEXTS else int if name in WHOLE else float for name in COLUMNS}
 
 
 def row_of(
@@ -146,13 +147,15 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
 
 def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return what a bench says of its JOD, nothing where it has none. rows: all of it."""
-    if not clip_s:
-        return []
-    display = rows[0]["jod"]["display"]
+    failures = list(dict.fromkeys(row["jod_failure"] for row in rows if "jod_failure" in row))
+    display = next((row["jod"]["display"] for row in rows if "jod" in row), None)
+    if not clip_s or display is None:
+        return failures
     return [
+        *failures,
         f"JOD by ColorVideoVDP, where {TRUTH_JOD:g} is like the truth: of clips of {clip_s:g} s that end at each "
         f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
-        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked."
+        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
     ]
 
 
@@ -195,19 +198,32 @@ def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
     """
     pa = import_extra("pyarrow", "pyarrow", "study")
     parquet = import_extra("pyarrow.parquet", "pyarrow", "study")
-    types = {**dict.fromkeys(TEXTS, (pa.string(), str)), **dict.fromkeys(WHOLE, (pa.int64(), int))}
-    typed = {name: types.get(name, (pa.float64(), float)) for name in COLUMNS}
-    fields = [(name, kind) for name, (kind, _) in typed.items()]
+    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
+    fields = [(name, kinds[TYPES[name]]) for name in COLUMNS]
     schema = pa.schema(fields, metadata={"made_by": f"hmdwarp {__version__}"})
-
-    def values(row: Mapping[str, Any]) -> dict[str, Any]:
-        known = {name: row[name] for name in COLUMNS if row.get(name) is not None}
-        return {name: typed[name][1](value) for name, value in known.items() if value != "" or name in TEXTS}
-
     with parquet.ParquetWriter(path, schema) as writer:
         rows = iter(rows)
         while group := list(itertools.islice(rows, 10_000)):  # what is in memory at once
-            writer.write_table(pa.Table.from_pylist([values(row) for row in group], schema=schema))
+            writer.write_table(pa.Table.from_pylist([typed(row) for row in group], schema=schema))
+
+
+def typed(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a flat row with the types of its columns; None where a number is not known."""
+    known = {name: row.get(name) for name in COLUMNS}
+    return {
+        name: None if value is None or (value == "" and name not in TEXTS) else TYPES[name](value)
+        for name, value in known.items()
+    }
+
+
+class Rows(list[dict[str, Any]]):
+    """The rows of a bench by the columns of bench.csv: texts, numbers, None for what is unknown."""
+
+    def to_pandas(self) -> Any:
+        """Return a pandas.DataFrame with one row for each. Errors: MachineError without pandas."""
+        frame = import_extra("pandas", "pandas", "study").DataFrame(list(self), columns=list(COLUMNS))
+        kinds = {int: "Int64", float: "float64"}  # Int64 may lack a value, int64 may not
+        return frame.astype({name: kinds[kind] for name, kind in TYPES.items() if kind in kinds})
 
 
 Row = Mapping[str, Any]

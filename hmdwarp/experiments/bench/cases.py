@@ -201,7 +201,8 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
     Its first refresh does not depend on the latency, so that all latencies have the same head.
     """
-    known: dict[str, Any] = options.of_run("effects", "start_s", "rendered_size", "metrics_by", "out", "command") | {
+    same = ("effects", "start_s", "rendered_size", "predict", "horizon_ms", "metrics_by", "out", "command")
+    known: dict[str, Any] = options.of_run(*same) | {
         "trace": case.recording,
         "scene": case.scene,
         "latency_ms": case.latency_ms,

@@ -17,6 +17,7 @@ from ...options import (
     Declared,
     Guard,
     Number,
+    PaperOptions,
     check_one_guard,
     force_field,
     group,
@@ -31,6 +32,7 @@ from ...options import (
     several,
     split_names,
 )
+from ...pipeline.proxy_options import DEFAULT_PREDICTOR
 from ...run.options import RunOptions
 from ..sweep.options import RecordedOptions, own_first
 from .suites import suites, with_suite
@@ -65,7 +67,7 @@ class BenchOptions(RecordedOptions):
     """
 
     # What a recording has itself, or cannot have.
-    with_frames = ("recordings", "scenes", "rendered_size", "rate_hz", "strategies")
+    with_frames = ("recordings", "scenes", "rendered_size", "predict", "rate_hz", "strategies")
     why_not = "a bench takes what was recorded"
 
     # Sets what is run; "" for none.
@@ -111,6 +113,14 @@ class BenchOptions(RecordedOptions):
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     guard: Guard = guard_field(DEFAULT_GUARD)
     rendered_size: Size | None = same_as(_RUN.rendered_size)
+    # Of all combinations, `none` among them, as of a replay and what it is compared with.
+    predict: str = same_as(
+        _RUN.predict,
+        DEFAULT_PREDICTOR,
+        help=f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, and "
+        "cav constant_velocity. All warps have the same late frames.",
+    )
+    horizon_ms: float | None = same_as(_RUN.horizon_ms)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
     # instant. Two rounds for both eyes at each make 24 times per combination.
@@ -135,6 +145,7 @@ class BenchOptions(RecordedOptions):
     fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
     parquet: bool = parquet_field()
+    paper: PaperOptions = group(PaperOptions)
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -142,7 +153,8 @@ class BenchOptions(RecordedOptions):
         said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
         check_one_guard(said)
         values = super().values_of(said)
-        return values if said.get("frames") is None else {"guard": 1.0, **values, "grid": False, "fused": False}
+        recorded = {"predict": "none", "grid": False, "fused": False}
+        return values if said.get("frames") is None else {"guard": 1.0, **values, **recorded}
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
@@ -206,6 +218,7 @@ class CompareOptions(RecordedOptions):
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)
     out: Path = out_field(Path("out/compare"), "Folder for compare.html, compare.json and compare.csv.")
+    paper: PaperOptions = group(PaperOptions)
 
     @property
     def eye_size(self) -> tuple[int, int] | None:

@@ -8,6 +8,8 @@ metrics.register(
         order=20,
         compute=lambda m: m.ssim,
         higher_is_better=True,
+        least=-1.0,
+        most=1.0,
         label="SSIM",
         bench_rank=2,
         tile_note="higher is better, 1 is identical",

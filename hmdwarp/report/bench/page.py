@@ -57,10 +57,10 @@ _REFERENCE_HEADS = (
 )
 
 
-def render_bench_page(data: Mapping[str, Any]) -> str:
-    """Return the text of the page from the content of bench.json.
+def bench_page(data: Mapping[str, Any]) -> Page:
+    """Return the page from the content of bench.json.
 
-    The same content gives the same text. Sections without data (no grid, no fused rows, no budget)
+    The same content gives the same page. Sections without data (no grid, no fused rows, no budget)
     are left out.
     """
     rows: list[Row] = list(data["rows"])
@@ -90,7 +90,12 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
             reading_section("bench", *explained, *rated),
         ),
         made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
-    ).html()
+    )
+
+
+def render_bench_page(data: Mapping[str, Any]) -> str:
+    """Return the text of bench_page."""
+    return bench_page(data).html()
 
 
 def _suite(entry: Mapping[str, Any] | None) -> Section | None:

@@ -190,6 +190,21 @@ def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
     return LiveOptions.of(values, panel=False, **more)
 
 
+def resolved(settings: Mapping[str, object]) -> dict[str, object]:
+    """Return settings with those that have a default by the warp. Errors: as live_options."""
+    options = live_options(settings)
+    values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
+    if options.rendered_size is None:
+        values["guard"] = options.guard
+    values["predict"] = options.predict
+    return {**values, **{key.replace("-", "_"): value for key, value in settings.items()}}
+
+
+def default_of(name: str) -> object:
+    """Return what a setting is that no condition sets."""
+    return next(option.default for option in _OPTIONS if option.name == name)
+
+
 def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Source]) -> LiveOptions:
     """Return the options after trying everything that needs no display.
 
