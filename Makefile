@@ -32,7 +32,7 @@ PYTEST_OPTIONS = -n 2 --dist worksteal
 
 HMDWARP = .venv/bin/hmdwarp
 
-.PHONY: help setup replay test test-quick check check-lint check-format check-types check-shaders test-openxr test-kill test-requests test-silence test-soak fuzz bench-quick bench-live bench-gpu site docs
+.PHONY: help setup replay test test-quick test-jod check check-lint check-format check-types check-shaders test-openxr test-kill test-requests test-silence test-soak fuzz bench-quick bench-live bench-gpu site docs
 .DEFAULT_GOAL = help
 
 help:  ## show this list
@@ -67,6 +67,13 @@ check-types: setup
 
 check-shaders: setup
 	@.venv/bin/python -m pytest -q tests/gpu/test_shader_files.py
+
+test-jod: setup  ## those that need ColorVideoVDP, in .venv-jod beside .venv; torch is several GB
+	@test -e .venv-jod/bin/python || .venv/bin/python -m venv --without-pip .venv-jod
+	@.venv/bin/python -c "import sysconfig; print('import site; site.addsitedir(' + repr(sysconfig.get_path('purelib')) + ')')" \
+	  >"$$(.venv-jod/bin/python -c "import sysconfig; print(sysconfig.get_path('purelib'))")/beside.pth"
+	@.venv/bin/python -m pip --python .venv-jod/bin/python install --quiet --constraint .ci/constraints.txt 'hmdwarp[jod]'
+	@.venv-jod/bin/python -m pytest -q tests/metrics/test_jod.py tests/experiments/bench/test_bench_rated.py tests/study/test_measure.py $(OPTIONS)
 
 test-openxr: setup  ## the part of them with a real OpenXR runtime; needs root and apt, builds 1.4 GB first
 	@.venv/bin/python -m pytest tests/openxr $(OPTIONS)

@@ -30,7 +30,7 @@ LOG = VENV / "hmdwarp-setup.log"
 HALF_MADE = "half-made"
 CONSTRAINTS = ROOT / ".ci" / "constraints.txt"
 VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
-# Extras that are left to those who want them: torch is several GB, and its tests say how to get it.
+# Extras that are left to those who want them: torch is several GB; `make test-jod` has its tests.
 TOO_LARGE = {"jod"}
 MESA = ["libegl1", "libgl1", "libgl1-mesa-dri"]
 TOOLS = ROOT / ".ci" / "tools.toml"

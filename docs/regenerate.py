@@ -42,6 +42,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "warper cost": ("tests/bench_warper.py", True),
     "speed": ("tests/bench_quick.py", False),
     "speed aims": ("tests/bench_aims.py", True),
+    "held out": ("tests/held_out.py", True),
     "sweeps": ("tests/sweep_scale.py", True),
     "coverage": ("-m tests.study.coverage", True),
     "power": ("-m hmdwarp study power quick --effect 0.5 --out {folder}/power", False),
@@ -118,7 +119,8 @@ def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
     from hmdwarp.report.bench import pareto_plot_png
 
-    runs = {"200": "bench", "later": "bench --latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"}
+    later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"
+    runs = {"200": "bench --predict none", "later": f"bench --predict none {later}"}
     made = read(ready) or [hmdwarp(command, folder / name, "bench.json") for name, command in runs.items()]
     rows = [row for data in made for row in data["rows"]]
     replace("machine", gpu_tables.machine_line(made[0]))
@@ -186,6 +188,32 @@ def _without(name: str, column: str) -> str:
     kept = [head for head in lines_of(name)[0] if not head.endswith(f": {column}")]
     rows = [row for row in rows_of(name) if row.get("warp") not in ("`multi`", "`layered`")]
     return markdown(kept, [[row[head] for head in kept] for row in rows], texts=1 + ("fill" in kept))
+
+
+def suite(folder: Path, *ready: str) -> None:
+    """Run a named suite: the means over heads and scenes, and what is sure of them."""
+    data = read(ready)[0] if ready else hmdwarp("bench --suite brief", folder / "suite", "bench.json")
+    about, rows = data["suite"], data["suite"]["over_all"]
+    heads = ["latency ms", "warp", "fill", "FLIP", "FLIP p95", "behind the best", "PSNR dB", "PSNR where seen", "rank"]
+    heads += ["best in %", "FLIP, fitted on", "FLIP, held out"]
+    counts = "{} heads, {} scenes".format(max(row["heads"] for row in rows), max(row["scenes"] for row in rows))
+    told = f"Suite `{about['name']}` {about['version']}, {counts}, {data['rows'][0]['frames']} pictures a case."
+    replace("suite", f"{told}\n\n{markdown(heads, map(_suite_cells, rows), texts=3)}")
+
+
+def _suite_cells(row: Mapping[str, Any]) -> list[str]:
+    def ranged(entry: Mapping[str, Any], form: str, sign: str = "") -> str:
+        ends = entry["interval"]
+        return format(entry["mean"], sign + form) + (f" ±{format((ends[1] - ends[0]) / 2, form)}" if ends else "")
+
+    rank = row["rank"]
+    return [
+        *(format(row["latency_ms"], "g"), f"`{row['warp']}`", f"`{row['fill']}`"),
+        *(ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"), ranged(row["behind"], ".3f", "+")),
+        *(ranged(row["psnr_db"], ".2f"), ranged(row["where_seen_db"], ".2f")),
+        *((" to ".join(map(str, rank["interval"])), f"{rank['best']:.0%}") if rank else ("", "")),
+        *(format(row["halves"][half]["flip"], ".3f") for half in ("fit", "held_out")),
+    ]
 
 
 def strategies(folder: Path, *ready: str) -> None:
@@ -301,6 +329,7 @@ OWN: Mapping[str, Callable[..., None]] = {
     "hard-cases": lists_of_tests,
     "trace layouts": lists_of_tests,
     "bounds": bounds,
+    "suite": suite,
     "pictures": pictures,
     "readme": lambda _: replace("results", front_page()),
     # From files of runs on a machine with a GPU: gpu.json of `make bench-gpu`, results.json.

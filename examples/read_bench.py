@@ -1,18 +1,17 @@
-# Shows: a small bench whose table is read as Parquet with pandas (or DuckDB), without a notebook.
-# Writes: bench.parquet, bench.csv, bench.json, bench.html, cases, best.csv
+# Shows: a small bench, read into pandas in one call, and its tables and plots for a paper.
+# Writes: bench.parquet, bench.csv, bench.json, bench.html, cases, paper, best.csv
 
 import sys
 from pathlib import Path
 
-import pandas as pd
-
-from hmdwarp.experiments.bench import BenchOptions, bench
+import hmdwarp
+from hmdwarp.options import PaperOptions
 
 out = Path(sys.argv[1] if len(sys.argv) > 1 else "out/read_bench")
 
-# As: hmdwarp bench walk --warp rotation --warp iterative --latency 100,200 --parquet ..
-bench(
-    BenchOptions(
+# As: hmdwarp bench walk --warp rotation,iterative --latency 100,200 --tables latex --plots pdf ..
+hmdwarp.bench.bench(
+    hmdwarp.bench.BenchOptions(
         recordings=("walk",),
         scenes=("planes",),
         warps=("rotation", "iterative"),
@@ -25,16 +24,17 @@ bench(
         grid=False,
         fused=False,
         parquet=True,
+        paper=PaperOptions(tables=("latex",), plots=("pdf",)),
         out=out,
     )
 )
 
-rows = pd.read_parquet(out / "bench.parquet")
+rows = hmdwarp.bench.read(out).to_pandas()
 # Rows of one case are comparable; times only on one machine (host).
 case = ["trace", "scene", "latency_ms", "host"]
 best = rows.loc[rows.groupby(case)["flip"].idxmin(), [*case, "warp", "fill", "flip", "psnr_db", "total_ms"]]
 best.to_csv(out / "best.csv", index=False)
 print(best.to_string(index=False))
 
-# The same with DuckDB:
+# Or with DuckDB:
 #   SELECT trace, latency_ms, arg_min(warp, flip), min(flip) FROM 'bench.parquet' GROUP BY ALL;

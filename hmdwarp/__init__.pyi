@@ -1,6 +1,7 @@
 from .errors import HmdwarpError as HmdwarpError
 from .errors import InputError as InputError
 from .errors import MachineError as MachineError
+from .experiments import bench as bench
 from .geometry import DepthLayer as DepthLayer
 from .geometry import Fov as Fov
 from .geometry import Pose as Pose

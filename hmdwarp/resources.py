@@ -76,6 +76,11 @@ def install_line(extra: str) -> str:
     return f"pip install 'hmdwarp[{extra}]'"
 
 
+def missing_extra(package: str, extra: str) -> str:
+    """Return what to say where an optional package is missing: the line that installs it."""
+    return f"this needs {package}, which is not installed: {install_line(extra)}"
+
+
 def import_extra(module: str, package: str, extra: str) -> ModuleType:
     """Import a module of an optional package.
 
@@ -84,4 +89,4 @@ def import_extra(module: str, package: str, extra: str) -> ModuleType:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MachineError(f"this needs {package}, which is not installed: {install_line(extra)}") from error
+        raise MachineError(missing_extra(package, extra)) from error

@@ -15,7 +15,18 @@ from hmdwarp.client.lens import lenses
 from hmdwarp.client.warps import Output
 from hmdwarp.geometry import View
 from hmdwarp.gpu import Canvas
-from hmdwarp.headsets import Headset
+from hmdwarp.headsets import COLOURS, Headset, TableLens, ViveLens, load_headset
+
+
+def headset_for(lens: str) -> Headset:
+    """The DK1, with a lens of that model where it has another one."""
+    headset = load_headset("rift-dk1")
+    others = {
+        "table": TableLens((0.0, 0.0), 0.04, (0, 30, 55), dict.fromkeys(COLOURS, (0, 0.6, 1))),
+        "vive": ViveLens(1.2, dict.fromkeys(COLOURS, (0, 0)), dict.fromkeys(COLOURS, (-0.2, 0, 0, 0)), 1.2),
+    }
+    eyes = tuple(attrs.evolve(eye, lens=others.get(lens, eye.lens)) for eye in headset.eyes)
+    return attrs.evolve(headset, eyes=eyes)
 
 
 def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, int], *, moved: bool = True) -> World:
@@ -29,13 +40,20 @@ def world_before(gpu, headset: Headset, eye: int, seed: int, size: tuple[int, in
 
 
 def panel_of(
-    gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], last: View | None = None
+    gpu,
+    world: World,
+    spec: str,
+    headset: Headset,
+    eye: int,
+    size: tuple[int, int],
+    last: View | None = None,
+    lens: str = "radial",
 ) -> np.ndarray:
     """(h, w, 4) the panel that the fused warp makes, bottom row first."""
     choice = parse_warp(spec)
     world.bring(gpu, choice.entry)
-    lens = lenses.get("radial")(gpu, headset, size)
-    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, Output(lens, last is not None))
+    output = Output(lenses.get(lens)(gpu, headset, size), last is not None)
+    warp = choice.entry(gpu, world.size, world.shown_size, choice.settings, output)
     canvas = Canvas(gpu.gl, size)
     canvas.texture.write(
         np.full((size[1], size[0], 4), 7, np.float16).tobytes(), alignment=1
@@ -48,7 +66,9 @@ def panel_of(
     return out
 
 
-def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int]) -> np.ndarray:
+def in_two_passes(
+    gpu, world: World, spec: str, headset: Headset, eye: int, size: tuple[int, int], lens: str = "radial"
+) -> np.ndarray:
     """(h, w, 4) the same by the warp and then the lens."""
     choice = parse_warp(spec)
     world.bring(gpu, choice.entry)
@@ -56,7 +76,7 @@ def in_two_passes(gpu, world: World, spec: str, headset: Headset, eye: int, size
     shown, panel = Canvas(gpu.gl, world.shown_size), Canvas(gpu.gl, size)
     warp.run(world.inputs(choice.entry), shown)
     gpu.gl.memory_barrier()
-    lenses.get("radial")(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
+    lenses.get(lens)(gpu, headset, size).run(shown, world.shown_view.fov, eye, panel)
     gpu.gl.memory_barrier()
     out = read(panel.texture)
     warp.close()

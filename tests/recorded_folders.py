@@ -55,7 +55,7 @@ def fov_of(size: tuple[int, int] = SIZE) -> Fov:
 def taken(count: int, size: tuple[int, int] = SIZE, step_m: float = 0.02, step_deg: float = 1.0) -> list[Taken]:
     """Return frames of a camera that moves to the right and turns; pixel (0, 0) has no depth."""
     return [
-        _take(
+        seen_from(
             Pose((step_m * i, 1.6, 0.1), Rotation.from_euler("yx", (step_deg * i, 2), degrees=True).as_quat()),
             round(i * 1e9 / RATE_HZ),
             size,
@@ -64,7 +64,8 @@ def taken(count: int, size: tuple[int, int] = SIZE, step_m: float = 0.02, step_d
     ]
 
 
-def _take(pose: Pose, time_ns: int, size: tuple[int, int]) -> Taken:
+def seen_from(pose: Pose, time_ns: int, size: tuple[int, int]) -> Taken:
+    """Return what the camera sees from a place."""
     view = View(pose, fov_of(size))
     rays = np.flipud(view.rays(size)) @ pose.rotation_matrix.T
     depth = (-WALL_M - pose.position_m[2]) / rays[..., 2]

@@ -46,6 +46,7 @@ LOOPS = {
     "planes-planar-none-none": {**BEGINNING, "scene": "planes", "warp": "planar"},
     "planes-none-radial": {**BEGINNING, "scene": "planes", "warp": "none", "lens": "radial", "headset": "cardboard-v2"},
     "spheres-forward-none-none": {**BEGINNING, "scene": "spheres", "warp": "forward"},
+    "room-iterative-index": {**WALK, "scene": "room", "warp": "iterative", "headset": "index", "guard": 1.2},
 }
 SIZE = (80, 100)
 

@@ -28,7 +28,7 @@ PACKAGE = ROOT / "hmdwarp"
 # From the ground up; a module imports from floors below its own, or from its own unit.
 FLOORS = [
     {"errors"},
-    {"resources", "colour", "geometry"},
+    {"platforms", "resources", "colour", "geometry"},
     {"registry"},
     {"options"},
     {"gpu", "poses", "headsets"},

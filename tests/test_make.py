@@ -38,6 +38,7 @@ SMALL = {
     "docs": Small({"OPTIONS": "readme"}),
 }
 LISTED = {
+    "test-jod": "brings several GB of PyTorch; tests/metrics/test_jod.py has what a crash of it does",
     "test-requests": "runs for an hour or two; tests/sources/feed has a short run of it",
     "test-silence": "runs for a quarter of an hour; tests/sources/feed runs the same for a second",
     "test-soak": "runs for an hour; tests/feed has short runs over the same relay",

@@ -29,12 +29,13 @@ PUBLIC = {
     "warp_image",
     "__version__",
 }
+MODULES = {"bench"}
 FUNCTIONS = {"inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
 
 
 def test_these_names_and_no_others():
     """Adding one is a decision: it is added here too."""
-    assert set(hmdwarp.__all__) == PUBLIC
+    assert set(hmdwarp.__all__) == PUBLIC | MODULES
     assert set(dir(hmdwarp)) >= PUBLIC
 
 

@@ -31,6 +31,7 @@ COMMANDS = {
     "doctor": ("doctor", "doctor"),
     "study": ("study", "app"),
     "trace": ("trace", "app"),
+    "headset": ("headset", "app"),
 }
 
 

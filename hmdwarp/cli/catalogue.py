@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import attrs
 
-from .. import headsets, poses
+from .. import geometry, headsets, poses
 from ..options import Option
 from ..poses.assumptions import Assumption, By
 from ..study import design, scales
@@ -187,18 +187,42 @@ def _limit(value: float, unit: str) -> str:
 
 
 def _headset_row(headset: headsets.Headset) -> dict[str, str]:
-    angles = (math.degrees(angle) for angle in attrs.astuple(headset.left_fov))
     return {
         "name": headset.name,
         "summary": headset.summary,
         "eye_size": "x".join(map(str, headset.eye_size_px)),
         "refresh_hz": f"{headset.refresh_hz:g}",
-        "left_fov_deg": ", ".join(
-            f"{side} {angle:.1f}" for side, angle in zip(("left", "right", "down", "up"), angles, strict=True)
-        ),
-        "lens": "radial" if headset.lens is not None else "none",
+        **headset_facts(headset),
+        "lens": headset.lens.model if headset.lens is not None else "none",
+        "emulated": headset.emulated or "all of it",
         "source": headset.source,
     }
+
+
+def headset_facts(headset: headsets.Headset) -> dict[str, str]:
+    """Return what the eyes of a headset see, in words."""
+    sides = dict(zip(("left", "right"), headset.eyes, strict=False))
+    least, most = (limit * 1e3 for limit in headset.ipd_range_m)
+    return {
+        **{f"{side}_fov_deg": _angles(eye.fov) for side, eye in sides.items()},
+        "cant_deg": _both(headset.cants_deg, ".1f"),
+        "across_deg": f"{headset.across_deg:.1f}",
+        "overlap_deg": f"{headset.overlap_deg:.1f}",
+        "pixels_per_degree": f"{headset.left_fov.pixels_per_degree(headset.eye_size_px):.1f}",
+        "hidden_share": _both([eye.hidden_share for eye in headset.eyes], ".1%"),
+        "ipd_mm": f"{headset.ipd_m * 1e3:.1f}, --ipd {least:g} to {most:g}",
+    }
+
+
+def _angles(fov: geometry.Fov) -> str:
+    angles = zip(("left", "right", "down", "up"), map(math.degrees, attrs.astuple(fov)), strict=True)
+    return ", ".join(f"{side} {angle:.1f}" for side, angle in angles)
+
+
+def _both(values: Sequence[float], form: str) -> str:
+    """Return one value where both eyes have the same, else those of each."""
+    texts = [format(value, form) for value in values]
+    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
 
 
 def _formats() -> list[dict[str, str]]:

@@ -17,6 +17,7 @@ from ..pipeline.proxy_options import PROXY
 from ..run.options import DESKTOP, OPENXR, LiveOptions
 from ._options import JSON, Said, as_json, takes
 from ._show import in_columns, paragraph
+from .catalogue import headset_facts
 
 REPLAY = "replay"
 _SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
@@ -38,14 +39,16 @@ def plan(said: Said) -> None:
     options = frames.fitted(options)
     slow, noted = list(scenes.slow_in(frames.scene)), [*frames.notes, *frames.scene.notes]
     about = (_auto if options.warp == AUTO else _passes)(options, frames, told)
+    eyes = headset_facts(frames.headset)
     if said["json"]:
         names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
         notes = [*about.notes, *noted]
-        typer.echo(as_json({"source": source, **chosen, **about.data, "slow": slow, "notes": notes}))
+        typer.echo(as_json({"source": source, **chosen, "eyes": eyes, **about.data, "slow": slow, "notes": notes}))
         return
     about.show()
     light = [("Light", options.light_note)] if options.light_note else []
+    in_columns([(frames.headset.name, "; ".join(f"{key.replace('_', ' ')} {text}" for key, text in eyes.items()))])
     in_columns([*_assumed(source, options.headset), *light, *(("Slow", line) for line in slow)])
     for note in noted:
         paragraph(f"note: {note}")

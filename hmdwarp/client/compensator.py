@@ -75,7 +75,7 @@ class _Stage:
     def __exit__(self, error: type[BaseException] | None, *rest: object) -> None:
         if error is None:
             self._gl.memory_barrier(moderngl.ALL_BARRIER_BITS)
-        self._timed.__exit__(error, *rest)
+        self._timed.__exit__(error, *rest)  # type: ignore[arg-type]  # as GpuStage has it
 
 
 class Compensator:

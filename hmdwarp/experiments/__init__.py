@@ -1,1 +1,8 @@
-"""Experiments over many cases: bench with compare, the thesis, and the sweep engine."""
+"""Experiments over many cases: bench with compare, the thesis, and the sweep engine.
+
+Names are in __init__.pyi; each loads its module at first use.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

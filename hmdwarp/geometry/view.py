@@ -118,6 +118,11 @@ class Fov:
         return cls(-horizontal_rad / 2, horizontal_rad / 2, -vertical_rad / 2, vertical_rad / 2)
 
     @classmethod
+    def symmetric_deg(cls, horizontal_deg: float, vertical_deg: float) -> Fov:
+        """Return the field of view of two full angles in degrees."""
+        return cls.symmetric(*np.deg2rad((horizontal_deg, vertical_deg)))
+
+    @classmethod
     def from_tangents(cls, tangents: ArrayLike) -> Fov:
         """Return the field of view of the four tangents left, right, down, up."""
         return cls(*np.arctan(np.asarray(tangents, dtype=np.float64)))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 
 import moderngl
 
@@ -117,18 +118,49 @@ class StageTimer:
         self._pending: list[tuple[str, moderngl.Query]] = []
         self._done: list[tuple[str, float]] = []
         self._lap_started_ns = time.perf_counter_ns()
+        self._waits = True
+        # Told of each stage by name; what it returns surrounds the stage.
+        self.watch: Callable[[str], AbstractContextManager[None]] | None = None
 
     @property
     def lap_ms(self) -> float:
         """Wall-clock milliseconds since the last lap, in stages and between them."""
         return (time.perf_counter_ns() - self._lap_started_ns) * 1e-6
 
-    def stage(self, name: str) -> GpuStage | WallStage:
+    @contextmanager
+    def without_waiting(self) -> Iterator[None]:
+        """Let the GPU run on between stages: the wall clock then times only those of the CPU."""
+        self._waits = False
+        try:
+            yield
+        finally:
+            self._waits = True
+
+    @contextmanager
+    def aside(self, name: str) -> Iterator[None]:
+        """Time all that runs inside as one stage of this lap, whatever laps it makes of its own."""
+        around, waits = (self._pending, self._done, self._lap_started_ns), self._waits
+        self._pending, self._done, self._waits = [], [], True
+        started_ns = time.perf_counter_ns()
+        try:
+            yield
+        finally:
+            (self._pending, self._done, self._lap_started_ns), self._waits = around, waits
+            self.add(name, (time.perf_counter_ns() - started_ns) * 1e-6)
+
+    def stage(self, name: str) -> AbstractContextManager[None]:
         """Time the GL calls issued inside `with timer.stage(name):`, in milliseconds.
 
         Blocks that raise do not count.
         """
-        return GpuStage(self, name) if self.clock == "gpu" else WallStage(self, name)
+        if self.watch is not None:
+            return _both(self.watch(name), self._stage(name))
+        return self._stage(name)
+
+    def _stage(self, name: str) -> AbstractContextManager[None]:
+        if self.clock == "gpu":
+            return GpuStage(self, name)
+        return WallStage(self, name) if self._waits else nullcontext()
 
     def cpu_stage(self, name: str) -> WallStage:
         """Time work of the CPU inside `with timer.cpu_stage(name):`, in milliseconds."""
@@ -156,6 +188,12 @@ class StageTimer:
         return list(self.lap().read())
 
 
+@contextmanager
+def _both(outer: AbstractContextManager[None], inner: AbstractContextManager[None]) -> Iterator[None]:
+    with outer, inner:
+        yield
+
+
 class GpuStage:
     """A stage timed by a query.
 
@@ -181,7 +219,10 @@ class GpuStage:
 
 
 class WallStage:
-    """A stage timed by the wall clock, between two instants at which the GPU is idle."""
+    """A stage timed by the wall clock, between two instants at which the GPU is idle.
+
+    Not idle inside StageTimer.without_waiting.
+    """
 
     __slots__ = ("_name", "_started_ns", "_timer")
 
@@ -189,12 +230,14 @@ class WallStage:
         self._timer, self._name = timer, name
 
     def __enter__(self) -> None:
-        self._timer._gl.finish()
+        if self._timer._waits:
+            self._timer._gl.finish()
         self._started_ns = time.perf_counter_ns()
 
     def __exit__(self, error: type[BaseException] | None, *_: object) -> None:
         if error is None:
-            self._timer._gl.finish()
+            if self._timer._waits:
+                self._timer._gl.finish()
             self._timer._done.append((self._name, (time.perf_counter_ns() - self._started_ns) * 1e-6))
 
 

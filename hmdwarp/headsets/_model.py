@@ -1,33 +1,20 @@
-"""A headset as a model, from its .toml file.
+"""A headset as a model: two eyes, two panels, and a lens; or a camera in their place.
 
-Two eyes, two panels, and a lens with its inverse; or a camera in their place. All code that assumes
-two eyes and a panel is here.
+All code that assumes two eyes and a panel is here.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import cached_property
-from pathlib import Path
 
 import attrs
 import numpy as np
-from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
-from ..errors import InputError, unknown_name
+from ..errors import InputError
 from ..geometry import Fov, Pose, View
-from ..options.tables import Table, parsed, text_of
-
-MAX_COEFFICIENTS = 9
-COLOURS = ("red", "green", "blue")
-
-
-def _refuse_unless_positive(**values: float) -> None:
-    for name, value in values.items():
-        if not 0 < value < math.inf:
-            raise InputError(f"{name} is {value:g}: expected a number above 0")
+from ._lenses import Lens, refuse_unless_positive
 
 
 def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
@@ -36,126 +23,231 @@ def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
     return int(size[0]), int(size[1])
 
 
+Polygon = tuple[tuple[float, float], ...]
+# A view turned farther than this has a wrong sign or a wrong unit: Pimax's 10 degrees are the
+# most on the market.
+MOST_CANT_DEG = {"inwards": 10.0, "outwards": 30.0}
+# Of pupils: the range of 3,976 adults, for headsets whose maker states none.
+# Source: Dodgson 2004, Variation and extrema of human interpupillary distance.
+IPD_RANGE_M = (0.052, 0.078)
+_COLUMNS = 512  # of the picture that the hidden share is counted in
+_LEVEL, _LEVEL_COLUMNS = 1e-4, 8192  # half the height, and the columns, of the row at eye level
+
+
 @attrs.frozen
-class RadialLens:
-    """Radial distortion: tangent = on_lens * tangent_per_unit * (k0 + k1 r^2 + k2 r^4 ..).
+class HeadsetEye:
+    """One eye: its place and direction in the head, its field of view, its panel and its lens.
 
-    The coefficients k differ by colour. r = |on_lens|; on_lens is the panel position from the lens
-    axis in units of unit_m metres.
-
-    Errors: InputError with the radius where the polynomial folds back.
-    Source: Brown 1966, Decentering Distortion of Lenses, the radial part.
+    Errors: InputError for a panel without size.
     """
 
-    # axis of the left eye's lens on its panel, from the panel's centre; mirrored for the right eye
-    axis_from_centre_m: tuple[float, float]
-    unit_m: float
-    tangent_per_unit: float
-    coefficients: dict[str, tuple[float, ...]]
-    reach: float  # the largest r on the panel, up to which the polynomial must grow
+    head_from_eye: Pose
+    fov: Fov
+    panel_m: tuple[float, float] | None = None  # (w, h); None where it is not known
+    lens: Lens | None = None
+    # Parts of the view that cannot be seen, as polygons of tangents.
+    hidden: tuple[Polygon, ...] = ()
 
     def __attrs_post_init__(self) -> None:
-        _refuse_unless_positive(unit_m=self.unit_m, tangent_per_unit=self.tangent_per_unit, reach=self.reach)
-        for colour in COLOURS:
-            if not 1 <= len(self.coefficients[colour]) <= MAX_COEFFICIENTS:
-                raise InputError(
-                    f"lens colour {colour} has {len(self.coefficients[colour])} coefficients; "
-                    f"expected 1 to {MAX_COEFFICIENTS}"
-                )
-            fold = self.folds_at(colour)
-            if fold is not None:
-                raise InputError(
-                    f"the lens polynomial of {colour} folds back at r = {fold:.4g}, "
-                    f"inside the panel (r up to {self.reach:.4g}): "
-                    "two panel pixels would show the same direction; correct its coefficients"
-                )
+        if self.panel_m is not None:
+            refuse_unless_positive(eye_width_m=self.panel_m[0], eye_height_m=self.panel_m[1])
 
-    def folds_at(self, colour: str) -> float | None:
-        """Return the smallest r <= reach at which r times the polynomial stops growing, or None."""
-        # d/dr of r (k0 + k1 r^2 + ..) as a polynomial in t = r^2 / reach^2, so that what matters
-        # lies in 0..1.
-        slope = [(2 * i + 1) * k * self.reach ** (2 * i) for i, k in enumerate(self.coefficients[colour])]
-        if slope[0] <= 0:
-            return 0.0
-        while abs(slope[-1]) < 1e-13 * max(map(abs, slope)):  # polyroots divides by the last one
-            slope.pop()
-        roots = polynomial.polyroots(slope)
-        turns = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real <= 1)]
-        # Next to a very large root polyroots may lose a very small one; a coarse scan along the
-        # radius does not.
-        t = np.linspace(0, 1, 1025)
-        turns = np.append(turns, t[polynomial.polyval(t, slope) <= 0])
-        return float(np.sqrt(turns.min())) * self.reach if len(turns) else None
+    def check_hidden(self) -> None:
+        """Raise InputError for a hidden area that leaves nothing to see."""
+        if self.hidden_share > 0.9:
+            raise InputError(f"the hidden area covers {self.hidden_share:.0%} of the view: expected less than 90 %")
+
+    def mirrored(self) -> HeadsetEye:
+        """Return the other eye of a symmetric headset."""
+        (x, y, z), (qx, qy, qz, qw) = self.head_from_eye.position_m.tolist(), self.head_from_eye.unit_quaternion
+        return HeadsetEye(
+            Pose((-x, y, z), (qx, 0.0 - qy, 0.0 - qz, qw)),
+            Fov(-self.fov.right, -self.fov.left, self.fov.down, self.fov.up),
+            self.panel_m,
+            self.lens and self.lens.mirrored(),
+            tuple(tuple((-a, b) for a, b in polygon) for polygon in self.hidden),
+        )
+
+    @property
+    def edges_rad(self) -> tuple[float, float]:
+        """Left and right end of what is seen at eye level: angles in the head, + is right."""
+        left, right = self.fov.tangents[:2].tolist()
+        if self.hidden:
+            level = HeadsetEye(Pose(), attrs.evolve(self.fov, down=-_LEVEL, up=_LEVEL), hidden=self.hidden)
+            columns = np.flatnonzero(level.seen((_LEVEL_COLUMNS, 1)))
+            step = (right - left) / _LEVEL_COLUMNS
+            left, right = left + step * float(columns[0]), left + step * float(columns[-1] + 1)
+        x, _, z = self.head_from_eye.rotation_matrix @ np.array([(left, right), (0, 0), (-1, -1)])
+        first, last = np.arctan2(x, -z).tolist()
+        return first, last
+
+    @property
+    def turn_rad(self) -> float:
+        """How far the view is turned to the right."""
+        x, _, z = self.head_from_eye.rotation_matrix[:, 2].tolist()
+        return math.atan2(-x, z)
+
+    def seen(self, size: tuple[int, int]) -> NDArray[np.bool_]:
+        """Return (h, w): which pixels of the view can be seen, the bottom row first."""
+        from skimage.draw import polygon
+
+        seen = np.ones(size[::-1], bool)
+        for points in self.hidden:
+            tangents = np.column_stack([points, np.ones(len(points))])
+            x, y, _ = self.fov.pixel_from_tangent(size) @ tangents.T
+            # Pixel centres lie at i + 0.5.
+            seen[polygon(y - 0.5, x - 0.5, seen.shape)] = False  # type: ignore[no-untyped-call]
+        return seen
+
+    @property
+    def hidden_share(self) -> float:
+        """Share of the view that cannot be seen, in tangents."""
+        left, right, down, up = self.fov.tangents
+        size = _COLUMNS, max(1, round(_COLUMNS * (up - down) / (right - left)))
+        return 1 - float(self.seen(size).mean()) if self.hidden else 0.0
 
 
 @attrs.frozen
 class Headset:
     """Two eyes in front of two panels. Eye 0 is the left one.
 
-    Errors: InputError for a panel without pixels or size, a refresh rate of 0, a negative pupil
-    distance.
+    Errors: InputError for a panel without pixels, a refresh rate of 0, a negative pupil distance,
+    and eyes that look past each other.
     """
 
     name: str
     summary: str
     source: str
-    eye_size_px: tuple[int, int] = attrs.field(converter=_whole_pixels)  # one eye's panel
-    eye_size_m: tuple[float, float]
+    eye_size_px: tuple[int, int] = attrs.field(converter=_whole_pixels)  # one eye's picture
     refresh_hz: float
-    ipd_m: float
-    left_fov: Fov  # the left eye's; the right eye's is its mirror image
-    lens: RadialLens | None
+    eyes: tuple[HeadsetEye, ...]
+    ipd_range_m: tuple[float, float] = IPD_RANGE_M
+    emulated: str = ""  # what of it is emulated and what is not, where that is not all
     peak_cd_m2: float | None = None  # luminance of white and of black; None where not measured
     black_cd_m2: float | None = None
 
     def __attrs_post_init__(self) -> None:
-        _refuse_unless_positive(
-            eye_width_m=self.eye_size_m[0], eye_height_m=self.eye_size_m[1], refresh_hz=self.refresh_hz
-        )
         given = {"peak_cd_m2": self.peak_cd_m2, "black_cd_m2": self.black_cd_m2}
-        _refuse_unless_positive(**{name: value for name, value in given.items() if value is not None})
-        if not 0 <= self.ipd_m < math.inf:
-            raise InputError(f"ipd_m is {self.ipd_m:g}: expected the distance of the pupils in metres, 0 or more")
+        refuse_unless_positive(
+            refresh_hz=self.refresh_hz, **{name: value for name, value in given.items() if value is not None}
+        )
+        for eye in self.eyes:
+            eye.check_hidden()
+        self._check_directions()
+
+    def _check_directions(self) -> None:
+        for side, cant in zip(("left", "right"), self.cants_deg, strict=False):
+            way = "outwards" if cant >= 0 else "inwards"
+            if abs(cant) > MOST_CANT_DEG[way]:
+                raise InputError(
+                    f"the {side} eye is turned {way} by {abs(cant):g} degrees: "
+                    f"expected at most {MOST_CANT_DEG[way]:g}; outwards is positive"
+                )
+        if self.overlap_deg <= 0:
+            raise InputError(
+                f"the eyes' views have no direction in common: they lie {-self.overlap_deg:.1f} degrees apart; "
+                "left is negative in each eye's own view"
+            )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """A line on what is emulated and what is not, where that is not all."""
+        return (f"Headset {self.name}: {self.emulated}.",) if self.emulated else ()
+
+    @property
+    def lens(self) -> Lens | None:
+        """The left eye's lens; both eyes have one or none."""
+        return self.eyes[0].lens
+
+    @property
+    def left_fov(self) -> Fov:
+        """The left eye's field of view, in its own axes."""
+        return self.eyes[0].fov
+
+    @property
+    def ipd_m(self) -> float:
+        """The distance of the eyes, from left to right."""
+        return float(self.eyes[-1].head_from_eye.position_m[0] - self.eyes[0].head_from_eye.position_m[0])
+
+    @property
+    def cants_deg(self) -> tuple[float, ...]:
+        """How far each eye's view is turned outwards."""
+        return tuple(math.degrees(eye.turn_rad) * side + 0.0 for eye, side in zip(self.eyes, (-1, 1), strict=False))
+
+    @property
+    def across_deg(self) -> float:
+        """What both eyes see together from left to right, level with them."""
+        firsts, lasts = zip(*(eye.edges_rad for eye in self.eyes), strict=True)
+        return math.degrees(max(lasts) - min(firsts))
+
+    @property
+    def overlap_deg(self) -> float:
+        """What every eye sees from left to right, level with them; below 0 for none."""
+        firsts, lasts = zip(*(eye.edges_rad for eye in self.eyes), strict=True)
+        return math.degrees(min(lasts) - max(firsts))
+
+    @property
+    def aspect(self) -> float:
+        """Width over height of one eye's picture: the panel's, else that of square tangents."""
+        if self.eyes[0].panel_m is not None:
+            return self.eyes[0].panel_m[0] / self.eyes[0].panel_m[1]
+        left, right, down, up = self.left_fov.tangents.tolist()
+        return float((right - left) / (up - down))
+
+    def with_ipd(self, ipd_m: float) -> Headset:
+        """Return it set to a distance of the pupils. Errors: InputError outside its range."""
+        (least, most), found = (limit * 1e3 for limit in self.ipd_range_m), ipd_m * 1e3
+        if not least - 1e-9 <= found <= most + 1e-9:
+            raise InputError(f"--ipd {found:g}: headset '{self.name}' can be set to {least:g} to {most:g} mm")
+        step = (ipd_m - self.ipd_m) / 2
+        moved = [
+            attrs.evolve(eye, head_from_eye=Pose((side * step, 0, 0)) @ eye.head_from_eye)
+            for eye, side in zip(self.eyes, (-1, 1), strict=True)
+        ]
+        return attrs.evolve(self, name=f"{self.name}:ipd={found:g}", eyes=tuple(moved))
 
     def fov(self, eye: int) -> Fov:
         """Return the field of view of eye 0 (left) or 1 (right)."""
-        left = self.left_fov
-        return left if eye == 0 else Fov(-left.right, -left.left, left.down, left.up)
+        return self.eyes[eye].fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
-        """Return the eyes' views for a head pose, the left first, each half the ipd to its side."""
-        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._eyes)
-
-    @cached_property
-    def _eyes(self) -> tuple[tuple[Pose, Fov], ...]:
-        return tuple((Pose((x, 0, 0)), self.fov(eye)) for eye, x in enumerate(self.places_m))
-
-    @property
-    def places_m(self) -> tuple[float, ...]:
-        """How far each eye sits to the right of the head's origin."""
-        return -self.ipd_m / 2, self.ipd_m / 2
+        """Return the eyes' views for a head pose, the left first."""
+        return tuple(View(world_from_head @ eye.head_from_eye, eye.fov, eye.head_from_eye) for eye in self.eyes)
 
     @property
     def flat_view(self) -> tuple[Fov, float]:
         """The field of view of one flat picture, and its width over its height.
 
-        It sees to both sides as far as the left eye to its wider side, and has the shape of both
-        eyes' panels side by side.
+        It looks straight ahead, sees to both sides as far as the eye that sees farthest, but 75
+        degrees at most, and has the shape of both eyes' pictures side by side.
         """
-        wide, aspect = float(np.abs(self.left_fov.tangents[:2]).max()), 2 * self.eye_size_m[0] / self.eye_size_m[1]
+        ends = [np.tan(eye.edges_rad) if eye.turn_rad else eye.fov.tangents[:2] for eye in self.eyes]
+        wide, aspect = min(float(np.abs(ends).max()), _FLAT_MOST), 2 * self.aspect
         high = wide / aspect
         return Fov.from_tangents((-wide, wide, -high, high)), aspect
 
     def lens_from_panel(self, eye: int, panel_size: tuple[int, int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return (scale, offset), (2,) each: place on the lens = panel pixel * scale + offset."""
-        assert self.lens is not None
-        mirror = np.array([1.0 if eye == 0 else -1.0, 1.0])
-        extent, unit = np.array(self.eye_size_m), self.lens.unit_m
+        lens, panel_m = self.eyes[eye].lens, self.eyes[eye].panel_m
+        assert lens is not None and panel_m is not None
+        extent, unit = np.array(panel_m), lens.unit_m
         scale = extent / np.array(panel_size) / unit
-        offset = (-extent / 2 - np.array(self.lens.axis_from_centre_m) * mirror) / unit
+        offset = (-extent / 2 - np.array(lens.axis_from_centre_m)) / unit
         return scale, offset
 
+    def through_lens(self, eye: int, places: NDArray[np.float64], colour: str) -> NDArray[np.float64]:
+        """Return the tangents (..., 2) that places (..., 2) in 0..1 of an eye's panel show.
 
+        NaN where the lens shows nothing.
+        """
+        lens = self.eyes[eye].lens
+        assert lens is not None
+        scale, offset = self.lens_from_panel(eye, (1, 1))
+        from_centre = places * scale + offset - lens.centre(colour)
+        return from_centre * lens.scales(colour, np.hypot(*np.moveaxis(from_centre, -1, 0)))[..., None]
+
+
+_FLAT_MOST = math.tan(math.radians(75))
 NAME = "camera"
 
 
@@ -163,23 +255,14 @@ NAME = "camera"
 class CameraDisplay(Headset):
     """The display of a camera's frames.
 
-    The head and the left eye are where the camera is. A right eye is ipd_m to its right, with the
-    same field of view; for 0 there is none.
+    The head and the left eye are where the camera is. A right eye is to its right, with the same
+    field of view, or there is none.
     """
-
-    def fov(self, eye: int) -> Fov:
-        """Return the field of view, the same for all eyes."""
-        return self.left_fov
-
-    @property
-    def places_m(self) -> tuple[float, ...]:
-        """How far each eye sits to the right of the camera."""
-        return (0.0, self.ipd_m) if self.ipd_m else (0.0,)
 
     @property
     def flat_view(self) -> tuple[Fov, float]:
         """The camera's own view."""
-        return self.left_fov, self.eye_size_m[0] / self.eye_size_m[1]
+        return self.left_fov, self.aspect
 
 
 def camera_display(
@@ -187,62 +270,6 @@ def camera_display(
 ) -> CameraDisplay:
     """Return the display of a camera. source: what recorded it; size: (w, h) of its pictures."""
     panel_m = (0.1, 0.1 * size[1] / size[0])
-    return CameraDisplay(NAME, f"the camera of {source}", source, size, panel_m, refresh_hz, eye_distance_m, fov, None)
-
-
-_FOLDER = Path(__file__).parent
-
-
-def headset_names() -> list[str]:
-    """Return the names of the shipped headsets, sorted."""
-    return sorted(p.stem for p in _FOLDER.glob("*.toml"))
-
-
-def load_headset(name: str) -> Headset:
-    """Load a shipped headset by name, or the user's own .toml file by path.
-
-    Errors: InputError naming the file and its fault.
-    """
-    path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
-    if not name.endswith(".toml") and not path.is_file():
-        raise unknown_name("headset", name, [*headset_names(), "FILE.toml"])
-    text, example = text_of(path, "a headset, as a .toml file"), "hmdwarp/headsets/rift-dk1.toml"
-    try:
-        return parsed(text, path, _headset, example)
-    except InputError as error:  # the model's own name no file
-        raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
-
-
-def _headset(data: Table) -> Headset:
-    panel, fov_deg = data.table("panel"), data.table("fov_deg")
-    width_m, height_m = panel.numbers("eye_size_m", 2)
-    size_m = width_m, height_m
-    lens = data.table("lens") if "lens" in data else None
-    return Headset(
-        name=data.text("name"),
-        summary=data.text("summary"),
-        source=data.text("source"),
-        eye_size_px=panel.numbers("eye_size_px", 2),
-        eye_size_m=size_m,
-        refresh_hz=panel.number("refresh_hz"),
-        ipd_m=data.table("eyes").number("ipd_m"),
-        left_fov=Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up"))),
-        lens=_lens(lens, size_m) if lens else None,
-        peak_cd_m2=panel.number("peak_cd_m2") if "peak_cd_m2" in panel else None,
-        black_cd_m2=panel.number("black_cd_m2") if "black_cd_m2" in panel else None,
-    )
-
-
-def _lens(data: Table, size_m: tuple[float, float]) -> RadialLens:
-    if data.text("model") != "radial":
-        raise InputError(f"unknown lens model '{data.text('model')}': known is radial")
-    x, y = data.numbers("axis_from_centre_m", 2)
-    axis, unit_m = (x, y), data.number("unit_m")
-    corner = np.array(size_m) / 2 + np.abs(axis)
-    return RadialLens(
-        axis_from_centre_m=axis,
-        unit_m=unit_m,
-        tangent_per_unit=data.number("tangent_per_unit"),
-        coefficients={colour: data.numbers(colour) for colour in COLOURS},
-        reach=float(np.hypot(*corner) / unit_m) if unit_m else 0.0,
-    )
+    places = (0.0, eye_distance_m) if eye_distance_m else (0.0,)
+    eyes = tuple(HeadsetEye(Pose((x, 0, 0)), fov, panel_m) for x in places)
+    return CameraDisplay(NAME, f"the camera of {source}", source, size, refresh_hz, eyes)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
+import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +66,28 @@ class Found:
         self.buffer.release()
 
 
+class PixelBuffers:
+    """What one call in flight has of its own; each buffer is made when it is first needed.
+
+    Found, the bytes that go up, and those that come down.
+    """
+
+    def __init__(self, gpu: Gpu, pictures: int) -> None:
+        self._gpu, self.found = gpu, Found(gpu, pictures)
+        self._made: dict[tuple[str | int, ...], moderngl.Buffer] = {}
+
+    def of(self, byte_count: int, *key: str | int) -> moderngl.Buffer:
+        """Return the buffer of that key and size."""
+        if (*key, byte_count) not in self._made:
+            self._made[*key, byte_count] = self._gpu.gl.buffer(reserve=byte_count, dynamic=True)
+        return self._made[*key, byte_count]
+
+    def close(self) -> None:
+        """Free them."""
+        self.found.close()
+        release_all(*self._made.values())
+
+
 class TakeIn:
     """Takes pictures of one size over; what each kind of array needs is made at the first of it."""
 
@@ -73,14 +96,36 @@ class TakeIn:
         bits = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16).view(np.uint16)
         self._light_of_byte = allocate(gpu.gl, (256, 1), (1, "u2"))
         self._light_of_byte.write(bits.tobytes())
-        self._staged: dict[tuple[str, int, int], tuple[moderngl.Texture, moderngl.Buffer]] = {}
+        self._staged: dict[tuple[str, int, int], moderngl.Texture] = {}
 
-    def send(self, picture: RawPicture) -> Pair:
+    def send(self, picture: RawPicture, buffers: PixelBuffers, number: int = 0) -> Pair:
         """Return the bytes of colour and depth as textures; the next picture overwrites them."""
-        kind = np.dtype(np.uint16 if picture.depth.dtype.kind == "u" else np.float32)
-        return (
-            self._sent("colour", picture.colour, _sent_as(picture.colour)),
-            self._sent("depth", picture.depth[..., None], kind, picture.hidden),
+        sent = []
+        for name, array in _arrays_of(picture).items():
+            buffer, view = self._staging(name, array, buffers, number)
+            # What is beyond a float32 is infinite there.
+            with mapped(buffer, write=True) as raw, np.errstate(over="ignore"):
+                np.copyto(view(raw), array, casting="unsafe")
+                if name == "depth" and picture.hidden is not None:
+                    view(raw)[picture.hidden] = 0
+            texture = self._texture(name, array)
+            texture.write(buffer)
+            sent.append(texture)
+        return sent[0], sent[1]
+
+    def kept(self, picture: RawPicture, buffers: PixelBuffers, number: int = 0) -> RawPicture:
+        """Return the picture as it was sent, whatever its arrays have become since then."""
+        if picture.checked is not None:
+            return picture
+        sent = {}
+        for name, array in _arrays_of(picture).items():
+            buffer, view = self._staging(name, array, buffers, number)
+            with mapped(buffer) as raw:
+                sent[name] = np.array(view(raw), array.dtype)
+        hidden = False if picture.hidden is None else picture.hidden
+        depth = np.ma.array(sent["depth"][..., 0], mask=hidden)
+        return attrs.evolve(
+            picture, colour=sent["colour"], depth=depth.data, passed=(sent["colour"], depth, *picture.passed[2:])
         )
 
     def run(self, picture: RawPicture, sent: Pair, into: Pair, found: Found, number: int) -> None:
@@ -88,7 +133,7 @@ class TakeIn:
 
         sent: what `send` returns for the picture. number: which of the pictures of `found`.
         """
-        kind, is_whole = _sent_as(picture.colour), picture.depth.dtype.kind == "u"
+        kind, is_whole = _sent_as("colour", picture.colour), picture.depth.dtype.kind == "u"
         form = _UINT16 if is_whole else _INVERSE if picture.is_inverse else _METRES
         program = self._gpu.shaders.compute(
             "image/take_in.comp",
@@ -107,44 +152,47 @@ class TakeIn:
         program.run(-(-self._size[0] * kind.itemsize // 16), self._size[1])
         self._gpu.barrier()
 
-    def _sent(
-        self, what: str, array: NDArray[Any], kind: np.dtype[Any], hidden: NDArray[np.bool_] | None = None
-    ) -> moderngl.Texture:
-        """Copy an array (h, w, c) into a texture of that type, 0 where it is hidden."""
-        channels = array.shape[2]
-        key = (what, channels, kind.itemsize)
-        row = -(-self._size[0] // 16) * 16 * channels * kind.itemsize
+    def _texture(self, name: str, array: NDArray[Any]) -> moderngl.Texture:
+        """Return the texture that takes the bytes of an array (h, w, c)."""
+        key = (name, array.shape[2], _sent_as(name, array).itemsize)
         if key not in self._staged:
-            texture = allocate(self._gpu.gl, (row // _TEXEL_BYTES, self._size[1]), (4, "u4"))
-            self._staged[key] = texture, self._gpu.gl.buffer(reserve=row * self._size[1], dynamic=True)
-        texture, buffer = self._staged[key]
-        # What is beyond a float32 is infinite there.
-        with mapped(buffer, write=True) as raw, np.errstate(over="ignore"):
-            steps = row, channels * kind.itemsize, kind.itemsize
-            into = np.ndarray(array.shape, kind, raw, strides=steps)
-            np.copyto(into, array, casting="unsafe")
-            if hidden is not None:
-                into[hidden] = 0
-        texture.write(buffer)
-        return texture
+            texels = -(-self._size[0] // _TEXEL_BYTES) * key[1] * key[2]
+            self._staged[key] = allocate(self._gpu.gl, (texels, self._size[1]), (4, "u4"))
+        return self._staged[key]
+
+    def _staging(
+        self, name: str, array: NDArray[Any], buffers: PixelBuffers, number: int
+    ) -> tuple[moderngl.Buffer, Callable[[NDArray[np.uint8]], NDArray[Any]]]:
+        """Return the buffer for an array (h, w, c), and what views its bytes as one."""
+        kind = _sent_as(name, array)
+        pixel_bytes = array.shape[2] * kind.itemsize
+        steps = -(-self._size[0] // 16) * 16 * pixel_bytes, pixel_bytes, kind.itemsize
+        buffer = buffers.of(steps[0] * self._size[1], name, number)
+        return buffer, lambda raw: np.ndarray(array.shape, kind, raw, strides=steps)
 
     def close(self) -> None:
-        """Free textures and buffers."""
-        release_all(self._light_of_byte, *(thing for pair in self._staged.values() for thing in pair))
+        """Free the textures."""
+        release_all(self._light_of_byte, *self._staged.values())
 
 
-def _sent_as(colour: NDArray[Any]) -> np.dtype[Any]:
-    return np.dtype(colour.dtype.type if colour.dtype.itemsize <= 2 else np.float32)
+def _arrays_of(picture: RawPicture) -> dict[str, NDArray[Any]]:
+    """Return colour and depth, each (h, w, c)."""
+    return {"colour": picture.colour, "depth": picture.depth[..., None]}
+
+
+def _sent_as(name: str, array: NDArray[Any]) -> np.dtype[Any]:
+    """Return the type that travels: integers, and halves of colour, as they are; else float32."""
+    is_own = array.dtype.kind == "u" or (name == "colour" and array.dtype.itemsize == 2)
+    return np.dtype(array.dtype.type if is_own else np.float32)
 
 
 class GiveOut:
-    """Makes arrays of what is shown; its buffers are made at the first result of each kind."""
+    """Makes arrays of what is shown."""
 
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._gpu, self._size = gpu, size
         self._byte_of_half = allocate(gpu.gl, (256, 256), (1, "u1"))
         self._byte_of_half.write(srgb8_from_linear(np.arange(65536, dtype=np.uint16).view(np.float16)).tobytes())
-        self._buffers: dict[tuple[str, int], moderngl.Buffer] = {}
 
     def run(
         self,
@@ -153,9 +201,9 @@ class GiveOut:
         inverse_depth: moderngl.Texture | None,
         confidence: Canvas | None,
         result: str,
-        found: Found,
+        buffers: PixelBuffers,
     ) -> dict[str, moderngl.Buffer]:
-        """Return what `arrays` reads, by name; the holes of `warped` are counted in `found`."""
+        """Return what `arrays` reads, by name; holes of `warped` are counted in `buffers`."""
         program = self._gpu.shaders.compute(
             "image/give_out.comp",
             RESULT=_RESULTS.index(result),
@@ -169,23 +217,16 @@ class GiveOut:
         if confidence is not None:
             confidence.texture.bind_to_image(3, read=True, write=False)
         self._byte_of_half.bind_to_image(4, read=True, write=False)
-        made = {
-            "colour": self._buffer("colour", 3 if result == SRGB8 else 12),
-            "coverage": self._buffer("coverage", 4),
-            **({} if inverse_depth is None else {"depth_m": self._buffer("depth_m", 4)}),
-        }
+        sizes = {"colour": 3 if result == SRGB8 else 12, "coverage": 4}
+        sizes |= {} if inverse_depth is None else {"depth_m": 4}
+        filled_up, found = -(-self._size[0] // 4) * 4 * self._size[1], buffers.found
+        made = {name: buffers.of(filled_up * pixel_bytes, name) for name, pixel_bytes in sizes.items()}
         for binding, buffer in enumerate((found.buffer, *made.values())):
             buffer.bind_to_storage_buffer(binding)
         program.uniforms.set(shown_size=self._size, slot=found.holes_slot)
         program.run(-(-self._size[0] // 4), self._size[1])
         self._gpu.barrier()
         return made
-
-    def _buffer(self, name: str, pixel_bytes: int) -> moderngl.Buffer:
-        if (name, pixel_bytes) not in self._buffers:
-            filled_up = -(-self._size[0] // 4) * 4 * self._size[1]
-            self._buffers[name, pixel_bytes] = self._gpu.gl.buffer(reserve=filled_up * pixel_bytes, dynamic=True)
-        return self._buffers[name, pixel_bytes]
 
     def arrays(self, made: Mapping[str, moderngl.Buffer], out: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return the arrays by name: those of `out`, and new ones for what it lacks."""
@@ -203,5 +244,5 @@ class GiveOut:
         return found
 
     def close(self) -> None:
-        """Free textures and buffers."""
-        release_all(self._byte_of_half, *self._buffers.values())
+        """Free the texture."""
+        self._byte_of_half.release()

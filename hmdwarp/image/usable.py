@@ -8,6 +8,7 @@ from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_
 from ..client.warps import warps
 from ..errors import InputError, PlanError
 from ..frames.layers import PICTURE, readable
+from ..options import AUTO
 
 # What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
 LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent", "reflection")
@@ -46,10 +47,9 @@ def plan_of(
     ):
         if not isinstance(name, str):
             raise InputError(f"{kind} is {name!r}: expected a name: {', '.join(usable())}")
-    if warp == "auto":
+    if warp == AUTO:
         raise InputError(
-            "warp 'auto' chooses during a run, by time and error over many pictures; for a single picture name one: "
-            f"{', '.join(usable_warps())}"
+            f"warp 'auto' is for a hmdwarp.Warper or warp_image with budget_ms; name one: {', '.join(usable_warps())}"
         )
     named = every_effect.selected(effects, ())
     try:

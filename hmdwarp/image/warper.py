@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import atexit
+import io
 import math
 import threading
 import warnings
 import weakref
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from itertools import cycle
 from numbers import Real
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
 
@@ -21,15 +24,20 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
-from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan
-from ..errors import InputError
+from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan, needs_of
+from ..colour import srgb8_from_linear
+from ..errors import HmdwarpError, InputError
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu, check_not_forked
 from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, upload
+from ..gpu.timers import Lap
+from ..options import AUTO
+from ..pipeline.governor import Change
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
-from .array_passes import Found, GiveOut, TakeIn
+from .array_passes import Found, GiveOut, PixelBuffers, TakeIn
+from .auto import AutoCompensator, plans_of_levels
 from .layer_arrays import CallerLayers
 from .picture_arrays import (
     LINEAR,
@@ -44,7 +52,9 @@ from .picture_arrays import (
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
 from .usable import plan_of
 
+IN_FLIGHT = 3  # calls of Warper.submit whose pixels are on their way at once
 _LARGEST, _UNIT = "largest", "unit"  # what a Warper warns of once
+_CLOSED_FIRST = "this Warper was closed before result() was called: call it first"
 Other = tuple[ArrayLike, ArrayLike, View]
 _shared: Gpu | None = None
 # A thread that holds it may take it again.
@@ -91,6 +101,80 @@ class WarpedImage:
     # requested.
     depth_m: NDArray[Any] | None = None
 
+    def _repr_png_(self) -> bytes:
+        """Return the picture as a PNG file: a notebook shows it."""
+        from PIL import Image
+
+        colour, file = self.colour, io.BytesIO()
+        if self.encoding == LINEAR:
+            colour = srgb8_from_linear(colour)
+        elif colour.dtype != np.uint8:
+            colour = np.rint(255 * np.clip(colour, 0, 1)).astype(np.uint8)
+        Image.fromarray(np.ascontiguousarray(colour)).save(file, "PNG")
+        return file.getvalue()
+
+
+@attrs.frozen(eq=False)
+class _Request:
+    """The arguments of a call, as warp takes them; views and the picture looked at."""
+
+    views: tuple[View, View]
+    picture: RawPicture
+    others: Sequence[Other]
+    client_depth_m: ArrayLike | None
+    layers: Mapping[str, Any]
+    age_s: float
+    depth_scale: float | None
+    encoding: str | None
+    result: str | None
+    eye: int
+    out: Mapping[str, NDArray[Any]]
+
+
+@attrs.define(eq=False)
+class _Flight:
+    """A call that the GPU has, or has not yet, done."""
+
+    pictures: list[RawPicture]
+    views: tuple[View, View]
+    # The encoding of the result.
+    result: str
+    out: Mapping[str, NDArray[Any]]
+    eye: int
+    buffers: PixelBuffers
+    # What has run, and what of the buffers has the result, by name.
+    plan: Plan
+    made: dict[str, moderngl.Buffer] = attrs.field(factory=dict)
+
+    @property
+    def found(self) -> Found:
+        return self.buffers.found
+
+
+class Pending:
+    """A picture of Warper.submit, on its way."""
+
+    def __init__(self, warper: Warper, answer: HmdwarpError | None = None) -> None:
+        self._warper = warper
+        self._answer: WarpedImage | HmdwarpError | None = answer
+        # Until there is an answer: the call, what submit() took, and its stages.
+        self._on_its_way: tuple[_Flight, float, Lap] | None = None
+
+    def result(self) -> WarpedImage:
+        """Return what warp() returns, waiting for the GPU; the same again each time.
+
+        Its `time_ms` has what submit() and this took: `upload`, `download`, `wait` (for the GPU)
+        and `host` (all else). Passes run beside that: only a GPU with a clock of its own has them.
+        Errors: as warp; InputError where the Warper was closed first.
+        """
+        if self._answer is None:
+            with self._warper._gpu() as gpu:
+                self._warper._fetch(gpu, self)
+        if isinstance(self._answer, HmdwarpError):
+            raise self._answer
+        assert self._answer is not None, "it was fetched"
+        return self._answer
+
 
 @attrs.frozen(eq=False)
 class WarpedTextures:
@@ -116,6 +200,7 @@ class Warper:
 
     size: (w, h) of the results. rendered_size: of the pictures, by default the same. warp, fill,
     effects, repair: as warp_image takes them; a fill that remembers learns from each picture.
+    warp "auto" keeps warp and fill within budget_ms a picture: `plan` is that of the last one.
     depth: whether results have the depth of what is shown. gpu: a context made in the calling
     thread, which then makes all calls; by default one is shared with all threads, one at a time.
     Take `Gpu(moderngl.create_context(require=430))` for the OpenGL context that is current: then
@@ -135,38 +220,51 @@ class Warper:
         repair: str = "none",
         depth: bool = False,
         gpu: Gpu | None = None,
+        budget_ms: float | None = None,
+        bench: Path | str | None = None,
     ) -> None:
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
-        self.plan = plan_of(warp, fill, effects, depth=depth)
-        self._fill_names = _fill_names(self.plan)
-        self._has_depth = depth
-        self._learns = any(choice.entry.remembers for choice in self.plan.fills)
+        auto = plans_of_levels(bench, effects, depth, budget_ms) if warp == AUTO else None
+        plans = [plan_of(warp, fill, effects, depth=depth)] if auto is None else [*auto.values()]
+        if auto is None and (budget_ms, bench) != (None, None):
+            raise InputError(f"budget_ms and bench are for warp 'auto': '{warp}' takes what it takes; leave them out")
+        self._needs, self._has_depth = needs_of(plans), depth
+        self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
         self.repair = parse_repairs(repair)
         self.size = checked_size(size)
         self.rendered_size = self.size if rendered_size is None else checked_size(rendered_size)
         with self._context() as current, ExitStack() as stack:
             check_size(current.gl, self.rendered_size)
             check_size(current.gl, self.size)
-            self._compensator = Compensator(current, self.plan, None, self.rendered_size, self.size)
+            sizes = self.rendered_size, self.size
+            self._compensator: Compensator | AutoCompensator
+            if auto is None:
+                self._compensator = Compensator(current, plans[0], None, *sizes)
+            else:
+                self._compensator = AutoCompensator(current, auto, *sizes, budget_ms or 0)
             stack.callback(self._compensator.close)
             self._foreign = ForeignTextures(current, self.rendered_size)
-            self._layers = CallerLayers(current, self.plan.needs, self.rendered_size, self.size)
+            self._layers = CallerLayers(current, self._needs, self.rendered_size, self.size)
             stack.callback(self._layers.close)
             self._client_depth = None
             if self.plan.reads(CLIENT_DEPTH):
                 self._client_depth = allocate(current.gl, self.size, SCALAR)
                 stack.callback(self._client_depth.release)
             # The picture itself, and the others that the plan reads.
-            count = 1 + self.plan.needs.others.count
+            count = 1 + self._needs.others.count
             has_confidence = bool(self.repair.steps)
             self._pictures = [HeldPicture(current, self.rendered_size, has_confidence) for _ in range(count)]
             for picture in self._pictures:
                 stack.callback(picture.close)
             self._take_in, self._give_out = TakeIn(current, self.rendered_size), GiveOut(current, self.size)
-            self._found = Found(current, count)
-            for passes in (self._take_in, self._give_out, self._found):
+            for passes in (self._take_in, self._give_out):
                 stack.callback(passes.close)
+            # All that were made, those that no call has, and the calls that have the rest.
+            self._buffers: list[PixelBuffers] = []
+            self._free_buffers: list[PixelBuffers] = []
+            self._in_flight: deque[Pending] = deque()
+            stack.callback(_close_all, self._buffers)
             self._confidence = Canvas(current.gl, self.size) if has_confidence else None
             if self._confidence is not None:
                 stack.callback(self._confidence.release)
@@ -197,39 +295,81 @@ class Warper:
         out: arrays of yours for the result by name (colour, coverage, depth_m), of any strides:
         uint8, or floats of any width; what it lacks is allocated.
         """
-        _check_eye(eye)
-        views = _checked_views(rendered, shown)
         with self._gpu() as gpu:
             gpu.timer.collect()
-            picture = raw_picture(colour, depth_m, depth_scale, encoding)
-            return self._warp(
-                gpu, picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, out, eye
-            )
+            asked = _request(
+                colour, depth_m, rendered, shown, others, client_depth_m, layers, age_s, depth_scale, encoding, result,
+                eye, out,
+            )  # fmt: skip
+            return self._ended(gpu, self._begun(gpu, asked))
 
-    def _warp(
+    def submit(
         self,
-        gpu: Gpu,
-        picture: RawPicture,
-        views: tuple[View, View],
-        others: Sequence[Other],
-        client_depth_m: ArrayLike | None,
-        layers: Mapping[str, Any],
-        age_s: float,
-        depth_scale: float | None,
-        encoding: str | None,
-        result: str | None,
-        out: Mapping[str, NDArray[Any]],
+        colour: ArrayLike,
+        depth_m: ArrayLike,
+        rendered: View,
+        shown: View,
+        *,
+        others: Sequence[Other] = (),
+        client_depth_m: ArrayLike | None = None,
+        layers: Mapping[str, Any] = MappingProxyType({}),
+        age_s: float = 0.0,
+        depth_scale: float | None = None,
+        encoding: str | None = None,
+        result: str | None = None,
         eye: int = 0,
-    ) -> WarpedImage:
-        """Return the view from a picture; the rest as warp."""
-        result = _checked_result(result, picture.encoding)
+        out: Mapping[str, NDArray[Any]] = MappingProxyType({}),
+    ) -> Pending:
+        """Begin what warp() does with the same arguments, and return before the GPU has done it.
+
+        The arrays are read before this returns; those of `out` are written by result(). Pixels of
+        three calls are on their way at most: a fourth first fetches the result of the oldest.
+        Errors: InputError for a closed Warper; result() raises all others.
+        """
+        with self._gpu() as gpu:
+            if len(self._in_flight) == IN_FLIGHT:
+                self._fetch(gpu, self._in_flight[0])
+            gpu.timer.lap()
+            try:
+                # Passes that the wall clock times for "auto" are waited for.
+                is_timed = isinstance(self._compensator, AutoCompensator) and gpu.timer.clock == "wall"
+                with nullcontext() if is_timed else gpu.timer.without_waiting():
+                    asked = _request(
+                        colour, depth_m, rendered, shown, others, client_depth_m, layers, age_s, depth_scale, encoding,
+                        result, eye, out,
+                    )  # fmt: skip
+                    flight = self._begun(gpu, asked)
+            except HmdwarpError as error:
+                return Pending(self, error)
+            pending, spent_ms = Pending(self), gpu.timer.lap_ms
+            pending._on_its_way = flight, spent_ms, gpu.timer.lap()
+            self._in_flight.append(pending)
+            return pending
+
+    def warp_each(self, frames: Iterable[Mapping[str, Any]]) -> Iterator[WarpedImage]:
+        """Yield what warp() makes of each frame, in order, while the next two are on their way.
+
+        frames: arguments of warp by name. Errors: as warp, in the place of the frame.
+        """
+        pending: deque[Pending] = deque()
+        for frame in frames:
+            pending.append(self.submit(**frame))
+            if len(pending) == IN_FLIGHT:
+                yield pending.popleft().result()
+        while pending:
+            yield pending.popleft().result()
+
+    def _begun(self, gpu: Gpu, asked: _Request) -> _Flight:
+        """Send the pictures, and let the GPU make the result. Errors: as warp."""
+        picture, views = asked.picture, asked.views
+        result = _checked_result(asked.result, picture.encoding)
         self._check_size("", picture)
-        further = [self._other(number, one, depth_scale, encoding) for number, one in enumerate(others)]
-        self._check_needs(len(further), client_depth_m is not None)
-        self._layers.check(layers, self._named)
-        self._check_out(out, result)
-        age_ns = _checked_age_ns(age_s)
-        client = None if client_depth_m is None else self._client_inverse(client_depth_m, depth_scale)
+        further = [self._other(number, one, asked) for number, one in enumerate(asked.others)]
+        self._check_needs(len(further), asked.client_depth_m is not None)
+        self._layers.check(asked.layers, self._named)
+        self._check_out(asked.out, result)
+        age_ns = _checked_age_ns(asked.age_s)
+        client = self._client_inverse(asked)
         drawn_ns = self._next()
         pictures = [picture, *(one for one, _ in further)]
         if self.repair.steps:
@@ -238,49 +378,101 @@ class Warper:
             textures.as_image(view, drawn_ns)
             for textures, view in zip(self._pictures, (views[0], *(view for _, view in further)), strict=False)
         ]
-        self._upload(pictures, gpu)
-        if self._learns:
-            self._check_numbers(pictures)
-        with gpu.timer.cpu_stage("upload"):
-            images[0] = images[0].having(**self._layers.hold(layers))
-            if client is not None and self._client_depth is not None:
-                upload(self._client_depth, client)
-        inputs = self._inputs(images, views[1], eye, age_ns)
+        if not self._free_buffers:
+            self._buffers.append(PixelBuffers(gpu, len(self._pictures)))
+            self._free_buffers.append(self._buffers[-1])
+        flight = _Flight(pictures, views, result, asked.out, asked.eye, self._free_buffers.pop(), self.plan)
+        try:
+            self._upload(flight, gpu)
+            if self._learns:
+                flight.found.read()
+                self._check_numbers(flight)
+            with gpu.timer.cpu_stage("upload"):
+                images[0] = images[0].having(**self._layers.hold(asked.layers))
+                if client is not None and self._client_depth is not None:
+                    upload(self._client_depth, client)
+            self._run(gpu, flight, self._inputs(images, views[1], asked.eye, age_ns))
+        except BaseException:
+            self._free_buffers.append(flight.buffers)
+            raise
+        return flight
+
+    def _run(self, gpu: Gpu, flight: _Flight, inputs: PassInputs) -> None:
+        """Run all passes: the result goes into buffers."""
         made = self._compensator.run(inputs)
+        flight.plan = self.plan
         if self._confidence is not None:
             held = {picture.pair[0]: picture.sure for picture in self._pictures}
             self._compensator.carry(inputs, lambda image: held[image.colour], self._confidence)
         assert made.shown is not None and made.warped is not None, "only a fused plan lacks them"
         with gpu.timer.cpu_stage("download"):
             depth = made.inverse_depth if self._has_depth else None
-            buffers = self._give_out.run(made.shown, made.warped, depth, self._confidence, result, self._found)
-        gpu.check_not_lost()
-        self._check_numbers(pictures)
-        self._warn_about(pictures[0], views)
-        with gpu.timer.cpu_stage("download"):
-            arrays = self._give_out.arrays(buffers, out)
-        holes = self._found.holes / (self.size[0] * self.size[1])
-        return WarpedImage(arrays["colour"], arrays["coverage"], self._times(gpu), holes, result, arrays.get("depth_m"))
+            flight.made = self._give_out.run(
+                made.shown, made.warped, depth, self._confidence, flight.result, flight.buffers
+            )
 
-    def _upload(self, pictures: list[RawPicture], gpu: Gpu) -> None:
+    def _ended(self, gpu: Gpu, flight: _Flight, *, late: bool = False) -> WarpedImage:
+        """Return the result, and free the buffers of the call. Errors: as warp.
+
+        late: the caller's arrays may hold other pictures by now.
+        """
+        try:
+            with gpu.timer.cpu_stage("wait") if late else nullcontext():
+                flight.found.read()
+            gpu.check_not_lost()
+            self._check_numbers(flight, late=late)
+            self._warn_about(flight, late=late)
+            with gpu.timer.cpu_stage("download"):
+                arrays = self._give_out.arrays(flight.made, flight.out)
+        finally:
+            self._free_buffers.append(flight.buffers)
+        holes = flight.found.holes / (self.size[0] * self.size[1])
+        times = {} if late else self._times(gpu, flight)
+        return WarpedImage(arrays["colour"], arrays["coverage"], times, holes, flight.result, arrays.get("depth_m"))
+
+    def _fetch(self, gpu: Gpu, pending: Pending) -> None:
+        """Make the answer of a call, unless another thread has just done so."""
+        if pending._on_its_way is None:
+            return
+        (flight, spent_ms, lap), pending._on_its_way = pending._on_its_way, None
+        self._in_flight.remove(pending)
+        gpu.timer.lap()
+        try:
+            with gpu.timer.without_waiting():
+                image = self._ended(gpu, flight, late=True)
+        except HmdwarpError as error:
+            pending._answer = error
+            return
+        spent_ms += gpu.timer.lap_ms
+        times = self._summed((*lap.read(), *gpu.timer.lap().read()), flight.plan)
+        self._record(flight, times)
+        own_ms = sum(times.get(name, 0.0) for name in ("upload", "repair", "wait", "download"))
+        pending._answer = attrs.evolve(image, time_ms={**times, "host": max(spent_ms - own_ms, 0.0)})
+
+    def _upload(self, flight: _Flight, gpu: Gpu) -> None:
         """Take pictures over, their depth repaired."""
-        for number, (textures, picture) in enumerate(zip(self._pictures, pictures, strict=False)):
+        for number, (textures, picture) in enumerate(zip(self._pictures, flight.pictures, strict=False)):
             if self.repair.steps:
                 with gpu.timer.cpu_stage("repair"):
                     mended, confidence = picture.as_checked().repaired(self.repair)
                 textures.hold_confidence(confidence)
             with gpu.timer.cpu_stage("upload"):
                 if not number:
-                    self._found.clear()
+                    flight.found.clear()
                 one = mended if self.repair.steps else picture
-                self._take_in.run(one, self._take_in.send(one), textures.pair, self._found, number)
+                sent = self._take_in.send(one, flight.buffers, number)
+                self._take_in.run(one, sent, textures.pair, flight.found, number)
 
-    def _check_numbers(self, pictures: list[RawPicture]) -> None:
+    def _picture(self, flight: _Flight, number: int, *, late: bool) -> RawPicture:
+        """Return a picture with the numbers that the GPU was sent."""
+        picture = flight.pictures[number]
+        return self._take_in.kept(picture, flight.buffers, number) if late else picture
+
+    def _check_numbers(self, flight: _Flight, *, late: bool = False) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""
-        self._found.read()
-        for number, picture in enumerate(pictures):
-            if self._found.is_doubtful(number, self.rendered_size):
-                picture.as_checked()
+        for number in range(len(flight.pictures)):
+            if flight.found.is_doubtful(number, self.rendered_size):
+                self._picture(flight, number, late=late).as_checked()
 
     def _check_out(self, out: Mapping[str, NDArray[Any]], result: str) -> None:
         """Check the arrays that a result is written into. Errors: InputError."""
@@ -300,10 +492,11 @@ class Warper:
             if not array.flags.writeable:
                 raise InputError(f"out['{name}'] is read-only: expected an array that can be written into")
 
-    def _times(self, gpu: Gpu) -> dict[str, float]:
+    def _times(self, gpu: Gpu, flight: _Flight) -> dict[str, float]:
         """Return the milliseconds of this call by stage name: their sum is the call."""
         whole_ms = gpu.timer.lap_ms
-        total = self._summed(gpu.timer.collect())
+        total = self._summed(gpu.timer.collect(), flight.plan)
+        self._record(flight, total)
         return {**total, "host": max(whole_ms - sum(total.values()), 0.0)}
 
     def warp_textures(
@@ -332,6 +525,8 @@ class Warper:
         views = _checked_views(rendered, shown)
         self._check_needs(0, client_depth=False)
         self._layers.check({}, f"{self._named} runs on arrays where it")
+        if isinstance(self._compensator, AutoCompensator):
+            raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
         if self.repair.steps:
             raise InputError(f"repair '{self.repair.text}' runs on arrays: give them to warp(), or leave it out")
         if self._own_gpu is None:
@@ -348,14 +543,28 @@ class Warper:
             return WarpedTextures(made.shown.texture, made.inverse_depth, self)
 
     @property
+    def plan(self) -> Plan:
+        """The passes of the last picture."""
+        return self._compensator.plan
+
+    @property
+    def changes(self) -> tuple[Change, ...]:
+        """What warp "auto" has switched, and why."""
+        return self._compensator.changes if isinstance(self._compensator, AutoCompensator) else ()
+
+    @property
     def time_ms(self) -> dict[str, float]:
         """Milliseconds by stage of the pictures since this was last read; waits for the GPU."""
         with self._gpu() as gpu:
             return self._summed(gpu.timer.collect())
 
-    def _summed(self, stages: Iterable[tuple[str, float]]) -> dict[str, float]:
-        """Return milliseconds by stage name, all pictures together; see WarpedImage."""
-        fills, total = cycle(self._fill_names), dict[str, float]()
+    def _record(self, flight: _Flight, times: Mapping[str, float]) -> None:
+        if isinstance(self._compensator, AutoCompensator):
+            self._compensator.record(flight.eye, times)
+
+    def _summed(self, stages: Iterable[tuple[str, float]], plan: Plan | None = None) -> dict[str, float]:
+        """Return milliseconds by stage name, all pictures of a plan together; see WarpedImage."""
+        fills, total = cycle(_fill_names(plan or self.plan)), dict[str, float]()
         for stage, milliseconds in stages:
             name = next(fills) if stage == "fill" else stage
             total[name] = total.get(name, 0.0) + milliseconds
@@ -369,6 +578,9 @@ class Warper:
         gpu = _shared if self._own_gpu is None else self._own_gpu
         if self._dropped.alive and gpu is not None and not gpu.closed:
             with self._context():
+                while self._in_flight:
+                    pending = self._in_flight.popleft()
+                    pending._on_its_way, pending._answer = None, InputError(_CLOSED_FIRST)
                 self._dropped.detach()
                 self._cleanup.close()
 
@@ -399,15 +611,19 @@ class Warper:
         self._count += 1
         return self._count
 
-    def _warn_about(self, picture: RawPicture, views: tuple[View, View]) -> None:
+    def _warn_about(self, flight: _Flight, *, late: bool) -> None:
         """Warn of depth that is no measurement, or hardly in metres; of each once."""
         largest: Sequence[str] = ()
         if _LARGEST not in self._warned:
-            raw = about_largest([picture.depth]) if self._found.has_largest(0) else ()
-            largest = raw if picture.checked is None else picture.checked.notes
+            checked = flight.pictures[0].checked
+            if checked is not None:
+                largest = checked.notes
+            elif flight.found.has_largest(0):
+                largest = about_largest([self._picture(flight, 0, late=late).depth])
             self._warned.update([_LARGEST] if largest else [])
-        for note in (*largest, *self._unit_notes(picture.metres, views, "depth_scale={:g}")):
-            warnings.warn(note, stacklevel=4)  # where warp or warp_image is called
+        unit = self._unit_notes(lambda: self._picture(flight, 0, late=late).metres(), flight.views, "depth_scale={:g}")
+        for note in (*largest, *unit):
+            warnings.warn(note, stacklevel=5 if late else 4)  # where warp, warp_image or result is called
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
         """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
@@ -425,12 +641,12 @@ class Warper:
             (found_wide, found_high), (wide, high) = picture.size, self.rendered_size
             raise InputError(f"{name}colour is {found_wide}x{found_high} pixels: this Warper is for {wide}x{high}")
 
-    def _other(self, number: int, other: Other, scale: float | None, encoding: str | None) -> tuple[RawPicture, View]:
+    def _other(self, number: int, other: Other, asked: _Request) -> tuple[RawPicture, View]:
         try:
             colour, depth_m, view = other
         except (TypeError, ValueError) as error:
             raise InputError(f"others[{number}]: expected (colour, depth_m, view)") from error
-        picture = raw_picture(colour, depth_m, scale, encoding)
+        picture = raw_picture(colour, depth_m, asked.depth_scale, asked.encoding)
         self._check_size(f"others[{number}]: ", picture)
         return picture, checked_view(f"others[{number}]", view)
 
@@ -440,7 +656,7 @@ class Warper:
 
     def _check_needs(self, others: int, client_depth: bool) -> None:
         """Check that the plan gets what it reads, and nothing that it does not."""
-        named, most = self._named, self.plan.needs.others.count
+        named, most = self._named, self._needs.others.count
         if most and not others and self.plan.reads(OTHERS):
             raise InputError(f"{named} reads other pictures: give others=[(colour, depth_m, view), ..], at most {most}")
         if others > most:
@@ -452,12 +668,14 @@ class Warper:
         if reads_depth and not client_depth:
             raise InputError(f"{named} reads the depth of the shown view: give client_depth_m, (h, w) metres")
 
-    def _client_inverse(self, depth_m: ArrayLike, scale: float | None) -> NDArray[np.float32]:
-        wide, high = self.size
+    def _client_inverse(self, asked: _Request) -> NDArray[np.float32] | None:
+        depth_m, (wide, high) = asked.client_depth_m, self.size
+        if depth_m is None:
+            return None
         blank = np.zeros((high, wide, 3), np.uint8)
         if np.shape(depth_m) != (high, wide):
             raise InputError(f"client_depth_m has shape {np.shape(depth_m)}: expected {(high, wide)}, as the result")
-        return checked_picture(blank, depth_m, scale).arrays()[1]
+        return checked_picture(blank, depth_m, asked.depth_scale).arrays()[1]
 
     def _inputs(self, images: list[EyeImage], shown: View, eye: int, age_ns: int = 0) -> PassInputs:
         return PassInputs(
@@ -468,6 +686,32 @@ class Warper:
             client_inverse_depth=self._client_depth,
             shown_ns=self._count + age_ns,
         )
+
+
+def _close_all(buffers: list[PixelBuffers]) -> None:
+    for one in buffers:
+        one.close()
+
+
+def _request(
+    colour: ArrayLike,
+    depth_m: ArrayLike,
+    rendered: View,
+    shown: View,
+    others: Sequence[Other],
+    client_depth_m: ArrayLike | None,
+    layers: Mapping[str, Any],
+    age_s: float,
+    depth_scale: float | None,
+    encoding: str | None,
+    result: str | None,
+    eye: int,
+    out: Mapping[str, NDArray[Any]],
+) -> _Request:
+    _check_eye(eye)
+    views = _checked_views(rendered, shown)
+    picture = raw_picture(colour, depth_m, depth_scale, encoding)
+    return _Request(views, picture, others, client_depth_m, layers, age_s, depth_scale, encoding, result, eye, out)
 
 
 def _fill_names(plan: Plan) -> list[str]:
@@ -528,6 +772,8 @@ def warp_image(
     encoding: str | None = None,
     result: str | None = None,
     depth: bool = False,
+    budget_ms: float | None = None,
+    bench: Path | str | None = None,
 ) -> WarpedImage:
     """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
@@ -551,6 +797,8 @@ def warp_image(
     encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
     by default as `colour` is. depth: whether the result has the depth of what is shown.
+    warp "auto" takes the most accurate warp and fill that warp and fill this picture in budget_ms,
+    of bench, the bench.json that `hmdwarp bench` wrote, or of a few that are known.
     For many pictures of one size take a Warper, which compiles and allocates once.
     A process forked after the first call cannot use OpenGL: take multiprocessing's "spawn" or
     "forkserver", or fork before.
@@ -561,8 +809,8 @@ def warp_image(
     views = _checked_views(rendered, shown)
     shown_size = picture.size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
+    options |= {"budget_ms": budget_ms, "bench": bench}
     with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper, warper._gpu() as current:
         current.timer.collect()
-        return warper._warp(
-            current, picture, views, others, client_depth_m, layers, age_s, depth_scale, encoding, result, {}
-        )
+        asked = _Request(views, picture, others, client_depth_m, layers, age_s, depth_scale, encoding, result, 0, {})
+        return warper._ended(current, warper._begun(current, asked))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
-from .picture_pairs import check_pair, db_of, error_image, flip, pixel_centres, row_blocks
+from .picture_pairs import Alike, check_pair, db_of, error_image, flip, pixel_centres, row_blocks, ssim
 
 T = TypeVar("T")
 
@@ -74,6 +74,10 @@ class QualityJob:
     rendered_size: tuple[int, int] | None = None
     # The late frame's picture, for reports only.
     rendered_picture: NDArray[Any] | None = None
+    # FLIP and SSIM of `now`, where a PairPass has found them.
+    alike: Alike | None = None
+    # (name, picture) of other warps on the same late frame, for reports only.
+    beside: tuple[tuple[str, NDArray[Any]], ...] = ()
     # Whether the result has the FLIP map.
     error_map: bool = False
     # Whether the result says where the error is; this needs coverage, depth and the rendered view.
@@ -81,7 +85,9 @@ class QualityJob:
 
     def __attrs_post_init__(self) -> None:
         size = self.now.shown.shape[:2]
-        for name, array in (("coverage", self.covered), ("truth inverse depth", self.truth_inverse_depth)):
+        flip_map = None if self.alike is None else self.alike.flip_map
+        depth = self.truth_inverse_depth
+        for name, array in (("coverage", self.covered), ("truth inverse depth", depth), ("FLIP map", flip_map)):
             if array is not None and array.shape != size:
                 raise InputError(f"{name} is {array.shape}, the picture {size}: expected the same (h, w)")
         if self.regions and _PLACES not in self.inputs:
@@ -129,7 +135,15 @@ class Measurement:
     @functools.cached_property
     def flip(self) -> tuple[float, NDArray[np.float32]]:
         """Mean FLIP error and its (h, w) map."""
-        return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
+        alike = self._job.alike
+        if alike is None:
+            return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
+        return float(alike.flip_map.mean(dtype=np.float64)), alike.flip_map
+
+    @property
+    def ssim(self) -> float:
+        """Mean structural similarity."""
+        return ssim(self.now.shown, self.now.truth) if self._job.alike is None else self._job.alike.ssim
 
     @property
     def previous(self) -> Compared:

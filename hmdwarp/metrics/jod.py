@@ -4,23 +4,31 @@
 Source: Mantiuk et al. 2024, ColorVideoVDP: A visual difference predictor for image, video and
 display distortions, ACM TOG 43(4); the package cvvdp. Scale: Perez-Ortiz and Mantiuk 2017, A
 practical guide and software for analysing pairwise comparison experiments, arXiv:1712.03686.
+
+It brings PyTorch, whose LLVM and that of Mesa's llvmpipe end a process that loads both: clips are
+rated in a process of their own, which never opens OpenGL.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import statistics
+import weakref
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
-from ..resources import import_extra
+from ..errors import MachineError
+from ..resources import import_extra, missing_extra
 from .job import Compared
 from .metric import Figure
+from .process import MeasuringProcess
 
-EXTRA, PACKAGE = "jod", "cvvdp"
+EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
 TRUTH_JOD = 10.0
 # Of a headset that does not say: those of the HTC Vive Pro in cvvdp's list of displays, after
 # Mehrfard et al. 2019, arXiv:1912.02913.
@@ -53,9 +61,10 @@ def clip_length(seconds: float, rate_hz: float) -> int:
 
 
 def check_rating() -> None:
-    """Check that clips can be rated, before a long run. Errors: MachineError as Clips."""
-    import_extra("pycvvdp", PACKAGE, EXTRA)
-    import_extra("torch", "torch", EXTRA)
+    """Check that clips can be rated, before a long run; loads nothing. Errors: as Clips."""
+    for module, package in MODULES.items():
+        if importlib.util.find_spec(module) is None:
+            raise MachineError(missing_extra(package, EXTRA))
 
 
 @attrs.frozen
@@ -68,21 +77,54 @@ class ShownOn:
     black_cd_m2: float = BLACK_CD_M2
 
 
+@attrs.define
+class _Rater:
+    """Rates one clip; it is called in the process that rates, and loads the packages there."""
+
+    display: ShownOn
+    _metric: Any = None
+
+    def __call__(self, clip: tuple[NDArray[np.uint8], NDArray[np.uint8]]) -> tuple[float, list[float]]:
+        """Return the JOD of a clip (shown, truth), and that of each of its pictures alone."""
+        torch = import_extra("torch", "torch", EXTRA)
+        torch.set_num_threads(1)
+        shown, truth = clip
+        with torch.inference_mode():
+            metric = self._metric = self._metric or self._made(shown.shape[2], shown.shape[1])
+            jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=self.display.rate_hz)
+            visible, count = torch.as_tensor(found["Q_per_ch"]), len(shown)
+            # Twice the same: the pooling takes a single picture for a still.
+            alone = [visible[:, :, [at, at]] if count > 1 else visible for at in range(count)]
+            return float(jod), [float(metric.do_pooling_and_jods(one)) for one in alone]
+
+    def _made(self, width: int, height: int) -> Any:
+        module, on = import_extra("pycvvdp", "cvvdp", EXTRA), self.display
+        light = module.vvdp_display_photo_eotf(
+            on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
+        )
+        place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
+        cpu = import_extra("torch", "torch", EXTRA).device("cpu")
+        return module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
+
+
 class Clips:
     """Rate runs of neighbouring refreshes as clips of `seconds`, one after the other.
 
-    Holds the pictures of one clip at a time. One thread rates them, so that a run repeats bit for
-    bit and does not slow down where cores are busy.
+    Holds the pictures of one clip at a time. One thread of a process of its own rates them, so that
+    a run repeats bit for bit and does not slow down where cores are busy.
+    When that process fails, `failure` says why and nothing is rated any more.
     Errors: MachineError with the line that installs the package, where it is missing.
     """
 
     def __init__(self, seconds: float, display: ShownOn) -> None:
-        self._module = import_extra("pycvvdp", PACKAGE, EXTRA)
-        self._torch = import_extra("torch", "torch", EXTRA)
+        check_rating()
         self.display = display
         # Pictures of a whole clip.
         self.length = clip_length(seconds, display.rate_hz)
-        self._metric: Any = None
+        # In one line; empty while all went well.
+        self.failure = ""
+        self._process = MeasuringProcess(_Rater(display), "the run goes on without JOD")
+        weakref.finalize(self, self._process.close)
         # By (eye, which warp): the pictures of the present clip.
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
         # By which warp: (first refresh, pictures, JOD) of each clip of each eye.
@@ -92,6 +134,8 @@ class Clips:
 
     def add(self, number: int, eye: int, which: int, pictures: Compared) -> None:
         """Add what an eye saw at refresh `number` and what it should have seen."""
+        if self.failure:
+            return
         clip = self._open[eye, which]
         clip.append((number, pictures))
         if len(clip) == self.length:
@@ -108,33 +152,18 @@ class Clips:
 
     def _rate(self, eye: int, which: int) -> None:
         clip, self._open[eye, which] = self._open[eye, which], []
-        shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
-        torch = self._torch
-        threads = torch.get_num_threads()
-        torch.set_num_threads(1)
+        if self.failure:
+            return
         try:
-            with torch.inference_mode():
-                metric = self._made(shown.shape[2], shown.shape[1])
-                jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=self.display.rate_hz)
-                visible = torch.as_tensor(found["Q_per_ch"])
-                for at, (number, _) in enumerate(clip):
-                    # Twice the same: the pooling takes a single picture for a still.
-                    alone = visible[:, :, [at, at]] if len(clip) > 1 else visible
-                    self.refreshes[number, eye, which] = float(metric.do_pooling_and_jods(alone))
-        finally:
-            torch.set_num_threads(threads)
-        self._clips[which].append((clip[0][0], len(clip), float(jod)))
-
-    def _made(self, width: int, height: int) -> Any:
-        if self._metric is None:
-            on, module = self.display, self._module
-            light = module.vvdp_display_photo_eotf(
-                on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
+            jod, alone = self._process.ask(
+                tuple(np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
             )
-            place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
-            cpu = self._torch.device("cpu")
-            self._metric = module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
-        return self._metric
+        except Exception as error:  # whatever torch and its friends raise there
+            self.failure = f"JOD could not be measured: {str(error) or type(error).__name__}"
+            return
+        for (number, _), value in zip(clip, alone, strict=True):
+            self.refreshes[number, eye, which] = value
+        self._clips[which].append((clip[0][0], len(clip), jod))
 
     def entry(self, which: int, others: Sequence[int] = ()) -> dict[str, Any]:
         """Return the `jod` of summary.json: of the run, its clips and its refreshes.

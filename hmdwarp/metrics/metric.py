@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 
 import attrs
@@ -42,6 +43,9 @@ class Metric:
     # Without one of these there is no figure (None). A live run has no TRUTH.
     needs: Input = Input.TRUTH
     higher_is_better: bool = False
+    # No value is beyond these: neither is the interval of a mean.
+    least: float = 0.0
+    most: float = math.inf
     # Whether the better of two runs is marked. False for holes: a run without a warp has none.
     is_contest: bool = True
 

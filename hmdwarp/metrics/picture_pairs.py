@@ -1,6 +1,6 @@
 """Pairs of pictures of one type and size, (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1.
 
-FLIP and sharpness of a pair; block means, which tell whether two are the same; pixel centres.
+FLIP, SSIM and sharpness of a pair; block means, which tell whether two are the same; pixel centres.
 """
 
 from __future__ import annotations
@@ -91,6 +91,54 @@ def flip(shown: NDArray[Any], truth: NDArray[Any], pixels_per_degree: float) -> 
     )
     error = error[..., 0]
     return float(error.mean(dtype=np.float64)), error
+
+
+SSIM_SIGMA = 1.5
+SSIM_WINDOW = 11
+
+
+def ssim(shown: NDArray[Any], truth: NDArray[Any]) -> float:
+    """Return the mean structural similarity, at most 1, over all pixels and the three channels.
+
+    shown, truth: (h, w, 3), as check_pair takes them.
+    Window: Gaussian of sigma 1.5 pixels, 11x11, population covariance, as in the paper. The mean
+    includes the border (mirrored), which scikit-image leaves out: the border is where late pictures
+    have their holes.
+    Errors: InputError for pictures that cannot be compared.
+    Source: Wang, Bovik, Sheikh, Simoncelli 2004, Image quality assessment, eq. 13; scikit-image's
+    implementation.
+    """
+    from skimage.metrics import structural_similarity
+
+    check_pair(shown, truth)
+    if shown.dtype != np.uint8:
+        shown, truth = shown.astype(np.float64), truth.astype(np.float64)
+    # win_size only decides whether scikit-image accepts pictures smaller than the window: sigma
+    # sets the Gaussian.
+    smallest = min(shown.shape[:2])
+    compare: Any = structural_similarity  # has no annotations
+    _, similarity = compare(
+        shown,
+        truth,
+        channel_axis=2,
+        data_range=255 if shown.dtype == np.uint8 else 1.0,
+        gaussian_weights=True,
+        sigma=SSIM_SIGMA,
+        use_sample_covariance=False,
+        win_size=min(SSIM_WINDOW, smallest - (smallest + 1) % 2),
+        full=True,
+    )
+    return float(similarity.mean())
+
+
+@attrs.frozen(eq=False)
+class Alike:
+    """What a PairPass finds of two pictures."""
+
+    # (h, w) 0..1; as flip.
+    flip_map: NDArray[np.float32]
+    # As ssim.
+    ssim: float
 
 
 def sharpness(shown: NDArray[Any], truth: NDArray[Any], where: NDArray[Any] | None = None) -> float | None:

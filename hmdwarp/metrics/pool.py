@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
-import json
+import functools
 import os
-import pickle
 import queue
-import subprocess
-import sys
-import tempfile
 import threading
 from collections.abc import Callable, Hashable
-from pathlib import Path
 from typing import Any
 
 import attrs
 
-from ..errors import HmdwarpError, MachineError
+from ..errors import HmdwarpError
 from .job import QualityJob, QualityResult
 from .metric import PRIMARY, measure
+from .process import MeasuringProcess
 
 
 @attrs.frozen(eq=False)
@@ -68,15 +63,6 @@ class WorstKeeper:
         return sorted(self._best.values(), key=lambda k: k.rank, reverse=True)
 
 
-_BOOT = "import json, sys; sys.path[:] = json.loads(sys.argv[1]); from hmdwarp.metrics.worker import main; main()"
-_ENVIRONMENT = {
-    # More than one thread in a worker's BLAS would fight the other workers for the cores.
-    **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"),
-    # glibc returns every freed picture to the system, which clears its pages for the next one: a
-    # seventh of the time. A worker keeps the memory of its largest job instead.
-    "MALLOC_MMAP_MAX_": "0",
-    "MALLOC_TRIM_THRESHOLD_": str(2**62),
-}
 MOST_WORKERS = 8  # each takes 250 MB, more for larger pictures
 
 
@@ -124,11 +110,12 @@ class QualityPool:
         self._stopping = threading.Event()
         # One waiting job per worker keeps them busy; more would only hold pictures in memory.
         self._queue: queue.Queue[tuple[Any, QualityJob, bool] | None] = queue.Queue(maxsize=max(workers, 1))
-        self._workers: list[_Worker] = []
+        self._workers: list[MeasuringProcess] = []
         self._threads: list[threading.Thread] = []
+        measured = functools.partial(measure, pixels_per_degree=pixels_per_degree)
         try:
             for _ in range(workers):
-                self._workers.append(_Worker(pixels_per_degree))
+                self._workers.append(MeasuringProcess(measured, "use fewer metric workers, or 0"))
         except BaseException:
             self._stop_workers(kill=True)
             raise
@@ -236,7 +223,7 @@ class QualityPool:
             self._fail(key, error)
             self._raise_failure(error)
 
-    def _serve(self, worker: _Worker) -> None:
+    def _serve(self, worker: MeasuringProcess) -> None:
         while not self._stopping.is_set():
             try:
                 item = self._queue.get(timeout=0.1)
@@ -246,7 +233,8 @@ class QualityPool:
                 return
             key, job, keep = item
             try:
-                self._store(key, job, keep, worker.measure(job))
+                # What is only for reports stays here.
+                self._store(key, job, keep, worker.ask(attrs.evolve(job, rendered_picture=None, beside=())))
                 with self._idle:
                     self._under_way -= 1
                     self._idle.notify_all()
@@ -260,7 +248,7 @@ class QualityPool:
             if result.regions is not None:
                 self._regions[key] = result.regions
             # Keep only what reports show: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
-            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, regions=False)
+            shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, alike=None, regions=False)
             kept = Kept(key, shown, result)
             if keep:
                 self._kept[key] = kept
@@ -285,67 +273,3 @@ class QualityPool:
             thread.join()
         for worker in self._workers:
             worker.close()
-
-
-class _Worker:
-    """One measuring process and the pipes to it."""
-
-    def __init__(self, pixels_per_degree: float) -> None:
-        path = [str(Path(entry).resolve()) for entry in sys.path if isinstance(entry, str)]
-        self._complaints = tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
-        try:
-            self._process = subprocess.Popen(
-                [sys.executable, "-c", _BOOT, json.dumps(path)],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=self._complaints,
-                env={**os.environ, **_ENVIRONMENT},
-                process_group=0,  # so that the terminal's Ctrl-C reaches only the loop, which then ends the workers
-            )
-        except OSError as error:
-            self._complaints.close()
-            raise MachineError(
-                f"cannot start a measuring process ({error.strerror or error}): use 0 metric workers"
-            ) from error
-        self._first = pickle.dumps(pixels_per_degree)
-
-    def measure(self, job: QualityJob) -> QualityResult:
-        """Measure a job there. Errors: the worker's own, or HmdwarpError if the process is gone."""
-        assert self._process.stdin is not None and self._process.stdout is not None
-        try:
-            if self._first:
-                self._process.stdin.write(self._first)
-                self._first = b""
-            # The late picture is only for reports and stays here.
-            pickle.dump(attrs.evolve(job, rendered_picture=None), self._process.stdin, protocol=5)
-            self._process.stdin.flush()
-            answer: QualityResult | Exception = pickle.load(self._process.stdout)
-        except (OSError, EOFError, pickle.UnpicklingError, ValueError) as error:
-            raise HmdwarpError(self._obituary()) from error
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
-
-    def kill(self) -> None:
-        """End the process at once; a thread that waits for its answer gets an error."""
-        self._process.kill()
-
-    def close(self) -> None:
-        """Let the process end by itself and free its pipes; safe to call again."""
-        assert self._process.stdin is not None and self._process.stdout is not None
-        with contextlib.suppress(OSError):  # the buffered bytes have no reader any more
-            self._process.stdin.close()
-        self._process.wait()
-        self._process.stdout.close()
-        self._complaints.close()
-
-    def _obituary(self) -> str:
-        # Its pipes were closed before it; one that only closed them would never end by itself.
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self._process.wait(timeout=5)
-        self._process.kill()
-        status = self._process.wait()
-        why = "killed, perhaps for memory" if status == -9 else f"exit status {status}"
-        self._complaints.seek(0)
-        lines = self._complaints.read().decode(errors="replace").strip().splitlines()
-        return f"a measuring process ended ({why}){': ' + lines[-1] if lines else ''}; use fewer metric workers, or 0"

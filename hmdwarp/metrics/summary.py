@@ -114,7 +114,8 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
 
     rows: keyed by the columns of frames.csv.
     time_ms: per stage {median, p95} of the `<stage>_ms` columns, per eye.
-    quality: per metric {mean, p95, interval}; interval: interval_of_mean over the instants. p95 is
+    quality: per metric {mean, p95, interval}; interval: interval_of_mean over the instants, within
+    what the metric can be. p95 is
     always the bad tail: 95 % of the pictures are at least as good. It is the 5th percentile where
     higher is better (psnr_db, ssim), else the 95th.
     measured: per metric, how many pictures had it. A picture without a figure (None, or no such
@@ -126,7 +127,8 @@ def aggregate(rows: Iterable[Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
     found = aggregate_columns({name: [float(row[name]) for row in rows if row.get(name) is not None] for name in names})
     for name, entry in found["quality"].items():
         interval = interval_of_mean([*at_instants(rows, name).values()])
-        entry["interval"] = interval and list(interval)
+        metric = metrics.get(name)
+        entry["interval"] = interval and [max(interval[0], metric.least), min(interval[1], metric.most)]
     return found
 
 

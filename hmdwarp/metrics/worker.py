@@ -1,8 +1,8 @@
 """The measuring process: pickled jobs on standard input, pickled results on standard output.
 
-It is an ordinary program started by QualityPool, neither a fork nor a multiprocessing child. It
-holds no GL context, does not import the user's main script again, does not receive the terminal's
-Ctrl-C, and ends when its input ends.
+It is an ordinary program started by MeasuringProcess, neither a fork nor a multiprocessing child.
+It holds no GL context, does not import the user's main script again, does not receive the
+terminal's Ctrl-C, and ends when its input ends.
 """
 
 from __future__ import annotations
@@ -12,26 +12,23 @@ import os
 import pickle
 import sys
 
-from .. import metrics
-
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed
 
 
 def main() -> None:
-    """Serve until the input ends: first the pixels per degree, then QualityJobs."""
+    """Serve until the input ends: first the function, then what it is to be applied to."""
     # Text printed to standard output (FLIP prints errors there) must not end up among the results.
     results = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     os.nice(_NICENESS)
 
-    measure = metrics.measure  # loads the libraries, niced
     # A parent that is gone (EOFError, BrokenPipeError) needs no more results.
     with contextlib.suppress(EOFError, BrokenPipeError):
-        pixels_per_degree = pickle.load(sys.stdin.buffer)
+        work = pickle.load(sys.stdin.buffer)  # loads its libraries, niced
         while True:
-            job = pickle.load(sys.stdin.buffer)
+            asked = pickle.load(sys.stdin.buffer)
             try:
-                answer: object = measure(job, pixels_per_degree)
+                answer: object = work(asked)
             except Exception as error:
                 answer = error
             results.write(_dumps(answer))

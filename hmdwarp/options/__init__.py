@@ -24,6 +24,7 @@ from .declared import (
     same_as,
 )
 from .named_files import PICTURE_FILE, RATINGS, keep_inside, opened, text_in
+from .paper_fields import PAPER, PAPER_TABLES, PaperOptions
 from .shared_fields import (
     AUTO,
     DEFAULT_GUARD,
@@ -44,6 +45,9 @@ from .shared_fields import (
 from .tables import KeyFault, Table, parsed, quoted, text_of
 
 __all__ = [
+    "PAPER",
+    "PAPER_TABLES",
+    "PaperOptions",
     "KeyFault",
     "Table",
     "parsed",

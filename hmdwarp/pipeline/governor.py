@@ -12,11 +12,13 @@ from statistics import median
 
 import attrs
 
+from ..client.carry import PictureOf
 from ..client.compensator import Compensator, EyeResult, Stages
 from ..client.inputs import PassInputs
 from ..client.plan import Plan
 from ..errors import HmdwarpError
 from ..gpu.context import Gpu
+from ..gpu.textures import Canvas
 from .levels import QualityLevel, best_within
 
 # Evidence against a level is the share by which its time exceeds the budget, summed while the sum
@@ -261,6 +263,10 @@ class AdaptiveCompensator:
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run the current level; see Compensator.run."""
         return self._running.run(inputs)
+
+    def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
+        """Warp further pictures as the current level does; see Compensator.carry."""
+        self._running.carry(inputs, picture_of, into)
 
     def record_timings(self, stages: Sequence[Stages]) -> None:
         """Pass the stage times of the last refresh to the governor; the slower eye counts."""

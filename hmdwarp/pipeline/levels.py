@@ -60,7 +60,7 @@ def levels_from(rows: Iterable[Row]) -> tuple[QualityLevel, ...]:
     Errors: InputError if no combination was measured, or no case is common to all.
     """
     combined, shared = _compared(rows)
-    return _front([_level(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()])
+    return front([_level(*key, [f for case in shared for f in cases[case]]) for key, cases in combined.items()])
 
 
 def _compared(
@@ -105,22 +105,28 @@ def choose(rows: Iterable[Row], budget_ms: float) -> dict[str, Any]:
     }
 
 
-def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None) -> int:
+def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None, name: str = "--budget") -> int:
     """Return the index of the most accurate level within the budget.
 
-    Errors: InputError with the cheapest time if none fits.
+    name: of the budget, in errors. Errors: InputError with the cheapest time if none fits.
     """
-    if budget_ms is None or not (math.isfinite(budget_ms) and budget_ms > 0):
-        raise InputError(f"--budget {budget_ms or 0:g} ms: expected a time above 0 ms for one eye")
+    budget_ms = check_budget(budget_ms, name)
     fitting = [number for number, level in enumerate(levels) if level.total_ms <= budget_ms]
     if not fitting:
         cheapest = levels[0]
         raise InputError(
-            f"--budget {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes "
+            f"{name} {budget_ms:g} ms: nothing is that fast here; the cheapest, {cheapest}, takes "
             f"{cheapest.total_ms:.2f} ms per eye: "
             "allow that much, or use a smaller size"
         )
     return fitting[-1]
+
+
+def check_budget(budget_ms: float | None, name: str) -> float:
+    """Return the budget. Errors: InputError for one that is no time above 0."""
+    if budget_ms is None or not (math.isfinite(budget_ms) and budget_ms > 0):
+        raise InputError(f"{name} {budget_ms or 0:g} ms: expected a time above 0 ms for one eye")
+    return budget_ms
 
 
 def settings_of(warp: str) -> dict[str, str]:
@@ -183,7 +189,8 @@ def _mean(values: tuple[float, ...]) -> float:
     return math.fsum(values) / len(values)
 
 
-def _front(levels: list[QualityLevel]) -> tuple[QualityLevel, ...]:
+def front(levels: list[QualityLevel]) -> tuple[QualityLevel, ...]:
+    """Return those that nothing as cheap is more accurate than, from the cheapest on."""
     front: list[QualityLevel] = []
     for level in sorted(levels, key=lambda r: (r.total_ms, r.error, r.warp, r.fill)):
         if not front or level.error < front[-1].error:

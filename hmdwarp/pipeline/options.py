@@ -80,6 +80,13 @@ RECORDED = SequenceOptions.heading
 # Depth of a pixel of several samples.
 CENTRE, NEAREST = "centre", "nearest"
 MOST_SAMPLES = 16
+_IPD = Option(
+    "Millimetres between the pupils, within the headset's range; by default the headset's own.",
+    float,
+    name="ipd",
+    unit="mm",
+    study=DISPLAY,
+)
 _WIDE = Option(
     "A second, wide and coarse view with every frame: fill wide before the others.",
     bool,
@@ -103,7 +110,7 @@ class PipelineOptions(Declared):
 
     scene: str = option(
         "room",
-        f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj or .ply file.",
+        f"Scene: {names_in('scenes/library')}, or a .glb, .gltf, .obj, .ply or Mitsuba .xml file.",
         study=PICTURE,
         names_files=True,
     )
@@ -230,8 +237,9 @@ class PipelineOptions(Declared):
     )
     headset: str = option(
         "rift-dk1",
-        f"Headset that is emulated: {names_in('headsets', '*.toml')}, or a .toml file.",
+        f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json.",
         study=DISPLAY,
+        beside=(_IPD,),
     )
     # (w, h) of one eye.
     size: tuple[int, int] | None = option(
@@ -327,7 +335,7 @@ class PipelineOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
         usual = {option.name: option.default for option in options_of(cls)}
-        said = with_strategy(with_frames(said, usual), usual)
+        said = with_strategy(with_frames(with_ipd(said, usual["headset"]), usual), usual)
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
@@ -511,5 +519,13 @@ def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> d
     return values
 
 
+def with_ipd(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
+    """Return the options with --ipd as part of the headset. headset: where none is named."""
+    if said.get("ipd") is None:
+        return said
+    return {**said, "headset": f"{said.get('headset') or headset}:ipd={said['ipd']:g}"}
+
+
 def _own_lens(headset: str) -> str:
-    return "radial" if headsets.load_headset(headset).lens is not None else "none"
+    lens = headsets.load_headset(headset).lens
+    return lens.model if lens is not None else "none"

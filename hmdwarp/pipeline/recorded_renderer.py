@@ -53,6 +53,8 @@ class RecordedRenderer(Renderer):
     def __init__(self, gpu: Gpu, scene: Scene, sequence: Sequence, moment_of: MomentOf = Moment) -> None:
         super().__init__(gpu, scene)
         self._sequence, self._moment_of = sequence, moment_of
+        # Gives the truth of the right eye; None where that was not recorded.
+        self.right = RecordedRenderer(gpu, scene, sequence.right, moment_of) if sequence.right else None
         self._times = [frame.time_ns for frame in sequence.frames]
         wide, high = sequence.frames[0].size
         fit = _KEPT_BYTES // (wide * high * _PIXEL_BYTES)
@@ -98,6 +100,12 @@ class RecordedRenderer(Renderer):
         image = self._image(taken, taken.fov, rendered, repair=self._sequence.repair)
         image = attrs.evolve(image, drawn_ns=taken_ns)
         return Frame((image,) * len(views), taken_ns, PoseSample(taken_ns, taken.pose, Origin.MEASURED))
+
+    def close(self) -> None:
+        """Free the pools, those of the right eye too."""
+        super().close()
+        if self.right is not None:
+            self.right.close()
 
     def truth_facts(
         self, shown: Several[tuple[int, Pose]], missing: int, pixels_per_degree: float, *, own_head: bool

@@ -29,6 +29,7 @@ from .recorded_renderer import MomentOf, RecordedRenderer
 from .source import Options, Source, nothing
 
 Size = tuple[int, int]
+_SAME_PLACE_M = 1e-4  # of a right eye: at 0.5 m less than 0.02 degrees, below a pixel
 _SAME_FOV = 1e-6  # rad, far below a pixel
 LEAST_SHOWN = 16  # pixels on each side that a guard band must leave
 _WIDEST_RIM = 0.1  # of the picture's smaller side
@@ -59,7 +60,13 @@ class RecordingSource(Source):
 
     @cached_property
     def headset(self) -> CameraDisplay:
-        """The camera's display. Errors: as display_of."""
+        """The camera's display. Errors: as display_of; InputError for a right eye elsewhere."""
+        beside_m = self.sequence.right_m
+        if self._eye_distance_mm and beside_m and abs(self._eye_distance_mm * 1e-3 - beside_m) > _SAME_PLACE_M:
+            raise InputError(
+                f"--eye-distance {self._eye_distance_mm:g}: {self.sequence.path} has a right eye "
+                f"{beside_m * 1e3:.4g} mm beside; expected that, or 0 for one eye"
+            )
         return display_of(self.sequence, self._guard, self._eye_distance_mm * 1e-3)
 
     @property
@@ -97,6 +104,7 @@ class RecordingSource(Source):
             "size": list(sequence.frames[0].size),
             "fov_deg": [round(angle, 2) for angle in _degrees(sequence.frames[0].fov)],
             "eye_distance_mm": self._eye_distance_mm,
+            "noise_floor_db": sequence.noise_floor_db,
         }
 
     @property
@@ -117,6 +125,8 @@ class RecordingSource(Source):
             if self._eye_distance_mm
             else "One eye is shown, the camera's.",
         ]
+        if sequence.noise_floor_db is not None:
+            sentences.append(f"Its noise floor is {sequence.noise_floor_db:g} dB, by camera.json.")
         return " ".join(sentences)
 
     def fitted(self, options: Options) -> Options:
@@ -223,22 +233,29 @@ def _degrees(fov: Fov) -> tuple[float, float]:
     return right - left, up - down
 
 
-def second_eye(rows: Several[Mapping[str, Any]], holes: Mapping[int, float]) -> dict[str, float]:
+def second_eye(rows: Several[Mapping[str, Any]], found: Mapping[str, Mapping[int, float]]) -> dict[str, float]:
     """Return the mean share of holes of the camera's eye and of the other one.
 
-    rows: as of frames.csv. holes: of the other eye, by refresh.
+    And their PSNR, where what the other eye saw was recorded. rows: as of frames.csv. found: of the
+    other eye, by column and refresh.
     """
-    of_camera = [row["hole_share"] for row in rows if row["eye"] == 0 and row["frame"] in holes]
-    return {
-        "camera_hole_share": math.fsum(of_camera) / len(of_camera),
-        "hole_share": math.fsum(holes.values()) / len(holes),
-    }
+    entry = {}
+    for name, values in ((name, values) for name, values in found.items() if values):
+        of_camera = [row[name] for row in rows if row["eye"] == 0 and row["frame"] in values]
+        entry[f"camera_{name}"] = math.fsum(of_camera) / len(of_camera)
+        entry[name] = math.fsum(values.values()) / len(values)
+    return entry
 
 
 def about_second_eye(found: Mapping[str, float]) -> str:
     """Return how much more the other eye lacks."""
+    told = "Nothing was recorded where the right eye is: it has times and holes, and"
+    if "psnr_db" in found:
+        told = (
+            f"The right eye has {found['psnr_db']:.2f} dB and the left one {found['camera_psnr_db']:.2f} dB, from the "
+            "left eye's frames alone;"
+        )
     return (
-        "Nothing was recorded where the right eye is: it has times and holes, and all other figures are the camera's "
-        f"eye's. The warp leaves {found['hole_share']:.2%} of the right eye's pixels empty, "
-        f"{found['camera_hole_share']:.2%} of the left eye's."
+        f"{told} all other figures are the camera's eye's. The warp leaves {found['hole_share']:.2%} of the right "
+        f"eye's pixels empty, {found['camera_hole_share']:.2%} of the left eye's."
     )

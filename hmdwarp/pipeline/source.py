@@ -228,7 +228,7 @@ class Source:
     @property
     def notes(self) -> list[str]:
         """What a reader of the results must know of it before anything else."""
-        return []
+        return list(self.headset.notes)
 
     @property
     def assumptions(self) -> tuple[Assumption, ...]:

@@ -20,6 +20,7 @@ from .files import write_json as write_json
 from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
+from .headset_plot import headset_plot_png as headset_plot_png
 from .label_places import boxes_touch as boxes_touch
 from .label_places import leaders as leaders
 from .label_places import place_labels as place_labels
@@ -34,8 +35,10 @@ from .output import OutputFolder as OutputFolder
 from .output import refuse_existing as refuse_existing
 from .output import summary_faults as summary_faults
 from .output import validate_summary as validate_summary
+from .paper import write_paper as write_paper
 from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_rows as comparison_rows
+from .replay_page import panels_of as panels_of
 from .replay_page import render_report as render_report
 from .replay_page import summary_table as summary_table
 from .run_diff import DIFF_PAGE as DIFF_PAGE

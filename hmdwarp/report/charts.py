@@ -60,7 +60,13 @@ def not_measured(axes: Axes, palette: Palette = PAGE) -> None:
     axes.text(0.5, 0.5, "not measured", transform=axes.transAxes, ha="center", va="center", color=palette.ink)
 
 
-def svg_text(figure: Any) -> str:
+class Drawn(str):
+    """A chart as an <svg> element, and the figure that it was drawn as."""
+
+    figure: Any
+
+
+def svg_text(figure: Any) -> Drawn:
     """Return a figure drawn in PAGE's colours as an <svg> element to stand in the page.
 
     It has no XML prologue and no date; colours are CSS variables, and the page sets the width.
@@ -78,7 +84,9 @@ def svg_text(figure: Any) -> str:
     text = re.sub(r'<g id="[^"]*"', "<g", text)
     head, rest = text.split(">", 1)
     parts = [part for part in head.split('" ') if not part.startswith(("width=", "height="))]
-    return '" '.join(parts) + ">" + rest
+    drawn = Drawn('" '.join(parts) + ">" + rest)
+    drawn.figure = figure
+    return drawn
 
 
 @contextmanager

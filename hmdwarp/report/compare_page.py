@@ -92,8 +92,8 @@ RATED = tuple(_rated(figure) for figure in (JOD, TRUTH_PREFERRED))
 COSTS = ("client_ms", "mbit_s")
 
 
-def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> str:
-    """Return the text of the page from the content of compare.json.
+def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
+    """Return the page from the content of compare.json.
 
     data: also `cases`, how many there are where `rows` are the first of more. pictures: of each
     row.
@@ -126,7 +126,12 @@ def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -
         made_with=[
             *machine_pairs(data["hmdwarp"], data["machine"], data["clock"]), ("Run in", minutes(data["seconds"])),
         ],
-    ).html()  # fmt: skip
+    )  # fmt: skip
+
+
+def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> str:
+    """Return the text of compare_page."""
+    return compare_page(data, pictures).html()
 
 
 def compare_table(rows: Iterable[Row]) -> TerminalTable:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import errno
-import fcntl
 import functools
 import io
 import json
@@ -20,6 +19,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import platforms
 from ..errors import HmdwarpError, InputError, MachineError
 
 _STEM = 60  # characters of a name that a partial file's name has
@@ -101,7 +101,7 @@ def lock(handle: int, *, wait: bool = False) -> bool:
     A file system without locks locks nothing.
     """
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        platforms.lock(handle, wait=wait)
     except OSError:
         return False
     return True
@@ -282,6 +282,8 @@ def write_png(path: str | os.PathLike[str], picture: NDArray[Any]) -> None:
 Picture = NDArray[np.uint8]
 Panel = tuple[str, Picture]
 
+# Error maps are brightest here: the mean is near 0.1, and hardly a pixel has 1.
+ERROR_TOP = 0.5
 _PAPER, _INK, _GAP = (255, 255, 255), (60, 60, 60), 6
 
 
@@ -306,11 +308,21 @@ def _magma_table() -> Picture:
 
 
 def comparison_panels(
-    rendered: Picture | None, warped: Picture, truth: Picture, error_map: NDArray[Any]
+    rendered: Picture | None,
+    warped: Picture,
+    truth: Picture,
+    error_map: NDArray[Any],
+    beside: Sequence[Panel] = (),
 ) -> list[Panel]:
-    """Return the four panels of every comparison, in this order; without a late picture, three."""
-    first = [] if rendered is None else [("late frame", rendered)]
-    return [*first, ("warped", warped), ("truth", truth), ("error (FLIP)", magma(error_map))]
+    """Return the panels of every comparison: truth, late picture, warped ones, error of the first.
+
+    rendered: None where there is no late picture. error_map: as magma; brightest at ERROR_TOP.
+    beside: what other warps made of the late frame.
+    """
+    late = [] if rendered is None else [("late frame", rendered)]
+    levels = np.asarray(error_map, np.float32) / (255 if np.asarray(error_map).dtype == np.uint8 else 1)
+    error = magma(levels / ERROR_TOP)
+    return [("truth", truth), *late, ("warped", warped), *beside, (f"error (FLIP 0 to {ERROR_TOP:g})", error)]
 
 
 def labelled_strip(panels: Sequence[Panel], *, columns: int | None = None) -> Picture:

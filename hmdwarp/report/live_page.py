@@ -13,7 +13,7 @@ from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
 from .page import Chart, Group, Page, Section, Terms, Text, Tile, fact, notes_section, reading_section, texts
 from .replay_page import made_with, miss_tile, size_fact, transit_section
-from .run_texts import TIME_FIGURES, Summary, budget_rows, drawing_text, eyes_text, source_facts
+from .run_texts import TIME_FIGURES, Summary, budget_rows, drawing_text, eyes_text, source_facts, waited_text
 from .words import Cell, Line, Table, listed
 
 Column = Callable[[str], NDArray[np.float64]]
@@ -53,11 +53,14 @@ def render_live_report(summary: Summary, column: Column, *, command: str) -> str
     ).html()
 
 
+_ABOUT = {"trace_axes": "axes of the trace"}
+
+
 def _facts(summary: Summary) -> list[str]:
     live = summary["live"]
     recorded = Markup(" · recorded to <b>{}</b>").format(live["record"]) if live["record"] else ""
     pictures = Markup("{} pictures in {:.1f} s{}").format(summary["frames"], live["seconds"], recorded)
-    about = [(name, text) for name, text in live["about"].items() if text]
+    about = [(_ABOUT.get(name, name.replace("_", " ")), text) for name, text in live["about"].items() if text]
     pairs = [("source", live["source"]), *about, *source_facts(summary)]
     pairs += [(name, summary[name]) for name in ("fill", "lens")]
     return [*(fact(*pair) for pair in pairs), size_fact(summary), pictures]
@@ -66,11 +69,11 @@ def _facts(summary: Summary) -> list[str]:
 def _tiles(summary: Summary) -> list[Tile]:
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
     share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), TIME_FIGURES[-1]
-    handed = "from reading the head to submitting the picture"
+    handed, waits = "from reading the head to submitting the picture", waited_text(live)
     return [
         _tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
         _tile("Pose age at hand-over", _SHORT_MS, live["pose_age_ms"], handed),
-        miss_tile(summary["miss"]),
+        Tile("Missed refreshes", "", "–", waits) if waits else miss_tile(summary["miss"]),
         _tile("Time per eye", time, total, "all stages"),
         Tile(holes.label, holes.figure.unit, share, holes.tile_note),
     ]
@@ -84,9 +87,10 @@ def _tile(label: str, figure: Figure, entry: Mapping[str, float | None], note: s
 def _refresh(summary: Summary) -> Section:
     """Return the parts of a refresh against its budget, with a bar for each."""
     live = summary["live"]
-    lines = []
-    for part, median, tail, share in budget_rows(summary):
-        bar = Markup('<i style="width: {:.1f}%"></i>').format(min(100.0, 100 * share))
+    lines, rows = [], budget_rows(summary)
+    longest = max([1.0, *(share for *_, share in rows)])
+    for part, median, tail, share in rows:
+        bar = Markup('<i style="width: {:.1f}%"></i>').format(100 * share / longest)
         cells = (Cell(part), Cell(median), Cell(tail, "tail"), Cell(f"{share:.0%}"), Cell(bar, "meter"))
         lines.append(Line(cells))
     budget = f"{live['budget_ms']:.2f}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from markupsafe import Markup
 
 from ..metrics import LEAST_INSTANTS, PRIMARY, Figure, Kept, excludes_zero, metrics, metrics_in_order
 from .charts import Series, time_series, timeline_svg
-from .files import Panel, comparison_panels
+from .files import ERROR_TOP, Panel, comparison_panels
 from .page import (
     Article,
     Chart,
@@ -58,7 +59,7 @@ _MOTION_CHARTS = (
     ("Angular speed of the head", "angular_speed_deg_s", "deg/s"),
     ("Linear speed of the head", "linear_speed_m_s", "m/s"),
 )
-_SCALE = Markup("<span>0 no visible error</span><i></i><span>FLIP 1</span>")
+_SCALE = Markup(f"<span>0 no visible error</span><i></i><span>FLIP {ERROR_TOP:g} and more</span>")
 _LEVEL_HEADS = ("expected, ms", "expected FLIP", "share of refreshes")
 
 
@@ -74,10 +75,14 @@ class WorstFrame:
     @classmethod
     def of(cls, time_s: float, eye: int, kept: Kept) -> WorstFrame:
         """Make one of a picture that QualityPool kept."""
-        assert kept.result.error_map is not None
-        pictures = kept.job.now
-        panels = comparison_panels(kept.job.rendered_picture, pictures.shown, pictures.truth, kept.result.error_map)
-        return cls(time_s, eye, tuple(panels), kept.result.values)
+        return cls(time_s, eye, tuple(panels_of(kept)), kept.result.values)
+
+
+def panels_of(kept: Kept) -> list[Panel]:
+    """Return the labelled panels of a kept picture."""
+    assert kept.result.error_map is not None
+    job = kept.job
+    return comparison_panels(job.rendered_picture, job.now.shown, job.now.truth, kept.result.error_map, job.beside)
 
 
 def render_report(
@@ -113,13 +118,13 @@ def render_report(
         sections=(
             Section("", _tiles(summary, baselines, names), style="tiles", label="Main figures"),
             notes_section(notes),
+            _worst_frames(worst, EYES if summary.get("eyes", 2) == 2 else ("camera",)),
             _figures(summary, baselines, names),
             _regions(summary),
             _levels(summary),
             transit_section(summary, ("Holes, of all pixels", filled_rows(summary)),
                             ("On the client, uncompressed", model_rows(summary))),
             Section("Over time", [Group("charts", charts), Text(about_charts)]),
-            _worst_frames(worst, EYES if summary.get("eyes", 2) == 2 else ("camera",)),
             reading_section(
                 "replay", *((m.label, m.explanation) for m in metrics_in_order() if m.explanation), truth=truth
             ),
@@ -152,7 +157,7 @@ def _facts(summary: Summary) -> list[str]:
     return [
         fact("head trace", summary["trace"], axes),
         *(fact(*pair) for pair in source_facts(summary)),
-        *(fact(name, summary[name]) for name in ("fill", "lens", "headset")),
+        *(fact(name, summary[name]) for name in ("fill", "predict", "lens", "headset")),
         size_fact(summary),
         f"{summary['frames']} frames" + ("" if count is None else f", {count} of {pictures} pictures measured"),
     ]
@@ -269,10 +274,16 @@ def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]
         *more,
     )
     pairs = [Table.of(heading, (), rows, is_pairs=True) for heading, rows in tables if rows]
-    timeline = timeline_svg((summary.get("link") or {}).get("timeline") or ())
+    frames = (summary.get("link") or {}).get("timeline") or ()
+    timeline = timeline_svg(frames) if _differ(frames) else ""
     title = "The last frames, part by part"
     drawn = [Heading(title), Chart.of("", timeline, title, "wide plain")] if timeline else []
     return Section("Frames in transit", [Group("pairs", pairs), *drawn, Text(texts("replay")["notes"]["transit"])])
+
+
+def _differ(frames: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether frames took different times: else the chart shows one staircase of equals."""
+    return len({tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}) > 1
 
 
 def _miss_charts(summary: Summary, names: list[str], misses: Sequence[Rows]) -> list[Chart]:
@@ -366,7 +377,9 @@ def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
 def _mean_cells(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
     mean, interval = figure.text(entry["mean"]), entry.get("interval")
     if interval is not None:
-        mean += f" ±{figure.text((interval[1] - interval[0]) / 2)}"
+        low, high = (f"{end * figure.scale:.2g}" for end in interval)
+        is_cut = not math.isclose(interval[1] - entry["mean"], entry["mean"] - interval[0], abs_tol=1e-12)
+        mean += f" ({low} to {high})" if is_cut else f" ±{figure.text((interval[1] - interval[0]) / 2)}"
     return mean, figure.text(entry["p95"])
 
 
@@ -392,7 +405,8 @@ def how_sure(summary: Summary, *, mark: str | None) -> str:
     """
     if all(entry.get("interval") is None for entry in summary["quality"].values()):
         return f"No intervals{f' and no {mark}' if mark else ''}: they need {LEAST_INSTANTS} measured refreshes"
-    return "±: 95 % interval of the mean" + (f"; {mark}: the best of the line, for sure (95 %)" if mark else "")
+    best = f"; {mark}: the best of the line, by the 95 % interval of the difference" if mark else ""
+    return f"± or (low to high): 95 % interval of the mean{best}"
 
 
 def column_names(summary: Summary, *baselines: Summary) -> list[str]:

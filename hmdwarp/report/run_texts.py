@@ -257,7 +257,22 @@ def _shown(summary: Summary) -> str:
     live, (share, longest, _) = summary["live"], miss_texts(summary["miss"])
     rate = f", {(live['refreshes'] - 1) / live['seconds']:.1f} a second" if live["seconds"] > 0 else ""
     missed = f"{live['missed']} missed ({share} %, at most {longest} in a row)" if live["missed"] else "none missed"
+    missed += f": {waits}" if (waits := waited_text(live)) else ""
     return f"{counted(live['refreshes'], 'picture')} in {live['seconds']:.1f} s{rate}; {missed}"
+
+
+_HARDLY = 0.05  # of the refreshes: so many may be late without one being missed, where pictures queue
+
+
+def waited_text(live: Mapping[str, Any]) -> str:
+    """Return what to say where the display waits for pictures that are late; "" where it does not.
+
+    Nothing is missed there, however long a picture takes.
+    """
+    share = live["over"] / max(1, live["timed"])
+    if live["missed"] or share < _HARDLY:
+        return ""
+    return f"this display waits for each picture, and {share:.0%} took longer than a refresh"
 
 
 def _judder(summary: Summary) -> str:

@@ -41,6 +41,8 @@ _WARPS: dict[str, tuple[str, str, int]] = {
 }
 _OTHERS = (("#8a3b5c", "#e8a0bf", 3), ("#4d6b00", "#b9d94e", 3), ("#005f5f", "#5fd0c0", 3), ("#3d3d8f", "#a3a8f5", 3))
 _REGIONS = (("#11161d", "#ffffff"), ("#4a5563", "#c3ccd6"), ("#8e9aa8", "#8e9aa8"), ("#d5dbe2", "#3c4652"))
+# Of charts that compare a few things which are no warps.
+_SERIES = (("#0b63c5", "#6db3ff"), ("#b4500b", "#ffab66"), ("#6b5b95", "#c3b1f0"))
 HATCHES = ("", "....", "////", "")
 DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
 _MARKERS = {"none": "o", "interpolate": "s", "pyramid": "^", "memory+pyramid": "D"}
@@ -84,15 +86,23 @@ class Palette:
         return _STAND_INS[_key(spec)] if self.is_page else _TONES[_key(spec)][0]
 
 
+PAPER_INK, PAPER_GRID = "#30373f", "#e2e6ea"
 PAGE = Palette(INK, GRID, _REGION_STAND_INS, True)
-PAPER = Palette("#30373f", "#e2e6ea", tuple(light for light, _ in _REGIONS), False)
+PAPER = Palette(PAPER_INK, PAPER_GRID, tuple(light for light, _ in _REGIONS), False)
+
+
+# What a chart of a page has on white paper, by stand-in.
+PAPER_COLOURS = {INK: PAPER_INK, GRID: PAPER_GRID, **{of: tones[0] for of, tones in zip(SERIES, _SERIES, strict=True)}}
+PAPER_COLOURS |= {stand_in: _TONES[key][0] for key, stand_in in _STAND_INS.items()}
+PAPER_COLOURS |= {stand_in: tones[0] for stand_in, tones in zip(_REGION_STAND_INS, _REGIONS, strict=True)}
 
 
 def css_variables(dark: bool) -> str:
-    """Return the CSS declarations of the colours of warps and regions, for light or dark paper."""
-    values = [(f"--warp-{key.replace('_', '-')}", tones[dark]) for key, tones in _TONES.items()]
-    values += [(f"--region-{number}", tones[dark]) for number, tones in enumerate(_REGIONS)]
-    return " ".join(f"{name}: {value};" for name, value in values)
+    """Return the CSS declarations of the colours of charts, for light or dark paper."""
+    values = {f"--series-{number}": tones[dark] for number, tones in enumerate(_SERIES, 1)}
+    values |= {f"--warp-{key.replace('_', '-')}": (tones[1] if dark else tones[0]) for key, tones in _TONES.items()}
+    values |= {f"--region-{number}": tones[dark] for number, tones in enumerate(_REGIONS)}
+    return " ".join(f"{name}: {value};" for name, value in values.items())
 
 
 def dashes_of(specs: Iterable[str]) -> dict[str, Any]:

@@ -10,12 +10,10 @@ import attrs
 
 from ..errors import InputError
 from ..headsets import Headset, load_headset
-from ..options.documents import json_in
-from ..options.named_files import RESULTS
+from ..pipeline.bench_file import read_rows
 from ..pipeline.levels import QualityLevel, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
-from ..report import SCHEMA, summary_faults
 
 Row = Mapping[str, Any]
 LensTime = Callable[[], float]
@@ -39,26 +37,6 @@ class LevelSet:
             return list(self.notes)
         where = f"The benchmark was run on {there[0]} with {there[1]} cores, this is {renderer} with {cpu_count}"
         return [*self.notes, f"{where}: its times hold here up to a common factor, which the run finds out by itself."]
-
-
-def read_rows(path: Path) -> list[Row]:
-    """Return the rows of a bench.json, less those of strategies.
-
-    Errors: InputError naming the file and its fault.
-    """
-    wanted = attrs.evolve(RESULTS, what="the bench.json that hmdwarp bench wrote")
-    bench = json_in(path, wanted)
-    if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
-        raise InputError(f"{path}: it has no list of 'rows'; expected the bench.json that hmdwarp bench wrote")
-    if bench.get("schema") != SCHEMA:
-        raise InputError(
-            f"{path}: its schema is {bench.get('schema')!r}, this program reads {SCHEMA}: run hmdwarp bench again"
-        )
-    for number, row in enumerate(bench["rows"]):
-        faults = summary_faults(row)
-        if faults:
-            raise InputError(f"{path}: row {number}: {'; '.join(faults)}")
-    return [row for row in bench["rows"] if not row.get("strategy")]
 
 
 def levels_from_file(path: Path, options: PipelineOptions, lens_ms: LensTime | None) -> LevelSet:

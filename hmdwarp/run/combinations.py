@@ -28,13 +28,19 @@ from .setup import Schedule
 OPENCV = "cv2.warpFrame"
 # By name: the system, as in the baselines of a warp.
 OUTSIDE = {OPENCV: "OpenCV"}
+# Knows the truth's depth: see Oracle.
+ORACLE = "oracle"
+# What runs without a plan of its own, on frames with colour and depth.
+PLANLESS = (*OUTSIDE, ORACLE)
 FAR_M = 1e4  # for what is infinitely far, which OpenCV takes for a pixel without depth
 # OpenCV's threads wait busily for more work, on the cores that the next method needs.
 SPIN_S = 0.02
 
 
 def missing(name: str) -> str:
-    """Return why one of OUTSIDE cannot run here, "" if it can."""
+    """Return why one of PLANLESS cannot run here, "" if it can."""
+    if name == ORACLE:
+        return ""
     try:
         found = hasattr(importlib.import_module("cv2"), "warpFrame")
     except ImportError as error:
@@ -150,15 +156,15 @@ class Combination:
 
     warp: str
     fill: str
-    # Of one of OUTSIDE: a plan that reads what it reads.
+    # Of one of PLANLESS: a plan that reads what it reads.
     plan: Plan
     # With its settings, if it was named as one.
     strategy: str = ""
 
     @property
     def is_outside(self) -> bool:
-        """Whether another library warps."""
-        return self.warp in OUTSIDE
+        """Whether no warp of ours runs: another library's, or the oracle."""
+        return self.warp in PLANLESS
 
     @property
     def group(self) -> str:

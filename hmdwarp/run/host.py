@@ -55,7 +55,7 @@ def on_screen(options: LiveOptions, screen: Display | EmulatedScreen) -> LiveOpt
     if headset is None and not screen.distorts:
         lens = "none"
     elif lens == AUTO:
-        lens = "radial" if headset is not None and headset.lens is not None else "none"
+        lens = headset.lens.model if headset is not None and headset.lens is not None else "none"
     if options.bench is not None:
         sized = attrs.evolve(options, lens="none", size=options.size or screen.size)
         options = attrs.evolve(options, levels=levels_from_file(options.bench, sized, None).levels)

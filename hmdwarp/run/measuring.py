@@ -11,10 +11,12 @@ from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..frames.layers import PICTURE
 from ..gpu.textures import download
-from ..metrics import Compared, QualityJob, QualityPool
+from ..metrics import Compared, QualityJob, QualityPool, psnr_db
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
+from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
+from .profile import ALIKE, COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
@@ -47,8 +49,9 @@ class Probe:
         self.without_truth = 0
         # Of each comparison, by refresh and eye.
         self.against_ms: list[dict[tuple[int, int], tuple[tuple[str, float], ...]]] = [{} for _ in self._against]
-        # Of the eye without a truth, by refresh: the share of its pixels that the warp left empty.
-        self.untrue_holes: dict[int, float] = {}
+        # Of an eye whose frames were not sent, by refresh: the share of its pixels that the warp
+        # left empty, and its PSNR where what it should see was recorded.
+        self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
 
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
@@ -74,26 +77,41 @@ class Probe:
     def read(self, number: int, refresh: Refresh) -> None:
         """Read back the eyes of refresh `number`, and submit them if it is a measured one.
 
-        An eye that nothing was recorded for has holes alone.
+        An eye that no frames were sent for has holes alone, and a PSNR.
         """
         if len(refresh.eyes) > self._setup.source.kind.eyes and self._measures(number):
-            self.untrue_holes[number] = _hole_share(coverage(self._before_lens(refresh, self._setup.source.kind.eyes)))
+            self._read_second(number, refresh, self._setup.source.kind.eyes)
         for eye in range(min(len(refresh.eyes), self._setup.source.kind.eyes)):
             rendered = refresh.frame.eyes[eye]
             # The predecessor of a measured refresh is read for flicker only.
             measured = self._measures(number)
             try:
-                truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
+                with self._setup.part(TRUTH):
+                    truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
             picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
             result = self._before_lens(refresh, eye)
-            self._take(number, eye, MAIN, rendered, result, picture, depth)
+            job = self._job(number, eye, MAIN, rendered, result, picture, depth)
             if depth is not None:
                 self._count_filled(result)
-            for which, against in enumerate(self._against, 1):
+            others = [
                 self._read_comparison(which, against, (number, eye), refresh, picture, depth)
+                for which, against in enumerate(self._against, 1)
+            ]
+            if job is not None:
+                compared = zip(self._setup.options.compared, others, strict=True)
+                beside = tuple((method_name(*pair), other.now.shown) for pair, other in compared if other is not None)
+                keep = self._keep_every is not None and number // self._every % self._keep_every == 0
+                self._pool.submit((number, eye, MAIN), attrs.evolve(job, beside=beside), keep=keep)
+
+    def _read_second(self, number: int, refresh: Refresh, eye: int) -> None:
+        result, server = self._before_lens(refresh, eye), self._setup.server
+        self.second_eye["hole_share"][number] = _hole_share(coverage(result))
+        if isinstance(server, RecordedRenderer) and server.right is not None:
+            truth = draw_truth(server.right, refresh.inputs[eye], self._setup.size, depth=False)
+            self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), picture_from_linear(truth.colour))
 
     def _read_comparison(
         self,
@@ -103,16 +121,20 @@ class Probe:
         refresh: Refresh,
         truth: NDArray[np.uint8],
         depth: NDArray[np.float32] | None,
-    ) -> None:
-        """Measure the comparison warp, which does not compensate effects.
+    ) -> QualityJob | None:
+        """Measure the comparison warp, which does not compensate effects; return its job.
 
         Its rendered picture has all effects drawn in.
         """
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
-        other = against.run(inputs)
+        with self._setup.part(COMPARED):
+            other = against.run(inputs)
         self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
-        self._take(number, eye, which, inputs.rendered, other, truth, depth)
+        job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
+        if job is not None:
+            self._pool.submit((number, eye, which), job)
+        return job
 
     def _count_filled(self, result: EyeResult) -> None:
         covered = [("warp", coverage(result))]
@@ -139,7 +161,7 @@ class Probe:
         self._setup.gpu.timer.collect()
         return made
 
-    def _take(
+    def _job(
         self,
         number: int,
         eye: int,
@@ -148,26 +170,35 @@ class Probe:
         result: EyeResult,
         truth: NDArray[np.uint8],
         truth_inverse_depth: NDArray[np.float32] | None,
-    ) -> None:
-        now = Compared(shown_picture(result), truth, result.view)
+    ) -> QualityJob | None:
+        """Return what is to be measured; None for a refresh that only flicker and clips need."""
+        with self._setup.part(READING):
+            now = Compared(shown_picture(result), truth, result.view)
         if self.clips is not None:
             self.clips.add(number, eye, which, now)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
-            return
-        job = QualityJob(
-            now,
-            before if before_number == number - 1 else None,
-            coverage(result),
-            truth_inverse_depth,
-            rendered.view,
-            rendered.size,
-            rendered_picture=_late_picture(rendered) if which == MAIN else None,
-            regions=which == MAIN,
-        )
-        keep = which == MAIN and self._keep_every is not None and number // self._every % self._keep_every == 0
-        self._pool.submit((number, eye, which), job, keep=keep)
+            return None
+        with self._setup.part(ALIKE):
+            alike = self._setup.alike(now)
+        with self._setup.part(READING):
+            return QualityJob(
+                now,
+                before if before_number == number - 1 else None,
+                coverage(result),
+                truth_inverse_depth,
+                rendered.view,
+                rendered.size,
+                rendered_picture=_late_picture(rendered) if which == MAIN else None,
+                alike=alike,
+                regions=which == MAIN,
+            )
+
+
+def method_name(warp: str, fill: str) -> str:
+    """Return "mesh" or "mesh + pyramid"."""
+    return warp if fill == "none" else f"{warp} + {fill}"
 
 
 def _hole_share(alpha: NDArray[np.floating]) -> float:

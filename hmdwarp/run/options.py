@@ -45,6 +45,7 @@ _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
+BY_GPU, BY_LIBRARY = "gpu", "library"
 MEASURING = "Measuring"  # heading of options in help
 
 
@@ -80,6 +81,15 @@ class RunOptions(PipelineOptions):
     )
     metrics_every: int = option(
         10, "Measure one of every n refreshes, in step with no period.", valid=Number(least=1), heading=MEASURING
+    )
+    metrics_by: str = option(
+        BY_GPU,
+        f"What finds FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, scikit-image, slower.",
+        valid=one_of(BY_GPU, BY_LIBRARY),
+        heading=MEASURING,
+    )
+    profile: bool = option(
+        False, "Say where the CPU time goes, and write profile.json: trace events for ui.perfetto.dev."
     )
     # 0 for not at all.
     jod_s: float = option(

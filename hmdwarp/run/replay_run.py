@@ -27,9 +27,10 @@ from ..pipeline.sizes import refreshes_of
 from ..report import OutputFolder, VideoWriter, refuse_source
 from .frame_rows import ReplayLog, Row
 from .late_client import MISS_COLUMNS, LateClient, Seen
-from .measuring import MAIN, Probe
+from .measuring import MAIN, Probe, method_name
 from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions
+from .profile import BESIDE, DRAWING, RESULTS, SHOWING
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
 from .short_bench import decided
@@ -80,20 +81,26 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             setup.notes.append(about_misses(more["miss"]))
             misses = [list(late.rows()), *([] for _ in compared)]
             out.write_csv("misses.csv", misses[0], MISS_COLUMNS)
-        if probe.clips is not None:
-            more["jod"] = _rated(probe.clips, range(1, 1 + len(setup.options.compared)))
+        more |= _rated(setup, probe.clips, range(1, 1 + len(setup.options.compared)))
+        if probe.clips is not None and "jod" in more:
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
             out.write_csv("jod.csv", _rated_rows(probe.clips), JOD_COLUMNS)
-        if probe.untrue_holes:
-            beside = second_eye(log.rows, probe.untrue_holes)
+        if probe.second_eye["hole_share"]:
+            beside = second_eye(log.rows, probe.second_eye)
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more, probe.without_truth)
+        if setup.profile is not None:
+            setup.profile.enter(RESULTS)
+            setup.profile.finish = lambda: None
     if compares_governor:
         ungoverned = _without_governor(options, result, say, progress)
         compared.append(ungoverned.rows)
         misses.append(ungoverned.misses)
     write_results(out, log, result, compared, pool, misses, options.command)
+    if setup.profile is not None:
+        out.write_text("profile.json", setup.profile.events())
+        say(setup.profile.table(setup.schedule.count))
     return result
 
 
@@ -112,7 +119,7 @@ def _without_governor(
 ) -> Measured:
     """Run again with the warp and fill of the first picture throughout, and add the comparison."""
     warp, fill = result.rows[0]["warp"], result.rows[0]["fill"]
-    name = warp if fill == "none" else f"{warp} + {fill}"
+    name = method_name(warp, fill)
     say(f"the same without the governor: {name} throughout")
     alone = attrs.evolve(
         options.with_pair(warp, fill),
@@ -184,7 +191,7 @@ def measured(options: RunOptions, progress: Progress = lambda done, total: None)
         log, late = _run(setup, probe, None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
-        more = {} if probe.clips is None else {"jod": _rated(probe.clips)}
+        more = _rated(setup, probe.clips)
         if late is not None:
             more["miss"] = late.entry()
         summary, misses = (
@@ -198,12 +205,16 @@ def _run(
     setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress
 ) -> tuple[ReplayLog, LateClient | None]:
     log, count = ReplayLog(setup.track), 0
+    if setup.profile is not None:
+        setup.profile.enter(BESIDE)
     misses = setup.options.miss
     late = LateClient(setup, misses) if misses.on else None
     with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
-            setup.loop.draw(instant_ns)
-            seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
+            with setup.part(DRAWING):
+                setup.loop.draw(instant_ns)
+            with setup.part(SHOWING):
+                seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
             if seen is not None:
                 refresh = seen.refresh
                 log.add(refresh, stale=seen.stale)
@@ -283,10 +294,19 @@ def _keep_every(setup: ReplaySetup) -> int | None:
     return max(1, -(-measured // setup.options.images))
 
 
-def _rated(clips: Clips, others: Sequence[int] = ()) -> dict[str, Any]:
-    """Return the `jod` of summary.json; others: the warps that the run is compared with."""
+def _rated(setup: ReplaySetup, clips: Clips | None, others: Sequence[int] = ()) -> dict[str, Any]:
+    """Return the `jod` of summary.json, or `jod_failure`, which is noted too.
+
+    others: the warps that the run is compared with.
+    """
+    if clips is None:
+        return {}
     clips.finish()
-    return {**clips.entry(MAIN, others), **({"against": [clips.entry(other) for other in others]} if others else {})}
+    if clips.failure:
+        setup.notes.append(clips.failure)
+        return {"jod_failure": clips.failure}
+    against = {"against": [clips.entry(other) for other in others]} if others else {}
+    return {"jod": clips.entry(MAIN, others) | against}
 
 
 def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]) -> str:
@@ -294,7 +314,7 @@ def _about_rating(rating: Mapping[str, Any], compared: Sequence[tuple[str, str]]
     for (warp, fill), other, share in zip(
         compared, rating.get("against", ()), rating.get("preferred", ()), strict=False
     ):
-        name = warp if fill == "none" else f"{warp} + {fill}"
+        name = method_name(warp, fill)
         told.append(f"{100 * share:.0f} % of people would prefer it to {name} ({other['mean']:.2f} JOD)")
     return f"{'; '.join(told)}. Predicted from the pictures: no one was asked."
 

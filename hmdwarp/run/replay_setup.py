@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import operator
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 
 import attrs
 import numpy as np
@@ -16,6 +16,7 @@ from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
+from ..metrics import Alike, Compared, PairPass
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
 from ..pipeline.governor import AdaptiveCompensator
@@ -27,7 +28,8 @@ from ..pipeline.source import Source
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
-from .options import RunOptions
+from .options import BY_LIBRARY, RunOptions
+from .profile import Profile
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
 
 _MANY = 10_000  # refreshes
@@ -51,6 +53,8 @@ class ReplaySetup:
     pipeline: Pipeline
     notes: list[str]
     _cleanup: ExitStack
+    profile: Profile | None = None
+    _alike: list[PairPass] = attrs.field(factory=list)  # once it is needed
 
     @property
     def options(self) -> RunOptions:
@@ -111,6 +115,19 @@ class ReplaySetup:
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
+
+    def part(self, name: str) -> AbstractContextManager[None]:
+        """Count the CPU time of what runs inside as this part, where there is a profile."""
+        return self.profile.part(name) if self.profile is not None else nullcontext()
+
+    def alike(self, now: Compared) -> Alike | None:
+        """Return how alike the pictures of an eye are; None where libraries find it."""
+        if self.options.metrics_by == BY_LIBRARY:
+            return None
+        if not self._alike:
+            self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
+            self._cleanup.callback(self._alike[0].close)
+        return self._alike[0].run(now.shown, now.truth)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""
@@ -175,7 +192,10 @@ def set_up_replay(
         )
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
         notes.extend(options.notes)
-        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all())
+        profile = Profile() if options.profile else None
+        if profile is not None:
+            profile.finish, gpu.timer.watch = gpu.gl.finish, profile.stage
+        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile)
 
 
 def _cost(refreshes: int) -> str:

@@ -32,9 +32,9 @@ from ..report import (
     SCHEMA,
     OutputFolder,
     WorstFrame,
-    comparison_panels,
     digests,
     labelled_strip,
+    panels_of,
     render_report,
 )
 from ..resources import __version__, made_with
@@ -54,6 +54,7 @@ OWNED = (
     "delays.csv",
     "jod.csv",
     "misses.csv",
+    "profile.json",
     "report.html",
     "replay.mp4",
 )
@@ -330,14 +331,9 @@ def write_results(
 
 def _write_strip(out: OutputFolder, kept: Kept, names: Sequence[str]) -> tuple[str, NDArray[np.uint8]]:
     number, eye, _ = kept.key
-    name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(_panels_of(kept))
+    name, strip = f"images/frame-{number:06d}-{names[eye]}.png", labelled_strip(panels_of(kept))
     out.write_png(name, strip)
     return name, strip
-
-
-def _panels_of(kept: Kept) -> list[tuple[str, NDArray[np.uint8]]]:
-    assert kept.result.error_map is not None
-    return comparison_panels(kept.job.rendered_picture, kept.job.now.shown, kept.job.now.truth, kept.result.error_map)
 
 
 def _worst_frame(rows: list[Row], kept: Kept) -> WorstFrame:

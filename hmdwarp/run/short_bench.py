@@ -119,26 +119,27 @@ def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Ar
     rendered eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
     """
     needed = np.ones(len(drawn[0]))
-    for eye, view in enumerate(headset.views(Pose())):
-        fov, head_from_eye = headset.fov(eye), view.pose.position_m
+    for eye in headset.eyes:
         for inverse_depth in (0.0, 1 / NEAR_M):
-            needed = np.maximum(needed, _needed(fov, head_from_eye, inverse_depth, drawn, shown))
+            needed = np.maximum(needed, _needed(eye.fov, eye.head_from_eye, inverse_depth, drawn, shown))
     return needed
 
 
 def _needed(
-    fov: Fov, head_from_eye: Array, inverse_depth: float, drawn: tuple[Array, Array], shown: tuple[Array, Array]
+    fov: Fov, head_from_eye: Pose, inverse_depth: float, drawn: tuple[Array, Array], shown: tuple[Array, Array]
 ) -> Array:
     left, right, down, up = fov.tangents
-    middles = np.array([(left, 0, -1), (right, 0, -1), (0, down, -1), (0, up, -1)])
+    axes = head_from_eye.rotation_matrix
+    middles = np.array([(left, 0, -1), (right, 0, -1), (0, down, -1), (0, up, -1)]) @ axes.T
     eyes = [
-        position + rotate(turned, np.broadcast_to(head_from_eye, position.shape)) for position, turned in (drawn, shown)
+        position + rotate(turned, np.broadcast_to(head_from_eye.position_m, position.shape))
+        for position, turned in (drawn, shown)
     ]
     moved = (eyes[1] - eyes[0]) * inverse_depth
     most = np.ones(len(moved))
     for middle in middles:
         towards = rotate(shown[1], np.broadcast_to(middle, moved.shape)) + moved
-        x, y, z = rotate(conjugate(drawn[1]), towards).T
+        x, y, z = (rotate(conjugate(drawn[1]), towards) @ axes).T
         with np.errstate(divide="ignore", invalid="ignore"):
             sides = np.stack([x / -z / left, x / -z / right, y / -z / down, y / -z / up])
         most = np.maximum(most, np.where(z < 0, sides.max(axis=0), np.inf))

@@ -18,11 +18,22 @@ from ..colour import picture_from_linear
 from ..frames import Needs
 from ..geometry import View
 from ..gpu.textures import download
-from ..metrics import Clips, Compared, Mismatch, QualityJob, QualityPool, SharedSurface, ShownOn, block_means
+from ..metrics import (
+    Clips,
+    Compared,
+    Mismatch,
+    QualityJob,
+    QualityPool,
+    SharedSurface,
+    ShownOn,
+    block_means,
+    error_image,
+)
 from ..pipeline.loop import Refresh
 from ..sources.server.targets import TargetPool
-from .combinations import Case, Combination, OpenCvWarp, frames_used, instants_of
+from .combinations import ORACLE, Case, Combination, OpenCvWarp, frames_used, instants_of
 from .frame_rows import Row, stage_columns
+from .oracle import Oracle
 from .replay_setup import ReplaySetup
 from .truth import WholePictures, coverage, shown_picture
 
@@ -98,10 +109,12 @@ class SideBySide:
         self._whole.close()
         self._targets.close()
         for compensator in self.compensators:
-            if isinstance(compensator, OpenCvWarp):
+            if not isinstance(compensator, Compensator):
                 compensator.close()
 
-    def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp:
+    def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp | Oracle:
+        if combination.warp == ORACLE:
+            return Oracle(self._setup.server, combination.plan, self._setup.size)
         if combination.is_outside:
             return OpenCvWarp(self._setup.gpu, combination.plan, self._setup.size)
         return self._setup.compensator(combination.plan)
@@ -127,7 +140,7 @@ class SideBySide:
                     compensator.run(inputs)
         self._setup.gpu.timer.collect()
 
-    def inputs(self, compensator: Compensator | OpenCvWarp, refresh: Refresh) -> tuple[PassInputs, ...]:
+    def inputs(self, compensator: Compensator | OpenCvWarp | Oracle, refresh: Refresh) -> tuple[PassInputs, ...]:
         """Return what a compensator reads of a refresh, eye by eye."""
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 
@@ -171,6 +184,8 @@ def rate_clips(
 ) -> list[dict[str, Any]]:
     """Return the `jod` of each combination, from a clip that ends at each of so many instants.
 
+    Where rating failed, `jod_failure` is why instead.
+
     The instants and their eyes, left and right in turn, are those that a bench measures; step() is
     called after each.
     Errors: as Clips.
@@ -190,7 +205,9 @@ def rate_clips(
             if number in turns:
                 clips.finish()
                 step()
-    return [clips.entry(which) for which in range(len(combinations))]
+    if clips.failure:
+        return [{"jod_failure": clips.failure} for _ in combinations]
+    return [{"jod": clips.entry(which)} for which in range(len(combinations))]
 
 
 # (case, warp, fill, refresh, eye): identifies a picture.
@@ -210,6 +227,9 @@ class Measured:
     mismatch: list[Mismatch] = attrs.field(factory=list)
     # Of each measured picture, by its refresh: see metrics.block_means.
     blocks: dict[int, NDArray[np.float64]] = attrs.field(factory=dict)
+    # Of each, where the late frame saw what the eye should see: pixels of the picture, those seen,
+    # and the mean squared error of those, 0..1. Empty without the oracle beside it.
+    where_seen: list[tuple[int, int, float]] = attrs.field(factory=list)
 
 
 class Comparison:
@@ -311,7 +331,14 @@ class Comparison:
             measured.keys.append(key)
             if same is None:
                 handed_in.setdefault(warp, []).append((key, job))
-                self._pool.submit(key, job)
+                self._pool.submit(key, attrs.evolve(job, alike=self._setup.alike(job.now)))
+        if ORACLE in coverages:
+            self._judge_seen(eye, truth, coverages[ORACLE][eye] > 0)
+
+    def _judge_seen(self, eye: int, truth: Truth, seen: NDArray[np.bool_]) -> None:
+        for results, measured in zip(self._last, self.measured, strict=True):
+            error = error_image(shown_picture(results[eye])[seen], truth.picture[seen])
+            measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))
 
 
 def _same_pictures(one: QualityJob, other: QualityJob) -> bool:

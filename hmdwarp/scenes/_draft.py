@@ -13,6 +13,8 @@ from ..geometry import Pose
 from ._gltf_nodes import Driven
 from ._mesh import Body, Material, Mesh
 
+MOST_TRIANGLES = 50_000_000  # of instances together; 50 million take about 10 GB here
+
 Array = NDArray[np.float64]
 _KEY_LIGHT = np.array([0.35, 0.80, 0.48]) / np.linalg.norm([0.35, 0.80, 0.48])
 

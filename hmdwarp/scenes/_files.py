@@ -1,4 +1,4 @@
-"""A user's glTF, OBJ or PLY file as a scene: colours kept, a plain light baked in."""
+"""A user's glTF, OBJ, PLY or Mitsuba file as a scene: colours kept, a plain light baked in."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ._draft import Draft
 from ._gltf_scene import GltfContent
 from ._mesh import Body, Texture
 from ._mesh_files import drafts_of, unreadable
+from ._mitsuba_file import mitsuba_drafts
 from ._notes import Notes, add_hints, check_size
 from ._scene import Background, Scene
 from ._viewpoint import EYE_HEIGHT_M, Place, Triangles, free_place, is_inside, place_at
-from .options import SceneOptions
+from .options import FILE_ENDINGS, SceneOptions
 
 Array = NDArray[np.float64]
-ENDINGS = (".glb", ".gltf", ".obj", ".ply")
 SKY = Background((0.30, 0.42, 0.62), (0.72, 0.77, 0.82), (0.32, 0.31, 0.30))
 # The head at rest: where traces are made, a window's viewer begins and OpenXR has its stage.
 STANDING = np.array([0.0, EYE_HEIGHT_M, 0.0])
@@ -47,7 +47,8 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
             if options.animation is not None:
                 raise InputError(f"--animation '{options.animation}': only glTF files have animations; leave it out")
             textures: list[Texture] = []
-            drafts = drafts_of(path, units, notes, textures)
+            read = mitsuba_drafts if path.suffix.lower() == ".xml" else drafts_of
+            drafts = read(path, units, notes, textures)
             _note_unstated(options, notes)
             return _scene(path, options, notes, drafts, textures)
     except (HmdwarpError, MemoryError):
@@ -60,7 +61,7 @@ def _check_there(path: Path) -> None:
     with opened(path, attrs.evolve(SCENE, what=f"{SCENE.what}, or the name of a scene")) as file:
         if not file.read(1):
             raise SceneError(f"{path}: the file is empty; expected {SCENE.what}")
-    if path.suffix.lower() not in ENDINGS:
+    if path.suffix.lower() not in FILE_ENDINGS:
         raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
 
 
@@ -115,7 +116,7 @@ def _scene(
     origin = np.round(corners.mean(axis=0))  # whole metres, so that a scene near the origin keeps its own numbers
     meshes = [draft.mesh(world_from_file, origin, bodies) for draft in drafts]
     return Scene(
-        path.stem,
+        _name(path),
         f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
         meshes,
         textures,
@@ -126,6 +127,11 @@ def _scene(
         walk_bounds_m=STANDING + place.reach,
         notes=notes.lines(),
     )
+
+
+def _name(path: Path) -> str:
+    """Return the name of a file's scene: that of its folder where every file is scene.xml."""
+    return path.resolve().parent.name if path.name.lower() == "scene.xml" else path.stem
 
 
 def _place(

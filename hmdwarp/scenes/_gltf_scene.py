@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import Pose
-from ._draft import Draft, Look, normals_of
+from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
 from ._gltf_file import VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
 from ._gltf_looks import Looks
 from ._gltf_nodes import NodeMotion, Nodes, driven_by_node, is_rigid, skinned
@@ -24,7 +24,6 @@ Array = NDArray[np.float64]
 
 FLAT = 1e-4  # a mirror is a plane if no vertex is farther off than this share of its size
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-MOST_TRIANGLES = 50_000_000  # of instances together; 50 million take about 10 GB here
 
 
 class GltfContent:

@@ -10,13 +10,11 @@ import attrs
 
 from ..errors import InputError, unknown_name
 from ._scene import Scene, SceneSource, scenes
-from .options import SceneOptions
-
-FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply")
+from .options import FILE_ENDINGS, SceneOptions
 
 
 def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) -> Scene:
-    """Load the scene registered under a name, else the glTF, OBJ or PLY file at a path.
+    """Load the scene registered under a name, else the glTF, OBJ, PLY or Mitsuba file at a path.
 
     A registered scene is built once and kept; its arrays are read-only.
 

@@ -29,11 +29,16 @@ _TRIMESH_DEFAULT = (102, 102, 102)
 
 def drafts_of(path: Path, units: Array, notes: Notes, textures: list[Texture]) -> list[Draft]:
     """Return the parts with triangles; pictures go to `textures`. units: 4x4 to metres, +y up."""
+    return [_draft(part, f"{path.stem}-{i}", units, textures, notes) for i, part in enumerate(mesh_parts(path, notes))]
+
+
+def mesh_parts(path: Path, notes: Notes) -> list[Any]:
+    """Return every mesh of the file with triangles (trimesh.Trimesh), checked."""
     parts = [part for part in _parts_of(path, notes) if len(part.faces)]
     for part in parts:
         _check_shape(path, part)
         _check_finite(path, part)
-    return [_draft(part, f"{path.stem}-{i}", units, textures, notes) for i, part in enumerate(parts)]
+    return parts
 
 
 def is_closed(positions: Array, triangles: NDArray[Any]) -> bool:

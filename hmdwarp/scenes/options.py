@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..options import PICTURE, Declared, Number, one_of, option
 
 NONE = "none"
+FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply", ".xml")
 UPS = ("y", "z")
 
 

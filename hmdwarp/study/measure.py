@@ -91,9 +91,10 @@ def measure_study(
             else:
                 failed.append(outcome)
             continue
+        unrated = outcome.data.pop("jod_failure", None)
         store.measured(of[case.name].id, outcome.data)
         refreshes.append(outcome.data["refreshes"])
-        say(f"{case.name}: {_figures_text(outcome.data)}")
+        say(f"{case.name}: {'; '.join(filter(None, (_figures_text(outcome.data), unrated)))}")
     return Measurements(len(refreshes), known, tuple(left_out), sum(refreshes), tuple(failed))
 
 
@@ -167,7 +168,9 @@ def _measured(run: RunOptions, progress: Progress) -> dict[str, Any]:
     means = {name: found["quality"][name]["mean"] for name in QUALITY}
     pictures = found["measured"]["psnr_db"]
     eyes_with_truth = run.source_kind.eyes
-    rated = {"jod": found["jod"]["mean"]} if run.jod_s else {}
+    rated = {"jod": found["jod"]["mean"]} if "jod" in found else {}
+    if "jod_failure" in found:  # not known as rated: the next run tries again
+        rated, run = {"jod_failure": found["jod_failure"]}, attrs.evolve(run, jod_s=0.0)
     return {
         **means,
         **rated,

@@ -38,14 +38,31 @@ vec3 base_at_centre(vec2 shown, vec3 base) {
     return base + now[0] * step.x + now[1] * step.y;
 }
 
-vec4 panel_pixel(ivec2 p, vec2 radius, vec3 scales) {
+// The parallax of a row; sets `now` to its map.
+vec3 parallax_of_row(ivec2 p) {
 #ifdef SCANOUT
     float t = 1.0 - (float(p.y) + 0.5) * row_share;
     now = map + t * (map_linear + t * map_square);
-    vec3 parallax = map_e + t * (e_by_t + t * e_by_t2);
+    return map_e + t * (e_by_t + t * e_by_t2);
 #else
-    vec3 parallax = map_e;
+    return map_e;
 #endif
+}
+
+#ifdef LENS_TANGENTS
+vec4 channel(vec2 from_axis, vec3 parallax) {
+    vec2 shown = axis + from_axis;
+    return in_view(shown) ? gathered(shown, now * vec3(shown, 1.0), parallax) : vec4(0.0);
+}
+
+vec4 panel_pixel(ivec2 p, mat3x2 from_axis) {
+    vec3 parallax = parallax_of_row(p);
+    vec4 g = channel(from_axis[1], parallax);
+    return vec4(channel(from_axis[0], parallax).r, g.g, channel(from_axis[2], parallax).b, g.a);
+}
+#else
+vec4 panel_pixel(ivec2 p, vec2 radius, vec3 scales) {
+    vec3 parallax = parallax_of_row(p);
     vec3 on_axis = now * vec3(axis, 1.0), along = now[0] * radius.x + now[1] * radius.y;
     vec2 green = axis + scales.g * radius;
     vec4 g = gathered(green, on_axis + scales.g * along, parallax);
@@ -59,3 +76,4 @@ vec4 panel_pixel(ivec2 p, vec2 radius, vec3 scales) {
     return vec4(in_view(red) ? r : 0.0, sees ? g.g : 0.0, in_view(blue) ? b : 0.0, sees ? g.a : 0.0);
 #endif
 }
+#endif

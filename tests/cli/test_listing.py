@@ -38,6 +38,8 @@ COMMANDS = [
     ["trace", "info"],
     ["trace", "convert"],
     ["trace", "synth"],
+    ["headset"],
+    ["headset", "show"],
 ]
 HEAVY = {
     "scipy",
@@ -203,6 +205,7 @@ def test_plan_for_programs_has_what_is_printed(command):
         "fill",
         "lens",
         "headset",
+        "eyes",
         "passes",
         "left_out",
         "frame",
@@ -216,6 +219,7 @@ def test_plan_for_programs_has_what_is_printed(command):
     assert list(frame) == ["eyes", "size", "pixels", "fov_deg", "layers", "bytes", "at_once", "latency_ms", "rate_hz"]
     assert frame["bytes"] == sum(frame["layers"].values()) and f"{frame['bytes'] / 1e6:.1f} MB uncompressed" in told
     assert f"at most {frame['at_once']} of them at 200 ms and 90 Hz" in told
+    assert all(f"{key.replace('_', ' ')} {text}" in told for key, text in data["eyes"].items())
 
 
 def test_plan_for_a_headset_leaves_the_lens_to_its_runtime_and_makes_its_depth(command):
@@ -332,7 +336,9 @@ def test_help_loads_nothing_heavy():
     assert not loaded & HEAVY
 
 
-@pytest.mark.parametrize("group", [[], ["study"], ["trace"]], ids=lambda group: " ".join(group) or "hmdwarp")
+@pytest.mark.parametrize(
+    "group", [[], ["study"], ["trace"], ["headset"]], ids=lambda group: " ".join(group) or "hmdwarp"
+)
 def test_no_summary_is_cut_in_80_columns(group, command, monkeypatch):
     monkeypatch.setenv("COLUMNS", "80")
     out = command(*group, "--help").done().out

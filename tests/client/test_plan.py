@@ -13,6 +13,7 @@ import pytest
 from client_scene import ClientScene
 from hypothesis import given
 from hypothesis import strategies as st
+from panels import headset_for
 from together import together
 from worlds import World
 
@@ -54,7 +55,8 @@ _PAIRS += [
     ("none", "wide+interpolate_full+constant"),
     ("rotation", "memory+model:share=0.05"),
 ]
-ALL = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS), lenses.names(), (True, False))]
+_MANY = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS), ("none", "radial"), (True, False))]
+ALL = list(dict.fromkeys([*_MANY, *(("forward", "none", lens, True) for lens in lenses.names())]))
 
 
 def _draws(warp: str, fill: str) -> bool:
@@ -297,7 +299,7 @@ def test_passes_left_out_cost_nothing(gpu, monkeypatch, choice, geometry):
     own = alone(gpu, monkeypatch, choice, geometry)
     own_counts, own_paths = own.counts, own.paths()
     costs = Costs(gpu, monkeypatch)
-    compensator = Compensator(gpu, plan, load_headset("rift-dk1"), RENDERED_SIZE, SHOWN_SIZE, geometry)
+    compensator = Compensator(gpu, plan, headset_for(lens), RENDERED_SIZE, SHOWN_SIZE, geometry)
     # A canvas per eye for the warp, one more for each pass after it; an inverse depth after the
     # warp, and one more after each fill that writes one, where anybody reads it (or the fill has no
     # other way); the client's depth once.

@@ -43,6 +43,7 @@ def test_tangents_and_back(fov):
 
 def test_symmetric_takes_full_angles():
     assert Fov.symmetric(1.0, 0.6) == Fov(-0.5, 0.5, -0.3, 0.3)
+    assert Fov.symmetric_deg(90, 60) == Fov.symmetric(np.deg2rad(90), np.deg2rad(60))
 
 
 @given(FOVS, SIZES)

@@ -13,6 +13,7 @@ import attrs
 import numpy as np
 import pytest
 from client_scene import ClientScene
+from panels import headset_for
 from together import together
 from worlds import every_choice
 
@@ -28,9 +29,10 @@ from hmdwarp.frames.layers.difference import Simplified
 from hmdwarp.geometry import DepthLayer, Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.headsets import load_headset
-from hmdwarp.image.array_passes import Found, GiveOut, TakeIn
+from hmdwarp.image.array_passes import GiveOut, PixelBuffers, TakeIn
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
+from hmdwarp.metrics import PairPass
 from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.run.late_client import DepthSamples
@@ -69,7 +71,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
     """
     before, gpu.shaders = gpu.shaders, Recorder(gpu)
     try:
-        libraries = [made for lens in lenses if (made := lens(gpu, load_headset("rift-dk1"), (8, 6))).library]
+        libraries = [made for lens in lenses if (made := lens(gpu, headset_for(lens.name), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
         warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(one_colour)).close()
         for spec in every_choice():
@@ -100,6 +102,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _take_textures_over(gpu)
         _take_arrays_over(gpu)
         _give_arrays_out(gpu)
+        PairPass(gpu, (9, 7), 20.0).close()
         for spec, depth in product(("difference", "difference:warped=off", "points"), (False, True)):
             choice = parse_warp(spec)
             choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(depth=depth), ClientScene(gpu)).close()
@@ -126,22 +129,22 @@ def _take_textures_over(gpu: Gpu) -> None:
 
 def _take_arrays_over(gpu: Gpu) -> None:
     """Colour of each type, depth of each form."""
-    into, found = (allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)), Found(gpu, 1)
+    into, buffers = (allocate(gpu.gl, (9, 7), COLOUR), allocate(gpu.gl, (9, 7), SCALAR)), PixelBuffers(gpu, 1)
     ones, whole = np.ones((7, 9)), np.ones((7, 9), np.uint16)
     taking = TakeIn(gpu, (9, 7))
     for kind, channels, encoding in product((np.uint8, np.float16, np.float32), (3, 4), (None, "srgb")):
         for depth, scale in ((ones, None), (whole, 0.001), (whole.astype(np.int32), 1)):
             raw = raw_picture(np.ones((7, 9, channels), kind), depth, scale, encoding)
-            taking.run(raw, taking.send(raw), into, found, 0)
+            taking.run(raw, taking.send(raw, buffers), into, buffers.found, 0)
     taking.close()
 
 
 def _give_arrays_out(gpu: Gpu) -> None:
     canvas, depth = Canvas(gpu.gl, (9, 7)), allocate(gpu.gl, (9, 7), SCALAR)
-    giving, found = GiveOut(gpu, (9, 7)), Found(gpu, 1)
+    giving, buffers = GiveOut(gpu, (9, 7)), PixelBuffers(gpu, 1)
     for result in (SRGB8, *ENCODINGS):
-        giving.run(canvas, canvas, depth if result == SRGB8 else None, canvas, result, found)
-    giving.run(canvas, canvas, None, None, SRGB8, found)
+        giving.run(canvas, canvas, depth if result == SRGB8 else None, canvas, result, buffers)
+    giving.run(canvas, canvas, None, None, SRGB8, buffers)
     giving.close()
 
 
@@ -264,7 +267,7 @@ def test_every_file_says_what_it_is(name):
 
 @together("name", [n for n in STAGES if n.endswith(".comp")])
 def test_every_compute_shader_checks_its_bounds_first(name):
-    outputs = {"OUTPUT": "lib/to_shown.glsl"}
+    outputs = {"OUTPUT": "lib/to_shown.glsl", "LENS": "lens/radial.glsl"}
     main = flatten(name, outputs).text.partition("void main() {")[2]
     if "barrier();" in main:
         return  # a work group that waits for all its members reads within bounds by construction

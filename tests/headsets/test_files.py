@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,7 @@ from reference.lens_curve import tangent_from_lens
 from strategies import poses
 
 import hmdwarp.headsets
+from hmdwarp.cli.catalogue import entries
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.headsets import Headset, headset_names, load_headset
 
@@ -37,12 +39,14 @@ def test_the_numbers_are_sane(name):
     assert len(headset.summary) > 10
     assert len(headset.source) > 10
     assert all(100 <= side <= 8192 for side in headset.eye_size_px)
-    assert all(0.02 <= side <= 0.2 for side in headset.eye_size_m)
     assert 24 <= headset.refresh_hz <= 240
     assert 0.055 <= headset.ipd_m <= 0.075
-    # A panel's pixels are square to a few per cent.
-    per_metre = np.array(headset.eye_size_px) / headset.eye_size_m
-    assert per_metre[0] == pytest.approx(per_metre[1], rel=0.05)
+    for eye in headset.eyes:
+        if eye.panel_m is not None:
+            assert all(0.02 <= side <= 0.2 for side in eye.panel_m)
+            # A panel's pixels are square to a few per cent.
+            per_metre = np.array(headset.eye_size_px) / eye.panel_m
+            assert per_metre[0] == pytest.approx(per_metre[1], rel=0.05)
     assert 5 <= headset.left_fov.pixels_per_degree(headset.eye_size_px) <= 60
 
 
@@ -57,7 +61,7 @@ def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
     """
     headset = load_headset(name)
     lens = headset.lens
-    half_x, half_y = np.array(headset.eye_size_m) / 2
+    half_x, half_y = np.array(headset.eyes[0].panel_m) / 2
     axis_x, axis_y = lens.axis_from_centre_m
     edges = (
         np.array([[-half_x - axis_x, 0], [half_x - axis_x, 0], [0, -half_y - axis_y], [0, half_y - axis_y]])
@@ -69,11 +73,43 @@ def test_the_field_of_view_is_what_the_lens_shows_of_the_panel(name):
     assert (ratio < 2).all()
 
 
+# What the database computes of the same reports, in degrees; their hidden areas' shapes are not
+# known here, which takes up to a tenth of a degree of what is seen at eye level.
+REPORTED = {
+    "index": (108.06, 85.93, 24.88),
+    "pimax-8k": (140.29, 86.79, 8.73),
+    "quest-3": (108.00, 80.00, 10.66),
+}
+
+
+@pytest.mark.parametrize("name", REPORTED)
+def test_known_numbers_of_headsets_of_today(name):
+    headset, (across, overlap, hidden) = load_headset(name), REPORTED[name]
+    assert (headset.across_deg, headset.overlap_deg) == pytest.approx((across, overlap), abs=0.2)
+    for eye in headset.eyes:
+        # Counted in a picture of 512 columns, where an edge is off by a quarter of a pixel.
+        assert eye.hidden_share == pytest.approx(hidden / 100, abs=3e-3)
+
+
+def test_the_indexs_left_eye_is_turned_by_the_matrix_that_its_runtime_reports():
+    wanted = [[0.996195, 0, 0.087156], [0, 1, 0], [-0.087156, 0, 0.996195]]
+    eye = load_headset("index").eyes[0]
+    assert eye.head_from_eye.rotation_matrix == pytest.approx(np.array(wanted), abs=1e-6)
+    assert eye.head_from_eye.position_m == pytest.approx((-0.029, 0, 0))
+
+
+def test_the_page_lists_what_the_program_does():
+    page = (Path(__file__).parents[2] / "docs/headsets.md").read_text(encoding="utf-8")
+    keys = ("left_fov_deg", "cant_deg", "across_deg", "overlap_deg", "pixels_per_degree", "hidden_share")
+    rows = [" | ".join([f"`{row['name']}`", *(row[key] for key in keys)]) for row in entries("headsets")]
+    assert [row for row in rows if f"| {row} |" not in page] == []
+
+
 def test_known_numbers_of_the_dk1():
     headset = load_headset("rift-dk1")
     assert headset.left_fov.tangents == pytest.approx([-1.0924, 1.0587, -1.3293, 1.3293], abs=1e-4)
     # LibOVR 0.2.5: screen 149.76 x 93.6 mm, lens separation 63.5 mm, eye to screen 41 mm.
-    assert headset.eye_size_m == pytest.approx((0.14976 / 2, 0.0936))
+    assert headset.eyes[0].panel_m == pytest.approx((0.14976 / 2, 0.0936))
     assert headset.lens.axis_from_centre_m[0] == pytest.approx((0.14976 / 2 - 0.0635) / 2)
     assert headset.lens.unit_m == pytest.approx(0.14976 / 4)
     assert headset.lens.tangent_per_unit == pytest.approx(headset.lens.unit_m / 0.041)
@@ -93,7 +129,10 @@ def lens_scale(headset: Headset, colour: str, r2: float) -> float:
 # --- two eyes -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+MIRRORED = [name for name in SHIPPED if "right" not in tomllib.loads((FOLDER / f"{name}.toml").read_text())["eyes"]]
+
+
+@pytest.mark.parametrize("name", MIRRORED)
 def test_the_right_eye_mirrors_the_left(name):
     headset = load_headset(name)
     left, right = headset.fov(0).tangents, headset.fov(1).tangents

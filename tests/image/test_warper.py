@@ -23,7 +23,7 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
 from hmdwarp.image import usable_warps
-from hmdwarp.image.array_passes import Found, TakeIn
+from hmdwarp.image.array_passes import PixelBuffers, TakeIn
 from hmdwarp.image.picture_arrays import checked_picture, raw_picture
 from hmdwarp.image.usable import AVAILABLE
 
@@ -167,10 +167,11 @@ def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu
         depth = np.ma.masked_less(depth, 20)
     rgba, inverse = checked_picture(colour, depth, scale, encoding).arrays()
     pair = allocate(gpu.gl, (41, 30), COLOUR), allocate(gpu.gl, (41, 30), SCALAR)
-    taking, found = TakeIn(gpu, (41, 30)), Found(gpu, 1)
+    taking, buffers = TakeIn(gpu, (41, 30)), PixelBuffers(gpu, 1)
+    found = buffers.found
     found.clear()
     raw = raw_picture(colour, depth, scale, encoding)
-    taking.run(raw, taking.send(raw), pair, found, 0)
+    taking.run(raw, taking.send(raw, buffers), pair, found, 0)
     found.read()
     light, got = download(pair[0]), download(pair[1])
     assert not found.is_doubtful(0, (41, 30)) and found.has_largest(0) == (form == "millimetres")
@@ -181,7 +182,7 @@ def test_arrays_are_taken_over_as_in_float64(kind, encoding, channels, form, gpu
         assert light == pytest.approx(wanted, rel=2**-10 + 1e-5, abs=2**-24)
     else:
         assert np.array_equal(light, wanted)
-    taking.close(), found.close()
+    taking.close(), buffers.close()
     for texture in pair:
         texture.release()
 
@@ -461,6 +462,7 @@ def test_what_a_dropped_warper_held_is_freed_by_the_next_call(is_shared, gpu):
         before = living()
         dropped = [Warper(SIZE, fill="memory+pyramid", depth=True, **own)]
         dropped[0].warp(*picture(0), view(), view())
+        dropped[0].submit(*picture(0), view(), view())
         thread = threading.Thread(target=dropped.clear)
         thread.start()
         thread.join()

@@ -5,6 +5,7 @@ Bits where bits can be had, derived pixels where something moves, clear refusals
 
 from __future__ import annotations
 
+import io
 import math
 import threading
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import hmdwarp
@@ -41,6 +43,16 @@ def warp_image(colour, depth_m, rendered, shown, warp="forward", fill="none", **
 PICTURE_WARPS = [name for name in warps.names() if set(warps.get(name).reads) <= set(PICTURE)]
 MOVING = [name for name in PICTURE_WARPS if name != "none"]
 SIZES = [(1, 1), (33, 17), (2, 129)]
+
+
+@pytest.mark.parametrize("colour", ["uint8", "float32"])
+def test_a_notebook_shows_a_result_as_a_picture(colour):
+    """Its PNG has the colours of an sRGB input seen from where it was rendered, row 0 on top."""
+    levels = np.random.default_rng(0).integers(0, 256, (6, 8, 3), dtype=np.uint8)
+    given = levels if colour == "uint8" else linear_from_srgb(levels / 255).astype(np.float32)
+    result = warp_image(given, np.full((6, 8), 2.0, np.float32), view(), view())
+    shown = np.asarray(Image.open(io.BytesIO(result._repr_png_())))
+    assert np.abs(shown.astype(int) - levels).max() <= 1  # one rounding of half floats
 
 
 def halves(rng: np.random.Generator, size: tuple[int, int]) -> np.ndarray:
@@ -511,7 +523,10 @@ COLOUR, DEPTH = np.zeros((4, 6, 3)), np.ones((4, 6))
             for scale in (0, -1, 5000, math.nan, math.inf, True, "0.001", (1,))
         ),
         ({"result": "rgb"}, "result is 'rgb': expected srgb8, srgb, linear"),
-        ({"warp": "auto"}, "'auto' chooses during a run.*name one: forward, "),
+        ({"warp": "auto"}, "'auto' keeps to a budget: give budget_ms"),
+        ({"budget_ms": 9.0}, "for warp 'auto': .* takes what it takes"),
+        ({"warp": "auto", "budget_ms": -1.0}, "budget_ms -1 ms: expected a time above 0"),
+        ({"warp": "auto", "budget_ms": 1e-6}, "budget_ms 1e-06 ms: nothing is that fast here"),
         ({"size": (0, 4)}, "0x4"),
         ({"size": (4, -4)}, "4x-4"),
         ({"size": (4.5, 4)}, "whole pixels"),

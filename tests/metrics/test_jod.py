@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ratings import quiet, with_cvvdp, without_cvvdp
+from ratings import crashing_torch, quiet, with_cvvdp, without_cvvdp  # noqa: F401  (a fixture)
 from replays import run
 
 import hmdwarp.headsets
@@ -38,6 +38,13 @@ def test_a_run_that_does_not_ask_for_it_does_not_import_it(tmp_path):
     result = run(tmp_path / "out")
     assert "jod" not in result.summary
     assert {name for name in ("pycvvdp", "torch") if name in sys.modules} == there
+
+
+def test_a_crash_while_rating_is_one_line_and_the_run_goes_on(tmp_path, crashing_torch):  # noqa: F811
+    result = run(tmp_path / "out", jod_s=0.1, seconds=0.2, against="none")
+    assert "jod" not in result.summary and result.summary["jod_failure"] == crashing_torch
+    assert result.summary["notes"].count(crashing_torch) == 1
+    assert not (tmp_path / "out" / "jod.csv").exists()
 
 
 @with_cvvdp

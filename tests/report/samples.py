@@ -55,6 +55,7 @@ def a_summary(rows: list[dict] | None = None, warp: str = "forward") -> dict:
         "latency_ms": 200.0,
         "warp": warp,
         "fill": "interpolate",
+        "predict": "cautious",
         "lens": "radial",
         "headset": "rift-dk1",
         "size": [640, 400],

@@ -88,6 +88,15 @@ def test_the_lines_say_what_counts():
     ]
 
 
+def test_a_display_that_waits_misses_nothing_and_says_what_took_longer():
+    summary = a_live_summary()
+    summary["live"] |= {"missed": 0, "over": 200, "timed": 200}
+    waits = "this display waits for each picture, and 100% took longer than a refresh"
+    assert f"none missed: {waits}" in "\n".join(live_lines(summary, None))
+    page = render_live_report(summary, a_column(), command="hmdwarp live")
+    assert waits in page and "0.0<" not in page.partition("Missed refreshes")[2][:200]
+
+
 def test_lines_without_a_measurement_are_left_out():
     nothing = {name: pair(None) for name in ("render", "warp", "fill", "effects", "lens", "total")}
     summary = a_live_summary(

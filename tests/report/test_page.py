@@ -162,16 +162,18 @@ def test_pictures_are_whole_and_have_their_size(text):
 
 
 def test_worst_frames_come_from_what_the_pool_kept():
-    truth, shown, rendered = a_scene(0), a_scene(2), a_scene(9)
+    truth, shown, rendered, other = a_scene(0), a_scene(2), a_scene(9), a_scene(5)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
     with QualityPool(0, 20.0, worst=1) as pool:
-        pool.submit((3, 1), QualityJob(Compared(shown, truth, view), rendered_picture=rendered))
+        pool.submit(
+            (3, 1), QualityJob(Compared(shown, truth, view), rendered_picture=rendered, beside=(("none", other),))
+        )
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
-    assert [name for name, _ in frame.panels] == ["late frame", "warped", "truth", "error (FLIP)"]
+    assert [name for name, _ in frame.panels] == ["truth", "late frame", "warped", "none", "error (FLIP 0 to 0.5)"]
     assert all(
         np.array_equal(picture, source)
-        for (_, picture), source in zip(frame.panels, (rendered, shown, truth), strict=False)
+        for (_, picture), source in zip(frame.panels, (truth, rendered, shown, other), strict=False)
     )
     assert "0.50 s, right eye" in render(worst=[frame])
 

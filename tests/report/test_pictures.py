@@ -25,11 +25,12 @@ def find(strip: np.ndarray, panel: np.ndarray) -> tuple[int, int] | None:
 
 
 def test_every_panel_is_there_unchanged_in_order_and_labelled():
-    panels = comparison_panels(a_scene(9), a_scene(2), a_scene(0), np.linspace(0, 1, 200 * 320).reshape(200, 320))
+    error = np.linspace(0, 1, 200 * 320).reshape(200, 320)
+    panels = comparison_panels(a_scene(9), a_scene(2), a_scene(0), error, [("forward", a_scene(3))])
     strip = labelled_strip(panels)
     places = [find(strip, picture) for _, picture in panels]
     assert None not in places
-    assert [name for name, _ in panels] == ["late frame", "warped", "truth", "error (FLIP)"]
+    assert [name for name, _ in panels] == ["truth", "late frame", "warped", "forward", "error (FLIP 0 to 0.5)"]
     columns = [column for _, column in places]
     assert columns == sorted(columns) and columns[0] == 0
     for row, column in places:
@@ -40,7 +41,7 @@ def test_every_panel_is_there_unchanged_in_order_and_labelled():
 
 def test_rows_of_a_grid_and_without_a_late_frame():
     panels = comparison_panels(None, a_scene(2), a_scene(0), np.zeros((200, 320)))
-    assert [name for name, _ in panels][0] == "warped"
+    assert [name for name, _ in panels][0] == "truth"
     strip = labelled_strip(panels, columns=2)
     places = [find(strip, picture) for _, picture in panels]
     assert places[0][0] == places[1][0] < places[2][0] and places[2][1] == 0

@@ -50,7 +50,8 @@ def test_the_better_one_is_marked_whichever_column_it_is_in():
         marked, 1
     )
     text = printed(a_summary(good), a_baseline(good, bad))
-    assert len(re.findall(r"\d \*", text)) == 4 and "*: the best of the line, for sure (95 %)" in text
+    assert len(re.findall(r"\d \*", text)) == 4
+    assert "*: the best of the line, by the 95 % interval of the difference" in " ".join(text.split())
     assert "*" not in printed(a_summary(good))
 
 
@@ -79,7 +80,17 @@ def test_means_have_their_interval():
         f"{a_summary(rows)['quality']['psnr_db']['mean']:.2f}",
     )
     text = printed(a_summary(rows))
-    assert f"{figure} ±{(high - low) / 2:.2f}" in text and "±: 95 % interval of the mean" in text
+    assert f"{figure} ±{(high - low) / 2:.2f}" in text and "± or (low to high): 95 % interval of the mean" in text
+
+
+def test_an_interval_ends_where_the_figure_does():
+    """Of errors 0, 0, 0, 0, 0 and 0.3 the mean is 0.05, and no error is below 0."""
+    rows = [{"frame": at, "eye": 0, "flip": 0.3 * (at == 5), "ssim": 1 - 0.3 * (at == 5)} for at in range(6)]
+    quality = aggregate(rows)["quality"]
+    assert quality["flip"]["interval"][0] == 0 and quality["ssim"]["interval"][1] == 1
+    high = quality["flip"]["interval"][1]
+    summary = {**a_summary(), "quality": {**a_summary()["quality"], **{"flip": quality["flip"]}}}
+    assert f"0.0500 (0 to {high:.2g})" in printed(summary)
 
 
 def test_with_too_few_instants_there_are_neither_intervals_nor_marks():

@@ -423,7 +423,7 @@ def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
         and "<b>lost" not in page
         and "&lt;out&gt;" in page
     )
-    assert page.count("<svg") == 7 and "<h2>Time per refresh</h2>" in page and "Pose age at hand-over" in page
+    assert page.count("<svg") == 6 and "<h2>Time per refresh</h2>" in page and "Pose age at hand-over" in page
     # And nothing hidden.
     assert sorted(contents(tmp_path / "out")) == ["frames.csv", "report.html", "summary.json"]
 

@@ -208,7 +208,9 @@ def test_a_missing_or_empty_file_is_named(tmp_path, ending):
 
 def test_another_kind_of_file_is_refused(tmp_path):
     (tmp_path / "a.stl").write_text("solid a\nendsolid a\n")
-    with pytest.raises(SceneError, match=r"cannot read '\.stl' scenes; expected a \.glb, \.gltf, \.obj or \.ply file"):
+    with pytest.raises(
+        SceneError, match=r"cannot read '\.stl' scenes; expected a \.glb, \.gltf, \.obj, \.ply or Mitsuba \.xml file"
+    ):
         load_scene(tmp_path / "a.stl")
 
 

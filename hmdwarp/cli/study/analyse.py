@@ -9,7 +9,7 @@ import attrs
 import typer
 
 from ...errors import InputError
-from ...options import Declared, Number, force_field, option, out_field
+from ...options import Declared, Number, PaperOptions, force_field, group, option, out_field
 from .._options import JSON, QUIET, Said, as_json, command_line, takes
 from ._options import origin_of, pilot_field, simulated_field, store_field
 
@@ -29,6 +29,7 @@ class AnalyseOptions(Declared):
     source: str = option(attrs.NOTHING, _SOURCE, positional=True, metavar="FILE|STUDY", names_files=True)
     out: Path = out_field(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.")
     force: bool = force_field()
+    paper: PaperOptions = group(PaperOptions)
     store: Path | None = store_field()
     scale: str = option("", "Scale of a table that does not name it: grade, acr, ..")
     low_is_good: bool | None = option(
@@ -75,7 +76,7 @@ def analyse(said: Said) -> None:
         ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
         resampling = Resampling(options.seed, options.resamples)
         data = run(ratings, resampling, options.family or (), published)
-        page = write_analysis(out, data, command_line())
+        page = write_analysis(out, data, command_line(), options.paper)
     if not said["quiet"]:
         _print(data)
         typer.echo(f"report: {page}")

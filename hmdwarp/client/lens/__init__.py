@@ -9,12 +9,14 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import moderngl
+import numpy as np
 
+from ...errors import InputError
 from ...geometry import Fov
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
-from ...headsets import Headset
+from ...headsets import Headset, Lens
 from ...registry import Registry
 
 # Image unit of the picture that programs for the panel read.
@@ -74,6 +76,56 @@ class LensPass(ABC):
         return 16 * panel_pixels
 
 
+class ResampledLens(LensPass):
+    """A lens that one resample of the shown picture corrects, by a library of its own.
+
+    Errors, when made: InputError for a headset without a lens of this model.
+    """
+
+    def prepare(self) -> None:
+        self.eye_lenses = [eye.lens for eye in self.headset.eyes if eye.lens is not None]
+        if not self.eye_lenses:
+            raise InputError(f"headset '{self.headset.name}' has no lens: use --lens none")
+        if self.eye_lenses[0].model != self.name:
+            raise InputError(
+                f"headset '{self.headset.name}' has a lens of model {self.eye_lenses[0].model}: "
+                f"use --lens {self.eye_lenses[0].model} or none"
+            )
+        self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
+        self._program = self.gpu.shaders.compute("lens/resample.comp", LENS=self.library, **self.library_defines())
+
+    @abstractmethod
+    def of_lens(self, lens: Lens) -> dict[str, object]:
+        """Return the uniforms of the library that depend on the lens alone."""
+
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
+        shown.texture.use(0)
+        bind_texels(self._program, shown.texture)
+        into.bind_for_writing()
+        size = shown.size
+        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
+        self._program.uniforms.set(
+            rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.library_uniforms(fov, eye)
+        )
+        self._program.run(*self.panel_size)
+
+    def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
+        known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))
+        if known != fov:
+            uniforms = {**self._of_view(fov, eye), **self.of_lens(self.eye_lenses[eye])}
+            self._uniforms_by_eye[eye] = fov, uniforms
+        return uniforms
+
+    def _of_view(self, fov: Fov, eye: int) -> dict[str, object]:
+        left, right, down, up = fov.tangents
+        span = np.array([right - left, up - down])
+        scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
+        return {
+            "lens_from_panel": (*scale, *offset),
+            "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
+        }
+
+
 lenses: Registry[type[LensPass]] = Registry("lens", __name__)
 
-__all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "bind_texels", "lenses"]
+__all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "ResampledLens", "bind_texels", "lenses"]

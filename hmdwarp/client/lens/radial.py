@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...errors import InputError
-from ...geometry import Fov
-from ...gpu.textures import Canvas
-from ...headsets import COLOURS, RadialLens
-from . import LensPass, bind_texels, lenses
+from ...headsets import COLOURS, Lens, RadialLens
+from . import ResampledLens, lenses
 
 
 @lenses.register
-class Radial(LensPass):
+class Radial(ResampledLens):
     """Sample once per channel for each panel pixel, which cancels the lens's colour fringes."""
 
     name = "radial"
@@ -20,53 +18,24 @@ class Radial(LensPass):
     library = "lens/radial.glsl"
     source = "Brown 1966, Decentering Distortion of Lenses (the radial part); coefficients: see 'hmdwarp list headsets'"
 
-    def prepare(self) -> None:
-        if self.headset.lens is None:
-            raise InputError(f"headset '{self.headset.name}' has no lens: use --lens none")
-        self._terms = _terms(self.headset.lens)
-        self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
-        self._program = self.gpu.shaders.compute("lens/radial.comp", **self.library_defines())
-
-    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
-        shown.texture.use(0)
-        bind_texels(self._program, shown.texture)
-        into.bind_for_writing()
-        size = shown.size
-        sizes = {"rendered_size": size, "rendered_pixel": (1 / size[0], 1 / size[1]), "shown_size": size}
-        self._program.uniforms.set(
-            rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.library_uniforms(fov, eye)
-        )
-        self._program.run(*self.panel_size)
-
     def library_defines(self) -> dict[str, object]:
-        one_colour = {"ONE_COLOUR": 1} if (self._terms == self._terms[:, :1]).all() else {}
-        return {**super().library_defines(), "LENS_TERMS": len(self._terms), **one_colour}
+        terms = [self._terms(lens) for lens in self.eye_lenses]
+        one_colour = {"ONE_COLOUR": 1} if all((t == t[:, :1]).all() for t in terms) else {}
+        return {**super().library_defines(), "LENS_TERMS": max(map(len, terms)), **one_colour}
 
-    def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
-        known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))
-        if known != fov:
-            uniforms = self._library_uniforms(fov, eye)
-            self._uniforms_by_eye[eye] = fov, uniforms
-        return uniforms
+    def of_lens(self, lens: Lens) -> dict[str, object]:
+        return {"lens_terms": self._terms(lens)}
 
-    def _library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
-        left, right, down, up = fov.tangents
-        span = np.array([right - left, up - down])
-        scale, offset = self.headset.lens_from_panel(eye, self.panel_size)
-        return {
-            "lens_from_panel": (*scale, *offset),
-            "shown_from_tangent": (*(1 / span), *(-np.array([left, down]) / span)),
-            "lens_terms": self._terms,
-        }
+    def _terms(self, lens: Lens) -> NDArray[np.float64]:
+        """Return (n, 3) coefficients of r^0, r^2, .. in the scales of red, green and blue.
 
-
-def _terms(lens: RadialLens) -> np.ndarray:
-    """Return (n, 3) coefficients of r^0, r^2, .. in the scales of red, green and blue.
-
-    n is the length of the longest of the three.
-    """
-    longest = max(map(len, lens.coefficients.values()))
-    columns = [np.pad(lens.coefficients[colour], (0, longest - len(lens.coefficients[colour]))) for colour in COLOURS]
-    terms = np.stack(columns, axis=1) * lens.tangent_per_unit
-    terms.flags.writeable = False
-    return terms
+        n is the length of the longest of all.
+        """
+        assert isinstance(lens, RadialLens)
+        longest = max(
+            len(terms) for one in self.eye_lenses if isinstance(one, RadialLens) for terms in one.coefficients.values()
+        )
+        columns = [
+            np.pad(lens.coefficients[colour], (0, longest - len(lens.coefficients[colour]))) for colour in COLOURS
+        ]
+        return np.stack(columns, axis=1) * lens.tangent_per_unit

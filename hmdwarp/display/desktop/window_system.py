@@ -260,10 +260,8 @@ def window_view(view: str, headset: Headset, size: Size | None) -> WindowView:
     size: of one eye, None for the default. The flat view has the shape of both eyes side by side,
     and so fills the same window.
     """
-    width, height = headset.eye_size_m
     if view == BOTH:
-        count = len(headset.views(Pose()))
-        return WindowView(headset, count, size or headset.eye_size_px, width / height, headset)
+        return WindowView(headset, len(headset.eyes), size or headset.eye_size_px, headset.aspect, headset)
     if view != FLAT:
         raise InputError(f"--view '{view}': expected {BOTH} or {FLAT}")
     fov, aspect = headset.flat_view

@@ -1,5 +1,7 @@
+from .bench_rows import Rows as Rows
 from .bench_run import bench as bench
 from .bench_run import merge as merge
+from .bench_run import read as read
 from .cases import cases_of as cases_of
 from .cases import combinations_of as combinations_of
 from .compare_run import compare as compare

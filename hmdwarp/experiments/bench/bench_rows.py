@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import reduce
 from operator import add
@@ -27,19 +28,21 @@ from ...metrics import (
     QualityPool,
     at_instants,
     blocks_text,
+    db_of,
     metrics,
     pooled,
     ratings_of,
 )
 from ...report.bench import cases, choice_terms
 from ...resources import __version__, import_extra
-from ...run.combinations import Case
+from ...run.combinations import ORACLE, Case, Combination
 from ...run.replay_setup import ReplaySetup
 from ...run.run_summary import summary_of_rows
 from ...run.side_by_side import Measured
 from .cases import baselines
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
+ORACLE_LACKS = "it knows the depth of the truth, which no client has"
 PASSES = ("client_depth", "warp", "fill", "effects", "lens")
 _PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
@@ -64,8 +67,9 @@ TEXTS = (
     *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
 )
 # Keys of a row that grow with its pictures and passes.
-LONG = ("at_instants", "blocks", "passes", "jod")
+LONG = ("at_instants", "blocks", "passes", "jod", "jod_failure")
 WHOLE = ("frames", "width", "height", "cpu_count")
+TYPES: dict[str, type] = {name: str if name in TEXTS else int if name in WHOLE else float for name in COLUMNS}
 
 
 def row_of(
@@ -90,18 +94,33 @@ def row_of(
         **({"strategy": combination.strategy} if combination.strategy else {}),
         "frames": len(pictures),
         "client": client.name,
-        "lacks": OUTSIDE_LACKS if combination.is_outside else lacking(combination.plan, client),
+        "lacks": _lacks(combination, client),
         "baseline": baselines().get(combination.warp, ""),
         "at_instants": {
             name: {str(frame): value for frame, value in at_instants(pictures, name).items()} for name in QUALITY
         },
         "blocks": {str(frame): blocks_text(blocks) for frame, blocks in measured.blocks.items()},
         "regions": pooled(regions[key] for key in measured.keys),
+        **_where_seen(measured.where_seen),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
         "passes": []
         if combination.is_outside
         else passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
     }
+
+
+def _lacks(combination: Combination, client: Client) -> str:
+    if combination.is_outside:
+        return ORACLE_LACKS if combination.warp == ORACLE else OUTSIDE_LACKS
+    return lacking(combination.plan, client)
+
+
+def _where_seen(pictures: Sequence[tuple[int, int, float]]) -> dict[str, Any]:
+    """Return `where_seen`: share and PSNR of what the late frame saw; nothing without an oracle."""
+    pixels, seen, error = (math.fsum(column) for column in zip(*pictures, strict=True)) if pictures else (0, 0, 0)
+    if not seen:
+        return {}
+    return {"where_seen": {"share": seen / pixels, "psnr_db": db_of(error / seen)}}
 
 
 def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
@@ -128,13 +147,15 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
 
 def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Return what a bench says of its JOD, nothing where it has none. rows: all of it."""
-    if not clip_s:
-        return []
-    display = rows[0]["jod"]["display"]
+    failures = list(dict.fromkeys(row["jod_failure"] for row in rows if "jod_failure" in row))
+    display = next((row["jod"]["display"] for row in rows if "jod" in row), None)
+    if not clip_s or display is None:
+        return failures
     return [
+        *failures,
         f"JOD by ColorVideoVDP, where {TRUTH_JOD:g} is like the truth: of clips of {clip_s:g} s that end at each "
         f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
-        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked."
+        f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
     ]
 
 
@@ -177,19 +198,32 @@ def write_parquet(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
     """
     pa = import_extra("pyarrow", "pyarrow", "study")
     parquet = import_extra("pyarrow.parquet", "pyarrow", "study")
-    types = {**dict.fromkeys(TEXTS, (pa.string(), str)), **dict.fromkeys(WHOLE, (pa.int64(), int))}
-    typed = {name: types.get(name, (pa.float64(), float)) for name in COLUMNS}
-    fields = [(name, kind) for name, (kind, _) in typed.items()]
+    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64()}
+    fields = [(name, kinds[TYPES[name]]) for name in COLUMNS]
     schema = pa.schema(fields, metadata={"made_by": f"hmdwarp {__version__}"})
-
-    def values(row: Mapping[str, Any]) -> dict[str, Any]:
-        known = {name: row[name] for name in COLUMNS if row.get(name) is not None}
-        return {name: typed[name][1](value) for name, value in known.items() if value != "" or name in TEXTS}
-
     with parquet.ParquetWriter(path, schema) as writer:
         rows = iter(rows)
         while group := list(itertools.islice(rows, 10_000)):  # what is in memory at once
-            writer.write_table(pa.Table.from_pylist([values(row) for row in group], schema=schema))
+            writer.write_table(pa.Table.from_pylist([typed(row) for row in group], schema=schema))
+
+
+def typed(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a flat row with the types of its columns; None where a number is not known."""
+    known = {name: row.get(name) for name in COLUMNS}
+    return {
+        name: None if value is None or (value == "" and name not in TEXTS) else TYPES[name](value)
+        for name, value in known.items()
+    }
+
+
+class Rows(list[dict[str, Any]]):
+    """The rows of a bench by the columns of bench.csv: texts, numbers, None for what is unknown."""
+
+    def to_pandas(self) -> Any:
+        """Return a pandas.DataFrame with one row for each. Errors: MachineError without pandas."""
+        frame = import_extra("pandas", "pandas", "study").DataFrame(list(self), columns=list(COLUMNS))
+        kinds = {int: "Int64", float: "float64"}  # Int64 may lack a value, int64 may not
+        return frame.astype({name: kinds[kind] for name, kind in TYPES.items() if kind in kinds})
 
 
 Row = Mapping[str, Any]
@@ -200,6 +234,7 @@ def left_out_notes(rows: Sequence[Row], client: Client) -> list[str]:
 
     rows: of bench.json. Empty if the client can run all of them.
     """
+    rows = [row for row in rows if row["warp"] != ORACLE]
     lacking = [row for row in rows if row["lacks"]]
     if not lacking:
         return []

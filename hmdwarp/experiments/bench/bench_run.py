@@ -6,6 +6,7 @@ And benches of several machines or parts as one: quality once, times for each ma
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,14 +17,15 @@ from ...client.classes import load_client
 from ...errors import HmdwarpError, InputError, MachineError
 from ...headsets import Headset
 from ...metrics import BOUND, blocks_apart, check_rating
+from ...options import PAPER
 from ...options.documents import json_in
 from ...options.named_files import RESULTS
 from ...pipeline.levels import choose
 from ...pipeline.planning import build_plan_for
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.source import Source
-from ...report import SCHEMA, OutputFolder, summary_faults
-from ...report.bench import first_cases, render_bench_page
+from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
+from ...report.bench import bench_page, first_cases, render_bench_page
 from ...run.combinations import Case
 from ...run.options import refuse_one_name
 from ..sweep import (
@@ -33,7 +35,7 @@ from ..sweep import (
     experiment,
     program_hash,
 )
-from .bench_rows import COLUMNS, LONG, about_rating, check_parquet, flat, left_out_notes, write_parquet
+from .bench_rows import COLUMNS, LONG, Rows, about_rating, check_parquet, flat, left_out_notes, typed, write_parquet
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
 from .cases import (
     BenchCase,
@@ -47,13 +49,15 @@ from .cases import (
     run_options,
     source_of,
 )
+from .further import about_sequence, further
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
 from .sections import GRID_STEPS, fused_steps
-from .suites import cost_text, suite_entry
+from .suite_means import suite_entry
+from .suites import cost_text
 
 # What is measured once, and what stands in bench.json without it.
 SECTIONS: Mapping[str, Any] = {GRID: [], FUSED: [], "grid_at": None, "fused_at": None}
-FILES = ("bench.csv", "bench.html", "bench.parquet", "bench.json")
+FILES = ("bench.csv", "bench.html", "bench.parquet", *PAPER, "bench.json")
 Progress = Callable[[int, int], None]
 
 
@@ -78,6 +82,14 @@ def bench(
         sizes = options.sizes if options.sizes != DEFAULT_SIZES else (headset.eye_size_px,)
         options = attrs.evolve(options, scenes=(source.scene.name,), recordings=("",), sizes=sizes)
     works, notes = _checked(options, headset, source)
+    parts, without = further(options)
+    for text in without:
+        say(text)
+    notes += without
+    for part in parts:
+        place = source_of(part, part.scenes[0])
+        added, told = _checked(part, place.headset, place)
+        works, notes = works + added, notes + told
     if options.sweep.cluster is None:
         check_room(works)
     if options.suite:
@@ -103,12 +115,12 @@ def bench(
                     *(f"{failure.name}: failed: {failure.why}" for failure in swept.failed),
                 ],
                 "rows": rows,
-                **suite_entry(options.suite, rows),
+                **suite_entry(options.suite, rows, [about_sequence(part) for part in parts if part.frames is not None]),
                 **sections,
                 "choice": choice,
             }
         )
-        write_bench(out, data, parquet=options.parquet)
+        write_bench(out, data, options)
     return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused)
 
 
@@ -139,7 +151,7 @@ def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[l
     """
     rate_hz = options.rate_hz or headset.refresh_hz
     combinations_of(options, None)  # names, before any scene is built
-    called, notes = {}, notes_on_warps(options)
+    called, notes = {}, [*notes_on_warps(options), *headset.notes]
     for name in options.scenes:
         scene = source.scene if source.kind.has_head else source_of(options, name).scene
         build_plan_for(
@@ -170,18 +182,20 @@ def _choice(rows: Iterable[Mapping[str, Any]], budget_ms: float | None) -> tuple
         return None, str(error)
 
 
-def write_bench(out: OutputFolder, data: dict[str, Any], *, parquet: bool = False) -> None:
-    """Write the table, the page and bench.json, whose content is `data`; the table as Parquet too.
+def write_bench(out: OutputFolder, data: dict[str, Any], options: BenchOptions | MergeOptions) -> None:
+    """Write the table, the page and bench.json, whose content is `data`; the options say what else.
 
-    Errors: MachineError where that lacks its package.
+    Errors: MachineError where Parquet lacks its package.
     """
     out.write_csv("bench.csv", flat(data["rows"]), COLUMNS)
-    if parquet:
+    if options.parquet:
         write_parquet(out.path("bench.parquet"), flat(data["rows"]))
     rows, count = first_cases(data["rows"], MOST_SHOWN)
     notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
     notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
     out.write_text("bench.html", render_bench_page({**data, "rows": rows, "notes": notes}))
+    if isinstance(options, BenchOptions):
+        write_paper(out, bench_page(data), options.paper)
     out.write_json("bench.json", data)
 
 
@@ -191,7 +205,7 @@ _KEY = (
     *("strategy", "warp", "fill"),
 )
 # Of the picture, not of the machine that made it.
-_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod")
+_QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod", "where_seen")
 _MACHINE = ("machine", "clock", "clocks", "copy_gb_s")
 Row = dict[str, Any]
 
@@ -233,8 +247,17 @@ def _merged(options: MergeOptions, benches: Sequence[dict[str, Any]]) -> Experim
         "seconds": sum(bench["seconds"] for bench in benches),
     }
     with OutputFolder(options.out, owned=FILES[:-1], last=FILES[-1], force=options.force) as out:
-        write_bench(out, data, parquet=options.parquet)
+        write_bench(out, data, options)
     return ExperimentResult(options.out, data, options.out / "bench.html")
+
+
+def read(folder: str | os.PathLike[str]) -> Rows:
+    """Return the rows of a bench in a folder, one for each combination in each case.
+
+    Their columns are those of bench.csv (docs/scale.md). Errors: InputError for a folder without a
+    bench, or with a damaged one.
+    """
+    return Rows(typed(row) for row in flat(_read(Path(folder))["rows"]))
 
 
 def _read(folder: Path) -> dict[str, Any]:

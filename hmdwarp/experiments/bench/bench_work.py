@@ -151,7 +151,7 @@ class _Runner:
         for batch in rated:  # after all times: no timed run has these refreshes between its own
             with set_up_replay(work.run_of(batch), needs_of(c.plan for c in batch)) as setup:
                 found = rate_clips(setup, batch, options.instants, steps)
-            ratings |= {_named(c): {"jod": each} for c, each in zip(batch, found, strict=True)}
+            ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
         return [{**row, **ratings.get(_named(c), {}), "machine": machine.about["machine"]} for c, row in rows]
 
     def grid(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:

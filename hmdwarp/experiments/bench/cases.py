@@ -25,7 +25,7 @@ from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.sizes import guarded_size
 from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
-from ...run.combinations import OUTSIDE, Case, Combination, batches, instants_of, missing
+from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing
 from ...run.options import RunOptions, refuse_traces_of_one_name
 from ...run.setup import first_shown_s, schedule_for, schedule_of
 from ...scenes import Scene
@@ -65,16 +65,16 @@ def cases_of(options: BenchOptions) -> list[Case]:
 def warps_of(options: BenchOptions) -> list[str]:
     """Return the warps of the options, or all that warp a late picture with variants and baselines.
 
-    As shortest text, each once. Those of other libraries come last.
+    As shortest text, each once. Those of other libraries come last; the oracle has to be named.
     Errors: as parse_warp; MachineError for one of another library that was named and is missing.
     """
     for name in options.warps:
-        if name in OUTSIDE and (why := missing(name)):
+        if name in PLANLESS and (why := missing(name)):
             raise MachineError(f"--warp {name}: {why}")
     every = [*filter(_warps_pictures, every_warp()), *every_baseline()]
     names = options.warps or [*every, *(name for name in OUTSIDE if not missing(name))]
-    own = dict.fromkeys(str(parse_warp(text)) for text in names if text not in OUTSIDE)
-    return [*own, *(name for name in OUTSIDE if name in names)]
+    own = dict.fromkeys(str(parse_warp(text)) for text in names if text not in PLANLESS)
+    return [*own, *(name for name in PLANLESS if name in names)]
 
 
 def baselines() -> dict[str, str]:
@@ -130,12 +130,12 @@ def combinations_of(options: BenchOptions, scene: Scene | None) -> list[Combinat
 def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
     """Return each warp with each fill, less what is left out where nothing was named.
 
-    Another library's warp has no fill. Errors: as warps_of and fills_of.
+    Another library's warp and the oracle have no fill. Errors: as warps_of and fills_of.
     """
     chosen = bool(options.warps) or options.fills != FILLS
     pairs = []
     for warp, fill in itertools.product(warps_of(options), fills_of(options)):
-        if warp in OUTSIDE:
+        if warp in PLANLESS:
             if not _left_out(options, warp) and (warp, "none") not in pairs:
                 pairs.append((warp, "none"))
         elif chosen or fill in _INCOMPLETE or warp in WITH_COMPLETE_FILLS:
@@ -144,14 +144,14 @@ def pairs_of(options: BenchOptions) -> list[tuple[str, str]]:
 
 
 def _combination(options: BenchOptions, scene: Scene | None, warp: str, fill: str) -> Combination:
-    if warp in OUTSIDE:  # colour and depth of the whole picture, as this warp reads them
+    if warp in PLANLESS:  # colour and depth of the whole picture, as this warp reads them
         return Combination(warp, fill, build_plan((), "forward", "none", "none", client_geometry=False))
     return Combination(warp, fill, plan_of(options, scene, warp, fill, options.lens))
 
 
 def _left_aside(options: BenchOptions, scene: Scene | None, warp: str) -> str:
     """Return why a warp is left out where all are compared, "" if it is not."""
-    if scene is None or warp in OUTSIDE:
+    if scene is None or warp in PLANLESS:
         return ""
     if options.frames is None:
         return parse_warp(warp).entry.unsuited(scene)
@@ -201,7 +201,8 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
     Its first refresh does not depend on the latency, so that all latencies have the same head.
     """
-    known: dict[str, Any] = options.of_run("effects", "start_s", "rendered_size", "out", "command") | {
+    same = ("effects", "start_s", "rendered_size", "predict", "horizon_ms", "metrics_by", "out", "command")
+    known: dict[str, Any] = options.of_run(*same) | {
         "trace": case.recording,
         "scene": case.scene,
         "latency_ms": case.latency_ms,
@@ -285,6 +286,7 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
     """Return the options that have this case alone; start_s: of all latencies of its recording."""
     return attrs.evolve(
         options,
+        also=None,
         scenes=(case.scene,),
         recordings=(case.recording,),
         latencies_ms=(case.latency_ms,),
@@ -314,7 +316,7 @@ def prepared(options: BenchOptions) -> BenchCase:
 def source_of(options: BenchOptions, scene: str) -> Source:
     """Return the recorded frames of the options, or one of their scenes."""
     if options.frames is not None:
-        return RecordingSource(open_sequence(options.frames, options.sequence_options))
+        return RecordingSource(open_sequence(options.frames, options.sequence_options), guard_band(options))
     return Source(PipelineOptions(scene=scene, scene_options=options.scene_options, headset=options.headset))
 
 

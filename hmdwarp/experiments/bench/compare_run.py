@@ -21,10 +21,11 @@ from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link.codec import codecs
 from ...metrics import QUALITY, ratings_of
+from ...options import PAPER, PaperOptions
 from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
-from ...report import OutputFolder, png_bytes
-from ...report.compare_page import first_cases, render_compare_page
+from ...report import OutputFolder, png_bytes, write_paper
+from ...report.compare_page import compare_page, first_cases
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, measured
 from ...run.setup import first_shown_s, schedule_for
@@ -43,7 +44,8 @@ COLUMNS = (
     *("jod", "truth_preferred", "client_ms", "server_ms", "mbit_s", "up_mbit_s", "decoded_mpx_s"),
     *("start_bytes", "client_bytes", "unfit"),
 )
-PAGE, TABLE, DATA = FILES = ("compare.html", "compare.csv", "compare.json")
+PAGE, TABLE, DATA = "compare.html", "compare.csv", "compare.json"
+FILES = (PAGE, TABLE, *PAPER, DATA)
 
 
 def compare(
@@ -76,7 +78,7 @@ def compare(
                 "rows": rows,
             }
         )
-        _write(out, data, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
+        _write(out, data, options.paper, [functools.partial(pictures_of, swept.kept, case) for case in swept.done])
     return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
 
@@ -138,7 +140,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
     by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
     return attrs.evolve(
         by_strategy.over(latency_ms, options.network, options.coding),
-        **options.of_run("scene", "repair", "metrics_every"),
+        **options.of_run("scene", "repair", "metrics_every", "metrics_by"),
         size=options.eye_size,
         start_s=start_s,
         lens="none",
@@ -155,11 +157,18 @@ def _described(text: str) -> dict[str, Any]:
     return {"name": text, **about, "classes": classes, "source": strategy.source}
 
 
-def _write(out: OutputFolder, data: dict[str, Any], pictures: Sequence[Callable[[], tuple[Picture, Picture]]]) -> None:
+def _write(
+    out: OutputFolder,
+    data: dict[str, Any],
+    paper: PaperOptions,
+    pictures: Sequence[Callable[[], tuple[Picture, Picture]]],
+) -> None:
     numbers, count = first_cases(data["rows"], MOST_SHOWN)
     shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
     out.write_csv(TABLE, _flat(data["rows"]), COLUMNS)
-    out.write_text(PAGE, render_compare_page(shown, [pictures[number] for number in numbers]))
+    page = compare_page(shown, [pictures[number] for number in numbers])
+    out.write_text(PAGE, page.html())
+    write_paper(out, page, paper)
     out.write_json(DATA, data)
 
 

@@ -17,6 +17,7 @@ from ...options import (
     Declared,
     Guard,
     Number,
+    PaperOptions,
     check_one_guard,
     force_field,
     group,
@@ -31,6 +32,7 @@ from ...options import (
     several,
     split_names,
 )
+from ...pipeline.proxy_options import DEFAULT_PREDICTOR
 from ...run.options import RunOptions
 from ..sweep.options import RecordedOptions, own_first
 from .suites import suites, with_suite
@@ -65,7 +67,7 @@ class BenchOptions(RecordedOptions):
     """
 
     # What a recording has itself, or cannot have.
-    with_frames = ("recordings", "scenes", "guard", "rendered_size", "rate_hz", "strategies")
+    with_frames = ("recordings", "scenes", "rendered_size", "predict", "rate_hz", "strategies")
     why_not = "a bench takes what was recorded"
 
     # Sets what is run; "" for none.
@@ -75,6 +77,13 @@ class BenchOptions(RecordedOptions):
         "and scenes.",
         valid=one_of("", *suites()),
         limits=" or ".join(suites()),
+    )
+    also: Path | None = option(
+        None,
+        "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
+        kind=Path,
+        metavar="DIR",
+        convert=attrs.converters.optional(Path),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))
@@ -104,10 +113,19 @@ class BenchOptions(RecordedOptions):
     server_rates_hz: tuple[float, ...] = several(_LINK.server_rate_hz, ())
     guard: Guard = guard_field(DEFAULT_GUARD)
     rendered_size: Size | None = same_as(_RUN.rendered_size)
+    # Of all combinations, `none` among them, as of a replay and what it is compared with.
+    predict: str = same_as(
+        _RUN.predict,
+        DEFAULT_PREDICTOR,
+        help=f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, and "
+        "cav constant_velocity. All warps have the same late frames.",
+    )
+    horizon_ms: float | None = same_as(_RUN.horizon_ms)
     # Six instants spread over a recording and both eyes by turns: FLIP and SSIM of a 1280x800
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
+    metrics_by: str = same_as(_RUN.metrics_by)
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
     # 0 for not at all.
     jod_s: float = same_as(
@@ -127,6 +145,7 @@ class BenchOptions(RecordedOptions):
     fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
     parquet: bool = parquet_field()
+    paper: PaperOptions = group(PaperOptions)
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
@@ -134,7 +153,8 @@ class BenchOptions(RecordedOptions):
         said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
         check_one_guard(said)
         values = super().values_of(said)
-        return values if said.get("frames") is None else {**values, "guard": 1.0, "grid": False, "fused": False}
+        recorded = {"predict": "none", "grid": False, "fused": False}
+        return values if said.get("frames") is None else {"guard": 1.0, **values, **recorded}
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
@@ -194,9 +214,11 @@ class CompareOptions(RecordedOptions):
     start_s: float = same_as(_RUN.start_s, START_S)
     seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
     metrics_every: int = same_as(_RUN.metrics_every)
+    metrics_by: str = same_as(_RUN.metrics_by)
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)
     out: Path = out_field(Path("out/compare"), "Folder for compare.html, compare.json and compare.csv.")
+    paper: PaperOptions = group(PaperOptions)
 
     @property
     def eye_size(self) -> tuple[int, int] | None:

@@ -1,10 +1,11 @@
-"""Named benchmarks: what they set, what they cost, and their means over all heads and scenes."""
+"""Named benchmarks: what they set, and what they cost."""
 
 from __future__ import annotations
 
+import functools
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,9 @@ import attrs
 from ... import metrics
 from ...errors import InputError
 
-Row = Mapping[str, Any]
+# Halves of scenes and heads.
+FIT, HELD_OUT = "fit", "held_out"
 _FILE = Path(__file__).with_name("suites.toml")
-MEASURES = ("flip", "psnr_db")
-# Of two, Student's t makes an interval 12.7 deviations wide each way, which says nothing.
-LEAST_CLUSTERS = 3
 # FLIP and SSIM of a 1280x800 picture take 0.6 s of a core.
 _S_PER_PIXEL = 0.6 / (1280 * 800)
 
@@ -29,14 +28,36 @@ class Suite:
     name: str
     version: int
     summary: str
+    # Names of the scenes by others that it takes where they are: see further.toml.
+    recipes: tuple[str, ...]
     # Values by option, as the command line has them.
     sets: Mapping[str, Any]
 
 
+def _entries() -> dict[str, Any]:
+    return tomllib.loads(_FILE.read_text(encoding="utf-8"))
+
+
+@functools.cache
+def halves() -> dict[str, dict[str, list[str]]]:
+    """Return `scenes` and `heads` of the half that parameters are fitted on, and of the other."""
+    found: dict[str, dict[str, list[str]]] = _entries()["halves"]
+    return found
+
+
+def half_of(head: str, scene: str) -> str:
+    """Return the half that a case belongs to; "" for one of both, or of neither."""
+    return next((name for name, half in halves().items() if head in half["heads"] and scene in half["scenes"]), "")
+
+
 def suites() -> dict[str, Suite]:
     """Return all suites by name."""
-    entries = tomllib.loads(_FILE.read_text(encoding="utf-8"))
-    return {name: Suite(name, entry.pop("version"), entry.pop("summary"), entry) for name, entry in entries.items()}
+    entries = _entries()
+    del entries["halves"]
+    return {
+        name: Suite(name, entry.pop("version"), entry.pop("summary"), tuple(entry.pop("recipes")), entry)
+        for name, entry in entries.items()
+    }
 
 
 def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -45,6 +66,8 @@ def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str
     usual: the default of each option. Errors: InputError for an option that the suite sets.
     """
     if not said.get("suite"):
+        if said.get("also") is not None:
+            raise InputError("--also without --suite: give scenes by --scene and recorded frames by --frames")
         return said
     suite = suites()[said["suite"]]
     for name in (*suite.sets, "frames", "trace"):
@@ -66,84 +89,3 @@ def cost_text(name: str, sizes: Sequence[tuple[int, int]], pictures: Sequence[in
         f"{math.ceil(seconds / max(count, 1) / 60)} min for the metrics of {max(count, 1)} processes; "
         "drawing and warping come on top, most of them without a GPU"
     )
-
-
-def suite_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
-    """Return `suite` of bench.json: name, version and over_all; empty for a bench of no suite."""
-    return {"suite": {"name": name, "version": suites()[name].version, "over_all": over_all(rows)}} if name else {}
-
-
-def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
-    """Return the means of each method at each latency, over all heads and scenes, the best first.
-
-    Each has `heads`, `scenes`, by measure {mean, interval}, and `behind`: how much more FLIP it has
-    than the best of its latency in the same cases. interval: see clustered_interval.
-    """
-    by_latency: dict[float, dict[tuple[str, str], list[Row]]] = {}
-    for row in rows:
-        by_latency.setdefault(row["latency_ms"], {}).setdefault((row["warp"], row["fill"]), []).append(row)
-    found = []
-    for latency_ms, methods in sorted(by_latency.items()):
-        best = min(methods.values(), key=lambda group: _mean(group, MEASURES[0]))
-        best_of = {_case(row): _value(row, MEASURES[0]) for row in best}
-        entries = [_entry(latency_ms, *method, group, best_of) for method, group in methods.items()]
-        found += sorted(entries, key=lambda entry: entry[MEASURES[0]]["mean"])
-    return found
-
-
-def _entry(
-    latency_ms: float, warp: str, fill: str, group: Sequence[Row], best_of: Mapping[tuple[str, str], float]
-) -> dict[str, Any]:
-    heads, scenes = zip(*map(_case, group), strict=True)
-    series = {measure: [_value(row, measure) for row in group] for measure in MEASURES}
-    series["behind"] = [_value(row, MEASURES[0]) - best_of[_case(row)] for row in group]
-    entry: dict[str, Any] = {"latency_ms": latency_ms, "warp": warp, "fill": fill}
-    entry |= {"heads": len(set(heads)), "scenes": len(set(scenes))}
-    for name, values in series.items():
-        interval = clustered_interval(values, heads, scenes)
-        entry[name] = {"mean": math.fsum(values) / len(values), "interval": interval and list(interval)}
-    return entry
-
-
-def _case(row: Row) -> tuple[str, str]:
-    return row["trace"], row["scene"]
-
-
-def _value(row: Row, measure: str) -> float:
-    value: float = row["quality"][measure]["mean"]
-    return value
-
-
-def _mean(group: Sequence[Row], measure: str) -> float:
-    return math.fsum(_value(row, measure) for row in group) / len(group)
-
-
-def clustered_interval(
-    values: Sequence[float], heads: Sequence[str], scenes: Sequence[str]
-) -> tuple[float, float] | None:
-    """Return the 95 % interval of a mean of cases that share heads and scenes.
-
-    None below three of each. The variances of the sums by head and by scene are added, that of
-    single cases taken off; it is at least the larger of the two. Each has the correction for few
-    clusters, and Student's t as many degrees of freedom as there are clusters of the rarer kind,
-    less one.
-    Source: Cameron, Gelbach and Miller 2011, Robust Inference With Multiway Clustering, 2.2.
-    """
-    kinds: tuple[Sequence[object], ...] = (heads, scenes, range(len(values)))
-    counts = [len(set(kind)) for kind in kinds]
-    if min(counts) < LEAST_CLUSTERS:
-        return None
-    import numpy as np
-    from scipy.special import stdtrit
-
-    series = np.asarray(values, np.float64)
-    mean = float(series.mean())
-    variances = []
-    for kind, count in zip(kinds, counts, strict=True):
-        places = {one: number for number, one in enumerate(dict.fromkeys(kind))}
-        sums = np.bincount([places[one] for one in kind], weights=series - mean)
-        variances.append(float(sums @ sums) / len(series) ** 2 * count / (count - 1))
-    by_head, by_scene, single = variances
-    variance = max(by_head + by_scene - single, by_head, by_scene)
-    half = float(stdtrit(min(counts[:2]) - 1, (1 + metrics.LEVEL) / 2)) * math.sqrt(variance)
-    return mean - half, mean + half

@@ -11,6 +11,7 @@ import attrs
 
 from ...errors import InputError
 from ...options import Declared, force_field, group, one_of, option, option_of, same_as
+from ...pipeline.options import with_ipd
 from ...poses.options import TraceOptions
 from ...run.options import RunOptions, recordings_field, with_recordings
 from ...scenes.options import SceneOptions
@@ -120,7 +121,7 @@ class RecordedOptions(ExperimentOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError for one that frames decide."""
-        said = with_recordings(said)
+        said = with_ipd(with_recordings(said), option_of(attrs.fields(cls).headset).default)
         values = super().values_of(said)
         if values.get("frames") is None:
             return values

@@ -13,6 +13,7 @@ import hashlib
 import itertools
 import json
 import platform
+import re
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -103,6 +104,8 @@ def _named_by(path: Path, size: int, mtime_ns: int) -> list[str]:
             header = json_in(path, GLTF)
             uris = [one.get("uri") for part in ("buffers", "images") for one in header.get(part, [])]
         return [unquote(uri) for uri in uris if isinstance(uri, str) and not uri.startswith("data:")]
+    if kind == ".xml":
+        return re.findall(r'name="filename"\s+value="([^"]+)"', content_of(path, BESIDE).decode("utf-8", "replace"))
     if (begins := _NAMING.get(kind)) is None:
         return []
     lines = (line.strip() for line in content_of(path, BESIDE).decode("utf-8", "replace").splitlines())

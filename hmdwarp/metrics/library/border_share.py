@@ -28,6 +28,7 @@ metrics.register(
     Metric(
         name="border_share",
         order=50,
+        most=1.0,
         compute=lambda m: border_share(m.covered, m.truth_inverse_depth, m.now.view, m.rendered, m.rendered_size),
         needs=Input.COVERAGE | Input.DEPTH | Input.RENDERED,
         is_contest=False,

@@ -6,6 +6,7 @@ metrics.register(
     Metric(
         name="flip",
         order=30,
+        most=1.0,
         compute=lambda m: m.flip[0],
         label="FLIP",
         bench_rank=float("inf"),

@@ -23,6 +23,7 @@ metrics.register(
     Metric(
         name="hole_share",
         order=40,
+        most=1.0,
         compute=lambda m: hole_share(m.covered),
         needs=Input.COVERAGE,
         is_contest=False,

@@ -10,6 +10,7 @@ from .charts import region_parts as region_parts
 from .charts import regions_chart as regions_chart
 from .charts import traffic as traffic
 from .charts import traffic_chart as traffic_chart
+from .page import bench_page as bench_page
 from .page import render_bench_page as render_bench_page
 from .rows import COLUMNS as COLUMNS
 from .rows import DECISION as DECISION

@@ -67,9 +67,10 @@ _KEY: Style = {
 def pareto_chart(case: Case, measure: str = PRIMARY, *, markers: Mapping[str, str] | None = None) -> str:
     """Draw one case as an <svg> element: mean error against median total time per eye.
 
-    Time is logarithmic. The colour of a point says which warp it is, its mark which fill; warps of
-    the front and baselines also have their names beside a point. Points of the front are filled,
-    their names bold, and a line joins them: nothing lies below and left of it (above, for PSNR).
+    Time is logarithmic. The mark of a point says which fill it has; a warp has a colour, its name
+    beside its best point, and a thin line to its others: no one has to tell two colours apart.
+    Points of the front are filled, their names bold, and a line joins them: nothing lies below and
+    left of it (above, for PSNR).
     Rows without a measurement are left out; a chart of nothing says so. markers: of the fills,
     where several charts are to share them.
     """
@@ -164,20 +165,23 @@ def _draw_case(axes: Axes, case: Case, measure: str, markers: Mapping[str, str],
             "linestyle": "none",
         }
         axes.plot(x, y, **style, markerfacecolor=colour if filled else "none", zorder=4 if filled else 3, clip_on=False)
+    for name in dict.fromkeys(row["warp"] for row in rows):
+        # A thin line ties all fills of a warp to its name: some see its colour as another's.
+        own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
+        axes.plot(*zip(*own, strict=True), color=palette.warp(name), linewidth=0.7, alpha=0.6, zorder=1)
     draw_names(axes, _names(rows, is_best, error, measure), np.stack([time, error], axis=1), is_best, line, palette)
     better = "better ↖" if metrics.get(measure).higher_is_better else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
 
 
 def _names(rows: Sequence[Row], is_best: np.ndarray, error: np.ndarray, measure: str) -> dict[str, list[int]]:
-    """Return the points that each name belongs to, by index.
+    """Return the points that each warp's name belongs to, by index.
 
-    Those of the front, or of a baseline that is not on it the best.
+    Those of the front, or the best of a warp that is not on it.
     """
     names: dict[str, list[int]] = {}
     for index, row in enumerate(rows):
-        if is_best[index] or row.get("baseline"):
-            names.setdefault(row["warp"], []).append(index)
+        names.setdefault(row["warp"], []).append(index)
     cost = -error if metrics.get(measure).higher_is_better else error
     chosen = {}
     for name, found in names.items():

@@ -57,10 +57,10 @@ _REFERENCE_HEADS = (
 )
 
 
-def render_bench_page(data: Mapping[str, Any]) -> str:
-    """Return the text of the page from the content of bench.json.
+def bench_page(data: Mapping[str, Any]) -> Page:
+    """Return the page from the content of bench.json.
 
-    The same content gives the same text. Sections without data (no grid, no fused rows, no budget)
+    The same content gives the same page. Sections without data (no grid, no fused rows, no budget)
     are left out.
     """
     rows: list[Row] = list(data["rows"])
@@ -90,33 +90,73 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
             reading_section("bench", *explained, *rated),
         ),
         made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
-    ).html()
+    )
+
+
+def render_bench_page(data: Mapping[str, Any]) -> str:
+    """Return the text of bench_page."""
+    return bench_page(data).html()
 
 
 def _suite(entry: Mapping[str, Any] | None) -> Section | None:
     """Return the means of a suite over all heads and scenes; None for a bench of no suite."""
     if not entry:
         return None
-    figures = [metrics.get(name).figure for name in ("flip", "psnr_db")]
-    figures.insert(1, attrs.evolve(figures[0], name="behind", label="FLIP behind the best"))
+    flip, psnr = (metrics.get(name).figure for name in ("flip", "psnr_db"))
+    behind = attrs.evolve(flip, name="behind", label="FLIP behind the best")
+    seen = attrs.evolve(psnr, name="where_seen_db", label="PSNR where seen")
+    columns = [(flip, "mean"), (flip, "p95"), (behind, "mean"), (psnr, "mean"), (psnr, "p95"), (seen, "mean")]
     lines = [
         (
             f"{row['latency_ms']:g} ms",
             row_name(row),
-            *(text for figure in figures for text in _mean_and_interval(figure, row[figure.name])),
+            *_rank(row["rank"]),
+            *(text for figure, which in columns for text in _with_interval(figure, row[figure.name], which)),
         )
         for row in entry["over_all"]
     ]
-    heads = [("", ""), ("", ""), *(pair for f in figures for pair in ((f.label, f.unit), ("95 %", f.unit)))]
+    heads = [("", ""), ("", ""), ("rank", "95 %"), ("best", "%")]
+    for figure, which in columns:
+        label = figure.label if which == "mean" else f"{figure.label} {which}"
+        heads += [(label, figure.unit), ("95 %", figure.unit)]
     heading = f"Suite {entry['name']} {entry['version']}: over all heads and scenes"
-    return Section(
-        heading, [Table.of("", heads, lines, label=heading, words=2), Text(texts("bench")["notes"]["suite"])]
-    )
+    told = texts("bench")["notes"]
+    floors = [
+        f"{sequence['name']}: {'unknown' if (floor := sequence['noise_floor_db']) is None else f'{floor:g} dB'}"
+        for sequence in entry.get("sequences", ())
+    ]
+    blocks = [Table.of("", heads, lines, label=heading, words=2), Text(told["suite"]), *_halves(entry["over_all"])]
+    return Section(heading, [*blocks, floors and Text(f"{told['floors']} {listed(floors)}.")])
 
 
-def _mean_and_interval(figure: Figure, entry: Mapping[str, Any]) -> tuple[str, str]:
-    interval = entry["interval"]
-    return figure.text(entry["mean"]), " to ".join(map(figure.text, interval)) if interval else "–"
+def _halves(rows: Sequence[Mapping[str, Any]]) -> list[Table | Text]:
+    """Return the means in the half that parameters are fitted on, and in the one held out."""
+    figures, names = [metrics.get(name).figure for name in MEASURES], {"fit": "fitted on", "held_out": "held out"}
+    heads = [("", ""), ("", ""), *((f"{f.label}, {name}", f.unit) for f in figures for name in names.values())]
+    lines = [
+        (
+            f"{row['latency_ms']:g} ms",
+            row_name(row),
+            *(f.text(row["halves"][h][f.name]) for f in figures for h in names),
+        )
+        for row in rows
+    ]
+    counts = [max((row["halves"][half]["cases"] for row in rows), default=0) for half in names]
+    label = "By half: {} cases of scenes and heads that parameters are fitted on, {} of others".format(*counts)
+    return [Text(f"{label}."), Table.of("", heads, lines, label=label, words=2)] if any(counts) else []
+
+
+def _rank(rank: Mapping[str, Any] | None) -> tuple[str, str]:
+    if rank is None:
+        return "–", "–"
+    return " to ".join(map(str, dict.fromkeys(rank["interval"]))), f"{100 * rank['best']:.0f}"
+
+
+def _with_interval(figure: Figure, entry: Mapping[str, Any] | None, which: str) -> tuple[str, str]:
+    if entry is None:
+        return "–", "–"
+    interval = entry["interval" if which == "mean" else f"{which}_interval"]
+    return figure.text(entry[which]), " to ".join(map(figure.text, interval)) if interval else "–"
 
 
 def _unique(rows: Iterable[Row], key: str) -> list[Any]:

@@ -1,7 +1,7 @@
 """The page, tables and charts of a study, and the chart of a power simulation."""
 
 from .charts import PowerLine, power_chart
-from .page import render_study_report
+from .page import render_study_report, study_page
 from .results import (
     comparison_lines,
     condition_lines,
@@ -23,4 +23,5 @@ __all__ = [
     "preference_lines",
     "render_study_report",
     "score_lines",
+    "study_page",
 ]

@@ -38,10 +38,10 @@ _WITHOUT_HEADS = tuple((head, "") for head in ("without them", "pairs", "mean", 
 _SICKNESS_HEADS = tuple((head, "") for head in ("after trial", "answers", "median", "worst"))
 
 
-def render_study_report(data: Row, command: str) -> str:
-    """Return the text of report.html from the content of analysis.json.
+def study_page(data: Row, command: str) -> Page:
+    """Return report.html from the content of analysis.json.
 
-    The same content gives the same text. Everything in it is escaped.
+    The same content gives the same page. Everything in it is escaped.
     """
     scales = data["scales"]
     facts = [fact("ratings from", data["source"])]
@@ -71,7 +71,12 @@ def render_study_report(data: Row, command: str) -> str:
             ("hmdwarp", data["hmdwarp"]),
             ("Numbers", "analysis.json and the folder tables hold all of them unrounded"),
         ],
-    ).html()
+    )
+
+
+def render_study_report(data: Row, command: str) -> str:
+    """Return the text of study_page."""
+    return study_page(data, command).html()
 
 
 def _said(sentences: Sequence[str]) -> Sentences:

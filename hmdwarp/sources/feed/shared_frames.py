@@ -24,10 +24,8 @@ from pathlib import Path
 import attrs
 import numpy as np
 
+from ... import platforms
 from .message import FrameMessage, Malformed, Stub, length_of, pieces_of, write
-
-if sys.platform == "linux":
-    import fcntl
 
 SHARED = Path("/dev/shm")
 PREFIX = "hmdwarp"
@@ -189,7 +187,7 @@ def _locked() -> tuple[str, int]:
 
 def _locks(descriptor: int) -> bool:
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        platforms.lock(descriptor)
     except OSError:
         return False
     return True

@@ -25,12 +25,9 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...platforms import fcntl, termios
 from ...resources import import_extra
 from . import EXTRA
-
-if sys.platform == "linux":
-    import fcntl
-    import termios
 
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1

@@ -126,6 +126,11 @@ class Sequence:
     repair: RepairChain = RepairChain()
     # Facts that all frames share, with who says them.
     assumptions: tuple[Assumption, ...] = ()
+    # PSNR between two renders of one frame that differ by noise alone; None if unknown.
+    noise_floor_db: float | None = None
+    # What a right eye beside this one saw: as many frames, of the same instants and size. None
+    # where it was not recorded.
+    right: Sequence | None = None
 
     def with_no_depth(self, meaning: str) -> Sequence:
         """Return the sequence with pixels without depth as `meaning` has it: FAR or HOLE."""
@@ -133,7 +138,8 @@ class Sequence:
             return self
         fact = Assumption(NO_DEPTH, "infinitely far", By.USER, "--no-depth")
         frames = tuple(frame.far_without_depth() for frame in self.frames)
-        return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact))
+        right = self.right and self.right.with_no_depth(meaning)
+        return attrs.evolve(self, frames=frames, assumptions=replaced(self.assumptions, fact), right=right)
 
     def repaired(self, repair: RepairChain) -> Sequence:
         """Return the sequence with its depth to be mended before a warp.
@@ -151,7 +157,16 @@ class Sequence:
             return self
         note = f"The {pixels} outermost pixels of each picture are left out."
         frames = tuple(frame.cropped(pixels) for frame in self.frames)
-        return attrs.evolve(self, frames=frames, notes=(*self.notes, note))
+        right = self.right and self.right.cropped(pixels)
+        return attrs.evolve(self, frames=frames, notes=(*self.notes, note), right=right)
+
+    @property
+    def right_m(self) -> float | None:
+        """How far the right eye sits to the right of this one, in the median; None without one."""
+        if self.right is None:
+            return None
+        pairs = zip(self.frames, self.right.frames, strict=True)
+        return float(np.median([one.pose.relative_to(other.pose).inverse().position_m[0] for one, other in pairs]))
 
     @property
     def rate_hz(self) -> float:

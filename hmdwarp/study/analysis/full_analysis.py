@@ -10,8 +10,9 @@ from typing import Any
 
 import attrs
 
-from ...report import ALPHA, OutputFolder, counted, listed, p_is, pair_text, plain, signed
-from ...report.study import csv_tables, render_study_report
+from ...options import PAPER, PaperOptions
+from ...report import ALPHA, OutputFolder, counted, listed, p_is, pair_text, plain, signed, write_paper
+from ...report.study import csv_tables, study_page
 from ...resources import __version__
 from ..design import SHIPPED, Family
 from ..prediction import prediction_data
@@ -223,17 +224,19 @@ def analysis_folder(folder: str | os.PathLike[str], *, force: bool = False) -> O
 
     Errors: InputError or MachineError for a place that cannot be written.
     """
-    return OutputFolder(folder, owned=("tables/*.csv", REPORT), last=DATA, force=force)
+    return OutputFolder(folder, owned=("tables/*.csv", REPORT, *PAPER), last=DATA, force=force)
 
 
-def write_analysis(out: OutputFolder, data: Mapping[str, Any], command: str) -> Path:
+def write_analysis(out: OutputFolder, data: Mapping[str, Any], command: str, paper: PaperOptions | None = None) -> Path:
     """Write an analysis and return the path that its page will have.
 
     Errors: InputError or MachineError for a place that cannot be written.
     """
     for name, (columns, rows) in csv_tables(data).items():
         out.write_csv(f"tables/{name}", rows, columns)
-    out.write_text(REPORT, render_study_report(data, command))
+    page = study_page(data, command)
+    out.write_text(REPORT, page.html())
+    write_paper(out, page, paper or PaperOptions())
     out.write_json(DATA, data)
     return out.folder / REPORT
 

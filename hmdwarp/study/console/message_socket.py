@@ -7,7 +7,6 @@ that started the other, so no foreign pickle comes in. To the console: ("state",
 
 from __future__ import annotations
 
-import fcntl
 import os
 import pickle
 import socket
@@ -18,6 +17,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...display import Command
+from ...platforms import widen_pipe
 from .line_console import ConsoleState, LineConsole, Subject, is_bound, subject_of
 
 PACKET = 1 << 16
@@ -175,7 +175,7 @@ class OutputCapture:
         self.read, self._write = os.pipe()  # reads do not wait
         os.set_blocking(self.read, False)
         with suppress(OSError):  # more than this user may have
-            fcntl.fcntl(self._write, fcntl.F_SETPIPE_SZ, PIPE_BYTES)
+            widen_pipe(self._write, PIPE_BYTES)
         self.out, self.err = os.dup(1), os.dup(2)  # stdout and stderr as they were
         self._taken = [fd for fd in (1, 2) if os.isatty(fd)]
 

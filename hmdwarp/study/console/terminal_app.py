@@ -14,7 +14,6 @@ import select
 import signal
 import socket
 import sys
-import termios
 from collections import deque
 from typing import ClassVar
 
@@ -26,6 +25,7 @@ from textual.containers import Horizontal, Vertical
 from textual.drivers.linux_driver import LinuxDriver
 from textual.widgets import RichLog, Static
 
+from ...platforms import termios
 from .line_console import ConsoleState, clock
 from .message_socket import MessageSocket, PeerGone, pieces
 from .screen_text import COLOURED, PLAIN, Entered, KeyEntry, Scene, help_text, plain

@@ -20,7 +20,6 @@ import stat
 import subprocess
 import sys
 import tempfile
-import termios
 from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
@@ -29,6 +28,7 @@ from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
+from ...platforms import termios
 from ...resources import install_line
 from .line_console import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, LineConsole, NoConsole
 from .message_socket import LINES_KEPT, LONGEST_LINE, MessageSocket, OutputCapture, PeerGone, ProgramConsole

@@ -237,7 +237,7 @@ def _value_name(key: str, value: object) -> str:
         return key if value else f"no-{key}"
     if not isinstance(value, str):
         return f"{key}{value}"
-    stem = PurePath(value).stem if value.lower().endswith((".toml", ".glb", ".gltf", ".obj", ".ply")) else value
+    stem = PurePath(value).stem if value.lower().endswith((".toml", ".glb", ".gltf", ".obj", ".ply", ".xml")) else value
     return re.sub(r"[^\w.+]+", "-", stem).strip("-")
 
 

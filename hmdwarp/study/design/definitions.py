@@ -190,6 +190,21 @@ def live_options(settings: Mapping[str, object], **more: Any) -> LiveOptions:
     return LiveOptions.of(values, panel=False, **more)
 
 
+def resolved(settings: Mapping[str, object]) -> dict[str, object]:
+    """Return settings with those that have a default by the warp. Errors: as live_options."""
+    options = live_options(settings)
+    values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
+    if options.rendered_size is None:
+        values["guard"] = options.guard
+    values["predict"] = options.predict
+    return {**values, **{key.replace("-", "_"): value for key, value in settings.items()}}
+
+
+def default_of(name: str) -> object:
+    """Return what a setting is that no condition sets."""
+    return next(option.default for option in _OPTIONS if option.name == name)
+
+
 def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Source]) -> LiveOptions:
     """Return the options after trying everything that needs no display.
 
@@ -223,7 +238,8 @@ def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence
 
 def _resolved(folder: Path, key: str, name: str, value: object) -> object:
     is_file = name in FILES or (
-        isinstance(value, str) and ((name == "headset" and value.endswith(".toml")) or _is_scene_file(name, value))
+        isinstance(value, str)
+        and ((name == "headset" and value.endswith((".toml", ".json"))) or _is_scene_file(name, value))
     )
     if not is_file or not isinstance(value, str):
         return value
@@ -235,7 +251,7 @@ def _resolved(folder: Path, key: str, name: str, value: object) -> object:
 
 
 def _is_scene_file(name: str, value: str) -> bool:
-    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply"))
+    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply", ".xml"))
 
 
 def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[tuple[str, str, object]]:

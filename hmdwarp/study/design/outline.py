@@ -6,15 +6,30 @@ the store keeps it. Resuming a session, after a crash too, means finding the fir
 
 from __future__ import annotations
 
+import json
 import math
-from collections import Counter
-from collections.abc import Callable, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Mapping, Sequence
 
 import attrs
 
 from ...report import counted
 from ..scales import QUESTIONNAIRE, Item, Scale
-from .definitions import FIXED, ONE, PAIR, RANDOM, REFERENCE_FIRST, WILLIAMS, Condition, Design, Page, Part, Task
+from .definitions import (
+    FIXED,
+    ONE,
+    PAIR,
+    RANDOM,
+    REFERENCE_FIRST,
+    WILLIAMS,
+    Condition,
+    Design,
+    Page,
+    Part,
+    Task,
+    default_of,
+    resolved,
+)
 from .orders import Order, pair_of, presented, trials_of, turned
 
 # Names of a trial's showings, by what it shows; the questions are about the last one.
@@ -297,6 +312,7 @@ def notes(design: Design) -> tuple[str, ...]:
     return (
         *_of_order(design),
         *(note for part in design.parts for note in _of_part(design, part)),
+        *_of_comparisons(design),
         *_of_people(design),
         *design.scene_notes,
     )
@@ -362,6 +378,53 @@ def _of_part(design: Design, part: Part) -> list[str]:
     if part.name not in compared:
         out.append(f"part {part.name}: no [[family]] plans a comparison; comparisons chosen afterwards prove nothing")
     return out
+
+
+def _of_comparisons(design: Design) -> list[str]:
+    """Say which planned comparisons are confounded: their conditions differ in several settings.
+
+    Those with a hidden reference differ in all by design. A warp and what fills its holes are one
+    thing where the other condition has no warp.
+    """
+    pairs: dict[tuple[str, str], list[str]] = defaultdict(list)
+    for compared in (one for family in design.families for one in family.comparisons):
+        of = {condition.name: condition for condition in design.part(compared.part).conditions}
+        both = of[compared.better], of[compared.baseline]
+        varied = _varied(*(resolved(one.settings) for one in both))
+        if len(varied) > 1 and not any(one.reference for one in both):
+            pairs[compared.part, _confounded(varied, *(one.settings for one in both))].append(
+                f"'{compared.better}' over '{compared.baseline}'"
+            )
+    return [f"part {part}: {', '.join(names)}: {what}" for (part, what), names in pairs.items()]
+
+
+Varied = dict[str, tuple[object, object]]
+# Settings whose default follows the warp.
+_BY_WARP = ("fill", "guard", "predict")
+
+
+def _varied(better: Mapping[str, object], baseline: Mapping[str, object]) -> Varied:
+    """Return the settings that differ, with both values. better, baseline: as resolved."""
+    names = dict.fromkeys((*better, *baseline))
+    values = {name: tuple(one.get(name, default_of(name)) for one in (better, baseline)) for name in names}
+    varied = {name: (a, b) for name, (a, b) in values.items() if a != b}
+    if "none" in varied.get("warp", ()):
+        varied.pop("fill", None)
+    return varied
+
+
+def _confounded(varied: Varied, better: Mapping[str, object], baseline: Mapping[str, object]) -> str:
+    what = ", ".join(f"{name} ({_in_toml(a)} and {_in_toml(b)})" for name, (a, b) in varied.items())
+    said = f"several settings differ, {what}; which of them is rated, no answer tells"
+    by_default = [name for name in _BY_WARP if name in varied and not (name in better and name in baseline)]
+    if not by_default:
+        return f"{said}; compare conditions that differ in one"
+    lines = " and ".join(f"{name} = {_in_toml(better.get(name, varied[name][0]))}" for name in by_default)
+    return f"{said}; some have a default that follows the warp: write {lines} into [common], and it is the same for all"
+
+
+def _in_toml(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else json.dumps(value)
 
 
 def _of_people(design: Design) -> list[str]:

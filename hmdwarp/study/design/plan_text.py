@@ -25,7 +25,7 @@ from .definitions import (
     Sickness,
     Task,
     every_scale,
-    live_options,
+    resolved,
 )
 from .orders import pair_name, presented, rows_for
 from .outline import balance, least_participants, notes, session_phases
@@ -93,11 +93,7 @@ def _value(value: object) -> str:
 
 def _defaults(condition: Condition) -> str:
     """Name the defaults of a condition: a reference that names no warp has one."""
-    options = live_options(condition.settings)
-    values = {"latency": options.latency_ms, "warp": options.warp, "fill": options.fill}
-    if options.rendered_size is None:
-        values["guard"] = options.guard
-    values["predict"] = options.predict
+    values = resolved(condition.settings)
     texts = _settings({name: value for name, value in values.items() if name not in condition.settings})
     return f"; by default {', '.join(texts)}" if texts else ""
 

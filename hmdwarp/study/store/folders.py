@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
 import os
 import socket
@@ -12,6 +11,7 @@ from datetime import datetime
 from pathlib import Path
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...platforms import lock
 from ...report import keep_private, sync
 from ..design import Design
 from .records import ORIGINS, PERSON
@@ -41,7 +41,7 @@ class Lock:
         except OSError as error:
             raise _no_place(error, folder) from error
         try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(self._file)
             self._sign(since)
         except BaseException as error:
             words = self._holder()

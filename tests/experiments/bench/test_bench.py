@@ -129,6 +129,7 @@ def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
         tmp_path,
         warp=warp,
         fill=fill,
+        predict=SMALL.predict,
         headset=SMALL.headset,
         guard=SMALL.guard,
         latency_ms=200.0,
@@ -373,6 +374,7 @@ def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_
     replayed = run(
         tmp_path / "replay",
         warp="none",
+        predict=SMALL.predict,
         latency_ms=100.0,
         headset=SMALL.headset,
         network=LinkOptions(server_rate_hz=25.0),

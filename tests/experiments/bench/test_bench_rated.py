@@ -7,7 +7,7 @@ import math
 
 import attrs
 import pytest
-from ratings import quiet, with_cvvdp, without_cvvdp
+from ratings import crashing_torch, quiet, with_cvvdp, without_cvvdp  # noqa: F401  (a fixture)
 from replays import run
 
 from hmdwarp.errors import MachineError
@@ -38,7 +38,14 @@ def test_without_the_package_a_bench_says_how_to_get_it(tmp_path):
 
 
 def unrated(rows: list[dict]) -> list[dict]:
-    return [{key: value for key, value in row.items() if key != "jod"} for row in untimed(rows)]
+    """Return rows without ratings and without the digest of options, which has that of --jod."""
+    return [{key: row[key] for key in row if key not in ("jod", "made_with")} for row in untimed(rows)]
+
+
+def test_a_crash_while_rating_costs_only_the_rating(tmp_path, crashing_torch):  # noqa: F811
+    result = bench(attrs.evolve(RATED, fills=("none",), out=tmp_path / "out"))
+    assert all("jod" not in row and row["quality"]["flip"]["mean"] > 0 for row in result.data["rows"])
+    assert [note for note in result.data["notes"] if "JOD" in note] == [crashing_torch]
 
 
 @with_cvvdp
@@ -48,7 +55,7 @@ def test_all_else_stays_as_it_is_in_batches_of_any_size(tmp_path, monkeypatch):
     plain = bench(attrs.evolve(PLAIN, out=tmp_path / "plain"))
     steps: list[tuple[float, float]] = []
     rated = bench(attrs.evolve(RATED, out=tmp_path / "rated"), lambda done, total: steps.append((done, total)))
-    assert unrated(rated.data["rows"]) == untimed(plain.data["rows"])
+    assert unrated(rated.data["rows"]) == unrated(plain.data["rows"])
     assert not any("jod" in row for row in plain.data["rows"])
     assert all(len(row["jod"]["clips"]) == 2 for row in rated.data["rows"])
     assert steps[-1] == (2, 2) and steps == sorted(steps)

@@ -40,10 +40,15 @@ def test_a_bench_measures_one_eye_at_recorded_instants(folder, tmp_path):
     assert all(row["quality"]["psnr_db"]["mean"] > 10 and row["mismatch"] is None for row in rows)
 
 
+def test_a_guard_band_is_cut_off_what_is_shown(folder, tmp_path):
+    (row,) = bench(options(folder, tmp_path, warp=["iterative"], guard="1.5")).data["rows"]
+    assert tuple(row["size"]) == (24, 16) and row["guard"] == 1.5
+
+
 def test_warps_and_options_beyond_a_recording_are_refused(folder, tmp_path):
     with pytest.raises(PlanError, match="layer 'peeled'"):
         bench(options(folder, tmp_path, warp=["layered"]))
-    said_of = {"--scene": {"scene": ["room"]}, "--guard": {"guard": "1.5"}, "TRACE": {"traces": ["walk"]}}
+    said_of = {"--scene": {"scene": ["room"]}, "TRACE": {"traces": ["walk"]}}
     for flag, said in {**said_of, "--strategy": {"strategy": ["points"]}}.items():
         with pytest.raises(InputError, match=f"^{flag} with --frames"):
             options(folder, tmp_path, **said)

@@ -61,7 +61,7 @@ def alone(name: str) -> RunOptions:
     same = {
         field: getattr(OPTIONS, field) for field in ("headset", "rate_hz", "start_s", "seconds", "guard", "workers")
     }
-    more = {"size": OPTIONS.sizes[0], "predict": "none", "lens": "none", "against": "", "images": 0}
+    more = {"size": OPTIONS.sizes[0], "predict": "cautious", "lens": "none", "against": "", "images": 0}
     return RunOptions.of(said, trace="look-around", metrics_every=1, **same, **more)
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
-from hmdwarp.experiments.bench.suites import clustered_interval, cost_text, over_all, suite_entry, suites
+from hmdwarp.experiments.bench.suite_means import clustered_interval, over_all, suite_entry
+from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench import render_bench_page
 from hmdwarp.resources import recording_names
@@ -68,20 +69,64 @@ def test_means_are_over_all_cases_of_a_method_and_on_the_page():
                 "flip": {"mean": flip + 0.1 * (trace == "a")},
                 "psnr_db": {"mean": 30.0 - 10 * flip + (scene == "x")},
             },
+            "at_instants": {
+                "flip": {"0": flip, "1": flip + 0.2 * (trace == "a")},
+                "psnr_db": {"0": 30.0, "1": 29.0 + (scene == "x")},
+            },
+            "where_seen": {"share": 0.9, "psnr_db": 33.0},
         }
-        for warp, worse in (("rotation", 0.1), ("iterative", 0.0))
+        for warp, worse in (("oracle", -0.01), ("rotation", 0.1), ("iterative", 0.0))
         for trace, scene, flip in itertools.product("abc", "xyz", [worse])
     ]
-    best, other = over_all(rows)
-    assert (best["warp"], other["warp"]) == ("iterative", "rotation")
+    oracle, best, other = over_all(rows)
+    assert (oracle["warp"], best["warp"], other["warp"]) == ("oracle", "iterative", "rotation")
     assert best["flip"]["mean"] == pytest.approx(0.1 / 3) and (best["heads"], best["scenes"]) == (3, 3)
     assert best["psnr_db"]["interval"][0] < 30.4 < best["psnr_db"]["interval"][1]
+    # Three of 18 pictures are bad, so 95 % of them reach the bad ones; a draw may lack head a.
+    assert best["flip"]["p95"] == 0.2 and best["flip"]["p95_interval"] == [0, 0.2]
+    assert best["psnr_db"]["p95"] == 29 and best["where_seen_db"]["mean"] == 33
+    assert (best["rank"], other["rank"]) == ({"best": 1, "interval": [1, 1]}, {"best": 0, "interval": [2, 2]})
+    assert oracle["rank"] is None and oracle["behind"]["mean"] == pytest.approx(-0.01)
     # Which head it is makes no difference to the difference of methods.
     assert best["behind"]["mean"] == 0 and other["behind"]["interval"] == pytest.approx([0.1, 0.1])
     assert suite_entry("", rows) == {}
     page = render_bench_page({"rows": [], **suite_entry("quick", rows)})
-    assert "Suite quick 1: over all heads and scenes" in page and "0.1000 to 0.1000" in page
+    assert "Suite quick 2: over all heads and scenes" in page and "0.1000 to 0.1000" in page
     assert "Suite" not in render_bench_page({"rows": []})
+
+
+def test_a_rank_is_as_sure_as_heads_and_scenes_agree():
+    """One method is better for one head of four by as much as it is worse for another: a coin."""
+    even = [
+        {
+            "trace": trace,
+            "scene": scene,
+            "latency_ms": 200.0,
+            "warp": warp,
+            "fill": "none",
+            "quality": {
+                name: {"mean": 0.5 + sign * {"a": 0.1, "b": -0.1}.get(trace, 0.0)} for name in ("flip", "psnr_db")
+            },
+            "at_instants": {name: {"0": 0.5} for name in ("flip", "psnr_db")},
+        }
+        for warp, sign in (("one", 1), ("other", -1))
+        for trace, scene in itertools.product("abcd", "xyz")
+    ]
+    one, other = over_all(even)
+    assert one["rank"]["interval"] == other["rank"]["interval"] == [1, 2]
+    # Draws in which both heads come as often count for both. Of 500, a share of 0.64 is within 0.1.
+    assert one["rank"]["best"] == pytest.approx(other["rank"]["best"], abs=0.1)
+    assert one["where_seen_db"] is None
+
+
+def test_halves_share_no_scene_and_no_head_and_each_suite_has_both():
+    fit, held_out = halves()["fit"], halves()["held_out"]
+    assert not {*fit["scenes"]} & {*held_out["scenes"]} and not {*fit["heads"]} & {*held_out["heads"]}
+    for name in suites():
+        options = BenchOptions.of({"suite": name})
+        every = [half_of(head, scene) for head, scene in itertools.product(options.recordings, options.scenes)]
+        assert {*every} == {"fit", "held_out", ""}
+        assert {*options.recordings} <= {*fit["heads"], *held_out["heads"]}
 
 
 def test_the_cost_is_told_before():

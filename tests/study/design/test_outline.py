@@ -14,6 +14,7 @@ from hmdwarp.study.design import (
     design_as_json,
     design_from_text,
     least_participants,
+    load_design,
     notes,
     presented,
     rows_for,
@@ -134,8 +135,34 @@ def test_hints_before_a_study(changes, says):
     assert any(says in note for note in notes(design(*changes)))
 
 
+SAME_FRAMES = ("[trial]", 'guard = 1.2\npredict = "cautious"\n[trial]')  # [common] stands before it
+
+
+def about_settings(*changes: tuple[str, str]) -> list[str]:
+    return [note for note in notes(design(*changes)) if "several settings differ" in note]
+
+
+def test_a_comparison_of_several_settings_names_them_and_the_lines_that_leave_one():
+    (note,) = about_settings()
+    assert "part run-1: 'warped-200' over 'late-200'" in note
+    assert 'warp ("mesh" and "none"), guard (1.2 and 1), predict ("cautious" and "none")' in note
+    assert 'write guard = 1.2 and predict = "cautious" into [common]' in note
+    assert not about_settings(SAME_FRAMES)
+
+
+def test_settings_that_the_plan_sets_differently_have_no_line_that_mends_them():
+    (note,) = about_settings(SAME_FRAMES, ('latency = 200\nwarp = "mesh"', 'latency = 300\nwarp = "mesh"'))
+    assert 'latency (300 and 200), warp ("mesh" and "none"); which' in note and "[common]" not in note
+
+
+@pytest.mark.parametrize("name", ["quick", "thesis", "thesis-as-was"])
+def test_shipped_studies_compare_one_thing(name):
+    assert not [note for note in notes(load_design(name)) if "several settings differ" in note]
+
+
 def test_a_sound_plan_leaves_little_to_think_of():
-    sound = design(("reference = true", 'warp = "none"\nreference = true'), ('["grade", "acr"]', '["grade"]'))
+    reference = ("reference = true", 'warp = "none"\nreference = true')
+    sound = design(reference, ('["grade", "acr"]', '["grade"]'), SAME_FRAMES)
     assert len(notes(sound)) == 3  # run-1 has an odd number; run-2 has no reference, and nothing is compared there
 
 

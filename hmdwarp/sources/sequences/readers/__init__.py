@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
+
+import attrs
 
 from ....errors import InputError
 from ....options.named_files import enter
 from ....registry import Registry
+from ..camera import read_json
 from ..options import SequenceOptions
 from ..recorded import Sequence
-from ._base import SequenceReader
+from ._base import CAMERA, SequenceReader
 
 readers: Registry[SequenceReader] = Registry("layout", __name__)
+# Folder of what the right eye saw, in that of the left one.
+RIGHT = "right"
 _NAMED = 6  # files of a folder that no reader knows
 
 
@@ -47,8 +53,30 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
         if getattr(options, name) is not None and name not in reader.takes:
             known = ", ".join(known.name for known in readers if name in known.takes)
             raise InputError(f"--{name.replace('_', '-')}: layout {reader.name} does not take it; expected {known}")
-    sequence = reader.read(place, options)
+    sequence = attrs.evolve(reader.read(place, options), noise_floor_db=_noise_floor(place))
+    if (place / RIGHT).is_dir():
+        sequence = attrs.evolve(sequence, right=_right(sequence, reader.read(place / RIGHT, options)))
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
+
+
+def _right(left: Sequence, right: Sequence) -> Sequence:
+    """Return what the right eye saw. Errors: InputError for other instants or another size."""
+    for name, one, other in (
+        ("instants", [frame.time_ns for frame in left.frames], [frame.time_ns for frame in right.frames]),
+        ("pixels", [left.frames[0].size], [right.frames[0].size]),
+    ):
+        if one != other:
+            raise InputError(f"{right.path}: frames of other {name} than those of {left.path}; expected the same")
+    return right
+
+
+def _noise_floor(place: Path) -> float | None:
+    """Return what camera.json states, in dB. Errors: InputError for what is no positive number."""
+    path = (place if place.is_dir() else place.parent) / CAMERA
+    stated = read_json(path).get("noise_floor_db") if path.exists() else None
+    if stated is not None and (type(stated) not in (int, float) or not 0 < stated < math.inf):
+        raise InputError(f"{path}: noise_floor_db is {stated!r}; expected a positive number of dB")
+    return stated
 
 
 def _content(place: Path) -> str:

@@ -1,0 +1,196 @@
+"""Headset files: those of the package, and the user's own."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, unknown_name
+from ..geometry import Fov, Pose
+from ..options.tables import Table, parsed, text_of
+from ._exports import load_export
+from ._lenses import MODELS, Lens
+from ._model import IPD_RANGE_M, Headset, HeadsetEye, Polygon
+
+_FOLDER = Path(__file__).parent
+_EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
+MIRRORED = "mirrored"
+IPD = ":ipd="
+
+
+def headset_names() -> list[str]:
+    """Return the names of the shipped headsets, sorted."""
+    return sorted(p.stem for p in _FOLDER.glob("*.toml"))
+
+
+def load_headset(spec: str) -> Headset:
+    """Load a shipped headset by name, or the user's own .toml or .json file by path.
+
+    `NAME:ipd=62` sets the distance of its pupils, in millimetres.
+    Errors: InputError naming the file and its fault, and for a distance outside its range.
+    """
+    name, distance, ipd = spec.partition(IPD)
+    if not distance:
+        return _loaded(name)
+    if not re.fullmatch(r"\d{1,4}(\.\d*)?", ipd):
+        raise InputError(f"headset '{spec}': expected NAME{IPD} and millimetres")
+    return _loaded(name).with_ipd(float(ipd) * 1e-3)
+
+
+def _loaded(name: str) -> Headset:
+    if name.endswith(".json"):
+        return load_export(Path(name))
+    path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
+    if not name.endswith(".toml") and not path.is_file():
+        raise unknown_name("headset", name, [*headset_names(), "FILE.toml", "FILE.json"])
+    text = text_of(path, "a headset, as a .toml file")
+    try:
+        return parsed(text, path, _headset, _EXAMPLE)
+    except InputError as error:  # the model's own name no file
+        raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
+
+
+def _headset(data: Table) -> Headset:
+    panel, eyes = data.table("panel"), data.table("eyes")
+    size_m = _pair(panel, "eye_size_m") if "eye_size_m" in panel else None
+    if "lens" in data and size_m is None:
+        raise panel.missing("eye_size_m")
+    both = _Both(eyes.within("ipd_m", 0, 1), size_m, data.table("lens") if "lens" in data else None)
+    left = both.eye(eyes.table("left"), -1) if "left" in eyes else both.straight(data.table("fov_deg"))
+    other = eyes.raw("right") if "right" in eyes else MIRRORED
+    if isinstance(other, str) and other != MIRRORED:
+        raise eyes.fault("right", f"is '{other}': expected \"{MIRRORED}\", or a table")
+    right = left.mirrored() if other == MIRRORED else both.eye(eyes.table("right"), 1)
+    return Headset(
+        name=data.text("name"),
+        summary=data.text("summary"),
+        source=data.text("source"),
+        emulated=data.text("emulated", ""),
+        eye_size_px=panel.numbers("eye_size_px", 2),
+        refresh_hz=panel.number("refresh_hz"),
+        eyes=(left, right),
+        ipd_range_m=_pair(eyes, "ipd_range_m") if "ipd_range_m" in eyes else IPD_RANGE_M,
+        peak_cd_m2=panel.number("peak_cd_m2") if "peak_cd_m2" in panel else None,
+        black_cd_m2=panel.number("black_cd_m2") if "black_cd_m2" in panel else None,
+    )
+
+
+def _pair(data: Table, key: str) -> tuple[float, float]:
+    first, second = data.numbers(key, 2)
+    return first, second
+
+
+@attrs.frozen
+class _Both:
+    """What both eyes have in common."""
+
+    ipd_m: float
+    size_m: tuple[float, float] | None
+    lens: Table | None
+
+    def straight(self, fov_deg: Table) -> HeadsetEye:
+        """Return a left eye that looks straight ahead, by four angles."""
+        fov = Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up")))
+        return HeadsetEye(Pose((-self.ipd_m / 2, 0, 0)), fov, self.size_m, self._lens(None, -1))
+
+    def eye(self, data: Table, side: int) -> HeadsetEye:
+        """Return the left (side -1) or the right eye (1) by its own table."""
+        place = np.array(data.numbers("offset_m", 3) if "offset_m" in data else (0, 0, 0)) + (
+            side * self.ipd_m / 2,
+            0,
+            0,
+        )
+        half = -side * math.radians(data.number("cant_deg", 0.0)) / 2
+        turn: tuple[float, ...] = (0.0, math.sin(half), 0.0, math.cos(half))
+        if "orientation_xyzw" in data:
+            turn = data.numbers("orientation_xyzw", 4)
+        fov = Fov.from_tangents(data.numbers("tangents", 4))
+        return HeadsetEye(Pose(place, turn), fov, self.size_m, self._lens(data, side), _hidden(data, fov))
+
+    def _lens(self, data: Table | None, side: int) -> Lens | None:
+        if self.lens is None or self.size_m is None:
+            return None
+        model = self.lens.text("model")
+        if model not in MODELS:
+            raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
+        x, y = _pair(self.lens, "axis_from_centre_m")
+        axis = _pair(data, "lens_axis_m") if data is not None and "lens_axis_m" in data else (-side * x, y)
+        corner = np.array(self.size_m) / 2 + np.abs(axis)
+        return MODELS[model].of(self.lens, axis, float(np.hypot(*corner)))
+
+
+def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:
+    if "hidden_share" in data:
+        seen = np.tan(np.radians(data.numbers("seen_deg", 4))) if "seen_deg" in data else fov.tangents
+        try:
+            return rounded_corners(fov, seen, data.within("hidden_share", 0, 0.5))
+        except ValueError as error:
+            raise data.fault("seen_deg", str(error)) from error
+    polygons = data.raw("hidden") if "hidden" in data else []
+    try:
+        found = [np.array(polygon, np.float64) for polygon in polygons]
+        if all(one.ndim == 2 and one.shape[1] == 2 and len(one) > 2 and np.isfinite(one).all() for one in found):
+            return tuple(tuple(map(tuple, one.tolist())) for one in found)
+    except (TypeError, ValueError):
+        pass
+    raise data.fault("hidden", "is no list of polygons: expected each as three or more [x, y] in tangents")
+
+
+def rounded_corners(fov: Fov, seen: NDArray[np.float64], share: float) -> tuple[Polygon, ...]:
+    """Return four corners that hide a share (0..0.5) of the view, outside of a superellipse.
+
+    It stands for a hidden area of which the share alone is known, and how far one sees to each
+    side: seen, the four tangents of that.
+    Errors: ValueError where no superellipse has both.
+    Source: area of Lame's curve |x|^n + |y|^n = 1: 4 Gamma(1 + 1/n)^2 / Gamma(1 + 2/n).
+    """
+    if share == 0:
+        return ()
+    (left, right, down, up), edge = seen, fov.tangents
+    of_box = (1 - share) * (edge[1] - edge[0]) * (edge[3] - edge[2]) / ((right - left) * (up - down))
+    low, high = 0.9, 200.0
+    if not (_area(low) < of_box < _area(high)):
+        raise ValueError(f"and hidden_share {share:g} do not fit each other: the share is that of the whole view")
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _area(middle) < of_box else (low, middle)
+    turn = np.linspace(0, math.pi / 2, 33)
+    arc = np.stack([np.cos(turn) ** (2 / low), np.sin(turn) ** (2 / low)], axis=1)
+    centre, half = np.array([left + right, down + up]) / 2, np.array([right - left, up - down]) / 2
+    made: list[NDArray[np.float64]] = []
+    for x, y in ((0, 2), (0, 3), (1, 2), (1, 3)):
+        corner = np.array([edge[x], edge[y]])
+        ends = np.array([(centre[0], corner[1]), corner, (corner[0], centre[1])])
+        made.append(np.vstack([arc * half * np.sign(corner - centre) + centre, ends]))
+    return tuple(tuple((float(x), float(y)) for x, y in points) for points in made)
+
+
+def _area(power: float) -> float:
+    """Return the share of its box that a superellipse covers."""
+    return math.gamma(1 + 1 / power) ** 2 / math.gamma(1 + 2 / power)
+
+
+def headset_toml(headset: Headset) -> str:
+    """Return the file of a headset without a lens: what a runtime reports.
+
+    Errors: InputError for a headset with a lens.
+    """
+    if headset.lens is not None:
+        raise InputError(f"headset '{headset.name}' has a lens, which a file of views cannot hold")
+    texts = {key: getattr(headset, key) for key in ("name", "summary", "source", "emulated")}
+    lines = [f"{key} = {json.dumps(text)}" for key, text in texts.items() if text]
+    lines += ["", "[panel]", f"eye_size_px = {list(headset.eye_size_px)}", f"refresh_hz = {headset.refresh_hz!r}"]
+    lines += ["", "[eyes]", f"ipd_m = {headset.ipd_m!r}"]
+    for name, side, eye in zip(("left", "right"), (-1, 1), headset.eyes, strict=True):
+        offset = eye.head_from_eye.position_m - (side * headset.ipd_m / 2, 0, 0)
+        lines += ["", f"[eyes.{name}]", f"tangents = {eye.fov.tangents.tolist()}", f"offset_m = {offset.tolist()}"]
+        lines += [f"orientation_xyzw = {list(eye.head_from_eye.unit_quaternion)}"]
+        if eye.hidden:
+            lines.append(f"hidden = {[[list(point) for point in polygon] for polygon in eye.hidden]}")
+    return "\n".join(lines) + "\n"

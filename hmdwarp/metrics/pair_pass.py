@@ -1,0 +1,128 @@
+"""FLIP and SSIM on the GPU; flip-evaluator and scikit-image are the judges in the tests."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..colour import linear_from_srgb
+from ..gpu import Gpu
+from ..gpu.shaders import Compute
+from .picture_pairs import SSIM_SIGMA, Alike, check_pair
+
+Array = NDArray[np.float64]
+# Of sRGB with white D65, as flip-evaluator has it.
+_XYZ_FROM_RGB = np.array(
+    [
+        [10135552 / 24577794, 8788810 / 24577794, 4435075 / 24577794],
+        [2613072 / 12288897, 8788810 / 12288897, 887015 / 12288897],
+        [1425312 / 73733382, 8788810 / 73733382, 70074185 / 73733382],
+    ]
+)
+_WHITE_FROM_RGB = _XYZ_FROM_RGB / _XYZ_FROM_RGB.sum(axis=1, keepdims=True)
+# Contrast sensitivity as sums of Gaussians a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees: (a, b).
+_SIGHT = (((1.0, 0.0047),), ((1.0, 0.0053),), ((34.1, 0.04), (13.5, 0.025)))
+_FEATURE_DEG = 0.082
+_POWER = 0.7
+
+
+def _kernels(pixels_per_degree: float) -> tuple[int, Array, Array]:
+    """Return the radius, and the weights of (Y, Cx, Cz, Cz) and of (smooth, edge, point)."""
+    spread = 0.5 * _FEATURE_DEG * pixels_per_degree
+    far = math.ceil(3 * math.sqrt(0.04 / (2 * math.pi**2)) * pixels_per_degree), math.ceil(3 * spread)
+    k = np.arange(-max(far), max(far) + 1)
+    sight = []
+    for parts in _SIGHT:
+        gaussians = [
+            np.sqrt(a * np.sqrt(np.pi / b)) * np.exp(-((np.pi * k / pixels_per_degree) ** 2) / b) * (abs(k) <= far[0])
+            for a, b in parts
+        ]
+        sight += [one / np.sqrt(sum(other.sum() ** 2 for other in gaussians)) for one in gaussians]
+    # In float32, as the library has it: below two pixels a degree it has no neighbours.
+    bell = np.exp(-((k / spread) ** 2) / 2).astype(np.float32).astype(np.float64) * (abs(k) <= far[1])
+    shapes = [bell / bell.sum()]
+    for form in (-k * bell, ((k / spread) ** 2 - 1) * bell):
+        sums = np.where(form < 0, -form[form < 0].sum(), form[form > 0].sum())
+        shapes.append(np.divide(form, sums, out=np.zeros_like(form), where=sums > 0))
+    return max(far), np.stack(sight, axis=1), np.stack(shapes, axis=1)
+
+
+@functools.cache
+def _green_from_blue() -> float:
+    """Return the colour difference of green and blue, the largest there is, to the power."""
+    found = []
+    for rgb in ((0, 1, 0), (0, 0, 1)):
+        w = _WHITE_FROM_RGB @ rgb
+        f = np.where(w > 216 / 24389, np.cbrt(w), w / (108 / 841) + 4 / 29)
+        lightness = 116 * f[1] - 16
+        found.append(np.array([lightness, 5 * lightness * (f[0] - f[1]), 2 * lightness * (f[1] - f[2])]))
+    apart = found[0] - found[1]
+    return float((abs(apart[0]) + np.hypot(*apart[1:])) ** _POWER)
+
+
+class PairPass:
+    """Measures pairs of byte pictures of one size."""
+
+    def __init__(self, gpu: Gpu, size: tuple[int, int], pixels_per_degree: float) -> None:
+        self._gpu, self._size = gpu, size
+        radius, sight, shape = _kernels(pixels_per_degree)
+        count = size[0] * size[1]
+        light = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
+        self._pixels = np.zeros((2, size[1], size[0], 4), np.uint8)
+        buffer = gpu.gl.buffer
+        # Pixels, light of bytes, what is filtered along rows (of SSIM all in one), a map.
+        self._pixel_words, self._map = buffer(reserve=8 * count, dynamic=True), buffer(reserve=4 * count)
+        self._light, self._between = buffer(light.tobytes()), buffer(reserve=64 * count)
+        self._half = 32 * count
+        constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
+        compared = {**constant, "rgb_from_white": np.linalg.inv(_WHITE_FROM_RGB), "most": _green_from_blue()}
+        bell = np.exp(-((np.arange(-5, 6) / SSIM_SIGMA) ** 2) / 2)
+        window = {"size": size, "bell": bell / bell.sum()}
+        compute, (wide, high) = gpu.shaders.compute, size
+        self._flip = (
+            (compute("metrics/flip_rows.comp", RADIUS=radius), constant, (-(-wide // 4), 2 * high)),
+            (compute("metrics/flip.comp", RADIUS=radius), compared, size),
+        )
+        self._ssim = (
+            (compute("metrics/ssim_rows.comp"), window, (-(-wide // 2), high)),
+            (compute("metrics/ssim.comp"), window, size),
+        )
+
+    def run(self, shown: NDArray[Any], truth: NDArray[Any]) -> Alike:
+        """Return how alike two pictures are.
+
+        shown, truth: (h, w, 3) uint8 sRGB of the size. Errors: InputError as check_pair.
+        """
+        check_pair(shown, truth)
+        self._pixels[0, ..., :3], self._pixels[1, ..., :3] = truth, shown
+        self._pixel_words.write(self._pixels)
+        self._pixel_words.bind_to_storage_buffer(0)
+        self._light.bind_to_storage_buffer(1)
+        self._between.bind_to_storage_buffer(2, size=self._half)
+        self._between.bind_to_storage_buffer(3, offset=self._half)
+        self._map.bind_to_storage_buffer(4)
+        flip_map = self._made(self._flip)
+        self._between.bind_to_storage_buffer(2)
+        return Alike(flip_map, float(self._made(self._ssim).mean(dtype=np.float64)))
+
+    def _made(self, programs: Sequence[tuple[Compute, dict[str, Any], tuple[int, int]]]) -> NDArray[np.float32]:
+        """Filter along rows, then along columns; return the map."""
+        (rows, row_values, invocations), (columns, values, _) = programs
+        wide, high = self._size
+        rows.uniforms.set(**row_values)
+        rows.run(*invocations)
+        self._gpu.barrier()
+        columns.uniforms.set(**values)
+        columns.run(wide, high)
+        self._gpu.barrier()
+        return np.frombuffer(self._map.read(), np.float32).reshape(high, wide)
+
+    def close(self) -> None:
+        """Free the buffers."""
+        for buffer in (self._pixel_words, self._light, self._between, self._map):
+            buffer.release()

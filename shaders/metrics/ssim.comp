@@ -1,0 +1,39 @@
+// Filters along columns what ssim_rows.comp has filtered along rows, and compares both pictures.
+// In: 15 floats a pixel. Out: SSIM of each pixel, the mean of its channels.
+// Source: Wang, Bovik, Sheikh, Simoncelli 2004, eq. 13.
+#define ROWS 8
+#include "metrics/bell.glsl"
+layout(local_size_x = 64, local_size_y = 1) in;
+layout(std430, binding = 2) readonly buffer Sums { vec4 sums[]; };
+layout(std430, binding = 4) writeonly buffer Map { float map[]; };
+uniform ivec2 size;
+
+const float C1 = 6.5025, C2 = 58.5225; // (0.01 * 255)^2, (0.03 * 255)^2
+
+void main() {
+    ivec2 q = ivec2(gl_GlobalInvocationID.xy) * ivec2(1, ROWS);
+    if (q.x >= size.x || q.y >= size.y) return;
+    vec4 found[ROWS][4];
+    for (int n = 0; n < ROWS; ++n)
+        for (int part = 0; part < 4; ++part) found[n][part] = vec4(0.0);
+    for (int k = 0; k < ROWS + 2 * RADIUS; ++k) {
+        int at = 4 * (mirrored(q.y + k - RADIUS, size.y) * size.x + q.x);
+        vec4 one = sums[at], two = sums[at + 1], three = sums[at + 2], four = sums[at + 3];
+        for (int n = 0; n < ROWS; ++n) {
+            if (k < n || k - n > 2 * RADIUS) continue;
+            found[n][0] += bell[k - n] * one;
+            found[n][1] += bell[k - n] * two;
+            found[n][2] += bell[k - n] * three;
+            found[n][3] += bell[k - n] * four;
+        }
+    }
+    for (int n = 0; n < ROWS; ++n) {
+        vec3 mx = found[n][0].xyz, my = found[n][1].xyz;
+        vec3 vx = vec3(found[n][0].w, found[n][1].w, found[n][2].w) - mx * mx;
+        vec3 vy = found[n][2].xyz - my * my, vxy = found[n][3].xyz - mx * my;
+        mx += 127.5;
+        my += 127.5;
+        vec3 s = (2.0 * mx * my + C1) * (2.0 * vxy + C2) / ((mx * mx + my * my + C1) * (vx + vy + C2));
+        if (q.y + n < size.y) map[(q.y + n) * size.x + q.x] = (s.x + s.y + s.z) / 3.0;
+    }
+}

@@ -1,0 +1,257 @@
+"""Lenses that are no polynomial in r^2: tables of angles, and SteamVR's configuration."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from panels import in_two_passes, panel_of, world_before
+from replays import run
+from scipy.interpolate import PchipInterpolator
+
+from hmdwarp.client.lens import lenses
+from hmdwarp.errors import InputError
+from hmdwarp.gpu import Canvas
+from hmdwarp.headsets import COLOURS, Headset, TableLens, ViveLens, load_headset
+
+ANGLES = (0, 10, 20, 30, 35, 40, 45, 48.3073)
+DISTANCES = (0, 0.247, 0.48, 0.696, 0.799, 0.8906, 0.963, 1)
+TABLE = f"""
+name = "pancake"
+summary = "a pancake lens by its table"
+source = "public default profile of the MeganeX superlight 8K (MIT)"
+[panel]
+eye_size_px = [72, 60]
+eye_size_m = [0.06, 0.05]
+refresh_hz = 90
+[eyes]
+ipd_m = 0.064
+[fov_deg]
+left = -48
+right = 48
+down = -44
+up = 44
+[lens]
+model = "table"
+axis_from_centre_m = [0.002, -0.001]
+unit_m = 0.03
+angle_deg = {list(ANGLES)}
+red = {[round(0.99 * d, 4) for d in DISTANCES]}
+green = {list(DISTANCES)}
+blue = {[round(1.01 * d, 4) for d in DISTANCES]}
+"""
+
+
+def colour(name: str, x: float, *k: float) -> dict[str, object]:
+    return {name: {"center_x": x, "center_y": 0.01, "coeffs": [*k, 0.0, 0.0, 0.0, 0.0, 0.0], "type": "DISTORT_DPOLY3"}}
+
+
+def vive_json() -> dict[str, object]:
+    """Written from the format's description; its numbers are made up."""
+
+    def eye(side: int) -> dict[str, object]:
+        c, s = math.cos(math.radians(5)), math.sin(math.radians(5))
+        return {
+            **colour("distortion_red", side * -0.08, -0.18, -0.08, 0.01),
+            **colour("distortion", side * -0.081, -0.2, -0.08, 0.01),
+            **colour("distortion_blue", side * -0.082, -0.23, -0.08, 0.01),
+            "eye_to_head": [[c, 0, -side * s], [0, 1, 0], [side * s, 0, c]],
+            "grow_for_undistort": 0.6,
+            "intrinsics": [[1.2, 0, side * -0.08], [0, 1.08, 0.01], [0, 0, -1]],
+            "undistort_r2_cutoff": 1.2,
+        }
+
+    return {
+        "device": {
+            "eye_target_width_in_pixels": 72,
+            "eye_target_height_in_pixels": 80,
+            "physical_aspect_x_over_y": 0.9,
+        },
+        "lens_separation": 0.063,
+        "tracking_to_eye_transform": [eye(-1), eye(1)],
+    }
+
+
+@pytest.fixture
+def pancake(tmp_path) -> Headset:
+    (tmp_path / "pancake.toml").write_text(TABLE)
+    return load_headset(str(tmp_path / "pancake.toml"))
+
+
+@pytest.fixture
+def vive(tmp_path) -> Headset:
+    (tmp_path / "vive.json").write_text(json.dumps(vive_json()))
+    return load_headset(str(tmp_path / "vive.json"))
+
+
+def shown_tangents(headset: Headset, eye: int, size: tuple[int, int], name: str) -> np.ndarray:
+    """(h, w, 2) what each panel pixel shows, NaN for nothing: straight from the formulas."""
+    lens, panel = headset.eyes[eye].lens, np.array(headset.eyes[eye].panel_m)
+    pixels = np.stack(np.meshgrid(*(np.arange(n) + 0.5 for n in size)), axis=-1)
+    from_middle = (pixels / size - 0.5) * panel
+    if isinstance(lens, TableLens):
+        from_axis = (from_middle - lens.axis_from_centre_m) / 0.03
+        r, way = np.hypot(*from_axis.T).T, np.arctan2(from_axis[..., 1], from_axis[..., 0])
+        angle = np.radians(PchipInterpolator(lens.distances[name], ANGLES, extrapolate=False)(r))
+        return np.tan(angle)[..., None] * np.stack([np.cos(way), np.sin(way)], axis=-1)
+    assert isinstance(lens, ViveLens)
+    told = vive_json()["tracking_to_eye_transform"][eye]  # type: ignore[index]
+    block = told[{"red": "distortion_red", "green": "distortion", "blue": "distortion_blue"}[name]]
+    place = from_middle * (1, -1) - (block["center_x"], block["center_y"])  # +y is down there
+    r2, (k1, k2, k3, *_) = (place**2).sum(axis=-1, keepdims=True), block["coeffs"]
+    tangent = place / (1 + k1 * r2 + k2 * r2**2 + k3 * r2**3) / told["intrinsics"][0][0] * (1, -1)
+    return np.where(r2 <= told["undistort_r2_cutoff"], tangent, np.nan)
+
+
+@pytest.mark.parametrize("name", ["pancake", "vive"])
+@pytest.mark.parametrize("eye", [0, 1])
+def test_the_pass_shows_what_the_formulas_say(gpu, request, name, eye):
+    """Of a picture whose colour is its place: the panel shows where it looked."""
+    headset, size, panel_size = request.getfixturevalue(name), (160, 128), (41, 37)
+    v, u = np.mgrid[: size[1], : size[0]]
+    canvas, panel = Canvas(gpu.gl, size), Canvas(gpu.gl, panel_size)
+    for axis, places in enumerate(((u + 0.5) / size[0], (v + 0.5) / size[1])):
+        shown = np.dstack([places] * 3 + [np.ones_like(places)])
+        canvas.texture.write(shown.astype(np.float16).tobytes(), alignment=1)
+        lenses.get(headset.lens.model)(gpu, headset, panel_size).run(canvas, headset.fov(eye), eye, panel)
+        gpu.gl.memory_barrier()
+        out = np.frombuffer(panel.texture.read(alignment=1), np.float16).reshape(*panel_size[::-1], 4).astype(float)
+        tangents, low = headset.fov(eye).tangents, headset.fov(eye).tangents[2 * axis]
+        for channel, wanted_colour in enumerate(COLOURS):
+            found = shown_tangents(headset, eye, panel_size, wanted_colour)
+            span = tangents[1::2] - tangents[::2]
+            place = (found - tangents[::2]) / span
+            # Half a pixel inside: the sampler repeats the border, and an edge may fall either way.
+            inside = (place > 0.51 / np.array(size)).all(axis=-1) & (place < 1 - 0.51 / np.array(size)).all(axis=-1)
+            outside = ~((place > -1e-4) & (place < 1 + 1e-4)).all(axis=-1)
+            assert inside.mean() > 0.4 and np.all(out[..., channel][outside] == 0)
+            # Half floats: 2^-11 of 1 for the picture and for the result; the table's rows 1e-5.
+            wanted = (found[..., axis] - low) / span[axis]
+            assert np.abs(out[..., channel] - wanted)[inside].max() <= 2**-10 + 2e-5
+    canvas.release()
+    panel.release()
+
+
+@pytest.mark.parametrize("name", ["pancake", "vive"])
+@pytest.mark.parametrize("warp", ["rotation", "iterative"])
+def test_fused_is_the_lens_after_the_warp(gpu, request, name, warp):
+    """An unmoved head looks at the same places: one resample is the lens pass of the picture."""
+    headset, size = request.getfixturevalue(name), (64, 64)
+    world = world_before(gpu, headset, 0, 5, size, moved=False)
+    fused = panel_of(gpu, world, warp, headset, 0, (40, 36), lens=headset.lens.model)
+    two = in_two_passes(gpu, world, warp, headset, 0, (40, 36), lens=headset.lens.model)
+    same = np.abs(fused - two).max(axis=-1) <= 2**-9
+    assert same.mean() > 0.5 and (fused[..., 3] > 0).any()
+
+
+@pytest.mark.parametrize("name", ["pancake.toml", "vive.json"])
+def test_a_file_drives_a_replay(gpu, tmp_path, name):
+    (tmp_path / name).write_text(TABLE if name.endswith("toml") else json.dumps(vive_json()))
+    headset = load_headset(str(tmp_path / name))
+    options = {"headset": str(tmp_path / name), "lens": headset.lens.model, "size": (40, 36), "seconds": 0.05}
+    made = run(tmp_path / "out", gpu=gpu, **options)
+    assert made.summary["lens"] == headset.lens.model
+    with pytest.raises(InputError, match=f"has a lens of model {headset.lens.model}: use --lens"):
+        run(tmp_path / "other", gpu=gpu, **{**options, "lens": "radial"})
+
+
+def test_known_numbers_of_the_configuration(vive):
+    assert vive.cants_deg == pytest.approx((5, 5)) and vive.ipd_m == pytest.approx(0.063)
+    assert vive.eye_size_px == (72, 80) and vive.aspect == pytest.approx(0.9)
+    # Blue at the panel's left edge, r = 1.082 level with the axis, is seen at 1.415; at the cutoff
+    # r^2 = 1.2, a little above or below, at 1.458 from the axis.
+    assert -1.458 < vive.left_fov.tangents[0] < -1.415
+
+
+@given(st.lists(st.floats(0.01, 1), min_size=2, max_size=9), st.floats(0, 1))
+def test_a_table_grows_and_goes_there_and_back(steps, share):
+    distances = tuple(np.concatenate([[0], np.cumsum(steps)]).tolist())
+    angles = tuple(np.linspace(0, 50, len(distances)).tolist())
+    lens = TableLens((0, 0), 0.03, angles, dict.fromkeys(COLOURS, distances))
+    r = np.linspace(1e-6, distances[-1], 400)
+    shown = r * lens.scales("green", r)
+    assert (np.diff(shown) > 0).all() and math.degrees(math.atan(shown[-1])) == pytest.approx(50)
+    at = 1e-6 + share * (distances[-1] - 1e-6)
+    wanted = float(at * lens.scales("green", np.array([at]))[0])
+    low, high = 0.0, distances[-1]
+    for _ in range(60):
+        middle = (low + high) / 2
+        below = middle * lens.scales("green", np.array([middle]))[0] < wanted
+        low, high = (middle, high) if below else (low, middle)
+    assert low == pytest.approx(at, abs=1e-6)
+    assert np.isnan(lens.scales("green", np.array([distances[-1] * 1.01]))).all()
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "says"),
+    [
+        ("0.48, 0.696", "0.7, 0.696", "lens table green does not grow at 30 degrees"),
+        ("angle_deg = [0, 10", "angle_deg = [0, 30", "lens table angle_deg does not grow at 20 degrees"),
+        ("green = [0, ", "green = [", r"lens table green has 7 values from 0\.247"),
+        ("48.3073]", "91]", "ends at 91: expected less than 89"),
+        ('"table"', '"tables"', "unknown lens model 'tables': known is radial, table"),
+    ],
+)
+def test_a_bad_table_is_one_line(tmp_path, found, put, says):
+    path = tmp_path / "mine.toml"
+    path.write_text(TABLE.replace(found, put))
+    with pytest.raises(InputError, match=says) as caught:
+        load_headset(str(path))
+    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("found", "put", "says"),
+    [
+        (r', \{"distortion_red": \{"center_x": -0.08,.*\]', "]", "has 1 eyes: expected the left one and the right"),
+        ("-0.23, ", "-2.3, ", "the lens of blue folds back at r = "),
+        ("DISTORT_DPOLY3", "DISTORT_POLY3", "type is 'DISTORT_POLY3': expected DISTORT_DPOLY3"),
+        ('"distortion"', '"distorted"', "the key tracking_to_eye_transform.distortion is missing"),
+        ('"intrinsics": \\[\\[1.2', '"intrinsics": [[0', "focal is 0"),
+        ("\\{", "[", "this is no JSON"),
+        ('"tracking_to', '"tracking', "neither SteamVR's configuration"),
+    ],
+)
+def test_a_bad_configuration_is_one_line(tmp_path: Path, found, put, says):
+    path = tmp_path / "mine.json"
+    text = json.dumps(vive_json())
+    changed = re.sub(found, put, text)
+    assert changed != text
+    path.write_text(changed)
+    with pytest.raises(InputError, match=says) as caught:
+        load_headset(str(path))
+    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+
+
+def hmdq_json() -> dict[str, object]:
+    """As hmdq writes it of OpenVR: the left eye's hidden triangle lies in 0..1 of its view."""
+    eyes = {"Left": -1, "Right": 1}
+    tangents = {"tan_left": -1.2, "tan_right": 1.0, "tan_bottom": -1.1, "tan_top": 0.9}
+    geometry = {
+        "rec_rts": [64, 60],
+        "raw_eye": dict.fromkeys(eyes, tangents),
+        "eye2head": {eye: [[1, 0, 0, side * 0.031], [0, 1, 0, 0], [0, 0, 1, 0]] for eye, side in eyes.items()},
+        "ham_mesh": {"Left": {"verts_raw": [[0, 1], [0, 0.5], [0.5, 1]]}, "Right": None},
+    }
+    return {"misc": {"log_ver": 5}, "openvr": {"geometry": geometry}}
+
+
+def test_an_export_of_hmdq(tmp_path):
+    path = tmp_path / "mine.json"
+    path.write_text(json.dumps(hmdq_json()))
+    headset = load_headset(str(path))
+    assert headset.eye_size_px == (64, 60) and headset.ipd_m == pytest.approx(0.062) and headset.lens is None
+    left, right = headset.eyes
+    assert left.fov.tangents == pytest.approx((-1.2, 1.0, -1.1, 0.9))
+    assert np.array(left.hidden) == pytest.approx(np.array([[(-1.2, 0.9), (-1.2, -0.1), (-0.1, 0.9)]]))
+    # An eighth of the view, counted in 512 columns.
+    assert (left.hidden_share, right.hidden_share) == (pytest.approx(0.125, abs=2e-3), 0)
+    path.write_text(path.read_text().replace("tan_top", "top"))
+    with pytest.raises(InputError, match=r"mine\.json: the key .*tan_top is missing"):
+        load_headset(str(path))

@@ -1,0 +1,59 @@
+"""Pictures of canted and unequal eyes: what is drawn, warped and guarded for them."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from client.test_multi import WALL, scene_of, square
+from replays import run
+from worlds import read
+
+from hmdwarp.geometry import Pose
+from hmdwarp.headsets import load_headset
+from hmdwarp.sources.server import Server
+
+SIZE = (67, 53)
+UNLIKE = ("index", "pimax-8k", "beyond-2e")
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_left_and_right_exchanged_give_the_mirrored_picture(gpu, name):
+    headset = load_headset(name)
+    other = attrs.evolve(headset, eyes=tuple(eye.mirrored() for eye in headset.eyes[::-1]))
+    pictures = []
+    for side, eyes in ((1, headset), (-1, other)):
+        far, near = square(2.0, (side * 0.7, 0.3), 0.5, 0.5), square(1.5, (side * -0.2, -0.4), 0.3, 0.9)
+        server = Server(gpu, scene_of(far, near, WALL))
+        pictures.append([read(server.draw(view, SIZE).colour) for view in eyes.views(Pose((side * 0.1, 0, 0)))])
+        server.close()
+    for eye in (0, 1):
+        found, wanted = pictures[0][eye], pictures[1][1 - eye][:, ::-1]
+        # A pixel centre within rounding of an edge may fall to either side of it.
+        assert (np.abs(found - wanted).max(axis=-1) > 2e-3).mean() < 0.002
+        assert np.ptp(found[..., 0]) > 0.1
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+@pytest.mark.parametrize("warp", ["rotation", "forward", "iterative", "mesh", "multi"])
+def test_a_frame_without_latency_is_shown_as_it_is(gpu, tmp_path, name, warp):
+    made = run(tmp_path, gpu=gpu, headset=name, warp=warp, latency_ms=0, size=SIZE, seconds=0.05)
+    quality = made.summary["quality"]
+    assert (quality["psnr_db"]["mean"], quality["hole_share"]["mean"]) == (100, 0)  # 100: equal
+
+
+@pytest.mark.parametrize("name", UNLIKE)
+def test_a_wide_guard_leaves_no_border(gpu, tmp_path, name):
+    common = {
+        "headset": name,
+        "trace": "fast-turns",
+        "start_s": 2.0,
+        "warp": "rotation",
+        "latency_ms": 30,
+        "size": SIZE,
+    }
+    border = [
+        run(tmp_path / str(guard), gpu=gpu, **common, guard=guard).summary["quality"]["border_share"]["mean"]
+        for guard in (1.0, 2.0)
+    ]
+    assert border[0] > 0 == border[1]
