@@ -72,8 +72,11 @@ def recording_names() -> list[str]:
 
 
 def install_line(extra: str) -> str:
-    """Return the line that installs the packages of an extra."""
-    return f"pip install 'hmdwarp[{extra}]'"
+    """Return the line that installs the packages of an extra, in the project's folder.
+
+    It is on no package index yet: there its name is anybody's.
+    """
+    return f"pip install '.[{extra}]'"
 
 
 def missing_extra(package: str, extra: str) -> str:

@@ -94,7 +94,7 @@ class RunOptions(PipelineOptions):
     # 0 for not at all.
     jod_s: float = option(
         0.0,
-        "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install 'hmdwarp[jod]'); slow.",
+        "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install '.[jod]'); slow.",
         unit="s",
         valid=Number(most=60),
         heading=MEASURING,
@@ -193,7 +193,7 @@ class LiveOptions(PipelineOptions):
     # Needs its optional package.
     panel: bool = option(
         True,
-        "Show controls and plots (pip install 'hmdwarp[panel]').",
+        "Show controls and plots (pip install '.[panel]').",
         off="--no-panel",
         study="a study shows no controls",
     )
@@ -228,7 +228,7 @@ class LiveOptions(PipelineOptions):
     trace_events: Path | None = same_as(attrs.fields(RunOptions).trace_events)
     lsl: bool = option(
         False,
-        "Send markers to the Lab Streaming Layer (pip install 'hmdwarp[lsl]').",
+        "Send markers to the Lab Streaming Layer (pip install '.[lsl]').",
         study="'hmdwarp study run --lsl' sends markers of trials",
     )
     images_every: int = option(

@@ -14,7 +14,7 @@ from recorded_folders import CX, CY, FX, FY, HAS_EXR, SIZE, taken, write_exrs, w
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.sources.sequences import read_frame
 
-NEEDS_EXR = pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed (pip install 'hmdwarp[exr]')")
+NEEDS_EXR = pytest.mark.skipif(not HAS_EXR, reason="OpenEXR is not installed (pip install '.[exr]')")
 CAMERA = {"intrinsics": [FX, FY, CX, CY], "depth_scale": 0.001}
 
 
@@ -110,7 +110,7 @@ def test_exr_without_its_package_says_how_to_get_it(command, folder, monkeypatch
     to = ("--to", folder / "1.json", "--out")
     for frame, out in (("0.exr", "out.png"), ("0.png", "out.exr")):
         done = command("warp", folder / frame, *to, folder / out)
-        assert done.status == 3 and "pip install 'hmdwarp[exr]'" in done.err
+        assert done.status == 3 and "pip install '.[exr]'" in done.err
 
 
 def test_missing_inputs_are_named(command, folder):

@@ -142,11 +142,11 @@ def bare() -> None:
 
     sys.modules["imgui_bundle"] = None  # as if it were not installed
     display = DesktopDisplay(attrs.evolve(SMALL, control_panel=True))
-    assert "hmdwarp[panel]" in display._painter._remark and "H" in display._painter._remark
+    assert ".[panel]" in display._painter._remark and "H" in display._painter._remark
     refresh(display)
     display._painter.say("")
     display._commands.pending.append(Command("panel"))
-    assert not display.commands() and "hmdwarp[panel]" in display._painter._remark
+    assert not display.commands() and ".[panel]" in display._painter._remark
     refresh(display)
     display.close()
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 SCRIPT = Path(__file__).resolve().parents[2] / "examples" / "feed_browser" / "show.py"
 

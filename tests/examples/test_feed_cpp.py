@@ -20,7 +20,7 @@ from hmdwarp.run import replay
 from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.feed.viewer import Viewer
 
-pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 SOURCE = Path(__file__).resolve().parents[2] / "examples" / "feed_cpp" / "renderer.cpp"
 CENTRE, RADIUS, SUN = np.array([0, 1.4, -2]), 0.5, np.array([0.48, 0.8, 0.36])

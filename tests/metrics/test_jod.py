@@ -28,7 +28,7 @@ def test_one_jod_is_three_of_four_people():
 
 @without_cvvdp
 def test_without_the_package_a_run_says_how_to_get_it(tmp_path):
-    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install 'hmdwarp\[jod\]'"):
+    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
         run(tmp_path / "out", jod_s=0.2)
     assert not (tmp_path / "out").exists()
 

@@ -225,7 +225,7 @@ def test_mcap_without_its_packages_names_the_line_to_type(tmp_path, monkeypatch)
     path = tmp_path / "a.mcap"
     path.write_bytes(b"\x89MCAP0\r\n")
     monkeypatch.setitem(sys.modules, "mcap.reader", None)
-    with pytest.raises(MachineError, match=r"this needs mcap, which is not installed: pip install 'hmdwarp\[mcap\]'"):
+    with pytest.raises(MachineError, match=r"this needs mcap, which is not installed: pip install '\.\[mcap\]'"):
         load_trace(path)
 
 

@@ -15,9 +15,9 @@ from hmdwarp.poses.reading.axes import parse_axes
 
 from .traces import head, kinds, same_motion, save
 
-READER = pytest.importorskip("mcap.reader", reason="mcap is not installed (pip install 'hmdwarp[mcap]')")
+READER = pytest.importorskip("mcap.reader", reason="mcap is not installed (pip install '.[mcap]')")
 WRITER = pytest.importorskip("mcap.writer")
-pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed (pip install 'hmdwarp[mcap]')")
+pytest.importorskip("mcap_ros2", reason="mcap-ros2-support is not installed (pip install '.[mcap]')")
 EPOCH_NS = 1_700_000_000 * 10**9
 
 _HEADER = "std_msgs/Header header\n"
@@ -215,7 +215,7 @@ def test_json_of_foxglove_is_read(tmp_path):
 
 def test_protobuf_of_foxglove_is_read(tmp_path):
     """As Foxglove's own SDK writes it."""
-    pytest.importorskip("mcap_protobuf", reason="mcap-protobuf-support is not installed (pip install 'hmdwarp[mcap]')")
+    pytest.importorskip("mcap_protobuf", reason="mcap-protobuf-support is not installed (pip install '.[mcap]')")
     from google.protobuf import descriptor_pb2, message_factory
 
     files = descriptor_pb2.FileDescriptorSet()

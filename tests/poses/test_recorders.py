@@ -12,7 +12,7 @@ from hmdwarp.errors import TraceError
 from hmdwarp.poses import TraceOptions, load_trace
 from hmdwarp.poses.assumptions import By
 
-needs_rosbags = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install 'hmdwarp[bags]')")
+needs_rosbags = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install '.[bags]')")
 FRAMES = taken(6)
 
 

@@ -14,7 +14,7 @@ from hmdwarp.poses import PoseTrack
 from hmdwarp.poses.formats import formats
 
 _NO_MCAP = pytest.mark.skipif(
-    importlib.util.find_spec("mcap") is None, reason="mcap is not installed (pip install 'hmdwarp[mcap]')"
+    importlib.util.find_spec("mcap") is None, reason="mcap is not installed (pip install '.[mcap]')"
 )
 # Names of the formats that are written.
 WRITERS = [pytest.param(f.name, marks=_NO_MCAP if f.name == "mcap" else ()) for f in formats if f.writes]

@@ -48,7 +48,7 @@ def _why_not() -> str | None:
     try:
         import pylsl  # noqa: F401
     except ImportError:
-        return needs.missing("pylsl", "pip install 'hmdwarp[lsl]'")
+        return needs.missing("pylsl", "pip install '.[lsl]'")
     except RuntimeError:
         return needs.missing("liblsl", "conda install -c conda-forge liblsl")
     return None

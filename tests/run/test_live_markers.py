@@ -81,6 +81,6 @@ def test_a_recorder_gets_what_happens_at_the_instants_of_the_pictures(late, tmp_
 
 def test_without_pylsl_one_line_says_how_and_nothing_is_written(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "pylsl", None)
-    with pytest.raises(MachineError, match=r"^this needs pylsl, which is not installed: pip install 'hmdwarp\[lsl\]'$"):
+    with pytest.raises(MachineError, match=r"^this needs pylsl, which is not installed: pip install '\.\[lsl\]'$"):
         run_on(monkeypatch, OffscreenDisplay(), options(out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()

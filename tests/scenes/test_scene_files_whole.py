@@ -73,7 +73,7 @@ def test_damaged_draco_data_are_refused(tmp_path):
 def test_without_the_library_draco_is_refused_with_the_extra_to_install(tmp_path, monkeypatch):
     """Its accessors have no numbers of their own, so all vertices would be zero."""
     monkeypatch.setitem(sys.modules, "DracoPy", None)
-    with pytest.raises(SceneError, match=r"pip install 'hmdwarp\[draco\]'.*'gltf-transform copy thing.glb thing-plain"):
+    with pytest.raises(SceneError, match=r"pip install '\.\[draco\]'.*'gltf-transform copy thing.glb thing-plain"):
         needing(DRACO).load(tmp_path)
 
 

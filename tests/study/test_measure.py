@@ -261,7 +261,7 @@ RATED = attrs.evolve(OPTIONS, jod_s=0.1)
 def test_without_the_package_rating_says_how_to_get_it(store):
     found = measure_study(store, RATED)
     assert found.measured == 0 and len(found.failed) == 3
-    assert all("pip install 'hmdwarp[jod]'" in failure.why for failure in found.failed)
+    assert all("pip install '.[jod]'" in failure.why for failure in found.failed)
 
 
 @with_cvvdp

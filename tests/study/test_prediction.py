@@ -56,7 +56,7 @@ def few(rows, **more):
 def test_the_correlation_is_pingouins(seed):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        pingouin = pytest.importorskip("pingouin", reason="pingouin is not installed (pip install 'hmdwarp[test]')")
+        pingouin = pytest.importorskip("pingouin", reason="pingouin is not installed (pip install '.[test]')")
         import pandas
     rows = made_up(seed, {FLIP: 0.6, HOLES: -0.2})
     rows = [one for k, one in enumerate(rows) if k % 7]  # unequal numbers of ratings

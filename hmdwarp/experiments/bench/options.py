@@ -131,7 +131,7 @@ class BenchOptions(RecordedOptions):
     jod_s: float = same_as(
         _RUN.jod_s,
         help="Also rate a clip of this many seconds that ends at each instant, with ColorVideoVDP "
-        "(pip install 'hmdwarp[jod]'); slow.",
+        "(pip install '.[jod]'); slow.",
     )
     # All combinations are measured; the front and the budget are for those that it can run.
     client: str = same_as(

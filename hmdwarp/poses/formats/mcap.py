@@ -50,7 +50,7 @@ class Mcap(TraceFormat):
     """
 
     name = kind = "mcap"
-    summary = "MCAP of ROS 2 or Foxglove: poses, transforms, odometry; ROS axes (pip install 'hmdwarp[mcap]')"
+    summary = "MCAP of ROS 2 or Foxglove: poses, transforms, odometry; ROS axes (pip install '.[mcap]')"
     file = "MCAP file"  # for messages
     writes = True
     binary = True

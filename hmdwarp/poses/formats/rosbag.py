@@ -13,7 +13,7 @@ class RosBag(Mcap):
     """
 
     name = kind = "rosbag"
-    summary = "bag of ROS 1 or 2 (.bag, .db3): poses, transforms, odometry (pip install 'hmdwarp[bags]')"
+    summary = "bag of ROS 1 or 2 (.bag, .db3): poses, transforms, odometry (pip install '.[bags]')"
     file = "bag of ROS"
     writes = binary = False
     write = TraceFormat.write

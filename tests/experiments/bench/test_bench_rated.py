@@ -32,7 +32,7 @@ RATED = attrs.evolve(PLAIN, jod_s=8 / 60)
 
 @without_cvvdp
 def test_without_the_package_a_bench_says_how_to_get_it(tmp_path):
-    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install 'hmdwarp\[jod\]'"):
+    with pytest.raises(MachineError, match=r"needs cvvdp.*pip install '\.\[jod\]'"):
         bench(attrs.evolve(RATED, out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 

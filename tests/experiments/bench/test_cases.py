@@ -101,7 +101,7 @@ def test_another_librarys_warp_has_no_fill_and_is_told_where_it_is_missing(monke
     monkeypatch.setitem(sys.modules, "cv2", None)  # as if it were not installed
     assert "cv2.warpFrame" not in warps_of(BenchOptions())
     _, note = notes_on_warps(BenchOptions())
-    assert "OpenCV is not installed" in note and "pip install 'hmdwarp[bench]'" in note
+    assert "OpenCV is not installed" in note and "pip install '.[bench]'" in note
     with pytest.raises(MachineError, match="cv2.warpFrame: OpenCV is not installed"):
         warps_of(options)
 

@@ -24,7 +24,7 @@ from hmdwarp.sources.feed.message import FrameMessage, decode
 from . import foreign
 from .serving import Serving
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 REQUESTS, SEED = int(os.environ.get("FEED_REQUESTS", "150")), int(os.environ.get("FEED_SEED", "34"))
 CLIENTS = 3

@@ -28,7 +28,7 @@ from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST
 from .exchange import answered, exchanged, port_of
 from .test_message import ASK, FRAME
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 MIB = 1 << 20
 
 # ZMTP 3.0 (ZeroMQ RFC 23): greeting for NULL security, then READY of a DEALER.

@@ -20,7 +20,7 @@ from .relay import Relay
 from .serving import Serving
 from .test_message import ASK, FRAME
 
-pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from hmdwarp.run import LiveOptions, live
 from .exchange import feeder
 from .serving import Serving
 
-pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 
 class Closable(OffscreenDisplay):

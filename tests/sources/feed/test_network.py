@@ -31,7 +31,7 @@ from .relay import Relay
 from .serving import Serving
 from .test_message import ASK, FRAME
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ from hmdwarp.sources.feed.viewer import Viewer
 
 from . import foreign
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 Odd = Callable[[bytes], bytes]
 NAN, INF = struct.pack("<f", np.nan), struct.pack("<f", -np.inf)

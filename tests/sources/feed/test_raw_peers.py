@@ -22,7 +22,7 @@ from .exchange import port_of
 from .serving import Serving
 from .test_any_request import memory
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 MIB = 1 << 20
 

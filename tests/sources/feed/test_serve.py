@@ -30,7 +30,7 @@ from .exchange import answered, exchanged, feeder
 from .serving import Serving
 from .test_message import ASK, FRAME
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 
 
 @pytest.fixture(scope="module")

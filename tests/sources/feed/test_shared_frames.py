@@ -21,7 +21,7 @@ from .exchange import answered, exchanged
 from .serving import Serving
 from .test_message import ASK, FRAME, LAYERED
 
-zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install 'hmdwarp[feed]'")
+zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 pytestmark = pytest.mark.skipif(not IS_ABLE, reason="there is no /dev/shm to write to")
 
 NAME = "hmdwarp-0123456789abcdef-1"

@@ -57,9 +57,9 @@ def test_every_layout_says_what_it_assumes(reader):
 def test_every_recording_says_who_states_each_fact(name, tmp_path):
     """Each fact is one entry; what an option states is the user's, and the others are not."""
     if name == "exr" and not HAS_EXR:
-        pytest.skip("OpenEXR is not installed (pip install 'hmdwarp[exr]')")
+        pytest.skip("OpenEXR is not installed (pip install '.[exr]')")
     if name in BAGS and not HAS_ROSBAGS:
-        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
+        pytest.skip("rosbags is not installed (pip install '.[bags]')")
     write, options = FORMS[name].write, FORMS[name].options
     write(tmp_path, taken(2))
     found = sequences.open(tmp_path, options)

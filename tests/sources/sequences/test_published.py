@@ -84,7 +84,7 @@ ALL = PUBLISHED | BAGS
 
 def need(form: str) -> None:
     if form in BAGS and not HAS_ROSBAGS:
-        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
+        pytest.skip("rosbags is not installed (pip install '.[bags]')")
 
 
 @pytest.fixture

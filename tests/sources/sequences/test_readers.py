@@ -52,9 +52,9 @@ FORMS = {name: Form(*facts) for name, facts in LAYOUTS.items()} | PUBLISHED | BA
 @pytest.fixture(params=FORMS)
 def layout(request):
     if request.param == "exr" and not HAS_EXR:
-        pytest.skip("OpenEXR is not installed (pip install 'hmdwarp[exr]')")
+        pytest.skip("OpenEXR is not installed (pip install '.[exr]')")
     if request.param in BAGS and not HAS_ROSBAGS:
-        pytest.skip("rosbags is not installed (pip install 'hmdwarp[bags]')")
+        pytest.skip("rosbags is not installed (pip install '.[bags]')")
     return FORMS[request.param]
 
 

@@ -16,7 +16,7 @@ from hmdwarp.poses.assumptions import By
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import Sequence, SequenceOptions, parse_intrinsics
 
-pytestmark = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install 'hmdwarp[bags]')")
+pytestmark = pytest.mark.skipif(not HAS_ROSBAGS, reason="rosbags is not installed (pip install '.[bags]')")
 COLOUR, DEPTH = "/camera/color/image_raw", "/camera/aligned_depth_to_color/image_raw"
 
 

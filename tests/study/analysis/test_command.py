@@ -22,7 +22,7 @@ from hmdwarp.study.analysis import analyse, analysis_folder, from_csv, write_ana
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 
 NASTY = "<script>alert('x')</script> $\\frac{1}{2}$ & \"q\""
 
@@ -166,6 +166,6 @@ def test_wrong_input_is_one_line_and_leaves_nothing(tmp_path, arguments, told):
 
 def test_a_missing_package_is_named_with_its_installation():
     with pytest.raises(
-        MachineError, match=r"this needs statsmodels, which is not installed: pip install 'hmdwarp\[study\]'"
+        MachineError, match=r"this needs statsmodels, which is not installed: pip install '\.\[study\]'"
     ):
         import_extra("statsmodels_that_is_not_there", "statsmodels", "study")

@@ -85,7 +85,7 @@ def test_incompatible_settings_are_refused(found, put, says):
 
 
 def test_from_the_store_to_the_page(tmp_path):
-    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
     design = design_from_text(STUDY, "impaired.toml", checked=False)
     with Store(tmp_path / "data", create=True, study=design.name) as store:
         for person in range(6):

@@ -23,7 +23,7 @@ from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store
 
 from ..made_up import LATE_OR_WARPED
 
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 
 TEXT = (
     LATE_OR_WARPED.replace("[practice]\nseconds = 1\n", "").replace("guard = 1.5\n", "")

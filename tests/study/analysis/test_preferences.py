@@ -168,7 +168,7 @@ def test_from_the_store_to_the_page(tmp_path, order):
     """Adaptive sessions show three pairs of four conditions, that connect them; no two sessions of
     this study need show the same.
     """
-    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+    pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
     design = design_of("preference_or_tie", order)
     with Store(tmp_path / "data", create=True, study=design.name) as store:
         for person in range(8):

@@ -17,7 +17,7 @@ from hmdwarp.study.design import SHIPPED
 
 from .tables import PUBLISHED
 
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 
 SHARED = Path(__file__).resolve().parents[4] / "shared" / "study" / "thesis_ratings.csv"
 # Intervals are of all resamples; those published were of drawn ones, and had +2.02 at 800 ms in run

@@ -21,7 +21,7 @@ from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of
 
-pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install 'hmdwarp[study]')")
+pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
 
 ACR = ScaleInfo("acr", "Quality", low_is_good=False, least=1, most=5)
 PAIR = (Family("one", (Comparison("", "late", "warped"),)),)

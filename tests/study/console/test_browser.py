@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-pytest.importorskip("textual_serve", reason="textual-serve is not installed: pip install 'hmdwarp[study]'")
+pytest.importorskip("textual_serve", reason="textual-serve is not installed: pip install '.[study]'")
 pytest.importorskip("aiohttp", reason="textual-serve brings aiohttp")
 
 import aiohttp
@@ -265,7 +265,7 @@ def test_a_server_that_dies_leaves_the_session_a_console_of_lines(capfd):
 
 def test_without_textual_serve_one_line_says_how(monkeypatch):
     monkeypatch.setitem(sys.modules, "textual_serve", None)
-    with pytest.raises(MachineError, match=r"textual-serve, which is not installed: pip install 'hmdwarp\[study\]'"):
+    with pytest.raises(MachineError, match=r"textual-serve, which is not installed: pip install '\.\[study\]'"):
         make_console("browser", "")
 
 

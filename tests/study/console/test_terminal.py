@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("textual", reason="the experimenter's console needs textual: pip install 'hmdwarp[study]'")
+pytest.importorskip("textual", reason="the experimenter's console needs textual: pip install '.[study]'")
 pytest.importorskip("pexpect", reason="these tests drive a pseudo-terminal by pexpect")
 pytest.importorskip("pyte", reason="these tests read a screen by pyte")
 

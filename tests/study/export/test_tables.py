@@ -207,7 +207,7 @@ def read(path, delimiter):
 
 
 def test_the_three_tables_say_the_same(store, design, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install 'hmdwarp[study]')")
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install '.[study]')")
     out = export(store.contents(), design, tmp_path / "out").folder
     comma, tab = read(out / "ratings.csv", ","), read(out / "ratings.tsv", "\t")
     assert comma == tab
@@ -225,7 +225,7 @@ def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design,
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     made = export(store.contents(), design, tmp_path / "out")
     assert not (made.folder / "ratings.parquet").exists() and (made.folder / "ratings.csv").exists()
-    assert any("pip install 'hmdwarp[study]'" in text for text in made.notes)
+    assert any("pip install '.[study]'" in text for text in made.notes)
     with pytest.raises(MachineError, match="pyarrow"):
         export(store.contents(), design, tmp_path / "other", ExportOptions(parquet=True))
     assert not (tmp_path / "other").exists()

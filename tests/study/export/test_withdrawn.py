@@ -65,7 +65,7 @@ def test_the_rest_is_as_without_the_withdrawn(store, design, tmp_path):
 
 
 def test_parquet_holds_nothing_that_a_search_for_bytes_does_not_see(store, design, tmp_path):
-    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install 'hmdwarp[study]')")
+    parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install '.[study]')")
     out = export(store.contents(), design, tmp_path / "out").folder
     about = parquet.ParquetFile(out / "ratings.parquet").metadata
     groups = [about.row_group(0).column(k) for k in range(about.num_columns)]

@@ -88,7 +88,7 @@ def test_without_pylsl_one_line_says_how_and_nothing_is_begun(tmp_path, gpu, mon
     monkeypatch.setitem(sys.modules, "pylsl", None)
     ran = run(monkeypatch, gpu, study(tmp_path), lsl=True)
     assert isinstance(ran.error, MachineError)
-    assert str(ran.error) == "this needs pylsl, which is not installed: pip install 'hmdwarp[lsl]'"
+    assert str(ran.error) == "this needs pylsl, which is not installed: pip install '.[lsl]'"
     assert not (tmp_path / "small-data").exists()
 
 

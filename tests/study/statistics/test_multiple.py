@@ -62,7 +62,7 @@ def test_holm_is_step_down(ps):
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8))
 def test_holm_is_that_of_statsmodels(ps):
     theirs = pytest.importorskip(
-        "statsmodels.stats.multitest", reason="statsmodels is not installed (pip install 'hmdwarp[study]')"
+        "statsmodels.stats.multitest", reason="statsmodels is not installed (pip install '.[study]')"
     )
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(gc, "collect", lambda generation=2: 0)  # it does so in each call

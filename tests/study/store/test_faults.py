@@ -313,7 +313,7 @@ def test_a_file_system_without_locks(tmp_path, monkeypatch):
     def refuse(*_):
         raise OSError(38, "Function not implemented")
 
-    monkeypatch.setattr("hmdwarp.study.store.folders.fcntl.flock", refuse)
+    monkeypatch.setattr("hmdwarp.platforms.fcntl.flock", refuse)
     with (
         Store(tmp_path / "data", create=True) as store,
         pytest.raises(MachineError, match="cannot lock files .*network drives"),
