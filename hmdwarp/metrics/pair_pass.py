@@ -108,7 +108,7 @@ class PairPass:
         self._map.bind_to_storage_buffer(4)
         flip_map = self._made(self._flip)
         self._between.bind_to_storage_buffer(2)
-        return Alike(flip_map, float(self._made(self._ssim).mean(dtype=np.float64)))
+        return Alike(flip_map, 1 - float(self._made(self._ssim).mean(dtype=np.float64)))
 
     def _made(self, programs: Sequence[tuple[Compute, dict[str, Any], tuple[int, int]]]) -> NDArray[np.float32]:
         """Filter along rows, then along columns; return the map."""

@@ -1,6 +1,7 @@
 // Filters along columns what ssim_rows.comp has filtered along rows, and compares both pictures.
-// In: 15 floats a pixel. Out: SSIM of each pixel, the mean of its channels.
-// Source: Wang, Bovik, Sheikh, Simoncelli 2004, eq. 13.
+// In: 15 floats a pixel. Out: 1 - SSIM of each pixel, the mean of its channels: exactly 0 for equal
+// pictures.
+// Source: Wang, Bovik, Sheikh, Simoncelli 2004, eq. 13; both factors as 1 - what they lack.
 #define ROWS 8
 #include "metrics/bell.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -31,9 +32,11 @@ void main() {
         vec3 mx = found[n][0].xyz, my = found[n][1].xyz;
         vec3 vx = vec3(found[n][0].w, found[n][1].w, found[n][2].w) - mx * mx;
         vec3 vy = found[n][2].xyz - my * my, vxy = found[n][3].xyz - mx * my;
+        vec3 apart = mx - my;
         mx += 127.5;
         my += 127.5;
-        vec3 s = (2.0 * mx * my + C1) * (2.0 * vxy + C2) / ((mx * mx + my * my + C1) * (vx + vy + C2));
-        if (q.y + n < size.y) map[(q.y + n) * size.x + q.x] = (s.x + s.y + s.z) / 3.0;
+        vec3 light = apart * apart / (mx * mx + my * my + C1), rest = (vx + vy - 2.0 * vxy) / (vx + vy + C2);
+        vec3 lacks = light + rest - light * rest;
+        if (q.y + n < size.y) map[(q.y + n) * size.x + q.x] = (lacks.x + lacks.y + lacks.z) / 3.0;
     }
 }

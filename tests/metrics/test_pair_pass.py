@@ -39,7 +39,7 @@ def test_figures_are_those_of_the_libraries(size, pixels_per_degree, gpu):
         assert found.mean(dtype=np.float64) == pytest.approx(mean, abs=1e-5)
         assert alike.ssim == pytest.approx(ssim(shown, truth), abs=5e-5)
         same = measuring.run(truth, truth)
-        assert not same.flip_map.any() and same.ssim == pytest.approx(1, abs=5e-5)
+        assert not same.flip_map.any() and same.ssim == 1
     measuring.close()
 
 
