@@ -15,7 +15,7 @@ layout(rgba16f) readonly uniform image2D below_colour;
 layout(rgba16f) writeonly uniform image2D level_colour;
 layout(rgba32f) writeonly uniform image2D level_depth;
 uniform ivec2 below_size, level_size;
-uniform float least_border;
+uniform float least_border, texel_pixels;
 
 vec4 colour_below(ivec2 texel) {
     return imageLoad(below_colour, texel);
@@ -75,6 +75,6 @@ void main() {
 #endif
         // llvmpipe runs the body of an `if` for all invocations if any needs it, that of a loop for
         // none if none does.
-        for (; counts; counts = false) store(texel, pulled(a, b, c, d, all.x, all.y));
+        for (; counts; counts = false) store(texel, pulled(texel, a, b, c, d, all.x, all.y));
     }
 }

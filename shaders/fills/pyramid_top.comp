@@ -73,7 +73,7 @@ Texel texel_from_below(ivec2 texel) {
     Texels a = row_from(from), b = row_from(from + ivec2(0, 1)), c = row_from(from + ivec2(0, 2)), d = row_from(from + ivec2(0, 3));
     vec2 lower = KERNEL.x * holes_of(a, from) + KERNEL.y * holes_of(b, from + ivec2(0, 1));
     vec2 all = lower + KERNEL.y * holes_of(c, from + ivec2(0, 2)) + KERNEL.x * holes_of(d, from + ivec2(0, 3));
-    return all.x > 0.0 ? pulled(a, b, c, d, all.x, all.y) : Texel(vec4(0.0), vec3(0.0));
+    return all.x > 0.0 ? pulled(texel, a, b, c, d, all.x, all.y) : Texel(vec4(0.0), vec3(0.0));
 }
 
 void main() {
@@ -86,6 +86,7 @@ void main() {
         sizes[level] = size;
         firsts[level] = next;
         least_border = least_borders[level < local_levels ? 0 : 1];
+        texel_pixels = first_pixels * float(1 << level);
         for (int index = thread; index < size.x * size.y; index += THREADS) {
             Texel made = texel_from_below(ivec2(index % size.x, index / size.x));
             keep(next + index, made.colour, made.depth);

@@ -46,7 +46,7 @@ vec2 holes_of(Texels row, ivec2 from) {
 }
 
 // The farthest of the sixteen that is not an outlier.
-float farthest_of_enough(Texels a, Texels b, Texels c, Texels d) {
+float farthest_of_enough(ivec2 texel, Texels a, Texels b, Texels c, Texels d) {
 #if FROM_PICTURE
     vec4 upper = min(mix(vec4(UNKNOWN), a.depth, greaterThan(a.weight, vec4(0.0))), mix(vec4(UNKNOWN), b.depth, greaterThan(b.weight, vec4(0.0))));
     vec4 lower = min(mix(vec4(UNKNOWN), c.depth, greaterThan(c.weight, vec4(0.0))), mix(vec4(UNKNOWN), d.depth, greaterThan(d.weight, vec4(0.0))));
@@ -57,14 +57,15 @@ float farthest_of_enough(Texels a, Texels b, Texels c, Texels d) {
     vec4 in_b = inner * mix(vec4(0.0), b.border, greaterThan(b.weight, vec4(0.0)));
     vec4 in_c = inner * mix(vec4(0.0), c.border, greaterThan(c.weight, vec4(0.0)));
     vec4 in_d = outer * mix(vec4(0.0), d.border, greaterThan(d.weight, vec4(0.0)));
-    float all = dot(in_a + in_b + in_c + in_d, vec4(1.0)), farthest = -1.0;
+    float nearest = max(max(nearest_of(a.depth, in_a), nearest_of(b.depth, in_b)), max(nearest_of(c.depth, in_c), nearest_of(d.depth, in_d)));
+    float least = dot(in_a + in_b + in_c + in_d, vec4(1.0)) * least_share(texel, nearest), farthest = -1.0;
     // The nearer a depth, the more is as far: from the farthest on until it is enough.
     for (bool going = true; going;) {
         farthest = min(min(next_nearer(a.depth, in_a, farthest), next_nearer(b.depth, in_b, farthest)),
                        min(next_nearer(c.depth, in_c, farthest), next_nearer(d.depth, in_d, farthest)));
         float beside = border_beside(a.depth, in_a, farthest) + border_beside(b.depth, in_b, farthest)
                      + border_beside(c.depth, in_c, farthest) + border_beside(d.depth, in_d, farthest);
-        going = farthest < UNKNOWN && !is_enough(beside, all);
+        going = farthest < UNKNOWN && !is_enough(beside, least);
     }
     return farthest;
 #endif
@@ -72,8 +73,8 @@ float farthest_of_enough(Texels a, Texels b, Texels c, Texels d) {
 
 // Of the 4 x 4 texels below that a texel spans: the farthest surface. holes, inside: sums of
 // holes_of.
-Texel pulled(Texels a, Texels b, Texels c, Texels d, float holes, float inside) {
-    float farthest = farthest_of_enough(a, b, c, d);
+Texel pulled(ivec2 texel, Texels a, Texels b, Texels c, Texels d, float holes, float inside) {
+    float farthest = farthest_of_enough(texel, a, b, c, d);
     Sum sum = NOTHING;
     add(sum, a, KERNEL.x * KERNEL, farthest);
     add(sum, b, KERNEL.y * KERNEL, farthest);

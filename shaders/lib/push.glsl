@@ -1,12 +1,8 @@
 // What the level above says of a texel, and the texel completed by it. Who includes it has
-// colour_above() and depth_above(), above_size, and texel_pixels: pixels along a texel's side.
+// colour_above() and depth_above(), and above_size.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the preference for the
 // farther one inside holes is this project's.
 #include "lib/push_pull.glsl"
-// From pixels of the shown picture to the rendered one, as in lib/warp_map.glsl.
-uniform mat3 back_H;
-uniform vec3 back_e;
-uniform vec2 rendered_size;
 
 // Of a texel and the three nearest to its place, the farthest surface. holes is that of all four.
 struct Guess {
@@ -24,10 +20,10 @@ Guess from_above(ivec2 texel) {
     Texels four = Texels(colour[0], colour[1], colour[2], colour[3], depths, vec4(a.g, b.g, c.g, d.g), vec4(a.b, b.b, c.b, d.b));
     const vec4 shares = vec4(0.5625, 0.1875, 0.1875, 0.0625);
     vec4 borders = shares * four.border;
-    float all = dot(borders, vec4(1.0)), farthest = -1.0;
-    for (bool going = true; going;) {
+    float farthest = next_nearer(depths, borders, -1.0);
+    float least = dot(borders, vec4(1.0)) * least_share(texel, farthest);
+    while (farthest < UNKNOWN && !is_enough(border_beside(depths, borders, farthest), least)) {
         farthest = next_nearer(depths, borders, farthest);
-        going = farthest < UNKNOWN && !is_enough(border_beside(depths, borders, farthest), all);
     }
     Sum sum = NOTHING;
     add(sum, four, shares, farthest);
@@ -36,24 +32,16 @@ Guess from_above(ivec2 texel) {
                  dot(four.holes, shares), sum.border);
 }
 
-// 1 where the rendered view contains what lies at a texel and inverse depth, 0 where it does not. In
-// between over one texel, so that nothing jumps while the head turns.
-float in_rendered_view(ivec2 texel, float inverse_depth) {
-    vec3 place = back_H * vec3((vec2(texel) + 0.5) * texel_pixels, 1.0) + inverse_depth * back_e;
-    vec2 at = place.xy / place.z, gap = min(at, rendered_size - at);
-    return place.z > 0.0 ? clamp(0.5 + min(gap.x, gap.y) / texel_pixels, 0.0, 1.0) : 0.0;
-}
-
 // least_holes: the share of holes from which on a level's background overrides the one below.
 Texel pushed(ivec2 texel, vec4 colour, vec3 depth, float least_holes) {
     float own = or_nearest(depth.r);
     Guess up = from_above(texel);
     // If they are one surface, both count. Where the level above is mostly hole, its colours are
-    // those of the hole's two sides, and the nearer side was not what was occluded. Where the level
-    // above lies outside the rendered view nothing was occluded: there the nearer side counts too.
+    // those of the hole's two sides, and the nearer side was not what was occluded. Where the nearer
+    // side would lie outside the rendered view it may go on: there it counts too.
     float not_nearer = is_beside(own, up.depth);
     float behind_counts = smoothstep(0.5 * least_holes, 1.5 * least_holes, up.holes)
-                        * in_rendered_view(texel, up.depth < MOST_KNOWN ? up.depth : 0.0);
+                        * in_rendered_view(texel, own);
     float keep = mix(1.0, colour.a, are_same(vec4(own), up.depth).x) * mix(1.0, not_nearer, behind_counts);
     keep = colour.a == 0.0 || up.weight == 0.0 ? sign(colour.a) : keep;
     bool both_known = max(own, up.depth) < MOST_KNOWN;

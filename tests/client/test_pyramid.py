@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 from holed import Holed
@@ -14,7 +15,7 @@ from reference._behind import Behind
 from reference.pyramid import Chosen, pyramid
 
 from hmdwarp.client import parse_fills
-from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
+from hmdwarp.client.fills.pyramid import CRACK_BORDER, LEAST_BEYOND, LEAST_BORDER, LEAST_LOCAL, LOCAL_LEVELS
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 
@@ -31,6 +32,7 @@ def wanted_of(holed: Holed, text: str = "pyramid") -> tuple[np.ndarray, np.ndarr
         LOCAL_LEVELS,
         LEAST_LOCAL,
         LEAST_BORDER,
+        LEAST_BEYOND,
         CRACK_BORDER,
         holed.inputs.middle,
         (holed.inputs.rendered.view, holed.size),
@@ -83,9 +85,10 @@ def test_without_a_floor_what_is_infinitely_far_is_one_surface(gpu):
 def test_a_hole_between_near_and_far_takes_colour_and_depth_of_what_is_far(gpu):
     """20 columns of hole, the red half of the picture at 1 m, the green one at 4 m.
 
-    The share of red is that of x = 3.6 tolerances.
+    The share of red is that of x = 3.6 tolerances. The rendered view would have seen red go on.
     """
     holed = Holed(gpu, 1, (96, 80), empty=0)
+    holed.inputs = attrs.evolve(holed.inputs, shown=holed.inputs.rendered.view)
     holed.colour[:, :48], holed.inverse_depth[:, :48] = (1, 0, 0, 1), 1.0
     holed.colour[:, 48:], holed.inverse_depth[:, 48:] = (0, 1, 0, 1), 0.25
     hole = np.zeros((80, 96), bool)

@@ -23,7 +23,8 @@ class Chosen:
     """The fill's settings and constants: holes, tolerance and floor in `behind`; both views.
 
     rendered: with the size (w, h) of its picture. The share a farthest one must have, on levels
-    (the first is 0) up to local_levels and from there on; what a mere crack counts there.
+    (the first is 0) up to local_levels, from there on, and where the nearest one would lie outside
+    the rendered view; what a mere crack counts there.
     """
 
     least_holes: float
@@ -31,6 +32,7 @@ class Chosen:
     local_levels: int
     least_local: float
     least_border: float
+    least_beyond: float
     crack_border: float
     shown: View
     rendered: tuple[View, tuple[int, int]]
@@ -71,18 +73,17 @@ def _completed(level: Level, chosen: Chosen, number: int, size: tuple[int, int])
     is_picture, behind = number < 0, chosen.behind
     if level.weight.size == 1 and not is_picture:
         return level
-    least = chosen.least_border_on(number + 1)
-    pulled = _pulled(level, behind, least, from_picture=is_picture)
+    pulled = _pulled(level, chosen, number + 1, size)
     if number == 0:
         pulled = attrs.evolve(pulled, border=pulled.border * np.where(pulled.holes >= DEEP, 1.0, chosen.crack_border))
     above = _completed(pulled, chosen, number + 1, size)
-    up = _enlarged(above, level.weight.shape, behind, least)
+    up = _enlarged(above, level.weight.shape, chosen, number + 1, size)
     own = level.weight > 0
     if is_picture:
         return up
     not_nearer, not_farther = behind.share(level.depth, up.depth), behind.share(up.depth, level.depth)
     x = np.clip(up.holes / chosen.least_holes - 0.5, 0, 1) * (number < chosen.local_levels)
-    counts = x * x * (3 - 2 * x) * _in_rendered_view(up.depth, chosen, 2 ** (number + 1), size)
+    counts = x * x * (3 - 2 * x) * _in_rendered_view(level.depth, chosen, 2 ** (number + 1), size)
     keep = (1 + (level.weight - 1) * not_nearer * not_farther) * (1 + (not_nearer - 1) * counts)
     keep = np.where(own & (up.weight > 0), keep, own)
     mixed = keep[..., None] * level.colour + (1 - keep)[..., None] * up.colour
@@ -104,8 +105,17 @@ def _in_rendered_view(depth: Array, chosen: Chosen, texel: int, size: tuple[int,
     return np.where(w > 0, np.clip(0.5 + gap / texel, 0, 1), 0.0)
 
 
-def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -> Level:
-    """The level above: each texel from the 4 x 4 below it, those that are farthest."""
+def _least_share(depth: Array, chosen: Chosen, number: int, texel: int, size: tuple[int, int]) -> Array:
+    """(h, w): of all borders, what the farthest depth must make up on a level of that number, where
+    texels so many pixels wide have `depth`.
+    """
+    contained = _in_rendered_view(depth, chosen, texel, size)
+    return chosen.least_beyond + contained * (chosen.least_border_on(number) - chosen.least_beyond)
+
+
+def _pulled(level: Level, chosen: Chosen, number: int, size: tuple[int, int]) -> Level:
+    """The level of that number: each texel from the 4 x 4 below it, those that are farthest."""
+    behind, from_picture = chosen.behind, number == 0
     colour, weight, depth, holes, border, inside = (
         _windows(values, outside)
         for values, outside in (
@@ -114,11 +124,12 @@ def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -
         )
     )  # fmt: skip
     borders = KERNEL.ravel() * np.where(weight > 0, border, 0)
-    farthest = (
-        np.where(weight > 0, depth, np.inf).min(axis=-1)
-        if from_picture
-        else _farthest_of_enough(depth, borders, behind, least)
-    )
+    if from_picture:
+        farthest = np.where(weight > 0, depth, np.inf).min(axis=-1)
+    else:
+        nearest = np.where((borders > 0) & np.isfinite(depth), depth, 0).max(axis=-1)
+        least = _least_share(nearest, chosen, number, 2 ** (number + 1), size)
+        farthest = _farthest_of_enough(depth, borders, behind, least)
     holes = (KERNEL.ravel() * holes).sum(axis=-1)
     beside = KERNEL.ravel() * _share(depth, farthest[..., None], behind) * (holes > 0)[..., None]
     counts = beside * weight
@@ -132,13 +143,13 @@ def _pulled(level: Level, behind: Behind, least: float, *, from_picture: bool) -
     )
 
 
-def _farthest_of_enough(depth: Array, borders: Array, behind: Behind, least: float) -> Array:
+def _farthest_of_enough(depth: Array, borders: Array, behind: Behind, least: Array) -> Array:
     """Of (..., n) depths the farthest that, with all that is as far, makes up enough of the
     borders; np.inf where there is none.
     """
     as_far = depth[..., None, :] <= behind.limit(depth)[..., None]
     share = np.einsum("...kn,...n->...k", as_far, borders)
-    enough = (borders > 0) & (share > 0) & (share >= least * borders.sum(axis=-1)[..., None])
+    enough = (borders > 0) & (share > 0) & (share >= (least * borders.sum(axis=-1))[..., None])
     return np.where(enough, depth, np.inf).min(axis=-1)
 
 
@@ -171,8 +182,8 @@ def _windows(values: Array, outside: float) -> Array:
     )
 
 
-def _enlarged(above: Level, shape: tuple[int, int], behind: Behind, least: float) -> Level:
-    """What the level above says at each texel of a level of that shape.
+def _enlarged(above: Level, shape: tuple[int, int], chosen: Chosen, number: int, size: tuple[int, int]) -> Level:
+    """What the level above, of that number, says at each texel of a level of that shape.
 
     Bilinear, of the farthest alone.
     """
@@ -187,7 +198,10 @@ def _enlarged(above: Level, shape: tuple[int, int], behind: Behind, least: float
         np.stack([values[np.ix_(y, x)] for y, x, _ in pairs], axis=2) for values in below
     )
     shares = np.array([share for *_, share in pairs])
-    farthest = _farthest_of_enough(depth, shares * border, behind, least)
+    behind, borders = chosen.behind, shares * border
+    first = np.where(borders > 0, depth, np.inf).min(axis=-1)
+    least = _least_share(first, chosen, number, 2**number, size)
+    farthest = _farthest_of_enough(depth, borders, behind, least)
     beside = shares * _share(depth, farthest[..., None], behind)
     counts = beside * weight
     mean, mean_depth = _means(counts, colour, depth)
