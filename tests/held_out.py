@@ -64,6 +64,7 @@ PARAMETERS = (
     Parameter("floor", (0.02, 0.01, 0.04), FILL),
     Parameter("LEAST_BORDER", (0.23, 0.1, 0.4), pyramid),
     Parameter("LEAST_LOCAL", (2.0**-10, 2.0**-14, 2.0**-6), pyramid),
+    Parameter("LEAST_BEYOND", (0.35, 0.2, 0.8), pyramid),
 )
 WEIGHTS = (
     Parameter("WEIGHT_MISSED", (0.25, 0.125, 0.5), cautious),
