@@ -96,7 +96,7 @@ class HeadsetEye:
             tangents = np.column_stack([points, np.ones(len(points))])
             x, y, _ = self.fov.pixel_from_tangent(size) @ tangents.T
             # Pixel centres lie at i + 0.5.
-            seen[polygon(y - 0.5, x - 0.5, seen.shape)] = False  # type: ignore[no-untyped-call]
+            seen[polygon(y - 0.5, x - 0.5, seen.shape)] = False
         return seen
 
     @property
