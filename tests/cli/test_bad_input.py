@@ -392,7 +392,8 @@ def test_a_fault_of_ours_is_one_line_too(command, quick, kept, monkeypatch):
 # --------------------------------------------------------------------------------------------------
 
 
-def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path):
+def test_a_scene_that_names_a_device_or_a_file_elsewhere(command, tmp_path, monkeypatch):
+    monkeypatch.setenv("HMDWARP_ALLOW_OUTSIDE", "")  # given back after the test
     scene = tmp_path / "scene" / "scene.gltf"
     scene.parent.mkdir()
     for name, says in (("/dev/zero", "is a device"), ("/etc/passwd", "lies outside"), ("../there.bin", "lies outside")):
