@@ -1,3 +1,4 @@
+from ._files import FILE_ENDINGS as FILE_ENDINGS
 from ._files import headset_names as headset_names
 from ._files import headset_toml as headset_toml
 from ._files import load_headset as load_headset

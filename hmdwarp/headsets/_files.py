@@ -22,6 +22,7 @@ _FOLDER = Path(__file__).parent
 _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
 MIRRORED = "mirrored"
 IPD = ":ipd="
+FILE_ENDINGS = (".toml", ".json")
 
 
 def headset_names() -> list[str]:
@@ -48,7 +49,7 @@ def _loaded(name: str) -> Headset:
         return load_export(Path(name))
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
     if not name.endswith(".toml") and not path.is_file():
-        raise unknown_name("headset", name, [*headset_names(), "FILE.toml", "FILE.json"])
+        raise unknown_name("headset", name, [*headset_names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
     text = text_of(path, "a headset, as a .toml file")
     try:
         return parsed(text, path, _headset, _EXAMPLE)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, Self
 
 import attrs
 import numpy as np
@@ -50,7 +50,25 @@ def refuse_unless_positive(**values: float) -> None:
 
 
 @attrs.frozen
-class RadialLens:
+class _OneAxis:
+    """A lens with one axis for all colours."""
+
+    # where it meets the eye's panel, from the panel's centre
+    axis_from_centre_m: Pair
+    unit_m: float
+
+    def centre(self, colour: str) -> Pair:
+        """Return the lens's own axis: the same for every colour."""
+        return 0.0, 0.0
+
+    def mirrored(self) -> Self:
+        """Return the other eye's lens."""
+        x, y = self.axis_from_centre_m
+        return attrs.evolve(self, axis_from_centre_m=(-x, y))
+
+
+@attrs.frozen
+class RadialLens(_OneAxis):
     """Radial distortion: tangent = on_lens * tangent_per_unit * (k0 + k1 r^2 + k2 r^4 ..).
 
     The coefficients k differ by colour. r = |on_lens|; on_lens is the panel position from the lens
@@ -62,9 +80,6 @@ class RadialLens:
 
     model: ClassVar[str] = "radial"
 
-    # where the lens's axis meets the eye's panel, from the panel's centre
-    axis_from_centre_m: tuple[float, float]
-    unit_m: float
     tangent_per_unit: float
     coefficients: dict[str, tuple[float, ...]]
     reach: float  # the largest r on the panel, up to which the polynomial must grow
@@ -101,15 +116,6 @@ class RadialLens:
                     "two panel pixels would show the same direction; correct its coefficients"
                 )
 
-    def centre(self, colour: str) -> Pair:
-        """Return the lens's own axis: the same for every colour."""
-        return 0.0, 0.0
-
-    def mirrored(self) -> RadialLens:
-        """Return the other eye's lens."""
-        x, y = self.axis_from_centre_m
-        return attrs.evolve(self, axis_from_centre_m=(-x, y))
-
     def folds_at(self, colour: str) -> float | None:
         """Return the smallest r <= reach at which r times the polynomial stops growing, or None."""
         # d/dr of r (k0 + k1 r^2 + ..) as a polynomial in t = r^2 / reach^2, so that what matters
@@ -129,7 +135,7 @@ class RadialLens:
 
 
 @attrs.frozen
-class TableLens:
+class TableLens(_OneAxis):
     """Angles from the axis against distances on the panel, joined by a monotone spline.
 
     Beyond the last distance the lens shows nothing.
@@ -140,8 +146,6 @@ class TableLens:
 
     model: ClassVar[str] = "table"
 
-    axis_from_centre_m: Pair
-    unit_m: float
     angle_deg: tuple[float, ...]  # from 0 on
     distances: dict[str, tuple[float, ...]]  # of each colour, in unit_m, from 0 on
 
@@ -167,15 +171,6 @@ class TableLens:
         else:
             distances = {colour: data.numbers(colour) for colour in COLOURS}
         return cls(axis, data.number("unit_m"), data.numbers("angle_deg"), distances)
-
-    def centre(self, colour: str) -> Pair:
-        """Return the lens's own axis: the same for every colour."""
-        return 0.0, 0.0
-
-    def mirrored(self) -> TableLens:
-        """Return the other eye's lens."""
-        x, y = self.axis_from_centre_m
-        return attrs.evolve(self, axis_from_centre_m=(-x, y))
 
     @property
     def reach(self) -> float:

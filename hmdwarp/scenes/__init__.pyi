@@ -50,6 +50,7 @@ from .motions import Still as Still
 from .motions import Thrown as Thrown
 from .motions import Track as Track
 from .motions import Waving as Waving
+from .options import FILE_ENDINGS as FILE_ENDINGS
 from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
 from .radiosity import blockers_of as blockers_of

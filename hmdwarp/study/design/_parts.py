@@ -17,6 +17,7 @@ from .definitions import (
     ADAPTIVE,
     DISPLAY,
     KINDS,
+    NAMED_FILES,
     ONE,
     ONLY_PART,
     ORDERS,
@@ -237,7 +238,7 @@ def _value_name(key: str, value: object) -> str:
         return key if value else f"no-{key}"
     if not isinstance(value, str):
         return f"{key}{value}"
-    stem = PurePath(value).stem if value.lower().endswith((".toml", ".glb", ".gltf", ".obj", ".ply", ".xml")) else value
+    stem = PurePath(value).stem if value.lower().endswith((".toml", *NAMED_FILES.get(key, ()))) else value
     return re.sub(r"[^\w.+]+", "-", stem).strip("-")
 
 

@@ -12,12 +12,14 @@ import attrs
 
 from ...display.desktop import window_view
 from ...errors import InputError
+from ...headsets import FILE_ENDINGS as HEADSET_FILES
 from ...headsets import Headset, load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
 from ...options import keep_inside, options_of, quoted
 from ...pipeline import SceneKey, Source, guarded_size
 from ...run import EmulatedScreen, LiveOptions, RunSetup, checked_source, on_screen
+from ...scenes import FILE_ENDINGS as SCENE_FILES
 from ..scales import Scale
 
 ORDERS = (WILLIAMS, RANDOM, FIXED, ADAPTIVE) = ("williams", "random", "fixed", "adaptive")
@@ -166,6 +168,8 @@ DISPLAY = tuple(option.name for option in _SETTINGS if option.study == OF_DISPLA
 PICTURE = (*(option.name for option in _SETTINGS if option.study == OF_PICTURE), *DISPLAY)
 _MOST_PIXELS = 16384
 FILES = tuple(option.name for option in _SETTINGS if option.kind is Path)
+# Settings whose value may be a file, by its ending.
+NAMED_FILES = {"headset": HEADSET_FILES, "scene": SCENE_FILES}
 _NOT_SETTINGS = {option.name: option.study for option in _OPTIONS if not option.in_study}
 _NOT_SETTINGS["quiet"] = "it is an option of 'hmdwarp study run'"
 
@@ -237,10 +241,7 @@ def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence
 
 
 def _resolved(folder: Path, key: str, name: str, value: object) -> object:
-    is_file = name in FILES or (
-        isinstance(value, str)
-        and ((name == "headset" and value.endswith((".toml", ".json"))) or _is_scene_file(name, value))
-    )
+    is_file = name in FILES or (isinstance(value, str) and value.lower().endswith(NAMED_FILES.get(name, ())))
     if not is_file or not isinstance(value, str):
         return value
     path = folder.absolute() / value
@@ -248,10 +249,6 @@ def _resolved(folder: Path, key: str, name: str, value: object) -> object:
         return str(keep_inside(path, folder, f"the file of {name}"))
     except InputError as error:
         raise SettingFault(key, f"{key} is {quoted(value)}: {error}") from error
-
-
-def _is_scene_file(name: str, value: str) -> bool:
-    return name == "scene" and value.lower().endswith((".glb", ".gltf", ".obj", ".ply", ".xml"))
 
 
 def _named(settings: Mapping[str, object], others: Sequence[str] = ()) -> list[tuple[str, str, object]]:

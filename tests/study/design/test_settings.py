@@ -152,4 +152,6 @@ def test_files_are_found_from_the_study_file(tmp_path):
     assert resolve_paths(Path("beside"), {"scene": "mine.glb"}) == {
         "scene": str(Path.cwd() / "beside" / "mine.glb")
     }  # wherever one works later
+    for name, value in (("scene", "mine.xml"), ("scene", "MINE.OBJ"), ("headset", "mine.json")):
+        assert resolve_paths(folder, {name: value}) == {name: str(folder / value)}
     assert resolve_paths(folder, {"scene": "room", "headset": "rift-dk1"}) == {"scene": "room", "headset": "rift-dk1"}
