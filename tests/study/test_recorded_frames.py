@@ -47,7 +47,7 @@ def plan(tmp_path):
 
 def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
     """The trial is as a replay over the camera's own head, as old as its frames really were."""
-    said = {"study": str(plan), "participant": "new", "pilot": True, "source": "offscreen", "console": "none"}
+    said = {"study": str(plan), "participant": "P1", "pilot": True, "source": "offscreen", "console": "none"}
     options = SessionOptions.of({**said, "simulate": "quick", "store": tmp_path / "data"})
     session = run_session(options)
     assert session.status == "complete"
