@@ -41,6 +41,7 @@ class Work:
     chains: tuple[str, ...] = ()  # options of gpu_chain.py beside the sizes
     frames: int = 600  # of each live run
     refreshes: int = 300  # of each row of bench-live
+    array_sizes: tuple[str, ...] = ()  # of calls with arrays, where not the usual ones
 
 
 FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
@@ -51,7 +52,7 @@ ALL = Work(
 QUICK = Work(
     (("48x40", ("rotation",), ("none", "pyramid")),),
     tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0 --no-grid --no-fused")),
-    "planes", ("--refreshes", "2", "--busy-bytes", "65536"), 10, 2,
+    "planes", ("--refreshes", "2", "--busy-bytes", "65536"), 10, 2, ("48x40",),
 )  # fmt: skip
 
 
@@ -113,7 +114,7 @@ def measure(folder: Path, work: Work, minutes: float) -> dict[str, Any]:
     for size, *_ in work.benches:
         what = ("--source", "offscreen", "--trace", "look-around", "--scene", work.scene, "--size", size)
         lives.append(run.results(f"live {size}", "live", *what, "--pictures", str(work.frames), file="summary.json"))
-    arrays = run.part("calls with arrays", str(TESTS / "bench_warper.py"), "--ratios")
+    arrays = run.part("calls with arrays", str(TESTS / "bench_warper.py"), "--ratios", *work.array_sizes)
     # Status 1: a limit is exceeded, which it says.
     loop = run.part("bench-live", str(TESTS / "bench_live.py"), "--frames", str(work.refreshes), statuses=(0, 1))
     return {

@@ -20,7 +20,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from bench_warper import print_ratios
+from bench_warper import RATIO_SIZES, print_ratios
 from rich.console import Console
 from rich.table import Table
 
@@ -201,20 +201,21 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--time", type=float, default=3.0, help="seconds into look-around")
     parser.add_argument("--seconds", type=float, default=5.0, help="of the whole replay; 0 leaves it out")
+    parser.add_argument("--sizes", type=int, default=len(RATIO_SIZES), help="leave out the sizes after so many")
     arguments = parser.parse_args()
     cv2.setNumThreads(2)
     console, missed = Console(), []
     with Gpu() as gpu:
         server = Server(gpu, load_scene("room"))
         console.print(f"{gpu.renderer}, OpenCV {cv2.__version__}, {arguments.rounds} rounds")
-        for size in LIMITS:
+        for size in [*LIMITS][: arguments.sizes]:
             methods = Case(gpu, server, size, arguments.time).methods()
             shown, rendered = table(size, measure(gpu, methods, arguments.rounds))
             console.print(shown)
             console.print(warm(gpu, methods, size, arguments.rounds))
             missed += rendered
         server.close()
-        missed += print_ratios(gpu, max(arguments.rounds // 3, 1))
+        missed += print_ratios(gpu, max(arguments.rounds // 3, 1), RATIO_SIZES[: arguments.sizes])
     for line, rendered in (
         *([whole_replay(arguments.seconds)] if arguments.seconds else []),
         starting(arguments.rounds),

@@ -3,7 +3,7 @@
 The passes alone and the Warper take turns in one process, on the same textures. Counted is the
 processor time of the calling thread: Python and the driver's part of it, without what llvmpipe's
 own threads draw and without what other programs take. With --ratios: the processor time of all
-threads of a call with arrays, over that of its passes.
+threads of a call with arrays, over that of its passes, at the sizes that follow (64x48 ..).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import itertools
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from statistics import median
 
 import attrs
@@ -142,10 +142,10 @@ def measuring(gpu: Gpu, size: tuple[int, int], rounds: int) -> str:
     return f"FLIP and SSIM, {size[0]}x{size[1]}: {how}"
 
 
-def print_ratios(gpu: Gpu, rounds: int) -> list[str]:
+def print_ratios(gpu: Gpu, rounds: int, sizes: Sequence[tuple[int, int]] = RATIO_SIZES) -> list[str]:
     """Print a line for each size, and return those above the limit."""
-    found = [call_over_passes(gpu, size, rounds) for size in RATIO_SIZES]
-    print("\n".join([*(line for line, _ in found), *(measuring(gpu, size, rounds) for size in RATIO_SIZES[:2])]))
+    found = [call_over_passes(gpu, size, rounds) for size in sizes]
+    print("\n".join([*(line for line, _ in found), *(measuring(gpu, size, rounds) for size in sizes[:2])]))
     return [line for line, ratio in found if ratio > MOST]
 
 
@@ -153,7 +153,8 @@ def main() -> None:
     """Print a table."""
     if sys.argv[1:2] == ["--ratios"]:
         with Gpu() as gpu:
-            print_ratios(gpu, 9)
+            sizes = [tuple(map(int, size.split("x"))) for size in sys.argv[2:]]
+            print_ratios(gpu, 9, sizes or RATIO_SIZES)
         return
     rounds = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     with Gpu() as gpu:

@@ -13,8 +13,11 @@ from pathlib import Path
 import pytest
 
 
-def hmdwarp(*arguments: object, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a command in `folder`, in a terminal of 80 columns, with nothing to read from."""
+def hmdwarp(*arguments: object, folder: Path | None = None, page: bool = True) -> subprocess.CompletedProcess[str]:
+    """Run a command in `folder`, in a terminal of 80 columns, with nothing to read from.
+
+    page: whether a run's report.html is drawn; its plots take longer than a small run.
+    """
     from hmdwarp.cli import main
 
     words = ["hmdwarp", *map(str, arguments)]
@@ -26,6 +29,8 @@ def hmdwarp(*arguments: object, folder: Path | None = None) -> subprocess.Comple
         patch.setenv("COLUMNS", "80")
         if folder is not None:
             patch.chdir(folder)
+        if not page:
+            patch.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
         try:
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as left:
                 main()

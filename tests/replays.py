@@ -42,6 +42,14 @@ SMALL = {
     "workers": 0,
     "images": 0,
 }
+# Light of fewer paths or cells, solved at every fifth refresh, and fewer layers are kept in the
+# same places.
+CHEAPER = {
+    "photons": "photons:paths=256",
+    "irradiance": "irradiance:updates=0.05",
+    "layered": "layered:layers=2",
+    "voxels": "voxels:size=8,cones=4",
+}
 
 
 def suited(scene: str = "planes") -> list[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ast
 import functools
+import gc
 import graphlib
 import importlib
 import importlib.util
@@ -96,9 +97,25 @@ def name_of(path: Path) -> str:
     return path.relative_to(PACKAGE).as_posix()
 
 
+@pytest.fixture(scope="module", autouse=True)
+def trees_are_dropped():
+    """Two million objects, not to be collected now, and which later tests would carry along."""
+    before = gc.get_threshold()
+    gc.set_threshold(100_000)
+    yield
+    gc.set_threshold(*before)
+    tree_of.cache_clear()
+    nodes_of.cache_clear()
+
+
 @functools.cache
 def tree_of(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"), str(path))
+
+
+@functools.cache
+def nodes_of(path: Path) -> list[ast.AST]:
+    return list(ast.walk(tree_of(path)))
 
 
 def unit_of(path: Path) -> str:
@@ -110,18 +127,18 @@ def unit_of(path: Path) -> str:
     return "" if parts == ("__init__",) else parts[0]
 
 
-def units_in(source: str, package: tuple[str, ...]) -> set[str]:
+def units_in(source: str | list[ast.AST], package: tuple[str, ...]) -> set[str]:
     """The parts of hmdwarp that `source`, lying in `package` (e.g. ("hmdwarp", "gpu")), imports
     anywhere, functions included.
 
     "" is the top package itself, unless what is taken from it is a part of the house. What only
     annotations need (imported under TYPE_CHECKING) is not counted: it is never loaded.
     """
-    tree = ast.parse(source)
-    blocks = [node for node in ast.walk(tree) if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
+    nodes = list(ast.walk(ast.parse(source))) if isinstance(source, str) else source
+    blocks = [node for node in nodes if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
     unloaded = {id(node) for block in blocks for statement in block.body for node in ast.walk(statement)}
     found: set[str] = set()
-    for node in ast.walk(tree):
+    for node in nodes:
         if id(node) in unloaded:
             continue
         if isinstance(node, ast.Import):
@@ -140,9 +157,7 @@ def units_in(source: str, package: tuple[str, ...]) -> set[str]:
 
 
 def imports_of(path: Path) -> set[str]:
-    return units_in(path.read_text(encoding="utf-8"), ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)) - {
-        unit_of(path)
-    }
+    return units_in(nodes_of(path), ("hmdwarp", *path.relative_to(PACKAGE).parent.parts)) - {unit_of(path)}
 
 
 def floor_of(unit: str) -> int | None:
@@ -268,9 +283,7 @@ def test_import_rules_notice_what_they_forbid():
 
 
 def strings_of(path: Path) -> list[tuple[int, str]]:
-    return [
-        (n.lineno, n.value) for n in ast.walk(tree_of(path)) if isinstance(n, ast.Constant) and isinstance(n.value, str)
-    ]
+    return [(n.lineno, n.value) for n in nodes_of(path) if isinstance(n, ast.Constant) and isinstance(n.value, str)]
 
 
 def test_no_shader_text_in_python():
@@ -365,7 +378,7 @@ def test_clock_reads_are_noticed():
 def files_imported(path: Path) -> set[Path]:
     """The files of the package that `path` takes names from, annotations included."""
     package, found = ("hmdwarp", *path.relative_to(PACKAGE).parent.parts), set()
-    for node in ast.walk(tree_of(path)):
+    for node in nodes_of(path):
         if not isinstance(node, ast.ImportFrom) or not node.level:
             continue
         base = PACKAGE.parent.joinpath(*package[: len(package) - node.level + 1], *(node.module or "").split("."))

@@ -11,6 +11,7 @@ import importlib
 import os
 import re
 import shlex
+import socket
 import subprocess
 import sys
 import tomllib
@@ -42,7 +43,7 @@ LIVE = sorted(
 # Of an option given twice the last counts: what is drawn is smaller and shorter here.
 SMALLER = {
     "hmdwarp replay ": " --size 96x120 --seconds 0.2 --images 1 --workers 0",
-    "hmdwarp bench ": " --size 64x80 --workers 0",
+    "hmdwarp bench ": " --size 64x80 --workers 0 --instants 1 --rounds 1",
     "hmdwarp live ": " --size 96x120",
 }
 
@@ -89,8 +90,10 @@ def run_block(block: str, folder: Path) -> None:
 def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show.
 
-    A suite says by itself what is run.
+    A suite says by itself what is run. A server listens at a port that is free here.
     """
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        block = block.replace("127.0.0.1:5570", f"127.0.0.1:{free.getsockname()[1]}")
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     return "\n".join(
         line

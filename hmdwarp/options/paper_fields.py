@@ -34,3 +34,8 @@ class PaperOptions(Declared):
 
     tables: tuple[str, ...] = _kinds(tuple(PAPER_TABLES), "tables")
     plots: tuple[str, ...] = _kinds(PLOTS, "plots")
+
+    @property
+    def is_wanted(self) -> bool:
+        """Whether anything is."""
+        return bool(self.tables or self.plots)

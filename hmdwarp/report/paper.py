@@ -30,7 +30,7 @@ def write_paper(out: OutputFolder, page: Page, options: PaperOptions) -> None:
 
     Errors: as OutputFolder.
     """
-    if not (options.tables or options.plots):
+    if not options.is_wanted:
         return
     numbers: Counter[tuple[str, type]] = Counter()
     for section in filter(None, page.sections):

@@ -206,19 +206,21 @@ def _print(line: str) -> None:
 class GarbageControl:
     """Collect garbage only between pictures.
 
-    What exists on entry (modules, shaders, the scene) is frozen, so that no collection scans it.
+    What exists on entry (modules, shaders, the scene) is frozen, so that no collection scans it. A
+    program that has frozen its objects itself keeps them frozen, and is not scanned at each entry.
     """
 
     def __init__(self, on: bool = True) -> None:
         """Configure it. on: False leaves collection to Python, for comparison."""
         self._on = on
-        self._was_enabled = False
+        self._was_enabled = self._freezes = False
 
     def __enter__(self) -> GarbageControl:
-        self._was_enabled = gc.isenabled()
+        self._was_enabled, self._freezes = gc.isenabled(), not gc.get_freeze_count()
         if self._on:
             gc.collect()
-            gc.freeze()
+            if self._freezes:
+                gc.freeze()
             gc.disable()
         return self
 
@@ -232,7 +234,8 @@ class GarbageControl:
 
     def __exit__(self, *_: object) -> None:
         if self._on:
-            gc.unfreeze()
+            if self._freezes:
+                gc.unfreeze()
             if self._was_enabled:
                 gc.enable()
 

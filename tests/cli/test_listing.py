@@ -168,7 +168,8 @@ def test_people_get_names_and_summaries_in_80_columns(kind, command):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_one_name_gets_all_that_is_known(kind, command):
-    for row in entries(kind):
+    # Those with most to tell, which are the ones that could be too wide.
+    for row in sorted(entries(kind), key=lambda row: len(str(row)))[-6:]:
         out = command("list", kind, row["name"]).done().out
         assert max(map(len, out.splitlines())) <= 80
         told = " ".join(out.split())

@@ -9,6 +9,7 @@ import subprocess
 import sys
 
 import attrs
+import contexts
 import moderngl
 import numpy as np
 import pytest
@@ -16,6 +17,12 @@ from commands import hmdwarp
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, context, download, egl, reset_status_of, upload
+
+
+@pytest.fixture(autouse=True)
+def as_shipped():
+    with contexts.as_shipped():
+        yield
 
 
 def works(gpu: Gpu) -> bool:

@@ -171,7 +171,7 @@ class Program:
         self._process.stdout.close()
 
 
-def two_hundred_frames(here: Here, out: Path, graphics: str) -> None:
+def many_frames(here: Here, out: Path, count: int, graphics: str) -> None:
     """Run so many, and check what came of them. graphics: how they are to be drawn."""
     ages, heads = [], []
 
@@ -180,9 +180,9 @@ def two_hundred_frames(here: Here, out: Path, graphics: str) -> None:
         ages.append(refresh.age_ns)
         heads.append(refresh.head.time_ns)
 
-    summary = here.run(quick(pictures=200, latency_ms=175.0, out=out), after).summary
+    summary = here.run(quick(pictures=count, latency_ms=175.0, out=out), after).summary
     validate_summary(json.loads((out / "summary.json").read_text(encoding="utf-8")))
     assert here.watched.about["graphics"] == graphics
-    assert summary["frames"] == len(ages) == 200
+    assert summary["frames"] == len(ages) == count
     assert min(ages) >= 175e6
-    assert len(set(heads)) == 200 and heads == sorted(heads)
+    assert len(set(heads)) == count and heads == sorted(heads)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import signal
 import subprocess
 
-from .live_runs import Here, Program, quick, two_hundred_frames
+from .live_runs import Here, Program, many_frames, quick
 from .monado import UNSEEN, WOBBLING
 
 
@@ -20,9 +20,9 @@ def press(key: str) -> None:
     subprocess.run(["xdotool", "key", key], check=True, timeout=30)
 
 
-def test_200_frames(runtime, screen, monkeypatch, tmp_path):
+def test_40_frames(runtime, screen, monkeypatch, tmp_path):
     runtime(WOBBLING, UNSEEN).start()
-    two_hundred_frames(Here(monkeypatch), tmp_path / "out", "GLX")
+    many_frames(Here(monkeypatch), tmp_path / "out", 40, "GLX")
 
 
 def test_a_key_changes_the_warp(runtime, screen, monkeypatch):

@@ -8,7 +8,7 @@ import tracemalloc
 
 import moderngl
 import pytest
-from replays import scene_for
+from replays import CHEAPER, scene_for
 
 from hmdwarp.client.strategies import strategies
 from hmdwarp.geometry import Pose
@@ -17,19 +17,11 @@ from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene
 
-STEP_NS = 4_000_000_000
-MIDDLE, LAST = 75, 150  # refreshes: 5 and 10 minutes
-# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 75 times
-# 0.24 kB here. A picture of 32x24 kept at each refresh would be 75 times 6 kB.
-GROWTH_BYTES = 40_000
-# Light of fewer paths or cells, solved at every fifth refresh, and fewer layers are kept in the
-# same places.
-CHEAPER = {
-    "photons": "photons:paths=256",
-    "irradiance": "irradiance:updates=0.05",
-    "layered": "layered:layers=2",
-    "voxels": "voxels:size=8,cones=4",
-}
+STEP_NS = 7_000_000_000
+MIDDLE, LAST = 43, 86  # refreshes: 5 and 10 minutes
+# The times of the last thousands of refreshes, which a proxy keeps for its medians, are 43 times
+# 0.24 kB here. A picture of 32x24 kept at each refresh would be 43 times 6 kB.
+GROWTH_BYTES = 23_000
 
 
 class Wandering:

@@ -5,6 +5,7 @@ After the refresh under way, with everything written.
 
 from __future__ import annotations
 
+import gc
 import os
 import signal
 import threading
@@ -12,6 +13,7 @@ import threading
 import pytest
 
 from hmdwarp.run import Ending, LiveOptions
+from hmdwarp.run.ending import GarbageControl
 
 from .offscreen import OffscreenDisplay, run_on
 
@@ -136,3 +138,18 @@ def test_an_impatient_ctrl_c_still_closes_the_display(monkeypatch, handlers, tmp
         run_on(monkeypatch, display, LiveOptions(**PLAIN, record=recording), after=stop)
     assert display.closed == 1
     assert sum(not line.startswith(("#", "time")) for line in recording.read_text().splitlines()) == 3
+
+
+def test_garbage_is_frozen_for_a_run_unless_the_program_has_frozen_its_own():
+    """These tests have: what is frozen when they begin stays so."""
+    frozen = gc.get_freeze_count()
+    with GarbageControl():
+        assert gc.get_freeze_count() == frozen > 0 and not gc.isenabled()
+    assert gc.get_freeze_count() == frozen and gc.isenabled()
+    gc.unfreeze()
+    try:
+        with GarbageControl():
+            assert gc.get_freeze_count() > 0
+        assert gc.get_freeze_count() == 0
+    finally:
+        gc.freeze()

@@ -25,7 +25,6 @@ from hmdwarp.study.respondents import Cohort, Model, Population, SicknessModel, 
 from hmdwarp.study.store import SIMULATED, Contents, Store
 
 from . import tiny
-from .killing import Nursery, live
 
 pytestmark = pytest.mark.slow(40)
 # These twelve, of the people this model makes up: of them one has enough after two trials and one
@@ -61,11 +60,9 @@ def study(tmp_path_factory) -> Study:
     folder = tmp_path_factory.mktemp("study")
     file, model = tiny.write(folder, **PEOPLE)
     data, made = folder / "tiny-simulated-data", folder / "made"
-    with Nursery() as nursery:
-        for code in CODES:
-            done = live(nursery, tiny.session(file, model, code))
-            assert done.status == 0, done.said
-        assert live(nursery, tiny.session(file, model, PILOT, "--pilot", "--store", str(data))).status == 0
+    for code in CODES:
+        tiny.ran(*tiny.session(file, model, code))
+    tiny.ran(*tiny.session(file, model, PILOT, "--pilot", "--store", str(data)))
     tiny.ran("study", "export", file, "--out", made / "export", "--simulated", "--quiet")
     tiny.ran("study", "analyse", file, "--out", made / "analysis", "--simulated", "--quiet")
     with Store(data) as store:

@@ -2,7 +2,7 @@
 
 No confirmed answer is missing or doubled, and the session goes on where it was.
 
-STUDY_KILLS (40) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
+STUDY_KILLS (12) says how many, STUDY_KILL_SEED which moments; `make test-kill` does 500.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import pytest
 
 from .killing import Killed, faults
 
-KILLS = int(os.environ.get("STUDY_KILLS", "40"))
+KILLS = int(os.environ.get("STUDY_KILLS", "12"))
 SEED = int(os.environ.get("STUDY_KILL_SEED", "1"))
 
 
-@pytest.mark.slow(40)
+@pytest.mark.slow(20)
 def test_killing_the_program_loses_nothing(tmp_path, capsys):
     killed = Killed(tmp_path, SEED, KILLS)
     killed.run()

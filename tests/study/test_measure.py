@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 import pytest
 from ratings import quiet, with_cvvdp, without_cvvdp
-from replays import scene_for
+from replays import CHEAPER, scene_for
 
 from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
@@ -98,7 +98,8 @@ def test_a_condition_shows_each_strategy(tmp_path):
         TEXT[: TEXT.index("[[condition]]")].replace('scene = "planes"\n', "").replace("seconds = 0.5", "seconds = 0.2")
     )
     conditions = [
-        f'[[condition]]\nname = "{name}"\nstrategy = "{name}"\nscene = "{scene_for(name)}"\nlatency = 100\n'
+        f'[[condition]]\nname = "{name}"\nstrategy = "{CHEAPER.get(name, name)}"\n'
+        f'scene = "{scene_for(name)}"\nlatency = 100\n'
         for name in strategies.names()
     ]
     with shown(tmp_path, head + "".join(conditions)) as store:

@@ -12,6 +12,7 @@ told is what somebody may rely on.
 
 from __future__ import annotations
 
+import gc
 import importlib
 import json
 import os
@@ -72,6 +73,7 @@ def nursery(link: socket.socket) -> None:
         "display.offscreen",
     ):
         importlib.import_module(f"hmdwarp.{name}")
+    gc.freeze()  # a session collects before each of its 35 runs, and would scan all modules each time
     while (asked := socket.recv_fds(link, 1 << 16, 2))[0]:
         data, (told, said) = asked[:2]
         pid = os.fork()

@@ -194,7 +194,7 @@ def write_bench(out: OutputFolder, data: dict[str, Any], options: BenchOptions |
     notes = [f"This page shows the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all."]
     notes = [*(notes if count > MOST_SHOWN else []), *data["notes"]]
     out.write_text("bench.html", render_bench_page({**data, "rows": rows, "notes": notes}))
-    if isinstance(options, BenchOptions):
+    if isinstance(options, BenchOptions) and options.paper.is_wanted:
         write_paper(out, bench_page(data), options.paper)
     out.write_json("bench.json", data)
 

@@ -15,6 +15,7 @@ from hmdwarp.experiments.bench.cases import common_start_s
 from hmdwarp.experiments.bench.options import FILLS
 from hmdwarp.link import CHANGES
 from hmdwarp.metrics import QUALITY
+from hmdwarp.pipeline.options import DEFAULT_FILL, DEFAULT_WARP
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions
 from hmdwarp.run.combinations import batches
@@ -82,6 +83,10 @@ def test_all_stand_beside_each_other_as_one_case(rows):
         assert row["latency_ms"] == LATENCY_MS and row["frames"] == len(MEASURED)
         assert list(row["at_instants"]["flip"]) == [str(number) for number, _ in MEASURED]
         assert row["client"] and row["passes"] and row["time_ms"]["total"]["median"] > 0
+    # The light alone is warped by the default chain: other pictures, of the same warp and fill.
+    light, usual = rows["light"], rows["depth_image"]
+    assert (light["warp"], light["fill"]) == (usual["warp"], usual["fill"]) == (DEFAULT_WARP, DEFAULT_FILL)
+    assert light["quality"]["psnr_db"] != usual["quality"]["psnr_db"]
 
 
 def test_strategies_that_set_the_link_have_late_frames_of_their_own():

@@ -1,0 +1,62 @@
+"""OpenGL contexts that are used again: each new one compiles 64 ms for its first mipmaps alone.
+
+Where one is closed its objects are freed as ever; the context and its compiled shaders wait for the
+next `Gpu()` of this process, which has thousands of them in a run of all tests.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import moderngl
+
+from hmdwarp.gpu import Gpu, context, timers
+from hmdwarp.gpu.egl import VARIABLE
+
+_create, _release, _library = context.create_context, Gpu._release, context.ShaderLibrary
+_has_timer = timers.has_real_gpu_timer
+_idle: list[moderngl.Context] = []
+_made: set[moderngl.Context] = set()  # standalone ones; a window's belong to it
+
+
+def install() -> None:
+    """Keep contexts from now on."""
+    context.create_context, Gpu._release = _take, _put_back
+    context.ShaderLibrary, timers.has_real_gpu_timer = functools.cache(_library), functools.cache(_has_timer)
+
+
+@contextmanager
+def as_shipped() -> Iterator[None]:
+    """Make and destroy contexts in this block as the program does."""
+    context.create_context, Gpu._release, context.ShaderLibrary = _create, _release, _library
+    timers.has_real_gpu_timer = _has_timer
+    try:
+        yield
+    finally:
+        install()
+
+
+def _take(*, shared: bool = False) -> moderngl.Context:
+    if shared or os.environ.get(VARIABLE):
+        return _create(shared=shared)
+    if not _idle:
+        _made.add(made := _create())
+        return made
+    before, made = getattr(context._thread, "gpu", None), _idle.pop()
+    if before is not None:
+        before.gl.__exit__(None, None, None)
+    made.__enter__()  # a new one is current as well
+    return made
+
+
+def _put_back(gpu: Gpu) -> None:
+    if gpu.gl not in _made or gpu._reset_status():
+        return _release(gpu)
+    gpu._collect()
+    gpu.gl.enable_only(moderngl.NOTHING)
+    gpu.gl.finish()
+    gpu.gl.__exit__(None, None, None)
+    return _idle.append(gpu.gl)
