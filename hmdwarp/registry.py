@@ -9,6 +9,8 @@ Every entry registers itself the same way, as a class or as an object with a `na
     class Forward(Warp):
         name = "forward"
 
+An entry that is data alone is a table, NAME.toml, in the registries that say what to make of one.
+
 Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
 `[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`.
 """
@@ -18,8 +20,10 @@ from __future__ import annotations
 import functools
 import importlib
 import pkgutil
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Generic, TypeVar
+import tomllib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from .errors import InputError, unknown_name
 
@@ -31,16 +35,19 @@ E = TypeVar("E")
 
 
 class Registry(Generic[T]):
-    """Entries of one kind: one per public module of `package`, plus those of other packages.
+    """Entries of one kind: one per public file of `package`, plus those of other packages.
 
     File names give the names, so listing them imports no entry (`--help` needs them). Modules whose
     name starts with an underscore are helpers, not entries.
     """
 
-    def __init__(self, kind: str, package: str, group: str = "") -> None:
+    def __init__(
+        self, kind: str, package: str, group: str = "", of_table: Callable[[str, dict[str, Any]], T] | None = None
+    ) -> None:
         self.kind = kind  # singular, for messages: "warp"
         self.package = package  # dotted name of the package that holds the entries
         self.group = f"hmdwarp.{group or package.rpartition('.')[2]}"  # of the entry points
+        self._of_table = of_table  # makes an entry of its name and its table; None: there are no tables
         self._entries: dict[str, T] = {}
 
     def register(self, entry: E) -> E:
@@ -62,7 +69,9 @@ class Registry(Generic[T]):
         another package that cannot be loaded or registers something else.
         """
         if name not in self._entries:
-            if name in self._shipped():
+            if self._of_table is not None and name in (tables := self._tables()):
+                self._entries[name] = self._of_table(name, tomllib.loads(tables[name].read_text(encoding="utf-8")))
+            elif name in self._shipped():
                 importlib.import_module(f"{self.package}.{name}")
             elif name in self._foreign():
                 self._load(self._foreign()[name])
@@ -80,7 +89,12 @@ class Registry(Generic[T]):
 
     def _shipped(self) -> set[str]:
         path = importlib.import_module(self.package).__path__
-        return {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
+        modules = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
+        return modules if self._of_table is None else modules | self._tables().keys()
+
+    def _tables(self) -> dict[str, Path]:
+        folders = importlib.import_module(self.package).__path__
+        return {path.stem: path for folder in folders for path in Path(folder).glob("*.toml")}
 
     def _foreign(self) -> dict[str, importlib.metadata.EntryPoint]:
         return _entry_points(self.group)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 
@@ -28,16 +29,25 @@ def entries(kind: str) -> list[dict[str, str]]:
     return _MAKERS[kind]()
 
 
+def _said(entry: object, *names: str) -> dict[str, str]:
+    """Return the texts of an entry under their own names."""
+    return {name: getattr(entry, name) for name in ("name", "summary", *names)}
+
+
+def _yes(value: bool) -> str:
+    return "yes" if value else "no"
+
+
+def _settings(entry: Any) -> str:
+    return ", ".join(f"{field.name}={field.default}" for field in attrs.fields(entry.Settings)) or "none"
+
+
 def _strategies() -> list[dict[str, str]]:
     from ..client.strategies import strategies
 
     return [
         {
-            "name": strategy.name,
-            "summary": strategy.summary,
-            "crosses": strategy.crosses,
-            "client": strategy.client,
-            "late": strategy.late,
+            **_said(strategy, "crosses", "client", "late"),
             "sets": ", ".join(f"{name}={value}" for name, value in strategy.options("").items()) or "nothing",
             "classes": ", ".join(f"class-{number}" for number in strategy.classes),
             "source": strategy.source,
@@ -53,13 +63,11 @@ def _warps() -> list[dict[str, str]]:
 
     rows = [
         {
-            "name": warp.name,
-            "summary": warp.summary,
-            "kind": warp.kind,
+            **_said(warp, "kind"),
             "reads": ", ".join(warp.reads),
-            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(warp.Settings)) or "none",
-            "fused_with_the_lens": "yes" if warp.fuses else "no",
-            "follows_scanout": "yes" if warp.scans_out else "no",
+            "settings": _settings(warp),
+            "fused_with_the_lens": _yes(warp.fuses),
+            "follows_scanout": _yes(warp.scans_out),
             "exact_when": warp.exact_when,
             "gets_wrong": warp.gets_wrong,
             "does_as": "none",
@@ -73,13 +81,7 @@ def _warps() -> list[dict[str, str]]:
         values = ", ".join(f"{name}={value}" for name, value in attrs.asdict(choice.settings).items())
         of = own[choice.entry.name]
         rows.append(
-            of
-            | {
-                "name": text,
-                "summary": f"as {system}: {of['summary']}",
-                "settings": values,
-                "does_as": system,
-            }
+            of | {"name": text, "summary": f"as {system}: {of['summary']}", "settings": values, "does_as": system}
         )
     there = [name for name in OUTSIDE if not missing(name)]
     return rows + [_outside_row(name, OUTSIDE[name], list(rows[0])) for name in there]
@@ -103,11 +105,10 @@ def _fills() -> list[dict[str, str]]:
 
     return [
         {
-            "name": fill.name,
-            "summary": fill.summary,
+            **_said(fill),
             "reads": ", ".join(fill.reads),
-            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(fill.Settings)) or "none",
-            "leaves_no_hole": "yes" if fill.complete else "no",
+            "settings": _settings(fill),
+            "leaves_no_hole": _yes(fill.complete),
             "source": fill.source,
         }
         for fill in fills
@@ -117,37 +118,25 @@ def _fills() -> list[dict[str, str]]:
 def _repairs() -> list[dict[str, str]]:
     from ..sources.repairs import repairs
 
-    return [
-        {
-            "name": repair.name,
-            "summary": repair.summary,
-            "needs": repair.needs,
-            "settings": ", ".join(f"{field.name}={field.default}" for field in attrs.fields(repair.Settings)) or "none",
-            "source": repair.source,
-        }
-        for repair in repairs
-    ]
+    return [{**_said(repair, "needs"), "settings": _settings(repair), "source": repair.source} for repair in repairs]
 
 
 def _effects() -> list[dict[str, str]]:
     from ..client.effects import effects
 
-    return [
-        {"name": e.name, "summary": e.summary, "pass": e.made_by.name, "without": e.without, "source": e.source}
-        for e in effects
-    ]
+    return [{**_said(e), "pass": e.made_by.name, "without": e.without, "source": e.source} for e in effects]
 
 
 def _lenses() -> list[dict[str, str]]:
     from ..client.lens import lenses
 
-    return [{"name": x.name, "summary": x.summary, "source": x.source} for x in lenses]
+    return [_said(lens, "source") for lens in lenses]
 
 
 def _scenes() -> list[dict[str, str]]:
     from ..scenes import scenes
 
-    return [{"name": s.name, "summary": s.summary, "effects": ", ".join(s.effects) or "none"} for s in scenes]
+    return [{**_said(scene), "effects": ", ".join(scene.effects) or "none"} for scene in scenes]
 
 
 def _headsets() -> list[dict[str, str]]:
@@ -157,10 +146,8 @@ def _headsets() -> list[dict[str, str]]:
 def _axes() -> list[dict[str, str]]:
     from ..poses.reading.axes import load_preset, preset_names
 
-    return [
-        {"name": p.name, "summary": p.summary, "axes": p.axes.words(), "source": p.source}
-        for p in map(load_preset, preset_names())
-    ]
+    presets = map(load_preset, preset_names())
+    return [{**_said(preset), "axes": preset.axes.words(), "source": preset.source} for preset in presets]
 
 
 def _clients() -> list[dict[str, str]]:
@@ -168,10 +155,8 @@ def _clients() -> list[dict[str, str]]:
 
     return [
         {
-            "name": client.name,
-            "summary": client.summary,
-            "scene": client.scene,
-            "compute_shaders": "yes" if client.compute_shaders else "no",
+            **_said(client, "scene"),
+            "compute_shaders": _yes(client.compute_shaders),
             "layers": "all" if client.more_layers else "colour and depth",
             "budget": _limit(client.budget_ms, "ms an eye"),
             "decoder": _limit(client.decoder_mpx_s, "Mpx/s"),
@@ -188,8 +173,7 @@ def _limit(value: float, unit: str) -> str:
 
 def _headset_row(headset: headsets.Headset) -> dict[str, str]:
     return {
-        "name": headset.name,
-        "summary": headset.summary,
+        **_said(headset),
         "eye_size": "x".join(map(str, headset.eye_size_px)),
         "refresh_hz": f"{headset.refresh_hz:g}",
         **headset_facts(headset),
@@ -231,9 +215,7 @@ def _formats() -> list[dict[str, str]]:
     rows = []
     for entry in formats:
         facts = {fact.what: f"{fact.value} ({_stated_by(fact)})" for fact in entry.assumes()}
-        rows.append(
-            {"name": entry.name, "summary": entry.summary, "can_write": "yes" if entry.writes else "no", **facts}
-        )
+        rows.append({**_said(entry), "can_write": _yes(entry.writes), **facts})
     return rows
 
 
@@ -244,7 +226,7 @@ def _layouts() -> list[dict[str, str]]:
     for reader in readers:
         stated = {assume.what: f"{assume.value} ({_stated_by(assume)})" for assume in reader.assumes}
         facts = {what.replace(" ", "_"): stated.get(what, "") for what in FACTS}
-        rows.append({"name": reader.name, "summary": reader.summary, **facts})
+        rows.append({**_said(reader), **facts})
     return rows
 
 
@@ -319,8 +301,7 @@ def _layers() -> list[dict[str, str]]:
     for layer in layers:
         per, count = "frame" if layer.per_frame else "eye", layer.bytes(layer.something, sizes)
         row = {
-            "name": layer.name,
-            "summary": layer.summary,
+            **_said(layer),
             "format": " + ".join(layer.formats) or "none: no picture",
             "size": _SIZES[layer.size_class] if layer.formats else "none",
             "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset.name}" if count else "none",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,8 +16,6 @@ from ..poses.options import MOTIONS, TraceOptions
 from ._options import JSON, Group, Said, as_json, takes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from rich.console import Console
     from rich.table import Table
 
@@ -59,12 +58,8 @@ def info(said: Said) -> None:
     if not console.is_terminal:
         console = Console(width=120, soft_wrap=True)
     console.print(_facts(loaded, figures))
-    console.print(_speed_table(figures))
-    console.print(_error_table(figures))
-    console.print(_lead_table(figures))
-    if len(loaded.segments) > 1:
-        console.print(_segment_table(loaded))
-    console.print(_assumption_table(loaded))
+    for table in _tables(loaded, figures):
+        console.print(table)
     _print_defects(console, loaded)
 
 
@@ -78,7 +73,7 @@ def convert(said: Said) -> None:
     """
     from rich.console import Console
 
-    from ..errors import InputError, unknown_name
+    from ..errors import unknown_name
     from ..poses.formats import formats
     from ..report import counted, refuse_existing, write_stream
 
@@ -160,9 +155,8 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
         longest = max(figures.gaps, key=lambda g: g.length_ns)
         gaps = (
             f"{len(figures.gaps)} longer than {loaded.track.max_gap_ns / 1e6:g} ms, the longest "
-            f"{longest.length_ns / 1e9:.3f} s"
+            f"{longest.length_ns / 1e9:.3f} s from {longest.start_ns / 1e9:.3f} s"
         )
-        gaps += f" from {longest.start_ns / 1e9:.3f} s"
     rows = {
         "trace": str(loaded.path),
         "format": loaded.format,
@@ -181,39 +175,43 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
     return table
 
 
-def _speed_table(figures: poses.Analysis) -> Table:
+def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
+    """Yield the tables of speeds, of what latency costs, and of what was read and assumed."""
+    heads = ("", *(f"p{p:g}" for p in poses.SPEED_PERCENTILES))
+    turning = ("turning, deg/s", *(f"{v:.1f}" for v in figures.angular_speed_deg_s))
+    moving = ("moving, m/s", *(f"{v:.3f}" for v in figures.linear_speed_m_s))
+    yield _table("Speed (200 Hz, central differences)", heads, [turning, moving], words=1)
+    costs: tuple[tuple[str, Callable[[poses.PredictionErrors], str]], ...] = (
+        ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
+        ("Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees", _lead),
+    )
+    heads = ("latency", *figures.errors[0].errors)
+    for title, cell in costs:
+        cells = (
+            (cell(error) if row.count else "trace too short" for error in row.errors.values()) for row in figures.errors
+        )
+        lines = [(f"{row.latency_ms} ms", *texts) for row, texts in zip(figures.errors, cells, strict=True)]
+        yield _table(title, heads, lines)
+    if (count := len(loaded.segments)) > 1:
+        lines = [
+            (str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" * s.taken)
+            for s in loaded.segments[:20]
+        ]
+        more = [("...", "", "", "", f"{count - 20} more")] if count > 20 else []
+        yield _table("Recordings in the file", ("segment", "lines", "rows", "seconds", ""), [*lines, *more])
+    assumed = [(assumption.what, assumption.value, assumption.source) for assumption in loaded.assumptions]
+    yield _table("What was assumed of the file", ("fact", "taken as", "who says so"), assumed, words=3)
+
+
+def _table(title: str, heads: Sequence[str], lines: Iterable[Sequence[str]], words: int = 0) -> Table:
+    """Return a table for the terminal; the first `words` columns are no numbers."""
     from rich.table import Table
 
-    table = Table(title="Speed (200 Hz, central differences)", title_justify="left")
-    table.add_column("")
-    for p in poses.SPEED_PERCENTILES:
-        table.add_column(f"p{p:g}", justify="right")
-    table.add_row("turning, deg/s", *(f"{v:.1f}" for v in figures.angular_speed_deg_s))
-    table.add_row("moving, m/s", *(f"{v:.3f}" for v in figures.linear_speed_m_s))
-    return table
-
-
-def _error_table(figures: poses.Analysis) -> Table:
-    from rich.table import Table
-
-    title = "What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)"
-    return _by_predictor(Table(title=title, title_justify="left"), figures, _angles)
-
-
-def _lead_table(figures: poses.Analysis) -> Table:
-    from rich.table import Table
-
-    title = "Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees"
-    return _by_predictor(Table(title=title, title_justify="left"), figures, _lead)
-
-
-def _by_predictor(table: Table, figures: poses.Analysis, cell: Callable[[poses.PredictionErrors], str]) -> Table:
-    """Fill in a row for each latency, a column for each predictor."""
-    for name in ("latency", *figures.errors[0].errors):
-        table.add_column(name, justify="right")
-    for row in figures.errors:
-        cells = [cell(error) if row.count else "trace too short" for error in row.errors.values()]
-        table.add_row(f"{row.latency_ms} ms", *cells)
+    table = Table(title=title, title_justify="left")
+    for number, name in enumerate(heads):
+        table.add_column(name, justify="left" if number < words else "right")
+    for line in lines:
+        table.add_row(*line)
     return table
 
 
@@ -227,34 +225,6 @@ def _lead(errors: poses.PredictionErrors) -> str:
 
 def _angle(degrees: float) -> str:
     return f"{degrees:.2f}" if degrees < 10 else f"{degrees:.1f}"
-
-
-def _segment_table(loaded: poses.LoadedTrace) -> Table:
-    from rich.table import Table
-
-    table = Table(title="Recordings in the file", title_justify="left")
-    for name in ("segment", "lines", "rows", "seconds", ""):
-        table.add_column(name, justify="right")
-    for s in loaded.segments[:20]:
-        table.add_row(
-            str(s.number),
-            f"{s.first_line}-{s.last_line}",
-            str(s.rows),
-            f"{s.duration_s:.3f}",
-            "taken" if s.taken else "",
-        )
-    if len(loaded.segments) > 20:
-        table.add_row("...", "", "", "", f"{len(loaded.segments) - 20} more")
-    return table
-
-
-def _assumption_table(loaded: poses.LoadedTrace) -> Table:
-    from rich.table import Table
-
-    table = Table("fact", "taken as", "who says so", title="What was assumed of the file", title_justify="left")
-    for assumption in loaded.assumptions:
-        table.add_row(assumption.what, assumption.value, assumption.source)
-    return table
 
 
 def _print_defects(console: Console, loaded: poses.LoadedTrace) -> None:

@@ -13,7 +13,6 @@ from .controls import Command as Command
 from .controls import Control as Control
 from .controls import Status as Status
 from .controls import control as control
-from .controls import help_closes as help_closes
 from .offscreen import OffscreenDisplay as OffscreenDisplay
 from .present import FRAMEBUFFER_SRGB as FRAMEBUFFER_SRGB
 from .present import MAX_HEIGHT_M as MAX_HEIGHT_M

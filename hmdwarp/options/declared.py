@@ -16,13 +16,13 @@ from ..errors import InputError, listed
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
-def names_in(folder: str, pattern: str = "*.py", without: Collection[str] = ()) -> str:
+def names_in(folder: str, pattern: str = "*", without: Collection[str] = ()) -> str:
     """Return the entries of a registry for a help text.
 
-    Reads file names alone, so that --help imports nothing.
+    Reads file names alone, modules and tables, so that --help imports nothing.
     """
-    names = (p.stem for p in (_PACKAGE / folder).glob(pattern) if not p.stem.startswith("_"))
-    return ", ".join(sorted(name for name in names if name not in without))
+    files = [p for p in (_PACKAGE / folder).glob(pattern) if p.suffix in (".py", ".toml")]
+    return ", ".join(sorted(p.stem for p in files if not p.stem.startswith("_") and p.stem not in without))
 
 
 def _as_float(value: float) -> float:

@@ -6,11 +6,11 @@ import itertools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
+from .bench.rows import Column
 from .charts import MARKER_PT, canvas, draw_front, draw_names, not_measured, scale_axis, svg_text
 from .page import (
     Article,
@@ -46,29 +46,16 @@ _PICTURE_WIDTH = 420
 _WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
 
 
-@attrs.frozen
-class _Column:
-    figure: Figure
-    value: Callable[[Row], float | None]
-
-    @property
-    def head(self) -> tuple[str, str]:
-        return self.figure.label, self.figure.unit
-
-    def text(self, row: Row) -> str:
-        return self.figure.text(self.value(row))
+def _quality(name: str) -> Column:
+    return Column(metrics.get(name).short_figure, lambda row: row["quality"][name]["mean"])
 
 
-def _quality(name: str) -> _Column:
-    return _Column(metrics.get(name).short_figure, lambda row: row["quality"][name]["mean"])
+def _rated(figure: Figure) -> Column:
+    return Column(figure, lambda row: ratings_of(row)[figure.name])
 
 
-def _rated(figure: Figure) -> _Column:
-    return _Column(figure, lambda row: ratings_of(row)[figure.name])
-
-
-def _taken(name: str, label: str, unit: str, digits: int, scale: float = 1.0) -> _Column:
-    return _Column(Figure(name, label, unit, digits, scale), lambda row: row[name])
+def _taken(name: str, label: str, unit: str, digits: int, scale: float = 1.0) -> Column:
+    return Column(Figure(name, label, unit, digits, scale), lambda row: row[name])
 
 
 COLUMNS = {
@@ -152,7 +139,7 @@ def compare_table(rows: Iterable[Row]) -> TerminalTable:
     return table
 
 
-def _columns(rows: Iterable[Row]) -> list[_Column]:
+def _columns(rows: Iterable[Row]) -> list[Column]:
     """Return the columns of a table: those of a rating only where every row has one."""
     return [*COLUMNS.values(), *(RATED if all("jod" in row for row in rows) else ())]
 

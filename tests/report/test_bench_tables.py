@@ -9,9 +9,8 @@ import re
 import pytest
 from rich.console import Console
 
-from hmdwarp.errors import HmdwarpError
 from hmdwarp.metrics import aggregate
-from hmdwarp.report.bench import COLUMNS, DECISION, bench_table, cases, common, markdown_table
+from hmdwarp.report.bench import COLUMNS, DECISION, bench_table, cases, common
 
 from .bench_samples import WARPS, a_row, some_rows
 
@@ -48,8 +47,6 @@ def test_fits_and_no_number_is_cut(width, warps):
 def test_a_baseline_is_marked_with_its_system():
     rows = [a_row("mesh"), a_row("mesh:grid=64", baseline="CloudXR.js")]
     assert "mesh:grid=64 (CloudXR.js)" in printed(rows, 140)
-    assert "| `mesh:grid=64` (CloudXR.js) |" in markdown_table(rows)
-    assert "| `mesh` |" in markdown_table(rows)
 
 
 def test_columns_are_dropped_in_order_and_named():
@@ -79,11 +76,9 @@ def test_each_case_begins_with_its_best_and_marks_its_front():
 
 def test_a_rating_has_a_column_where_any_row_has_one():
     rows = some_rows(latencies=(200.0,))
-    assert "JOD" not in printed(rows, 140) and "JOD" not in markdown_table(rows)
+    assert "JOD" not in printed(rows, 140)
     rows[0] = {**rows[0], "jod": {"mean": 8.254, "truth_preferred": 0.88}}
     assert "JOD" in printed(rows, 140) and printed(rows, 140).count("8.25") == 1
-    head, _, first, second, *_ = markdown_table(rows).splitlines()
-    assert head.endswith("| JOD |") and first.endswith("| 8.25 |") and second.endswith("| – |")
 
 
 def test_one_case_needs_no_heading_inside():
@@ -112,31 +107,9 @@ def test_names_are_no_markup():
     assert "[red]t.csv" in printed([a_row(trace="[red]t.csv")])
 
 
-def test_markdown_has_the_rows_as_given():
-    rows = some_rows(("none", "backward"), ("none",), ("walk",), (200.0,))
-    text = markdown_table(
-        rows, ["trace", "latency_ms", "warp", "total_ms", "flip", "hole_share", "silhouettes_flip"], mark="flip"
-    )
-    head, rule, *lines = text.splitlines()
-    assert head == "| recording | latency ms | warp | time ms | FLIP | holes % | FLIP silhouettes |"
-    assert rule == "| --- | ---: | --- | ---: | ---: | ---: | ---: |"
-    cells = [COLUMNS[name].text(rows[1]) for name in ("total_ms", "flip", "hole_share", "silhouettes_flip")]
-    assert cells[0] == f"{rows[1]['time_ms']['total']['median']:.2f}"
-    assert cells[2] == f"{100 * rows[1]['quality']['hole_share']['mean']:.1f}"
-    assert lines[1] == f"| walk | 200 | **`backward`** | {' | '.join(cells)} |"
-    assert len(lines) == 2 and text.endswith("|\n")
-
-
-def test_markdown_cells_cannot_break_the_table():
-    text = markdown_table([a_row("a|b`c", trace="x|y\nz <b>")], ["trace", "warp"])
-    assert text.splitlines()[2] == "| x\\|y z &lt;b> | `a\\|b'c` |"
-
-
 def test_every_column_has_a_text_for_every_row():
     for row in (a_row(), a_row(**aggregate([]), mismatch=None, regions=None, size=None)):
         assert all(isinstance(column.text(row), str) and column.text(row) for column in COLUMNS.values())
-    with pytest.raises(HmdwarpError, match="'flop'.*flip"):
-        markdown_table([], ["flop"])
     assert set(DECISION) <= set(COLUMNS)
 
 

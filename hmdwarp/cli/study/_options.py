@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import attrs
 
 from ...errors import InputError
-from ...options import option, same_as
+from ...options import Declared, option, same_as
 from ...study import design as designs
 from ...study.measure_options import MeasureOptions
 
@@ -46,29 +46,22 @@ def origin_of(pilot: bool, simulated: bool) -> str:
     return PILOT if pilot else SIMULATED if simulated else PERSON
 
 
-class _Chosen(Protocol):
-    """Options that name a study and its data."""
+@attrs.frozen
+class DataOptions(Declared):
+    """Whose data of a study."""
 
-    @property
-    def study(self) -> str: ...
-
-    @property
-    def store(self) -> Path | None: ...
-
-    @property
-    def pilot(self) -> bool: ...
-
-    @property
-    def simulated(self) -> bool: ...
+    store: Path | None = store_field()
+    pilot: bool = pilot_field()
+    simulated: bool = simulated_field()
 
 
-def store_of(options: _Chosen) -> tuple[Path, designs.Design | None]:
+def store_of(study: str, options: DataOptions) -> tuple[Path, designs.Design | None]:
     """Return folder of data and study; with --store the file of the study may be broken."""
     from ...study.store import store_folder
 
     origin = origin_of(options.pilot, options.simulated)
     try:
-        design = designs.load_design(options.study, checked=False)
+        design = designs.load_design(study, checked=False)
     except InputError:
         if options.store is None:
             raise

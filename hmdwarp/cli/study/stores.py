@@ -12,7 +12,7 @@ from ...errors import InputError
 from ...options import Declared, force_field, group, option, out_field, path_of
 from ...study.measure_options import MeasureOptions
 from .._options import QUIET, Said, takes
-from ._options import origin_of, pilot_field, simulated_field, store_field, store_of, study_field
+from ._options import DataOptions, origin_of, simulated_field, store_field, store_of, study_field
 
 
 @attrs.frozen
@@ -55,9 +55,7 @@ class ExportCommand(Declared):
     study: str = study_field()
     out: Path = out_field(attrs.NOTHING, "A new folder for the tables and the BIDS data set.")
     force: bool = force_field()
-    store: Path | None = store_field()
-    pilot: bool = pilot_field()
-    simulated: bool = simulated_field()
+    data: DataOptions = group(DataOptions)
     remarks: bool = option(False, "Also remarks, which may name people.")
     all_revisions: bool = option(False, "Also every answer that was corrected later.")
     parquet: bool | None = option(
@@ -75,10 +73,10 @@ def export(said: Said) -> None:
     from .._show import steps
 
     wanted = ExportCommand.of(said)
-    origin = origin_of(wanted.pilot, wanted.simulated)
+    origin = origin_of(wanted.data.pilot, wanted.data.simulated)
     design = load_design(wanted.study, checked=False)
-    with Store(folder_to_read(design, wanted.store, origin), study=design.name) as data:
-        contents = data.contents(pilot=wanted.pilot)
+    with Store(folder_to_read(design, wanted.data.store, origin), study=design.name) as data:
+        contents = data.contents(pilot=wanted.data.pilot)
     options = ExportOptions(
         origin=origin,
         remarks=wanted.remarks,
@@ -140,9 +138,7 @@ class WithdrawOptions(Declared):
 
     study: str = study_field()
     code: str = option(attrs.NOTHING, "The participant's code.", positional=True, metavar="CODE")
-    store: Path | None = store_field()
-    pilot: bool = pilot_field()
-    simulated: bool = simulated_field()
+    data: DataOptions = group(DataOptions)
     yes: bool = option(False, "Erase without confirmation.")
 
 
@@ -154,7 +150,7 @@ def withdraw(said: Said) -> None:
 
     options = WithdrawOptions.of(said)
     code = options.code
-    folder, design = store_of(options)
+    folder, design = store_of(options.study, options.data)
     with Store(folder, study=None if design is None else design.name, say=typer.echo) as opened:
         if not options.yes and not opened.finish_withdrawal(code):
             if not sys.stdin.isatty():
@@ -177,9 +173,7 @@ class RecoverOptions(Declared):
 
     study: str = study_field()
     out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.", kind=Path)
-    store: Path | None = store_field()
-    pilot: bool = pilot_field()
-    simulated: bool = simulated_field()
+    data: DataOptions = group(DataOptions)
 
 
 @takes(RecoverOptions)
@@ -188,8 +182,8 @@ def recover(said: Said) -> None:
     from ...study.store import recover as run
 
     options = RecoverOptions.of(said)
-    folder, design = store_of(options)
-    origin = origin_of(options.pilot, options.simulated)
+    folder, design = store_of(options.study, options.data)
+    origin = origin_of(options.data.pilot, options.data.simulated)
     found = run(folder, options.out, design, "" if design is None else design.name, origin)
     for line in found.describe():
         typer.echo(line)

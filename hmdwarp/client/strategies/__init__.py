@@ -1,7 +1,8 @@
 """Strategies of remote rendering: what crosses the link, and what the client does with it.
 
-Each is a file that names the options of a run which make it up. The work is done by the layers,
-warps, fills and effects that these options name.
+Each is a file that names the options of a run which make it up: a table, or a class where it checks
+or reads its own settings. The work is done by the layers, warps, fills and effects that these
+options name.
 """
 
 from __future__ import annotations
@@ -64,7 +65,11 @@ class Strategy:
         """Check the other options of the run, by name. Errors: InputError."""
 
 
-strategies: Registry[type[Strategy]] = Registry("strategy", __name__)
+def _of_table(name: str, table: dict[str, Any]) -> type[Strategy]:
+    return type(name, (Strategy,), {**table, "name": name, "classes": tuple(table["classes"])})
+
+
+strategies: Registry[type[Strategy]] = Registry("strategy", __name__, of_table=_of_table)
 
 
 def options_of_strategy(text: str) -> dict[str, Any]:

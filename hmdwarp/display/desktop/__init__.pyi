@@ -9,7 +9,6 @@ from .window_input import MOVES as MOVES
 from .window_input import Keys as Keys
 from .window_input import direction as direction
 from .window_input import token as token
-from .window_system import WindowView as WindowView
 from .window_system import choose_library as choose_library
 from .window_system import flat_size as flat_size
 from .window_system import variant as variant

@@ -35,7 +35,7 @@ _LARGEST_NS = 2**62  # what the readers accept
 class TraceFormat:
     """One layout of head-motion files. A new one is one file in this package.
 
-    Most need nothing but `header` and `facts`.
+    Most need nothing but `header` and `facts`, and are tables of these fields.
     """
 
     name = ""  # the name of the format
@@ -119,7 +119,20 @@ class TraceFormat:
         raise TraceError(f"format {self.name} is read, not written")
 
 
-formats: Registry[TraceFormat] = Registry("trace format", __package__)
+def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
+    said = table.pop("facts", {}).items()
+    facts: dict[str, Any] = {key: By(value) if key.endswith("_by") else value for key, value in said}
+    if caveats := facts.get("caveats"):
+        facts["caveats"] = tuple(Defect(**caveat) for caveat in caveats)
+    made = TraceFormat()
+    made.name, made.facts, made.header = name, facts, tuple(table.pop("header", ()))
+    made.order_by = By(table.pop("order_by", made.order_by))
+    for field, value in table.items():
+        setattr(made, field, value)
+    return made
+
+
+formats: Registry[TraceFormat] = Registry("trace format", __package__, of_table=_of_table)
 
 
 def axes_stated(head: Head) -> str | None:

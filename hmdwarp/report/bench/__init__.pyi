@@ -19,8 +19,6 @@ from .rows import Column as Column
 from .rows import bench_table as bench_table
 from .rows import cases as cases
 from .rows import choice_terms as choice_terms
-from .rows import column as column
 from .rows import common as common
 from .rows import decision as decision
 from .rows import first_cases as first_cases
-from .rows import markdown_table as markdown_table

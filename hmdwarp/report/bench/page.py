@@ -44,7 +44,7 @@ from .charts import (
     traffic,
     traffic_chart,
 )
-from .rows import COLUMNS, Case, Row, cases, choice_terms, column, common, decision, marked_how, measure_label
+from .rows import COLUMNS, Case, Row, cases, choice_terms, common, decision, marked_how, measure_label
 
 MEASURES = ("flip", "psnr_db")
 _REFERENCE = ("forward", "interpolate")  # the pipeline of the thesis that this project began with
@@ -255,13 +255,13 @@ def _tables(rows: Sequence[Row], groups: Sequence[Case]) -> Section:
 
 
 def _decision(case: Case) -> Table:
-    columns = [column(name) for name in decision(case.rows)]
+    columns = [COLUMNS[name] for name in decision(case.rows)]
     best = {id(row) for row in case.held()}
     lines = [
         Line(tuple(Cell(c.text(row), "" if c.is_number else "word") for c in columns), id(row) in best)
         for row in case.ordered()
     ]
-    heads = [(c.figure.label, c.figure.unit) for c in columns]
+    heads = [c.head for c in columns]
     return Table(f"{case.label}, least FLIP first", heads, lines, has_marks=True)
 
 
@@ -366,8 +366,8 @@ def _regions(groups: Sequence[Case]) -> Section:
 
 def _regions_table(case: Case) -> Table:
     names = [f"{region}_{figure}" for region in REGIONS for figure in ("share", "flip", "psnr_db")]
-    columns = [column(name) for name in ("warp", "fill", *names)]
-    heads = [(c.figure.label, c.figure.unit) for c in columns]
+    columns = [COLUMNS[name] for name in ("warp", "fill", *names)]
+    heads = [c.head for c in columns]
     lines = [[c.text(row) for c in columns] for row in case.ordered() if region_parts(row)]
     return Table.of(f"Error by region, {case.label}", heads, lines, words=2)
 

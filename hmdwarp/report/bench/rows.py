@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import attrs
 
-from ...errors import HmdwarpError
 from ...metrics import (
     JOD,
     LEAST_INSTANTS,
@@ -23,7 +22,7 @@ from ...metrics import (
     pareto,
     ratings_of,
 )
-from ..words import markdown, name_pieces, terminal_table
+from ..words import name_pieces, terminal_table
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -128,6 +127,11 @@ class Column:
     value: Callable[[Row], Any]
     is_number: bool = True
 
+    @property
+    def head(self) -> tuple[str, str]:
+        """Label and unit."""
+        return self.figure.label, self.figure.unit
+
     def text(self, row: Row) -> str:
         """Return the cell of this row; a dash where nothing was measured."""
         value = self.value(row)
@@ -203,13 +207,6 @@ def _columns() -> dict[str, Column]:
 COLUMNS = _columns()
 
 
-def column(name: str) -> Column:
-    """Return a column by its name. Errors: HmdwarpError that lists the known names."""
-    if name not in COLUMNS:
-        raise HmdwarpError(f"no column {name!r} in a bench's table: expected one of {', '.join(COLUMNS)}")
-    return COLUMNS[name]
-
-
 def measure_label(measure: str) -> str:
     """Return the name of a metric with its unit and the direction in which it is better."""
     metric = metrics.get(measure)
@@ -257,7 +254,7 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
     table.add_column(" ", no_wrap=True, width=len(MARK))
     for name in names:
         width = warp_width if name == "warp" else _width(name, groups)
-        table.add_column(_head(name), justify="right" if column(name).is_number else "left", width=width, no_wrap=True)
+        table.add_column(_head(name), justify="right" if COLUMNS[name].is_number else "left", width=width, no_wrap=True)
     for group in groups:
         if len(groups) > 1:
             table.add_section()
@@ -265,7 +262,7 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
         best = {id(row) for row in group.held(PRIMARY)}
         for row in group.ordered(PRIMARY):
             marked = id(row) in best
-            texts = {name: column(name).text(row) for name in names}
+            texts = {name: COLUMNS[name].text(row) for name in names}
             texts["warp"] = _folded(texts["warp"], warp_width)
             cells = (Text(text, style="bold" if marked else "") for text in texts.values())
             table.add_row(Text(MARK if marked else "", style="bold green"), *cells)
@@ -273,12 +270,12 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
 
 
 def _head(name: str) -> str:
-    figure = column(name).figure
+    figure = COLUMNS[name].figure
     return _HEADS.get(name, figure.label + ("%" if figure.unit == "%" else ""))
 
 
 def _width(name: str, groups: Sequence[Case]) -> int:
-    return max(map(_cells, [_head(name), *(column(name).text(row) for group in groups for row in group.rows)]))
+    return max(map(_cells, [_head(name), *(COLUMNS[name].text(row) for group in groups for row in group.rows)]))
 
 
 def _cells(text: str) -> int:
@@ -302,7 +299,7 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
     """Return the columns that fit, and the width of the warp's name."""
     names = decision(row for group in groups for row in group.rows)
     labels = [group.label for group in groups] if len(groups) > 1 else []
-    texts = [_head("warp"), *labels, *(column("warp").text(row) for group in groups for row in group.rows)]
+    texts = [_head("warp"), *labels, *(COLUMNS["warp"].text(row) for group in groups for row in group.rows)]
     least = max(_cells(piece.rstrip()) for text in texts for piece in name_pieces(text))
 
     def room() -> int:
@@ -341,28 +338,3 @@ def choice_terms(choice: Mapping[str, Any]) -> str:
     """Return the basis of a choice's figures: 'at 1280x800, means over 2 cases'."""
     sizes = " and ".join(f"{width}x{height}" for width, height in choice["sizes"])
     return f"at {sizes}" + (f", means over {choice['cases']} cases" if choice["cases"] > 1 else "")
-
-
-def markdown_table(rows: Iterable[Row], columns: Sequence[str] = (), *, mark: str | None = None) -> str:
-    """Return a Markdown table of the rows in their order, one line each; it ends with a line feed.
-
-    columns: names of COLUMNS, by default those to decide from. mark: a metric; rows on the Pareto
-    front of it and time get bold names, if their lead holds. Warps and fills are set as code.
-    Errors: HmdwarpError for an unknown column.
-    """
-    rows = list(rows)
-    chosen = [column(name) for name in columns or decision(rows)]
-    best = {id(row) for case in cases(rows) for row in case.held(mark)} if mark else set()
-    heads = [f"{c.figure.label} {c.figure.unit}".strip() for c in chosen]
-    lines = [heads, ["---:" if c.is_number else "---" for c in chosen]]
-    lines += [[_markdown_cell(c.figure.name, c.text(row), id(row) in best) for c in chosen] for row in rows]
-    return markdown(lines)
-
-
-def _markdown_cell(name: str, text: str, bold: bool) -> str:
-    text = " ".join(text.replace("|", "\\|").split())
-    if name in ("warp", "fill"):
-        spec, space, system = text.replace("`", chr(39)).partition(" (")
-        spec = f"**`{spec}`**" if bold and name == "warp" else f"`{spec}`"
-        return spec + space + system
-    return text if COLUMNS[name].is_number else text.replace("<", "&lt;")

@@ -1,5 +1,3 @@
-from .comparisons import Claim as Claim
-from .comparisons import Claims as Claims
 from .comparisons import Resampling as Resampling
 from .comparisons import checked as checked
 from .comparisons import compared as compared
@@ -17,7 +15,6 @@ from .ratings import Rating as Rating
 from .ratings import Ratings as Ratings
 from .ratings import ScaleInfo as ScaleInfo
 from .ratings import SessionSummary as SessionSummary
-from .ratings import SurveyAnswer as SurveyAnswer
 from .ratings import Table as Table
 from .ratings import copied_rows as copied_rows
 from .sources import claims_for as claims_for

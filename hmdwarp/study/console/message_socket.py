@@ -12,7 +12,7 @@ import pickle
 import socket
 import sys
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -145,6 +145,47 @@ class ProgramConsole:
         self._state = ConsoleState(heading=title)
         self._queue = CommandQueue(self._state)
         self._lines: LineConsole | None = None
+        self.messages: MessageSocket | None = None  # where the state is shown now
+
+    def tell(self, state: ConsoleState) -> None:
+        """Show a new state."""
+        self._state = state
+        self._queue.tell(state)
+        if self._lines is not None:
+            self._lines.tell(state)
+        else:
+            self._reach(lambda screen: screen.send_state(state))
+
+    def say(self, text: str) -> None:
+        """Add a line to the journal."""
+        if self._lines is None:
+            self._note(text[:LONGEST_LINE])
+        if self._lines is not None:  # by now, perhaps
+            self._lines.say(text)
+
+    def commands(self) -> Sequence[Command]:
+        """Return the commands since the last call."""
+        if self._lines is None:
+            self._reach(self._queue.receive)
+        more = self._lines.commands() if self._lines is not None else ()
+        taken = self._queue.taken()
+        return [*taken, *more] if taken else more
+
+    def _note(self, line: str) -> None:
+        """Send a line of the journal."""
+        self._reach(lambda screen: screen.send("say", line))
+
+    def _reach(self, use: Callable[[MessageSocket], None]) -> None:
+        """Use the screen's end, if there is a screen."""
+        if self.messages is not None:
+            try:
+                use(self.messages)
+            except PeerGone:
+                self._lose_screen()
+
+    def _lose_screen(self) -> None:
+        """Go on without the screen."""
+        self._continue_with_lines()
 
     def __exit__(self, *_: object) -> None:
         if self._lines is not None:

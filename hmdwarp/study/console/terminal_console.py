@@ -31,7 +31,7 @@ from ...errors import InputError, MachineError
 from ...platforms import termios
 from ...resources import install_line
 from .line_console import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, LineConsole, NoConsole
-from .message_socket import LINES_KEPT, LONGEST_LINE, MessageSocket, OutputCapture, PeerGone, ProgramConsole
+from .message_socket import LINES_KEPT, MessageSocket, OutputCapture, ProgramConsole
 
 LOOPBACK = "127.0.0.1"
 TOKEN_BYTES = 24  # of the address: who does not know it gets "404: Not Found"
@@ -54,7 +54,6 @@ class BrowserConsole(ProgramConsole):
     def __init__(self, title: str) -> None:
         super().__init__(title)
         self._journal: deque[tuple[str, float]] = deque(maxlen=LINES_KEPT)  # lines, and when they were printed
-        self._page: MessageSocket | None = None
         self.address = ""
 
     def __enter__(self) -> Self:
@@ -99,41 +98,19 @@ class BrowserConsole(ProgramConsole):
     def tell(self, state: ConsoleState) -> None:
         """Show a new state."""
         self._state = state
-        self._queue.tell(state)
-        if self._lines is not None:
-            self._lines.tell(state)
-        elif self.server.poll() is not None:
+        if self._lines is None and self.server.poll() is not None:
             self._continue_with_lines()
-        elif self._page is not None:
-            try:
-                self._page.send_state(state)
-            except PeerGone:
-                self._close_page()
-
-    def say(self, text: str) -> None:
-        """Add a line to the journal."""
-        if self._lines is not None:
-            self._lines.say(text)
-            return
-        line = text[:LONGEST_LINE], self._state.elapsed_s
-        self._journal.append(line)
-        if self._page is not None:
-            try:
-                self._page.send("say", *line)
-            except PeerGone:
-                self._close_page()
+        super().tell(state)
 
     def commands(self) -> Sequence[Command]:
         """Return the commands since the last call."""
-        if self._lines is not None:
-            return [*self._queue.taken(), *self._lines.commands()]
-        self._welcome()
-        if self._page is not None:
-            try:
-                self._queue.receive(self._page)
-            except PeerGone:
-                self._close_page()
-        return self._queue.taken()
+        if self._lines is None:
+            self._welcome()
+        return super().commands()
+
+    def _note(self, line: str) -> None:
+        self._journal.append((line, self._state.elapsed_s))
+        self._reach(lambda page: page.send("say", *self._journal[-1]))
 
     def _welcome(self) -> None:
         """Take the page that was opened since the last call in place of the one before."""
@@ -141,24 +118,24 @@ class BrowserConsole(ProgramConsole):
             caller, _ = self._door.accept()
         except BlockingIOError:
             return
-        self._close_page()
-        self._page = MessageSocket(caller)
-        try:
-            self._page.send_state(self._state)
-            for line in self._journal:
-                self._page.send("say", *line)
-        except PeerGone:
-            self._close_page()
+        self._lose_screen()
+        self.messages = MessageSocket(caller)
+        self._reach(self._show_all)
 
-    def _close_page(self) -> None:
-        if self._page is not None:
-            self._page.leave()
-            self._page.close()
-            self._page = None
+    def _show_all(self, page: MessageSocket) -> None:
+        page.send_state(self._state)
+        for line in self._journal:
+            page.send("say", *line)
+
+    def _lose_screen(self) -> None:
+        if self.messages is not None:
+            self.messages.leave()
+            self.messages.close()
+            self.messages = None
 
     def _end(self) -> int:
         """End page and server. Returns the exit status of the server."""
-        self._close_page()
+        self._lose_screen()
         assert self.server.stdin is not None
         self.server.stdin.close()
         try:
@@ -219,41 +196,9 @@ class TerminalConsole(ProgramConsole):
         self.tell(self._state)
         return self
 
-    def tell(self, state: ConsoleState) -> None:
-        """Show a new state."""
-        self._state = state
-        self._queue.tell(state)
-        if self._lines is not None:
-            self._lines.tell(state)
-        else:
-            try:
-                self.messages.send_state(state)
-            except PeerGone:
-                self._continue_with_lines()
-
-    def say(self, text: str) -> None:
-        """Add a line to the journal."""
-        if self._lines is not None:
-            self._lines.say(text)
-        else:
-            try:
-                self.messages.send("say", text[:LONGEST_LINE])
-            except PeerGone:
-                self._continue_with_lines().say(text)
-
-    def commands(self) -> Sequence[Command]:
-        """Return the commands since the last call."""
-        if self._lines is None:
-            try:
-                self._queue.receive(self.messages)
-            except PeerGone:
-                self._continue_with_lines()
-        more = self._lines.commands() if self._lines is not None else ()
-        taken = self._queue.taken()
-        return [*taken, *more] if taken else more
-
     def _end(self) -> int:
         """Take the terminal back, whatever was left of it. Returns the program's exit status."""
+        assert self.messages is not None
         self.messages.leave()
         self._capture.end()
         try:

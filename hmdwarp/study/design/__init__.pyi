@@ -40,11 +40,9 @@ from .orders import tables_of as tables_of
 from .orders import trials_of as trials_of
 from .orders import williams as williams
 from .outline import Ask as Ask
-from .outline import Balance as Balance
 from .outline import PageStep as PageStep
 from .outline import Pause as Pause
 from .outline import Read as Read
-from .outline import SessionPhase as SessionPhase
 from .outline import Show as Show
 from .outline import Step as Step
 from .outline import balance as balance

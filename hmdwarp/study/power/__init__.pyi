@@ -12,8 +12,6 @@ from .power_text import power_folder as power_folder
 from .power_text import sentences as sentences
 from .power_text import write_power as write_power
 from .simulation import Power as Power
-from .simulation import PowerAt as PowerAt
-from .simulation import Proportion as Proportion
 from .simulation import Simulation as Simulation
 from .simulation import differences as differences
 from .simulation import expected_difference as expected_difference

@@ -1,6 +1,5 @@
 from .response_model import Floats as Floats
 from .response_model import Model as Model
-from .response_model import OtherRatings as OtherRatings
 from .response_model import RatingModel as RatingModel
 from .response_model import SicknessModel as SicknessModel
 from .response_model import draw_for as draw_for

@@ -1,9 +1,7 @@
 from .erasing import BEYOND as BEYOND
-from .erasing import Holdings as Holdings
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
-from .joined_stores import SiteRows as SiteRows
 from .joined_stores import merge as merge
 from .records import COMPLETE as COMPLETE
 from .records import DECLINED as DECLINED
@@ -22,7 +20,6 @@ from .records import Contents as Contents
 from .records import Event as Event
 from .records import Session as Session
 from .records import Showing as Showing
-from .recovery import Rescued as Rescued
 from .recovery import recover as recover
 from .signature import plan_signature as plan_signature
 from .signature import signature_changes as signature_changes

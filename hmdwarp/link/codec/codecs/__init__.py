@@ -1,4 +1,4 @@
-"""Video codecs, one file each: encoder and decoder of FFmpeg, and low-delay settings."""
+"""Video codecs, one table each: encoder and decoder of FFmpeg, and low-delay settings."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def require(what: str, name: str, mode: Literal["r", "w"]) -> None:
         ) from error
 
 
-codecs: Registry[Codec] = Registry("codec", __name__)
+codecs: Registry[Codec] = Registry("codec", __name__, of_table=lambda name, table: Codec(name, **table))
 
 
 def check_codec(name: str) -> Codec:
