@@ -29,6 +29,7 @@ EXTRAS = {
     "mcap": "head traces in MCAP",
     "panel": "the controls in the window of live; without them there are keys",
     "study": "study analyse and study power, Parquet files, the full-screen console of study run, also in a browser",
+    "web": "serve --web",
 }
 
 _PACKAGE = Path(__file__).resolve().parent

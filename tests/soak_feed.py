@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parent / "sources"))
 
 from feed.exchange import port_of
 from feed.relay import Relay
-from feed.serving import Serving
+from serving import Serving
 
 SIZE = (160, 200)
 # Both eyes with colour (8 bytes a pixel), depth (4) and a guard band of 1.5 each way.

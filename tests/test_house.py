@@ -43,7 +43,7 @@ FLOORS = [
     {"pipeline"},
     {"image"},
     {"check"},
-    {"display"},
+    {"display", "web"},
     {"run"},
     {"experiments"},
     {"study"},

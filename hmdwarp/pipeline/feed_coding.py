@@ -14,6 +14,8 @@ from ..frames.layers import PICTURE
 from ..geometry import View
 from ..link.codec import (
     AS_VIDEO,
+    AS_VIDEO8,
+    DEPTH_VIDEOS,
     EXACT,
     STEP,
     Coding,
@@ -32,6 +34,7 @@ from ..sources.feed import bounds
 from ..sources.feed.message import (
     DEPTH_EXACT,
     DEPTH_VIDEO,
+    DEPTH_VIDEO8,
     H264,
     HEVC,
     INVERSE_DEPTH,
@@ -48,9 +51,11 @@ from .frame_coder import pixels_per_tangent
 _CODECS = {H264: "h264", HEVC: "hevc"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
-_WORK = {H264: 1, HEVC: 4}, {DEPTH_VIDEO: 2}
-_BYTES = {H264: 20, HEVC: 55}, {DEPTH_VIDEO: 65, DEPTH_EXACT: 40}
+_WORK = {H264: 1, HEVC: 4}, {DEPTH_VIDEO: 2, DEPTH_VIDEO8: 2}
+_BYTES = {H264: 20, HEVC: 55}, {DEPTH_VIDEO: 65, DEPTH_VIDEO8: 65, DEPTH_EXACT: 40}
 _FORMATS = {name: number for number, name in _CODECS.items()}
+_DEPTHS = {AS_VIDEO: DEPTH_VIDEO, AS_VIDEO8: DEPTH_VIDEO8}
+_VIDEOS = {number: DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
 def wish_of(coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[int, int], age_s: float) -> Wish:
@@ -63,7 +68,7 @@ def wish_of(coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[i
     step = STEP if coding.depth == EXACT else depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
     return Wish(
         _FORMATS[coding.codec],
-        DEPTH_VIDEO if coding.depth == AS_VIDEO else DEPTH_EXACT,
+        _DEPTHS.get(coding.depth, DEPTH_EXACT),
         coding.crf,
         rate_hz,
         coding.bitrate_mbit or 0.0,
@@ -87,7 +92,7 @@ def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
 
 def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
-    return {DEPTH_EXACT: wish.depth_step / 2, DEPTH_VIDEO: 2 * wish.depth_step}.get(frame.depth, 0.0)
+    return {DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(frame.depth, 0.0)
 
 
 def codec_of(colour: int) -> str:
@@ -144,8 +149,8 @@ class _EyeEncoder:
         if wish.colour in _CODECS:
             codec, mbit = codecs.get(_CODECS[wish.colour]), wish.bitrate_mbit or None
             self._colour = ColourEncoder(codec, size, wish.rate_hz, wish.crf, mbit)
-        if wish.depth == DEPTH_VIDEO:
-            self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP)
+        if wish.depth in _VIDEOS:
+            self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP, _VIDEOS[wish.depth])
         elif wish.depth == DEPTH_EXACT:
             self._depth = DepthEncoder(size, wish.depth_step or STEP)
         self._first, self._is_bytes = True, wish.colour == RGBA8
@@ -201,7 +206,7 @@ class FeedDecoder:
 class _EyeDecoder:
     def __init__(self, frame: FrameMessage) -> None:
         self._colour = ColourDecoder(codecs.get(_CODECS[frame.colour]), frame.size) if frame.colour in _CODECS else None
-        self._video = DepthVideoDecoder(frame.size) if frame.depth == DEPTH_VIDEO else None
+        self._video = DepthVideoDecoder(frame.size, _VIDEOS[frame.depth]) if frame.depth in _VIDEOS else None
         self._depth = DepthDecoder(frame.size)
 
     def decode(self, frame: FrameMessage, colour: Any, depth: Any) -> tuple[NDArray[Any], NDArray[np.float32]]:

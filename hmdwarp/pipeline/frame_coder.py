@@ -20,7 +20,7 @@ from ..frames.layers import BRIGHT_VIDEO, DEPTH, VECTORS, VIDEO, Layer, layers
 from ..geometry import Fov
 from ..gpu.textures import download, upload
 from ..link.codec import (
-    AS_VIDEO,
+    DEPTH_VIDEOS,
     EXACT,
     STEP,
     Coding,
@@ -265,8 +265,8 @@ class Coder:
 
     def _stream(self, content: _Content, share: float, step: float) -> Stream:
         size, asked = content.drawn.shape[1::-1], self._coding
-        if content.coding == DEPTH and asked.depth == AS_VIDEO:
-            return _Video(DepthVideoEncoder(size, self._rate_hz, step), DepthVideoDecoder(size))
+        if content.coding == DEPTH and (how := DEPTH_VIDEOS.get(asked.depth)) is not None:
+            return _Video(DepthVideoEncoder(size, self._rate_hz, step, how), DepthVideoDecoder(size, how))
         if content.coding == DEPTH:
             return _Alone(DepthEncoder(size, step).encode, DepthDecoder(size).decode)
         if content.coding == VECTORS:
@@ -296,7 +296,7 @@ def _coding_in(frame: Frame, coding: str) -> str:
 
 def _depth_error(coding: Coding, step: float) -> float:
     """Return by how much depth may be wrong: half a step, and as video for 98 % of pixels two."""
-    return 2 * step if coding.depth == AS_VIDEO else step / 2
+    return 2 * step if coding.depth in DEPTH_VIDEOS else step / 2
 
 
 def pixels_per_tangent(pictures: Iterable[tuple[Fov, tuple[int, int]]]) -> float:

@@ -372,6 +372,18 @@ class ServeOptions(Declared):
         valid=Number(least=1),
     )
     open: bool = option(False, "Accept clients on other machines without authentication.")
+    web: str = option(
+        "",
+        "Address of the page for browsers, HOST:PORT, * for a free port; prints what to open. A headset's browser "
+        "needs --certificate, or a cable that forwards the port.",
+    )
+    certificate: Path | None = option(
+        None, "PEM file with the private key and certificate of --web, for https.", kind=Path
+    )
+
+    def __attrs_post_init__(self) -> None:
+        if self.certificate is not None and not self.web:
+            raise InputError(f"--certificate {self.certificate}: it is for --web; name its address, or leave it out")
 
 
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import time
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import AbstractContextManager, closing, nullcontext
 from pathlib import Path
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import web
 from ..errors import InputError, MachineError
 from ..frames import Frame, Needs
 from ..frames.layers import RENDERED, EyeSizes, layers
@@ -20,14 +22,17 @@ from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..pipeline.options import NEAREST
-from ..scenes import load_scene
+from ..poses import load_trace
+from ..resources import import_extra, recording_names
+from ..scenes import Scene, load_scene
 from ..sources.feed import bounds
-from ..sources.feed.key_pairs import key_pair
+from ..sources.feed.key_pairs import KeyPair, key_pair
 from ..sources.feed.listener import Asked, Listener
 from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .options import ServeOptions
+from .replay_setup import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30
@@ -59,12 +64,36 @@ def serve(
         ):
             say(f"listening at {listener.address}: scene '{scene.name}'")
             coders = _Coders(listener)
-            while goes_on():
-                asked = listener.next(_WAIT_MS)
-                if asked is not None:
-                    _answer_or_refuse(server, listener, coders, asked)
-                    server.take_back()
-                    server.trim()
+            with _door(options, listener.address, scene, secret, pair, say) if options.web else nullcontext():
+                while goes_on():
+                    asked = listener.next(_WAIT_MS)
+                    if asked is not None:
+                        _answer_or_refuse(server, listener, coders, asked)
+                        server.take_back()
+                        server.trim()
+
+
+def _door(
+    options: ServeOptions, feed: str, scene: Scene, secret: str, pair: KeyPair | None, say: Callable[[str], None]
+) -> AbstractContextManager[web.Door]:
+    import_extra("aiohttp", "aiohttp", "web")
+    start = scene.viewpoint
+    viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
+    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": recording_names()}
+    traces = {f"traces/{name}.json": functools.partial(_samples, name, scene) for name in recording_names()}
+    lock = web.Lock(secret, pair)
+    door = web.Door(
+        options.web, feed, about, traces, lock=lock, certificate=options.certificate, is_open=options.open, say=say
+    )
+    say(f"for a browser: open {door.address}")
+    return closing(door)
+
+
+def _samples(name: str, scene: Scene) -> dict[str, list[list[float]]]:
+    """Return a recording as the page plays it: seconds and pose, moved into the scene."""
+    track, _ = placed(load_trace(name).track, scene)
+    seconds = (track.time_ns - track.start_ns) * 1e-9
+    return {"samples": np.column_stack([seconds, track.position_m, track.orientation_xyzw]).tolist()}
 
 
 class _Coders:

@@ -4,11 +4,13 @@ from .codecs import codecs as codecs
 from .coder import Decoder as Decoder
 from .coder import Encoder as Encoder
 from .coding import AS_VIDEO as AS_VIDEO
+from .coding import AS_VIDEO8 as AS_VIDEO8
 from .coding import DEPTH_CODES as DEPTH_CODES
 from .coding import EXACT as EXACT
 from .coding import PARALLAX_PIXELS as PARALLAX_PIXELS
 from .coding import Coding as Coding
 from .coding import depth_step as depth_step
+from .depth_codec import DEPTH_VIDEOS as DEPTH_VIDEOS
 from .depth_codec import STEP as STEP
 from .depth_codec import DepthDecoder as DepthDecoder
 from .depth_codec import DepthEncoder as DepthEncoder

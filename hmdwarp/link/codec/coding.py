@@ -28,8 +28,9 @@ def depth_step(pixels_per_tangent: float, age_s: float) -> float:
 
 
 _CRFS = (0, 51)
-# Codes of depth: without loss at fixed steps, at steps of a sixteenth of a pixel, or as video.
-EXACT, SIXTEENTH, AS_VIDEO = DEPTH_CODES = ("exact", "sixteenth", "video")
+# Codes of depth: without loss at fixed steps, at steps of a sixteenth of a pixel, or as video of 10
+# or of 8 bits.
+EXACT, SIXTEENTH, AS_VIDEO, AS_VIDEO8 = DEPTH_CODES = ("exact", "sixteenth", "video", "video8")
 
 
 @attrs.frozen
@@ -50,8 +51,8 @@ class Coding(Declared):
 
     depth: str = option(
         AS_VIDEO,
-        "How depth is coded: video (lightest; slow to encode), sixteenth (no pixel moves by more than 1/16 for a "
-        "walking head), exact (within 2^-11 per metre).",
+        "How depth is coded: video (lightest; slow to encode), video8 (of 8 bits, as headsets and browsers decode), "
+        "sixteenth (no pixel moves by more than 1/16 for a walking head), exact (within 2^-11 per metre).",
         name="depth_code",
         valid=one_of(*DEPTH_CODES),
         limits=", ".join(DEPTH_CODES),

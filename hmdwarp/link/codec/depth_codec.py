@@ -6,14 +6,17 @@ import functools
 import math
 import struct
 import zlib
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+import attrs
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import MachineError
 from .codecs import Codec, require
+from .coding import AS_VIDEO, AS_VIDEO8
 from .stream import Packet, Undecodable, VideoDecoder, VideoEncoder, covered, from_two_parts, padded, two_parts
 
 # 1/m: up to 64 per metre, which is 16 mm from the eye.
@@ -90,26 +93,43 @@ def inverse_depth_of(codes: NDArray[np.uint16], exponent: int) -> NDArray[np.flo
     return values
 
 
-_FORMAT, _MOST = "gray10le", 1023
-_CODEC = Codec(
-    "depth as video",
-    "H.264 by x264, 10-bit grey",
-    "libx264",
-    "h264",
-    threads=2,
-    options={
-        "preset": "slow",
-        "tune": "zerolatency",
-        "forced-idr": "1",
-        "sc_threshold": "0",
-        "psy": "0",
-        "x264-params": "partitions=all:no-dct-decimate=1:me=umh",
-        # Of 63 at 10 bits: the stream weighs about as much as colour at its codec's own quality.
-        # On average a pixel is off by half a step (walk, 320x400) to nine tenths of one
-        # (look-around, 640x800); 3 to 10 in a hundred are by more than two.
-        "qp": "22",
-    },
-)
+@attrs.frozen
+class DepthVideo:
+    """How codes of depth become a picture of a video."""
+
+    codec: Codec
+    format: str  # FFmpeg's, of pixels
+    most: int  # code
+    # By how much the nearest step may exceed the farthest, where not all fit as they are.
+    most_bend: float = math.inf
+
+    def picture(self, codes: NDArray[np.uint16], size: tuple[int, int]) -> Any:
+        """Return a frame of PyAV, of `size`."""
+        import av
+
+        grey = padded(codes, size)
+        if self.format == "gray10le":
+            return av.VideoFrame.from_ndarray(grey, format=self.format)
+        neutral = np.full((size[1] // 2, size[0]), 128, np.uint8)
+        return av.VideoFrame.from_ndarray(np.vstack([grey.astype(np.uint8), neutral]), format=self.format)
+
+
+def _codec(bits: str, qp: int) -> Codec:
+    options = {"preset": "slow", "tune": "zerolatency", "forced-idr": "1", "sc_threshold": "0", "psy": "0"}
+    options |= {"x264-params": "partitions=all:no-dct-decimate=1:me=umh", "qp": str(qp)}
+    return Codec(f"depth as {bits} video", f"H.264 by x264, {bits} grey", "libx264", "h264", threads=2, options=options)
+
+
+# Of 63: the stream weighs about as much as colour at its codec's own quality. On average
+# a pixel is off by half a step (walk, 320x400) to nine tenths of one (look-around, 640x800); 3 to
+# 10 in a hundred are by more than two.
+TEN_BITS = DepthVideo(_codec("10-bit", 22), "gray10le", 1023)
+# What headsets and browsers decode in hardware: 8 bits, 4:2:0, all chroma in the middle. At 10 of
+# 51 it weighs what the one of 10 bits does, and warped pictures are within 0.03 dB of those by
+# exact depth (room: walk and sideways, 200 ms, 320x400). A bend of 3 costs `walk` 0.04 dB, of 20
+# only bits; at 14 of 51 it is a quarter lighter for 0.05 dB.
+EIGHT_BITS = DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
+DEPTH_VIDEOS = {AS_VIDEO: TEN_BITS, AS_VIDEO8: EIGHT_BITS}
 # CRC-32 of everything after it, step, nearest inverse depth, bytes of the map, which follows; then
 # the video.
 _HEADER = struct.Struct("<IddI")
@@ -124,10 +144,10 @@ class DepthVideoEncoder:
     Errors: MachineError as VideoEncoder.
     """
 
-    def __init__(self, size: tuple[int, int], rate_hz: float, step: float) -> None:
-        self._size, self._step = size, step / _FINER
-        self._video = VideoEncoder(_CODEC, size, rate_hz, _FORMAT, {})
-        self._kinds = GreyEncoder(size, "depth")
+    def __init__(self, size: tuple[int, int], rate_hz: float, step: float, how: DepthVideo = TEN_BITS) -> None:
+        self._size, self._step, self._how = size, step / _FINER, how
+        self._video = VideoEncoder(how.codec, size, rate_hz, how.format, {})
+        self._kinds = _kinds_of(how, size)[0]
         self._number, self._nearest = 0, 0.0
         self._key_wanted = True
 
@@ -140,8 +160,6 @@ class DepthVideoEncoder:
 
         Errors: ValueError for NaN or infinity, and for another size.
         """
-        import av
-
         values, largest = checked(inverse_depth)
         if values.shape != self._size[::-1]:
             raise ValueError(f"inverse depth of shape {values.shape}: expected {self._size[::-1]}")
@@ -149,13 +167,12 @@ class DepthVideoEncoder:
         nearest = 2.0 ** math.ceil(math.log2(largest)) if largest > 0 else 0.0
         self._nearest = max(nearest, 0.0 if self._key_wanted else self._nearest)
         none = values < 0
-        codes = covered(_codes(np.maximum(values, 0), self._step, self._nearest)[..., None], none)[..., 0]
-        frame = av.VideoFrame.from_ndarray(padded(codes, self._video.size), format=_FORMAT)
-        video, key = self._video.encode(frame, self._key_wanted)
-        kinds = np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint16)
-        told = self._kinds.encode(kinds)
+        step = max(self._step, _least_step(self._nearest, self._how.most, self._how.most_bend))
+        codes = covered(_codes(np.maximum(values, 0), step, self._nearest, self._how.most)[..., None], none)[..., 0]
+        video, key = self._video.encode(self._how.picture(codes, self._video.size), self._key_wanted)
+        told = self._kinds(np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint8))
         number, self._number, self._key_wanted = self._number, self._number + 1, False
-        return Packet(number, key, two_parts(_HEADER, (self._step, self._nearest), told, video))
+        return Packet(number, key, two_parts(_HEADER, (step, self._nearest), told, video))
 
 
 class DepthVideoDecoder:
@@ -164,9 +181,9 @@ class DepthVideoDecoder:
     They must come in the order of encoding; some may be missing.
     """
 
-    def __init__(self, size: tuple[int, int]) -> None:
-        self._size = size
-        self._video, self._kinds = VideoDecoder(_CODEC, size, "depth"), GreyDecoder(size, "depth")
+    def __init__(self, size: tuple[int, int], how: DepthVideo = TEN_BITS) -> None:
+        self._size, self._how = size, how
+        self._video, self._kinds = VideoDecoder(how.codec, size, "depth"), _kinds_of(how, size)[1]
 
     def decode(self, packet: Packet) -> NDArray[np.float32]:
         """Return (h, w) float32; no depth is -1, and 0 is what was infinitely far.
@@ -178,51 +195,79 @@ class DepthVideoDecoder:
         (step, nearest), told, video = from_two_parts(_HEADER, packet.data, "depth")
         if not (2.0**-30 <= step <= 2.0**30 and 0 <= nearest <= 2.0**128):
             raise Undecodable(f"damaged depth (steps of {step:g}, up to {nearest:g})")
-        kinds, _ = self._kinds.decode(told)
-        out = _values(step, nearest)[_first_plane(self._video.decode(video, packet.number), self._size)]
+        kinds = self._kinds(told)
+        codes = _first_plane(self._video.decode(video, packet.number), self._size, self._how.most)
+        out: NDArray[np.float32] = _values(step, nearest, self._how.most)[codes]
         out[kinds == _FAR] = 0
         out[kinds == _NONE] = -1
         return out
 
 
-def _first_plane(frame: Any, size: tuple[int, int]) -> NDArray[np.uint16]:
+def _kinds_of(
+    how: DepthVideo, size: tuple[int, int]
+) -> tuple[Callable[[NDArray[np.uint8]], bytes], Callable[[bytes], NDArray[Any]]]:
+    """Return what packs and unpacks the map of kinds: FFV1, or what a browser has."""
+    if how is not EIGHT_BITS:
+        packs, unpacks = GreyEncoder(size, "depth"), GreyDecoder(size, "depth")
+        return lambda kinds: packs.encode(kinds.astype(np.uint16)), lambda told: unpacks.decode(told)[0]
+
+    def unpack(told: bytes) -> NDArray[np.uint8]:
+        count = size[0] * size[1]
+        try:
+            kinds = zlib.decompressobj().decompress(told, count + 1) if told else bytes(count)
+            return np.frombuffer(kinds, np.uint8).reshape(size[::-1])
+        except (zlib.error, ValueError) as error:
+            raise Undecodable(f"damaged depth ({error})") from error
+
+    return lambda kinds: zlib.compress(kinds.tobytes()) if kinds.any() else b"", unpack
+
+
+def _first_plane(frame: Any, size: tuple[int, int], most: int) -> NDArray[np.integer[Any]]:
     """Return the codes; FFmpeg's decoder gives grey with or without empty chroma."""
-    plane = frame.planes[0]
-    rows = np.frombuffer(plane, np.uint16).reshape(plane.height, plane.line_size // 2)
-    return np.minimum(rows[: size[1], : size[0]], _MOST)
+    plane, kind = frame.planes[0], np.dtype(np.uint8 if most < 256 else np.uint16)
+    rows = np.frombuffer(plane, kind).reshape(plane.height, plane.line_size // kind.itemsize)
+    return np.minimum(rows[: size[1], : size[0]], most)
 
 
-def _codes(values: NDArray[np.float32], step: float, nearest: float) -> NDArray[np.uint16]:
+def _codes(values: NDArray[np.float32], step: float, nearest: float, most: int) -> NDArray[np.uint16]:
     """Return the code of each inverse depth from 0 to `nearest`."""
-    bend = _bend(nearest / step)
+    bend = _bend(nearest / step, most)
     steps = values.astype(np.float64) / step
     codes = steps if bend is None else bend * np.log1p(steps / bend)
-    return np.minimum(np.rint(codes), _MOST).astype(np.uint16)
+    return np.minimum(np.rint(codes), most).astype(np.uint16)
+
+
+def _least_step(nearest: float, most: int, most_bend: float) -> float:
+    """Return the step from which on steps grow by `most_bend` up to the nearest code.
+
+    K log(1 + n / K) is the last code where the last step is 1 + n / K of the first.
+    """
+    return nearest * math.log(most_bend) / ((most_bend - 1) * most) if 1 < most_bend < math.inf else 0.0
 
 
 @functools.lru_cache(maxsize=64)
-def _values(step: float, nearest: float) -> NDArray[np.float32]:
+def _values(step: float, nearest: float, most: int) -> NDArray[np.float32]:
     """Return the inverse depth of each code.
 
     0 stands for what is farther than half a step, without what is infinitely far.
     """
-    bend, codes = _bend(nearest / step), np.arange(_MOST + 1, dtype=np.float64)
+    bend, codes = _bend(nearest / step, most), np.arange(most + 1, dtype=np.float64)
     codes[0] = 0.25
     return (step * (codes if bend is None else bend * np.expm1(codes / bend))).astype(np.float32)
 
 
 @functools.lru_cache(maxsize=64)
-def _bend(steps: float) -> float | None:
+def _bend(steps: float, most: int) -> float | None:
     """Return K, at which K log(1 + steps / K) is the last code; None where all fit as they are.
 
     By halving: it grows with K, towards the number of steps.
     """
-    if steps <= _MOST:
+    if steps <= most:
         return None
     low, high = 1e-3, 1e12
     for _ in range(200):
         middle = math.sqrt(low * high)
-        low, high = (middle, high) if middle * math.log1p(steps / middle) < _MOST else (low, middle)
+        low, high = (middle, high) if middle * math.log1p(steps / middle) < most else (low, middle)
     return low
 
 

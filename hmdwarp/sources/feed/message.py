@@ -28,7 +28,7 @@ MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
-INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO = 1, 2, 3
+INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, DEPTH_VIDEO8 = DEPTHS = (1, 2, 3, 4)
 ANY = 0
 # Of a picture that is left out: neither wished nor sent.
 NONE = 255
@@ -376,10 +376,10 @@ def _frame(data: Data) -> FrameMessage:
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
-    if colour not in (RGBA16F, RGBA8, H264, HEVC, NONE) or depth not in (INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, NONE):
+    if colour not in (RGBA16F, RGBA8, H264, HEVC, NONE) or depth not in (*DEPTHS, NONE):
         raise Malformed(
             f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
-            f"{DEPTH_VIDEO} for depth, {NONE} for none"
+            f"{DEPTHS[-1]} for depth, {NONE} for none"
         )
     at = _HEAD.size + _FRAME.size
     views, at = _views(data, at, eyes), at + eyes * _EYE.size

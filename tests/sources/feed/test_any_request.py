@@ -15,6 +15,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from serving import Serving
 
 from hmdwarp.pipeline.feed_coding import FeedEncoder
 from hmdwarp.run import ServeOptions, serve_run
@@ -22,7 +23,6 @@ from hmdwarp.sources.feed.listener import Asked
 from hmdwarp.sources.feed.message import FrameMessage, decode
 
 from . import foreign
-from .serving import Serving
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

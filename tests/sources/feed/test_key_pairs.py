@@ -6,6 +6,7 @@ from contextlib import closing
 
 import attrs
 import pytest
+from serving import Serving
 
 from hmdwarp.errors import InputError
 from hmdwarp.run import LiveOptions, live
@@ -17,7 +18,6 @@ from hmdwarp.sources.feed.options import FeedOptions
 
 from .exchange import exchanged, port_of
 from .relay import Relay
-from .serving import Serving
 from .test_message import ASK, FRAME
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from replays import rows_of
 from run.offscreen import OffscreenDisplay, run_on
+from serving import Serving
 
 from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
@@ -14,7 +15,6 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
 
 from .exchange import feeder
-from .serving import Serving
 
 pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
 

@@ -131,8 +131,8 @@ def test_a_picture_that_is_left_out_has_no_bytes():
     assert no_depth.size == (4, 3) and no_depth.inverse_depths == (b"", b"")
     with pytest.raises(Malformed, match="6 and 0 bytes in formats 255"):
         decode(encode(attrs.evolve(neither, colours=CODED.colours)))
-    with pytest.raises(Malformed, match="formats 255 and 4"):
-        decode(encode(attrs.evolve(neither, depth=4)))
+    with pytest.raises(Malformed, match="formats 255 and 5"):
+        decode(encode(attrs.evolve(neither, depth=5)))
 
 
 def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():

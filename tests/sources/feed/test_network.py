@@ -15,6 +15,7 @@ from contextlib import closing
 import attrs
 import numpy as np
 import pytest
+from serving import Serving
 
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
@@ -28,7 +29,6 @@ from hmdwarp.sources.feed.options import FeedOptions
 
 from .exchange import answered, exchanged, feeder, port_of
 from .relay import Relay
-from .serving import Serving
 from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

@@ -16,10 +16,10 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
+from serving import Serving
 
 from . import foreign
 from .exchange import port_of
-from .serving import Serving
 from .test_any_request import memory
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

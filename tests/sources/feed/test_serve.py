@@ -7,6 +7,7 @@ import attrs
 import numpy as np
 import pytest
 from replays import small
+from serving import Serving
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
@@ -27,7 +28,6 @@ from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.server import Server
 
 from .exchange import answered, exchanged, feeder
-from .serving import Serving
 from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

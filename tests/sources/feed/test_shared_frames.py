@@ -9,6 +9,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+from serving import Serving
 
 from hmdwarp.sources.feed import caller as caller_module
 from hmdwarp.sources.feed.caller import Caller
@@ -18,7 +19,6 @@ from hmdwarp.sources.feed.message import Malformed, Stub, decode, encode
 from hmdwarp.sources.feed.shared_frames import IS_ABLE, SHARED, SharedFrames, read
 
 from .exchange import answered, exchanged
-from .serving import Serving
 from .test_message import ASK, FRAME, LAYERED
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")

@@ -1,0 +1,2 @@
+from .door import Door as Door
+from .door import Lock as Lock

@@ -1,0 +1,265 @@
+"""The door for browsers: the page, and a WebSocket behind which the feed is spoken as it is.
+
+A request of a browser is a request of docs/feed.md, a frame is a frame: the door reads neither, but
+puts the server's token in. So whatever the server bounds, refuses or counts, it does here too.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import ipaddress
+import json
+import mimetypes
+import secrets
+import socket
+import ssl
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import attrs
+import zmq
+import zmq.asyncio
+from aiohttp import web
+
+from ..errors import InputError
+from ..sources.feed.key_pairs import KeyPair
+from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
+from ..sources.feed.sockets import is_local, set_options
+from .es_shaders import PAGE, shaders
+
+_TOKEN_BYTES = 16
+_MOST_BROWSERS = 64  # cookies that count; the oldest goes
+_TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
+_FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1, "HEARTBEAT_IVL": 500}
+_HEADERS = {
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+
+
+@attrs.frozen
+class Lock:
+    """What the server of the feed wants of its clients."""
+
+    secret: str = ""
+    pair: KeyPair | None = None
+
+
+class Door:
+    """Serve the page at HOST:PORT, and pass browsers' messages on to a server of the feed.
+
+    feed: its address, as the server says it. about: what the page is told, by key. files: by path,
+    what makes JSON, such as a trace. certificate: a PEM file with key and certificate, None for
+    plain HTTP.
+    Errors: InputError for an address that cannot be listened at, and for one beyond this machine
+    without a certificate unless is_open.
+    """
+
+    def __init__(
+        self,
+        address: str,
+        feed: str,
+        about: Mapping[str, Any],
+        files: Mapping[str, Callable[[], Any]],
+        *,
+        lock: Lock | None = None,
+        certificate: Path | None = None,
+        is_open: bool = False,
+        say: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        if not (is_local(_checked(address)) or certificate or is_open):
+            raise InputError(
+                f"--web {address}: beyond this machine it wants --certificate FILE.pem, without which a browser offers "
+                "no VR; or give --open to send pictures and cookies unencrypted"
+            )
+        self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
+        self._tls = _tls(certificate)
+        self._files = {"/session.json": _as_json(about), "/shaders.json": _as_json(shaders())}
+        self._made = {f"/{name}": make for name, make in files.items()}
+        for path in PAGE.iterdir():
+            if path.suffix in (".html", ".css", ".js"):
+                self._files[f"/{path.name}"] = _File(path.read_bytes(), mimetypes.guess_type(path.name)[0] or "")
+        self._files["/"] = self._files.pop("/index.html")
+        self._token, self._cookies = secrets.token_urlsafe(_TOKEN_BYTES), deque[str](maxlen=_MOST_BROWSERS)
+        self._listener = _listener(address)
+        host, port = self._listener.getsockname()[:2]
+        self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+        self._context = zmq.asyncio.Context()
+        self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
+        self._loop, self._begun = asyncio.new_event_loop(), threading.Event()
+        self._thread = threading.Thread(target=self._work, name="web", daemon=True)
+        self._thread.start()
+        self._begun.wait()
+
+    @property
+    def address(self) -> str:
+        """What to open once, with a token that counts once."""
+        return f"{self._scheme}://{self._place}/?token={self._token}"
+
+    @property
+    def _scheme(self) -> str:
+        return "http" if self._tls is None else "https"
+
+    def _work(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        app = web.Application(middlewares=[self._guard], client_max_size=0)
+        app.router.add_get("/feed", self._pass)
+        app.router.add_get("/{path:.*}", self._give)
+        runner = web.AppRunner(app, access_log=None, handle_signals=False, shutdown_timeout=0.5)
+        self._loop.run_until_complete(runner.setup())
+        site = web.SockSite(runner, self._listener, ssl_context=self._tls)
+        self._loop.run_until_complete(site.start())
+        self._begun.set()
+        self._loop.run_forever()
+        self._loop.run_until_complete(runner.cleanup())
+        self._loop.close()
+
+    @web.middleware
+    async def _guard(self, request: Any, handler: Any) -> Any:
+        """Let nobody in by another name (DNS rebinding), from another page, or without a cookie."""
+        host, headers = request.host, {**_HEADERS, "Content-Security-Policy": self._policy(request.host)}
+        origins = set(request.headers.getall("Origin", []))
+        if not _is_own(host) or not origins <= {f"{self._scheme}://{host}"}:
+            return web.Response(status=403, text="open this page by the address that hmdwarp printed\n")
+        if (given := request.query.get("token")) is not None:
+            return self._let_in(request, given)
+        if not self._knows(request.cookies.get(self._cookie, "")):
+            return web.Response(status=403, text="open the address that hmdwarp printed: its token counts once\n")
+        response = await handler(request)
+        if not response.prepared:
+            response.headers.update(headers)
+        return response
+
+    def _policy(self, host: str) -> str:
+        sockets = f"{'ws' if self._tls is None else 'wss'}://{host}"  # which 'self' does not mean in every browser
+        return (
+            "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+            f"connect-src 'self' {sockets}; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+        )
+
+    def _knows(self, cookie: str) -> bool:
+        return any(hmac.compare_digest(cookie.encode(), known.encode()) for known in self._cookies)
+
+    def _let_in(self, request: Any, given: str) -> Any:
+        if not hmac.compare_digest(given.encode(), self._token.encode()):
+            text = "this token was used already, or is none: take the newest address that hmdwarp printed\n"
+            return web.Response(status=403, text=text)
+        self._token = secrets.token_urlsafe(_TOKEN_BYTES)
+        cookie = secrets.token_urlsafe(_TOKEN_BYTES)
+        self._cookies.append(cookie)
+        self._say(f"a browser is here; for another one open {self.address}")
+        rest = request.rel_url.without_query_params("token")
+        response = web.Response(status=303, headers={**_HEADERS, "Location": str(rest)})
+        response.set_cookie(self._cookie, cookie, httponly=True, samesite="Strict", secure=self._tls is not None)
+        return response
+
+    async def _give(self, request: Any) -> Any:
+        """Give one of the files read at the start: no path of this machine is looked up."""
+        if (make := self._made.pop(request.path, None)) is not None:
+            self._files[request.path] = _as_json(make())
+        found = self._files.get(request.path)
+        if found is None:
+            return web.Response(status=404, text="not here\n")
+        return web.Response(body=found.content, content_type=found.kind, charset="utf-8")
+
+    async def _pass(self, request: Any) -> Any:
+        """Pass messages both ways until either end goes."""
+        browser = web.WebSocketResponse(max_msg_size=LARGEST_ASK + 1, heartbeat=5.0, compress=False)
+        await browser.prepare(request)
+        server = self._context.socket(zmq.DEALER)
+        set_options(zmq, server, _FEED)
+        if (pair := self._lock.pair) is not None:
+            server.curve_serverkey = pair.public
+            server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
+        server.connect(self._feed)
+        down = asyncio.ensure_future(self._pass_down(server, browser))
+        try:
+            async for message in browser:
+                if not isinstance(message.data, bytes) or len(message.data) < request_bytes(0):
+                    break
+                with suppress(zmq.Again):  # as many wait already; the page asks again
+                    await server.send(self._with_token(message.data), zmq.NOBLOCK)
+        finally:
+            down.cancel()
+            server.close(0)
+        await browser.close()
+        return browser
+
+    def _with_token(self, data: bytes) -> bytes:
+        """Return a request with the server's token, and no wish for shared memory."""
+        token = token_of(self._lock.secret)
+        return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) : _SHARES_AT] + b"\0" + data[_SHARES_AT + 1 :]
+
+    async def _pass_down(self, server: Any, browser: Any) -> None:
+        while True:
+            data = await server.recv(copy=False)
+            await browser.send_bytes(data.buffer)  # waits until the browser has room
+
+    def close(self) -> None:
+        """Shut the door; pages say that the server is gone."""
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._context.destroy(0)
+
+
+@attrs.frozen
+class _File:
+    content: bytes
+    kind: str
+
+
+def _as_json(content: Any) -> _File:
+    return _File(json.dumps(content).encode(), "application/json")
+
+
+def _tls(certificate: Path | None) -> ssl.SSLContext | None:
+    if certificate is None:
+        return None
+    found = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    try:
+        found.load_cert_chain(certificate)
+    except (OSError, ssl.SSLError) as error:
+        raise InputError(
+            f"--certificate {certificate}: expected a PEM file with a private key and its certificate ({error})"
+        ) from error
+    return found
+
+
+def _checked(address: str) -> str:
+    host, separator, port = address.rpartition(":")
+    if not (separator and host and (port == "*" or (port.isdecimal() and int(port) < 65536))):
+        raise InputError(f"--web {address}: expected HOST:PORT, such as 127.0.0.1:5580, or * for a free port")
+    return f"tcp://{address}"
+
+
+def _listener(address: str) -> socket.socket:
+    host, _, port = address.rpartition(":")
+    host = host.strip("[]")
+    try:
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        return socket.create_server((host, 0 if port == "*" else int(port)), family=family)
+    except OSError as error:
+        raise InputError(
+            f"--web {address}: {error.strerror or error}: take another port or stop what listens there"
+        ) from error
+
+
+def _is_own(host: str) -> bool:
+    """Whether a browser came by a number or this machine's name: no page of others has these."""
+    name = host.rpartition(":")[0] if host.rpartition(":")[2].isdecimal() and not host.endswith("]") else host
+    if name.strip("[]") in ("localhost", socket.gethostname(), f"{socket.gethostname()}.local"):
+        return True
+    try:
+        ipaddress.ip_address(name.strip("[]"))
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,229 @@
+// The passes of a refresh on the device: depth in, warp, pull, push. WebGL 2, the shaders of hmdwarp.
+
+import { apply, matrixOf, relativeTo, times } from "./head.js";
+
+// As IterativeSettings and DEPTH_LIMITS of hmdwarp have them.
+const LIMITS = { depth_tolerance: 0.03, depth_floor: 0.02 }, SHEET = 1, CONVERGED = 0.75;
+const GRID = 64; // cells a side, as CloudXR.js draws
+const LEAST_SIDE = 4; // pixels of the pyramid's top
+/** Every chain, the best first; each says which warp it runs. */
+export const CHAINS = { iterative: "iterative", "mesh:grid=64": "mesh", rotation: "rotation" };
+
+const tangents = (fov) => fov.map(Math.tan);
+
+/** The matrix from eye points (x, y, -1) to pixels; the origin is bottom left, or top left. */
+function camera(fov, [width, height], isTopFirst) {
+  const [left, right, down, up] = tangents(fov), [sx, sy] = [width / (right - left), height / (up - down)];
+  return isTopFirst
+    ? [[sx, 0, left * sx], [0, -sy, -up * sy], [0, 0, -1]]
+    : [[sx, 0, left * sx], [0, sy, down * sy], [0, 0, -1]];
+}
+
+function inverted([[a, b, c], [d, e, f], [g, h, i]]) {
+  const [A, B, C] = [e * i - f * h, f * g - d * i, d * h - e * g], det = a * A + b * B + c * C;
+  return [[A, c * h - b * i, b * f - c * e], [B, a * i - c * g, c * d - a * f], [C, b * g - a * h, a * e - b * d]].map((row) => row.map((value) => value / det));
+}
+
+/** H and e of the map between pixels of two views; {pose, fov, size, isTopFirst}. Source: McMillan and Bishop 1995. */
+export function mapBetween(from, to) {
+  const there = relativeTo(from.pose, to.pose), k = camera(to.fov, to.size, to.isTopFirst);
+  return { H: times(times(k, matrixOf(there.orientation)), inverted(camera(from.fov, from.size, from.isTopFirst))), e: apply(k, there.position) };
+}
+
+const movesWholePixels = ({ H: [[a, b, x], [c, d, y], [f, g, h]], e }) =>
+  [a - 1, b, x - Math.round(x), c, f, g, h - 1, Math.abs(d) - 1, y - Math.round(y), ...e].every((off) => Math.abs(off) <= 1e-9);
+
+export class Chain {
+  /** shaders: texts by name. Throws Error, with what is missing, where the device cannot. */
+  constructor(canvas, shaders, options = {}) {
+    const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false, ...options });
+    if (!gl) throw new Error("This browser has no WebGL 2.");
+    if (!gl.getExtension("EXT_color_buffer_float")) throw new Error("This device draws no float textures (EXT_color_buffer_float).");
+    Object.assign(this, { gl, canvas, shaders, programs: new Map(), eyes: [], pyramids: new Map(), vertices: gl.createVertexArray() });
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+  }
+
+  program(fragment, { vertex = "whole.vert", defines = "" } = {}) {
+    const key = `${vertex} ${fragment} ${defines}`, gl = this.gl;
+    if (this.programs.has(key)) return this.programs.get(key);
+    const program = gl.createProgram();
+    for (const [kind, name] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(kind);
+      gl.shaderSource(shader, this.shaders[name].replace("\n", `\n${defines}\n`));
+      gl.compileShader(shader);
+      if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) throw new Error(`${name}: ${gl.getShaderInfoLog(shader)}`);
+      gl.attachShader(program, shader);
+    }
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(`${fragment}: ${gl.getProgramInfoLog(program)}`);
+    const uniforms = new Map();
+    for (let k = 0; k < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); k += 1) {
+      const { name, type } = gl.getActiveUniform(program, k);
+      uniforms.set(name, { type, at: gl.getUniformLocation(program, name) });
+    }
+    this.programs.set(key, { program, uniforms });
+    return this.programs.get(key);
+  }
+
+  /** Use a program with its uniforms; textures are {texture}. */
+  use(found, values) {
+    const gl = this.gl;
+    gl.useProgram(found.program);
+    let unit = 0;
+    for (const [name, value] of Object.entries(values)) {
+      const uniform = found.uniforms.get(name);
+      if (!uniform) continue;
+      if (value instanceof WebGLTexture) {
+        gl.activeTexture(gl.TEXTURE0 + unit);
+        gl.bindTexture(gl.TEXTURE_2D, value);
+        gl.uniform1i(uniform.at, unit++);
+      } else if (uniform.type === gl.FLOAT_MAT3) gl.uniformMatrix3fv(uniform.at, true, value.flat());
+      else if (uniform.type === gl.FLOAT) gl.uniform1f(uniform.at, value);
+      else if (uniform.type === gl.FLOAT_VEC2) gl.uniform2fv(uniform.at, value);
+      else if (uniform.type === gl.FLOAT_VEC3) gl.uniform3fv(uniform.at, value);
+      else if (uniform.type === gl.FLOAT_VEC4) gl.uniform4fv(uniform.at, value);
+      else if (uniform.type === gl.INT_VEC2) gl.uniform2iv(uniform.at, value);
+      else gl.uniform1i(uniform.at, value);
+    }
+  }
+
+  texture(format, [width, height], filter = this.gl.NEAREST) {
+    const gl = this.gl, texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, filter);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  target(textures, depth = null) {
+    const gl = this.gl, target = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    textures.forEach((texture, k) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + k, gl.TEXTURE_2D, texture, 0));
+    gl.drawBuffers(textures.map((_, k) => gl.COLOR_ATTACHMENT0 + k));
+    if (depth) gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+    return target;
+  }
+
+  draw(target, [width, height], count = 3, [x, y] = [0, 0]) {
+    const gl = this.gl;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    gl.viewport(x, y, width, height);
+    gl.bindVertexArray(this.vertices);
+    gl.drawArrays(gl.TRIANGLES, 0, count);
+  }
+
+  /** The textures of an eye's rendered picture, made once for a size. */
+  eye(k, size, isCoded) {
+    const key = `${size} ${isCoded}`, gl = this.gl;
+    if (this.eyes[k]?.key === key) return this.eyes[k];
+    const old = this.eyes[k];
+    if (old) for (const texture of [old.colour, old.given, old.kinds, old.depth]) if (texture) gl.deleteTexture(texture);
+    if (old) gl.deleteFramebuffer(old.into);
+    const depth = this.texture(gl.R32F, size);
+    this.eyes[k] = {
+      key, size, depth,
+      colour: this.texture(gl.SRGB8_ALPHA8, size, gl.LINEAR),
+      given: this.texture(isCoded ? gl.R8UI : gl.R32F, size),
+      kinds: isCoded ? this.texture(gl.R8UI, size) : null,
+      into: this.target([depth]),
+    };
+    return this.eyes[k];
+  }
+
+  /**
+   * Take in an eye's late picture, the top row first: colour as bytes (sRGB, coverage) or a VideoFrame;
+   * depth as {numbers} in 1/m or {codes, kinds, step, bend}; view {pose, fov}.
+   */
+  takeIn(k, { size, colour, depth, view }) {
+    const gl = this.gl, isCoded = depth.codes !== undefined, eye = this.eye(k, size, isCoded), [width, height] = size;
+    const put = (texture, format, type, pixels) => {
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, format, type, pixels);
+    };
+    put(eye.colour, gl.RGBA, gl.UNSIGNED_BYTE, colour);
+    if (isCoded) {
+      put(eye.given, gl.RED_INTEGER, gl.UNSIGNED_BYTE, depth.codes);
+      put(eye.kinds, gl.RED_INTEGER, gl.UNSIGNED_BYTE, depth.kinds);
+    } else put(eye.given, gl.RED, gl.FLOAT, depth.numbers);
+    eye.view = { ...view, size, isTopFirst: true };
+    gl.disable(gl.DEPTH_TEST);
+    const given = isCoded ? { codes: eye.given, kinds: eye.kinds, code_step: depth.step, bend: depth.bend } : { given: eye.given };
+    this.use(this.program("depth_in.frag", { defines: isCoded ? "#define CODED" : "" }), { ...given, ...LIMITS, rendered_size: size });
+    this.draw(eye.into, size);
+  }
+
+  /** Levels of the shown picture, the finest first, made once for a size. */
+  pyramid(size) {
+    const key = `${size}`, gl = this.gl;
+    if (this.pyramids.has(key)) return this.pyramids.get(key);
+    const levels = [];
+    for (let [width, height] = size; ; [width, height] = [(width + 1) >> 1, (height + 1) >> 1]) {
+      const [colour, whole] = [0, 1].map(() => this.texture(gl.RGBA16F, [width, height], gl.LINEAR));
+      const depth = this.texture(gl.R32F, [width, height]);
+      let nearest = null;
+      if (!levels.length) {
+        nearest = gl.createRenderbuffer();
+        gl.bindRenderbuffer(gl.RENDERBUFFER, nearest);
+        gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
+      }
+      levels.push({ size: [width, height], colour, whole, depth, into: this.target([colour, depth], nearest), pushed: this.target([whole]) });
+      if (Math.max(width, height) <= LEAST_SIDE) break;
+    }
+    this.pyramids.set(key, levels);
+    return levels;
+  }
+
+  warp(name, eye, shown, level) {
+    const gl = this.gl;
+    const sizes = { rendered_size: eye.size, shown_size: shown.size, rendered_colour: eye.colour, rendered_inverse_depth: eye.depth };
+    if (name === "mesh") {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, level.into);
+      gl.enable(gl.DEPTH_TEST);
+      gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+      gl.clearBufferfv(gl.COLOR, 1, [-1, 0, 0, 0]);
+      gl.clear(gl.DEPTH_BUFFER_BIT);
+      this.use(this.program("mesh.frag", { vertex: "mesh.vert" }), { ...sizes, ...mapBetween(eye.view, shown), cells: GRID });
+      this.draw(level.into, shown.size, 6 * GRID * GRID);
+      gl.disable(gl.DEPTH_TEST);
+      return;
+    }
+    const map = mapBetween(shown, eye.view), back = mapBetween(eye.view, shown);
+    const limits = { ...LIMITS, sheet: SHEET, most_pixels: CONVERGED, last_centre: eye.size.map((side) => side - 0.5) };
+    gl.bindTexture(gl.TEXTURE_2D, eye.colour);
+    const filter = movesWholePixels(map) ? gl.NEAREST : gl.LINEAR; // an unmoved head stays bit-exact
+    for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, which, filter);
+    this.use(this.program(name), { ...sizes, ...map, ...limits, rendered_pixel: eye.size.map((side) => 1 / side), depth_ratio: [...back.H[2], back.e[2]] });
+    this.draw(level.into, shown.size);
+  }
+
+  /** Show an eye in a framebuffer (null: the canvas), at a corner of it. shown: {pose, fov, size}. */
+  show(k, shown, chain, target = null, corner = [0, 0]) {
+    const levels = this.pyramid(shown.size), eye = this.eyes[k];
+    this.warp(CHAINS[chain], eye, shown, levels[0]);
+    for (let n = 1; n < levels.length; n += 1) {
+      this.use(this.program("pull.frag"), { colours: levels[n - 1].colour, depths: levels[n - 1].depth });
+      this.draw(levels[n].into, levels[n].size);
+    }
+    for (let n = levels.length - 2; n >= 0; n -= 1) {
+      const above = levels[n + 1], first = n === levels.length - 2, last = n === 0;
+      this.use(this.program("push.frag"), { colours: levels[n].colour, above: first ? above.colour : above.whole, is_last: last, corner: last ? corner : [0, 0] });
+      this.draw(last ? target : levels[n].pushed, levels[n].size, 3, last ? corner : [0, 0]);
+    }
+  }
+
+  /** Warp alone, before holes are filled: (h, w, 4) floats of light and coverage, the bottom row first. */
+  read(k, shown, chain) {
+    const gl = this.gl, [level] = this.pyramid(shown.size), found = new Float32Array(4 * shown.size[0] * shown.size[1]);
+    this.warp(CHAINS[chain], this.eyes[k], shown, level);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, level.into);
+    gl.readPixels(0, 0, ...shown.size, gl.RGBA, gl.FLOAT, found);
+    return found;
+  }
+
+  /** Wait until the device has drawn; the only way that every browser has. */
+  finish() {
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, null);
+    this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+}

@@ -1,0 +1,86 @@
+// Pictures of videos: colour as the browser decodes it, depth by its codes.
+
+const CODEC = "avc1.640033"; // H.264 High, level 5.1; Annex B, as no description is given
+const HEADER_BYTES = 24; // CRC-32, f64 step, f64 nearest, u32 bytes of the map
+const MOST_CODE = 255;
+
+/** K of docs/feed.md, depth 3: where steps grow so that `steps` fit; 0 where they fit as they are. */
+export function bendOf(steps) {
+  if (steps <= MOST_CODE) return 0;
+  let [low, high] = [1e-3, 1e12];
+  for (let k = 0; k < 200; k += 1) {
+    const middle = Math.sqrt(low * high);
+    if (middle * Math.log1p(steps / middle) < MOST_CODE) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+async function inflated(bytes) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+class Video {
+  constructor(size) {
+    this.waiting = [];
+    this.decoder = new VideoDecoder({
+      output: (frame) => this.waiting.shift()?.(frame),
+      error: () => this.waiting.splice(0).forEach((take) => take(null)),
+    });
+    this.decoder.configure({ codec: CODEC, codedWidth: size[0], codedHeight: size[1], optimizeForLatency: true });
+  }
+
+  /** The picture, null where it cannot be decoded. */
+  decode(bytes, place, begins) {
+    if (this.decoder.state !== "configured") return Promise.resolve(null);
+    return new Promise((take) => {
+      this.waiting.push(take);
+      this.decoder.decode(new EncodedVideoChunk({ type: begins ? "key" : "delta", timestamp: place, data: bytes }));
+    });
+  }
+
+  close() {
+    if (this.decoder.state !== "closed") this.decoder.close();
+  }
+}
+
+/** The streams of one eye, until a frame begins them anew. */
+export class VideoEye {
+  constructor({ size }) {
+    Object.assign(this, { size, next: 0, colour: new Video(size), depth: new Video(size) });
+  }
+
+  suits({ size, begins }) {
+    const goes = !begins && `${size}` === `${this.size}` && this.colour.decoder.state === "configured" && this.depth.decoder.state === "configured";
+    if (!goes) [this.colour, this.depth].forEach((video) => video.close());
+    return goes;
+  }
+
+  /** {colour, depth: {codes, kinds, step, bend}}; null where a picture before it is missing. */
+  async decode({ place, begins }, { colour, depth }) {
+    if (place !== this.next) return null;
+    this.next += 1;
+    const view = new DataView(depth.buffer), [step, nearest] = [4, 12].map((at) => view.getFloat64(at, true));
+    const packed = view.getUint32(20, true), map = depth.subarray(HEADER_BYTES, HEADER_BYTES + packed);
+    const [shown, luma, kinds] = await Promise.all([
+      this.colour.decode(colour, place, begins),
+      this.depth.decode(depth.subarray(HEADER_BYTES + packed), place, begins),
+      packed ? inflated(map) : new Uint8Array(this.size[0] * this.size[1]),
+    ]);
+    if (!shown || !luma) return null;
+    const codes = new Uint8Array(luma.allocationSize({ rect: luma.visibleRect }));
+    const [plane] = await luma.copyTo(codes, { rect: luma.visibleRect });
+    luma.close();
+    return { colour: shown, depth: { codes: this.rows(codes, plane), kinds, step, bend: bendOf(nearest / step) } };
+  }
+
+  /** The first plane's rows without gaps. */
+  rows(codes, { offset, stride }) {
+    const [width, height] = this.size;
+    if (stride === width) return codes.subarray(offset, offset + width * height);
+    const found = new Uint8Array(width * height);
+    for (let row = 0; row < height; row += 1) found.set(codes.subarray(offset + row * stride, offset + row * stride + width), row * width);
+    return found;
+  }
+}

@@ -1,0 +1,130 @@
+// The feed in a browser: requests go up, frames come down, as docs/feed.md has them.
+
+const VERSION = 3, ASK = 1, FRAME = 2, REFUSAL = 3;
+export const RGBA16F = 1, RGBA8 = 2, H264 = 3, ANY_DEPTH = 1, DEPTH_VIDEO8 = 4, NONE = 255;
+const ASK_BYTES = 180, FRAME_BYTES = 80, EYE_BYTES = 144, PART_BYTES = 32;
+const MOST_IN_FLIGHT = 8; // requests without an answer
+const LOST_MS = 1000; // after which a request gets no answer any more: a newer one took its place
+const AGAIN_MS = 1000; // before a lost server is called again
+
+const ns = (ms) => BigInt(Math.round(ms * 1e6));
+
+function putPose(view, at, pose) {
+  [...pose.position, ...pose.orientation].forEach((value, k) => view.setFloat64(at + 8 * k, value, true));
+  return at + 56;
+}
+
+function getPose(view, at) {
+  const values = Array.from({ length: 7 }, (_, k) => view.getFloat64(at + 8 * k, true));
+  return { position: values.slice(0, 3), orientation: values.slice(3) };
+}
+
+/** A request's bytes. eyes: {world_from_eye, head_from_eye, fov: [left, right, down, up] in radians}. */
+export function encodeAsk({ number, sent, time, head_time, received, size, head, eyes, colour, depth, anew, rate, quality }) {
+  const bytes = ASK_BYTES + EYE_BYTES * eyes.length, view = new DataView(new ArrayBuffer(bytes));
+  [72, 87, 70, 68].forEach((letter, k) => view.setUint8(k, letter)); // HWFD
+  view.setUint16(4, VERSION, true);
+  view.setUint16(6, ASK, true);
+  view.setUint32(8, bytes, true);
+  view.setBigUint64(12, BigInt(number), true);
+  [sent, time, head_time].forEach((instant, k) => view.setBigInt64(20 + 8 * k, ns(instant), true));
+  view.setBigUint64(44, BigInt(received), true);
+  view.setUint32(84, size[0], true);
+  view.setUint32(88, size[1], true);
+  [eyes.length, colour, depth, quality, anew ? 1 : 0].forEach((value, k) => view.setUint8(92 + k, value));
+  view.setFloat64(100, rate, true);
+  let at = putPose(view, 124, head);
+  for (const eye of eyes) {
+    at = putPose(view, putPose(view, at, eye.world_from_eye), eye.head_from_eye);
+    eye.fov.forEach((angle, k) => view.setFloat64(at + 8 * k, angle, true));
+    at += 32;
+  }
+  return view.buffer;
+}
+
+/** What a server's message says: {kind: "frame" | "refusal", ..}. Throws Error for anything else. */
+export function decode(buffer) {
+  const view = new DataView(buffer), kind = view.getUint16(6, true);
+  if (view.getUint32(0, true) !== 0x44465748 || view.getUint32(8, true) !== buffer.byteLength) throw new Error("no message of the feed");
+  const number = Number(view.getBigUint64(12, true));
+  if (kind === REFUSAL) {
+    return { kind: "refusal", number, why: new TextDecoder().decode(new Uint8Array(buffer, 24, view.getUint32(20, true))) };
+  }
+  if (kind !== FRAME || view.getUint16(4, true) !== VERSION) throw new Error(`a message of kind ${kind}`);
+  const ms = (at) => Number(view.getBigInt64(at, true)) / 1e6;
+  const [count, colour, depth, begins] = [68, 69, 70, 71].map((at) => view.getUint8(at));
+  const size = [view.getUint32(60, true), view.getUint32(64, true)], parts = view.getUint8(76);
+  let at = FRAME_BYTES + EYE_BYTES * count, from = at + 8 * count + PART_BYTES * parts;
+  const eyes = Array.from({ length: count }, (_, k) => {
+    const first = FRAME_BYTES + EYE_BYTES * k;
+    const eye = { world_from_eye: getPose(view, first), head_from_eye: getPose(view, first + 56) };
+    eye.fov = [0, 1, 2, 3].map((angle) => view.getFloat64(first + 112 + 8 * angle, true));
+    for (const name of ["colour", "depth"]) {
+      const length = view.getUint32(at, true);
+      eye[name] = new Uint8Array(buffer.slice(from, from + length)); // a copy: numbers are aligned
+      from += length;
+      at += 4;
+    }
+    return eye;
+  });
+  if (from > buffer.byteLength) throw new Error("a frame that is cut short");
+  return { kind: "frame", number, asked: ms(20), received: ms(28), sent: ms(36), drawing: ms(44), time: ms(52), size, colour, depth,
+    begins: begins !== 0, place: view.getUint32(72, true), eyes, bytes: buffer.byteLength };
+}
+
+/** One server, called again whenever it is gone. told(text): a line for people, "" once all is well. */
+export class Feed {
+  constructor(address, { frame, told }) {
+    Object.assign(this, { address, frame, told, number: 0, newest: 0, bytes: 0, answered: new Map(), closed: false });
+    this.asked = new Map(); // when each request that has no answer yet was sent
+    this.round = 0; // ms from a request to its frame, smoothed
+    this.open();
+  }
+
+  open() {
+    this.socket = new WebSocket(this.address);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => this.told("");
+    this.socket.onmessage = (message) => this.take(message.data);
+    this.socket.onclose = () => {
+      this.asked.clear();
+      if (this.closed) return;
+      this.told("The server is not there: its last picture stays. Calling it again ..");
+      setTimeout(() => this.open(), AGAIN_MS);
+    };
+  }
+
+  close() {
+    this.closed = true;
+    this.socket.close();
+  }
+
+  /** Whether another request may go up: so many are under way as the round trip has room for. */
+  hasRoom(interval) {
+    const lost = performance.now() - Math.max(LOST_MS, 4 * this.round);
+    for (const [number, sent] of this.asked) if (sent < lost) this.asked.delete(number);
+    const most = Math.min(MOST_IN_FLIGHT, 1 + Math.ceil(this.round / interval));
+    return this.socket.readyState === WebSocket.OPEN && this.asked.size < most && this.socket.bufferedAmount === 0;
+  }
+
+  ask(request) {
+    this.number += 1;
+    this.asked.set(this.number, request.sent);
+    this.socket.send(encodeAsk({ ...request, number: this.number, received: this.newest }));
+    return this.number;
+  }
+
+  take(data) {
+    const message = decode(data), now = performance.now();
+    for (const number of this.asked.keys()) if (number <= message.number) this.asked.delete(number);
+    if (message.kind === "refusal") {
+      this.told(`The server refused: ${message.why}`);
+      return;
+    }
+    this.newest = message.number;
+    this.bytes += message.bytes;
+    const took = now - message.asked;
+    this.round = this.round ? this.round + 0.1 * (took - this.round) : took;
+    this.frame({ ...message, heard: now });
+  }
+}

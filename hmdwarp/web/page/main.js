@@ -1,0 +1,269 @@
+// A session: asks for frames, shows the newest that is old enough, warped to where the head is now.
+
+import { Chain, CHAINS } from "./chain.js";
+import { VideoEye } from "./coded.js";
+import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
+import { ByHand, Recording, compose, inverse, relativeTo } from "./head.js";
+
+const asked = new URLSearchParams(location.search);
+const number = (name, usual, least, most) => {
+  const given = Number(asked.get(name) ?? usual);
+  return Number.isFinite(given) ? Math.min(Math.max(given, least), most) : usual;
+};
+const RATE_HZ = number("rate", 30, 1, 120); // of requests
+const GUARD = number("guard", 1.25, 1, 2); // the rendered picture's tangents over the shown one's
+const LONG_SIDE = number("size", 640, 64, 4096); // pixels of the shown picture in a window
+const UP_RAD = 0.61; // half a window's field of view, up and down
+const QUALITY = number("crf", 23, 0, 51);
+const MOST_KEPT = 128; // frames that wait until they are old enough
+const SHARE = 0.7; // of a refresh that a chain may take
+const TRIES = 3;
+const $ = (name) => document.getElementById(name);
+
+const even = (side) => Math.max(64, 2 * Math.round(side / 2));
+const lines = {}; // what is told, by who tells it
+function told(text, by = "page") {
+  lines[by] = text;
+  $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
+}
+const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, newest: 0 };
+
+/** A view's guarded field of view and the size that keeps its pixels per tangent: whole ones are added on each side. */
+function guarded(fov, shown) {
+  const size = shown.map((side) => even(side * GUARD));
+  return { fov: fov.map((angle, k) => Math.atan((Math.tan(angle) * size[k >> 1]) / shown[k >> 1])), size };
+}
+
+/** Views of a window: one eye, in the middle of the head. */
+function windowEyes(size) {
+  const up = UP_RAD, right = Math.atan((Math.tan(up) * size[0]) / size[1]);
+  return [{ head_from_eye: { position: [0, 0, 0], orientation: [0, 0, 0, 1] }, fov: [-right, right, -up, up], size }];
+}
+
+function fovOf(matrix) {
+  // Of an OpenGL projection matrix, column-major: x' = (m0 x + m8 z) / -z.
+  const [m0, m5, m8, m9] = [matrix[0], matrix[5], matrix[8], matrix[9]];
+  return [(m8 - 1) / m0, (m8 + 1) / m0, (m9 - 1) / m5, (m9 + 1) / m5].map(Math.atan);
+}
+
+const poseOf = ({ position: p, orientation: q }) => ({ position: [p.x, p.y, p.z], orientation: [q.x, q.y, q.z, q.w] });
+
+class Session {
+  constructor(about, chain, feed) {
+    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], isCoded: "VideoDecoder" in window && !asked.has("raw") });
+    this.chosen = CHAINS[asked.get("warp")] ? asked.get("warp") : null;
+    this.feed = feed((frame) => this.arrived(frame));
+    this.costs = {};
+  }
+
+  time() {
+    return performance.now() - this.begun;
+  }
+
+  /** Ask for a frame where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
+  ask(head, eyes) {
+    const now = performance.now();
+    if (now - this.lastAsk < 1000 / RATE_HZ || !this.feed.hasRoom(1000 / RATE_HZ)) return;
+    this.lastAsk = now;
+    const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
+    const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
+    this.feed.ask({
+      sent: now, time: this.time(), head_time: this.time(), size: sides, head, rate: RATE_HZ, anew: this.anew,
+      colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH, quality: this.isCoded ? 1 + QUALITY : 0,
+      eyes: eyes.map((eye, k) => ({ world_from_eye: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
+    });
+    this.anew = false;
+  }
+
+  async arrived(frame) {
+    const begun = performance.now();
+    figures.frames += 1;
+    let pictures = null;
+    if (frame.colour === RGBA8) {
+      pictures = frame.eyes.map((eye) => ({ colour: eye.colour, depth: { numbers: new Float32Array(eye.depth.buffer) } }));
+    } else {
+      this.coded = frame.eyes.map((_, k) => (this.coded[k]?.suits(frame) ? this.coded[k] : new VideoEye(frame)));
+      pictures = await Promise.all(frame.eyes.map((eye, k) => this.coded[k].decode(frame, eye)));
+      if (pictures.includes(null)) {
+        this.anew = true; // a picture before it is missing: the streams begin again
+        return;
+      }
+    }
+    figures.decode = performance.now() - begun;
+    this.kept.push({ ...frame, pictures });
+    this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
+    while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
+  }
+
+  drop({ pictures }) {
+    for (const { colour } of pictures) if (colour.close) colour.close();
+  }
+
+  /** Take in the newest frame that is as old as asked for. Returns whether there is any. */
+  takeIn() {
+    const old = performance.now() - Number($("latency").value);
+    const due = this.kept.filter((frame) => frame.asked <= old).length;
+    if (due) {
+      const frame = this.kept[due - 1];
+      frame.pictures.forEach((picture, k) => {
+        this.chain.takeIn(k, { size: frame.size, ...picture, view: { pose: frame.eyes[k].world_from_eye, fov: frame.eyes[k].fov } });
+      });
+      this.kept.splice(0, due).forEach((frame) => this.drop(frame));
+      this.shown = frame;
+    } else figures.stale += 1;
+    return this.shown !== undefined;
+  }
+
+  /** Measure every chain on what is shown, and choose the best that fits a refresh of `interval` ms. */
+  choose(shown, interval) {
+    if (this.chosen && this.costs[this.chosen] !== undefined) return;
+    for (const name of Object.keys(CHAINS)) {
+      this.chain.show(0, shown, name); // compiles
+      this.chain.finish();
+      const begun = performance.now();
+      for (let k = 0; k < TRIES; k += 1) this.chain.show(0, shown, name);
+      this.chain.finish();
+      this.costs[name] = (performance.now() - begun) / TRIES;
+    }
+    const eyes = this.shown.eyes.length, fits = Object.keys(CHAINS).filter((name) => eyes * this.costs[name] <= SHARE * interval);
+    const cheapest = Math.min(...Object.values(this.costs)); // where none fits, the best of those that cost about as little
+    this.chosen ??= fits[0] ?? Object.keys(CHAINS).find((name) => this.costs[name] <= 1.5 * cheapest);
+    $("chain").value = this.chosen;
+  }
+
+  /** What the next refresh of a window shows: its views, its late eyes, and its pixels, the bottom row first. */
+  look() {
+    return new Promise((look) => this.looks.push(look));
+  }
+
+  seen(views) {
+    const gl = this.chain.gl, [width, height] = views[0].size, pixels = new Uint8Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    const { eyes, size, time, asked } = this.shown;
+    return { views, pixels, late: eyes.map(({ world_from_eye, fov }) => ({ pose: world_from_eye, fov, size })), time, age: performance.now() - asked, chain: this.chosen };
+  }
+
+  show(head, eyes, target, corners, interval) {
+    if (!this.takeIn()) return;
+    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), fov: eye.fov, size: eye.size }));
+    this.choose(views[0], interval);
+    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.chosen, target, corners[k]));
+    figures.refreshes += 1;
+    this.looks.splice(0).forEach((look) => look(this.seen(views)));
+  }
+}
+
+function tellFigures(session) {
+  const passed = (performance.now() - figures.since) / 1000, frame = session.shown;
+  if (!frame) return;
+  const rows = {
+    "age of the shown frame": `${(performance.now() - frame.asked).toFixed(0)} ms`,
+    "round trip": `${session.feed.round.toFixed(0)} ms`,
+    "drawn by the server in": `${frame.drawing.toFixed(1)} ms`,
+    "decoded in": `${figures.decode.toFixed(1)} ms`,
+    [`warped by ${session.chosen}, an eye`]: `${(session.costs[session.chosen] ?? NaN).toFixed(2)} ms`,
+    "script, a refresh": `${(figures.script / Math.max(figures.refreshes, 1)).toFixed(2)} ms`,
+    "refreshes a second": (figures.refreshes / passed).toFixed(0),
+    "frames a second": (figures.frames / passed).toFixed(0),
+    "refreshes without a new frame": `${((100 * figures.stale) / Math.max(figures.refreshes, 1)).toFixed(0)} %`,
+    "received": `${((8e-6 * session.feed.bytes) / passed).toFixed(1)} Mbit/s`,
+    "rendered, shown": `${frame.size.join("x")}, ${session.size.join("x")}`,
+  };
+  $("figures").replaceChildren(...Object.entries(rows).map(([name, value]) => {
+    const row = document.createElement("tr");
+    row.append(...[name, value].map((text) => Object.assign(document.createElement("td"), { textContent: text })));
+    return row;
+  }));
+  Object.assign(figures, { since: performance.now(), refreshes: 0, frames: 0, stale: 0, script: 0 });
+  session.feed.bytes = 0;
+}
+
+async function headOf(name, about) {
+  if (name === "hand") return new ByHand($("shown"), about.viewpoint);
+  return new Recording((await (await fetch(`traces/${name}.json`)).json()).samples);
+}
+
+async function enterVr(session, gl) {
+  const refused = (error) => told(`No VR: ${error.message}`);
+  const xr = await navigator.xr.requestSession("immersive-vr", { optionalFeatures: ["local-floor"] }).catch(refused);
+  if (!xr?.requestReferenceSpace) return;
+  await gl.makeXRCompatible();
+  const layer = new XRWebGLLayer(xr, gl, { antialias: false, depth: false });
+  xr.updateRenderState({ baseLayer: layer });
+  const space = await xr.requestReferenceSpace("local-floor").catch(() => xr.requestReferenceSpace("local"));
+  xr.addEventListener("end", () => (session.xr = null));
+  session.xr = xr;
+  let last = 0;
+  const refresh = (now, frame) => {
+    xr.requestAnimationFrame(refresh);
+    const viewer = frame.getViewerPose(space), begun = performance.now();
+    if (!viewer) return; // taken off, or not tracked: the last picture stays
+    const head = poseOf(viewer.transform);
+    const eyes = viewer.views.map((view) => {
+      const { width, height } = layer.getViewport(view);
+      return { head_from_eye: relativeTo(poseOf(view.transform), head), fov: fovOf(view.projectionMatrix), size: [width, height] };
+    });
+    const corners = viewer.views.map((view) => [layer.getViewport(view).x, layer.getViewport(view).y]);
+    session.size = eyes[0].size;
+    session.ask(head, eyes);
+    session.show(head, eyes, layer.framebuffer, corners, xr.frameRate ? 1000 / xr.frameRate : Math.max(now - last, 8));
+    figures.script += performance.now() - begun;
+    last = now;
+  };
+  xr.requestAnimationFrame(refresh);
+}
+
+async function begin() {
+  const [about, shaders] = await Promise.all(["session.json", "shaders.json"].map(async (name) => (await fetch(name)).json()));
+  const canvas = $("shown"), chain = new Chain(canvas, shaders);
+  const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/feed`;
+  const session = new Session(about, chain, (frame) => new Feed(address, { frame, told: (text) => told(text, "feed") }));
+  $("scene").textContent = about.scene;
+  $("chain").append(...Object.keys(CHAINS).map((name) => new Option(name)));
+  $("chain").onchange = () => (session.chosen = $("chain").value);
+  $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
+  $("latency").value = number("latency", 200, 0, 800);
+  const tellLatency = () => ($("latency-told").textContent = `${$("latency").value} ms`);
+  $("latency").oninput = tellLatency;
+  tellLatency();
+  const wanted = asked.get("trace");
+  if (wanted !== null && !about.traces.includes(wanted)) told(`There is no trace ${wanted}: ${about.traces.join(", ")}`);
+  $("head").value = about.traces.includes(wanted) ? wanted : "hand";
+  let head = await headOf($("head").value, about);
+  $("head").onchange = async () => (head = await headOf($("head").value, about));
+  $("more").onclick = () => {
+    $("figures").hidden = !$("figures").hidden;
+    $("more").setAttribute("aria-expanded", String(!$("figures").hidden));
+  };
+  addEventListener("keydown", (event) => {
+    if (event.code === "KeyH") $("panel").hidden = !$("panel").hidden;
+  });
+  $("panel").onsubmit = (event) => event.preventDefault();
+  if (await navigator.xr?.isSessionSupported("immersive-vr")) $("enter").hidden = false;
+  $("enter").onclick = () => enterVr(session, chain.gl);
+  canvas.addEventListener("webglcontextlost", (event) => {
+    event.preventDefault();
+    told("The graphics were taken away (another program, or too little memory): waiting for them ..");
+  });
+  canvas.addEventListener("webglcontextrestored", () => location.reload());
+  setInterval(() => tellFigures(session), 1000);
+  let last = 0, interval = 1000 / 60;
+  const refresh = (now) => {
+    requestAnimationFrame(refresh);
+    if (session.xr || chain.gl.isContextLost()) return;
+    const begun = performance.now(), ratio = innerWidth / innerHeight;
+    const size = (ratio > 1 ? [LONG_SIDE, LONG_SIDE / ratio] : [LONG_SIDE * ratio, LONG_SIDE]).map(even);
+    if (`${size}` !== `${session.size}`) [session.size, canvas.width, canvas.height] = [size, ...size];
+    if (now > last) interval = Math.min(interval, now - last || interval);
+    last = now;
+    const eyes = windowEyes(size), pose = head.at(session.time());
+    session.ask(pose, eyes);
+    session.show(pose, eyes, null, [[0, 0]], Math.max(interval, 4));
+    figures.script += performance.now() - begun;
+  };
+  requestAnimationFrame(refresh);
+  globalThis.hmdwarp = { session, chain, figures };
+}
+
+if (!asked.has("quiet")) begin().catch((error) => told(error.message));

@@ -1,0 +1,173 @@
+"""A headless Chromium that a test drives, by the DevTools protocol."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import itertools
+import json
+import re
+import subprocess
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import needs
+
+import hmdwarp.web
+
+CHROMIUM = needs.program("chromium")
+FLAGS = (
+    *("--headless=new", "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-sync"),
+    *("--disable-component-update", "--disable-quic", "--hide-scrollbars", "--remote-debugging-port=0"),
+    # WebGL 2 on the CPU, by SwiftShader.
+    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+)
+MOST_BYTES = 1 << 28
+MODULES = Path(hmdwarp.web.__file__).parent / "page"
+# What a page of tests has: a chain, and what takes numbers in and out as text.
+PACKED = """(numbers) => {
+  const all = new Uint8Array(numbers.buffer, numbers.byteOffset, numbers.byteLength);
+  let text = "";
+  for (let k = 0; k < all.length; k += 8192) text += String.fromCharCode(...all.subarray(k, k + 8192));
+  return btoa(text);
+}"""
+HARNESS = (
+    """<!doctype html><meta charset="utf-8"><title>chain</title><canvas id="shown"></canvas>
+<script type="module">
+import { Chain } from "./chain.js";
+import { VideoEye } from "./coded.js";
+import { decode } from "./feed.js";
+const shaders = await (await fetch("shaders.json")).json();
+Object.assign(globalThis, { VideoEye, decode });
+globalThis.bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+globalThis.packed = """
+    + PACKED
+    + """;
+globalThis.chain = new Chain(document.getElementById("shown"), shaders);
+</script>"""
+)
+
+
+@contextmanager
+def page(shaders: dict[str, str]) -> Iterator[str]:
+    """Serve the page's modules and a page that makes a chain; its address."""
+
+    class Handler(SimpleHTTPRequestHandler):
+        def do_GET(self) -> None:
+            name = self.path.strip("/")
+            made = {"": (HARNESS, "text/html"), "shaders.json": (json.dumps(shaders), "application/json")}
+            text, kind = made.get(name) or ((MODULES / name).read_text(encoding="utf-8"), "text/javascript")
+            self.send_response(200)
+            self.send_header("Content-Type", kind)
+            self.end_headers()
+            self.wfile.write(text.encode())
+
+        def log_message(self, *_: object) -> None: ...
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}/"
+        server.shutdown()
+
+
+class Browser:
+    """One page. Use it in a `with`."""
+
+    def __init__(self, profile: Path, size: tuple[int, int] = (960, 600)) -> None:
+        command = [CHROMIUM, *FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}", "about:blank"]
+        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        self._numbers = itertools.count(1)
+        # What the page itself said: errors, warnings, refused loads.
+        self.said: list[str] = []
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        self._answers: dict[int, asyncio.Future] = {}
+        self._run(self._connect(self._address()))
+
+    def _address(self) -> str:
+        assert self._process.stderr is not None
+        for line in self._process.stderr:
+            if found := re.search(r"DevTools listening on (ws://\S+)", line):
+                self._drain = threading.Thread(target=self._process.stderr.read)
+                self._drain.start()
+                return found[1]
+        raise AssertionError("Chromium ended before it listened")
+
+    def _run(self, task: Any) -> Any:
+        return asyncio.run_coroutine_threadsafe(task, self._loop).result()
+
+    async def _connect(self, address: str) -> None:
+        self._http = aiohttp.ClientSession()
+        self._socket = await self._http.ws_connect(address, max_msg_size=MOST_BYTES)
+        self._reader = asyncio.ensure_future(self._read())
+        page = (await self._send("Target.createTarget", {"url": "about:blank"}, ""))["targetId"]
+        attached = await self._send("Target.attachToTarget", {"targetId": page, "flatten": True}, "")
+        self._session = attached["sessionId"]
+        for domain in ("Page", "Runtime", "Log"):
+            await self._send(f"{domain}.enable")
+
+    async def _read(self) -> None:
+        async for message in self._socket:
+            told = json.loads(message.data)
+            if "id" in told:
+                self._answers.pop(told["id"]).set_result(told)
+            elif told["method"] in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
+                self.said.append(json.dumps(told["params"]))
+
+    async def _send(self, method: str, params: dict[str, Any] | None = None, session: str | None = None) -> Any:
+        number = next(self._numbers)
+        self._answers[number] = self._loop.create_future()
+        which = self._session if session is None else session
+        await self._socket.send_json(
+            {"id": number, "method": method, "params": params or {}, **({"sessionId": which} if which else {})}
+        )
+        told = await self._answers[number]
+        assert "error" not in told, told["error"]
+        return told["result"]
+
+    def send(self, method: str, **params: Any) -> Any:
+        """Send a command of the protocol; return its result."""
+        return self._run(self._send(method, params))
+
+    def open(self, address: str) -> None:
+        """Open a page."""
+        self.send("Page.navigate", url=address)
+
+    def does(self, script: str) -> Any:
+        """Return what an expression is, awaited, as JSON."""
+        found = self.send("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
+        assert "exceptionDetails" not in found, found["exceptionDetails"]
+        return found["result"].get("value")
+
+    def until(self, condition: str) -> Any:
+        """Wait until an expression is true; return it. Waits as long as the test may."""
+        return self.does(
+            "new Promise((done) => { const look = () => { let found; try { found = ("
+            + condition
+            + "); } catch { found = "
+            "false; } if (found) done(found); else setTimeout(look, 50); }; look(); })"
+        )
+
+    def picture(self) -> bytes:
+        """Return a PNG of the page."""
+        return base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"])
+
+    def __enter__(self) -> Browser:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._run(self._http.close())
+        self._process.terminate()
+        self._process.wait()
+        self._drain.join()
+        assert self._process.stderr is not None
+        self._process.stderr.close()
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()

@@ -1,0 +1,156 @@
+"""The warps in a browser's WebGL 2 beside those of hmdwarp, on the same pictures and views."""
+
+from __future__ import annotations
+
+import base64
+import json
+
+import needs
+import numpy as np
+import pytest
+
+from hmdwarp import Fov, Pose, View, warp_image
+from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.gpu import download
+from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources.feed.message import DEPTH_VIDEO8, H264, Ask, FrameMessage, Wish, encode
+from hmdwarp.sources.server import Server
+from hmdwarp.web.es_shaders import STEPS, shaders
+
+from .browser import Browser, page
+
+pytestmark = needs.programs("chromium")
+
+# Both write half floats, of light up to 1: each is rounded by up to 2^-12; and take in light of
+# bytes that the one has rounded so already, 2^-12 more. Samplers weigh texels by at least 8 bits of
+# a pixel, so beside a step of 1 they may differ by 2^-9 each.
+MOST_OFF = 2.0**-8 + 3 * 2.0**-12
+# Where a comparison stands on the brink, roundings decide: pixels of a border's column at most.
+MOST_PARTED = 0.01
+SIZE = (96, 80)
+EYE = Fov.symmetric_deg(90, 78)
+STANDING = Pose((0.1, 1.6, 0.2))
+FAR = 1e6
+
+
+def turned(x_deg: float = 0, y_deg: float = 0, position: tuple = (0.0, 0.0, 0.0)) -> Pose:
+    x, y = np.deg2rad([x_deg, y_deg]) / 2
+    about_y = Pose((0, 0, 0), (0, np.sin(y), 0, np.cos(y)))
+    return Pose(position) @ about_y @ Pose((0, 0, 0), (np.sin(x), 0, 0, np.cos(x)))
+
+
+# Of the eye that is shown, in the one that was rendered: its pose, field of view, size.
+CASES = {
+    "unmoved": (Pose(), EYE, SIZE),
+    "turned": (turned(-3, 8), EYE, SIZE),
+    "moved": (turned(0, 0, (0.12, -0.05, -0.2)), EYE, SIZE),
+    "both, of another size": (turned(4, -6, (-0.15, 0.02, 0.1)), EYE, (75, 61)),
+    "canted, asymmetric": (turned(0, 10, (0.064, 0, 0)), Fov(-0.9, 0.7, -0.8, 0.6), SIZE),
+    "turned away": (turned(0, 120), EYE, SIZE),
+}
+
+
+@pytest.fixture(scope="module")
+def rendered(gpu):
+    """(h, w, 4) sRGB and coverage, (h, w) in 1/m of the room, with sky and holes, from the top."""
+    server = Server(gpu, load_scene("room"))
+    frame = server.draw_frame((View(STANDING, EYE),), 0, SIZE)
+    colour, depth = (download(texture) for texture in (frame.eyes[0].colour, frame.eyes[0].inverse_depth))
+    server.close()
+    depth = depth.copy()
+    depth[:20, 30:50], depth[50:60, 10:25] = 0, -1
+    coverage = np.where(depth < 0, 0, 255).astype(np.uint8)
+    return np.dstack([srgb8_from_linear(colour[..., :3]), coverage]) * (coverage > 0)[..., None], depth
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with Browser(tmp_path_factory.mktemp("profile")) as driven, page(shaders()) as address:
+        driven.open(address)
+        driven.until("globalThis.chain")
+        yield driven
+
+
+def _view(view: View) -> dict:
+    fov = view.fov
+    pose = {"position": view.pose.position_m.tolist(), "orientation": view.pose.orientation_xyzw.tolist()}
+    return {"pose": pose, "fov": [fov.left, fov.right, fov.down, fov.up]}
+
+
+def _base64(array: np.ndarray) -> str:
+    return json.dumps(base64.b64encode(np.ascontiguousarray(array).tobytes()).decode())
+
+
+def in_browser(browser: Browser, colour, depth, rendered: View, shown: View, size, chain: str) -> np.ndarray:
+    """(h, w, 4) light and coverage from the top, as the page's chain has them before its fill."""
+    given = {"size": [colour.shape[1], colour.shape[0]], "view": _view(rendered)}
+    numbers = f"new Float32Array(bytes({_base64(depth)}).buffer)"
+    picture = f"colour: bytes({_base64(colour)}), depth: {{numbers: {numbers}}}"
+    browser.does(f"chain.takeIn(0, {{...{json.dumps(given)}, {picture}}})")
+    view = json.dumps({**_view(shown), "size": list(size)})
+    found = browser.does(f"packed(chain.read(0, {view}, {json.dumps(chain)}))")
+    return np.frombuffer(base64.b64decode(found), np.float32).reshape(size[1], size[0], 4)[::-1]
+
+
+@pytest.mark.parametrize("where", ["near the origin", "a thousand kilometres off"])
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("chain", "warp"), [("rotation", "rotation"), ("iterative", f"iterative:seed=rotation,steps={STEPS}")]
+)
+def test_the_same_picture_as_here(browser, rendered, chain, warp, case, where):
+    colour, depth = rendered
+    moved, fov, size = CASES[case]
+    base = Pose((FAR, 0, -FAR)) @ STANDING if where != "near the origin" else STANDING
+    from_, to = View(base, EYE), View(base @ moved, fov)
+    with np.errstate(divide="ignore"):
+        metres = np.where(depth < 0, np.nan, 1 / depth)
+    here = warp_image(colour, metres, from_, to, warp, "none", size, result="linear")
+    there = in_browser(browser, colour, depth, from_, to, size, chain)
+    seen, there_seen = here.coverage > 0, there[..., 3] > 0
+    assert np.mean(seen != there_seen) <= MOST_PARTED
+    assert np.abs(here.colour - there[..., :3])[seen & there_seen].max(initial=0) <= MOST_OFF
+    assert seen.mean() > 0.5 or case == "turned away"
+
+
+def test_a_picture_of_videos_is_what_python_decodes(browser, rendered):
+    """Depth by its very codes; colour within what two decoders' chroma and rounding may differ by.
+
+    Python places chroma as the stream says, in the middle of four pixels; browsers differ there by
+    up to half a pixel of chroma, so the picture's colours are smooth here.
+    """
+    _, depth = rendered
+    across = np.linspace(0, 1, SIZE[0], dtype=np.float16)
+    light = np.broadcast_to(np.stack([across, 0.5 * across, 1 - across, across * 0 + 1], -1), (*SIZE[::-1], 4))
+    view = View(STANDING, EYE)
+    ask = Ask(1, 0, 0, 0, 0, SIZE, STANDING, (view,), wish=Wish(H264, DEPTH_VIDEO8, 10))
+    coder, decoder = FeedEncoder(ask), FeedDecoder()
+    browser.does("globalThis.video = null")
+    for number in (1, 2):
+        frame = FrameMessage(number, 0, 0, 0, 0, 0, (view,), (light,), (depth,))
+        coded = coder.encode(frame)
+        here = decoder.decode(coded)
+        whole = json.dumps(base64.b64encode(encode(coded)).decode())
+        found = browser.does(
+            f"(async () => {{ const frame = decode(bytes({whole}).buffer); video ??= new VideoEye(frame); "
+            "const { colour, depth } = await video.decode(frame, frame.eyes[0]); "
+            "const picture = await createImageBitmap(colour); const flat = new OffscreenCanvas(...frame.size); "
+            "flat.getContext('2d').drawImage(picture, 0, 0); colour.close(); "
+            "return [packed(flat.getContext('2d').getImageData(0, 0, ...frame.size).data), packed(depth.codes), "
+            "packed(depth.kinds), depth.step, depth.bend]; })()"
+        )
+        colour, codes, kinds = (np.frombuffer(base64.b64decode(text), np.uint8) for text in found[:3])
+        step, bend = found[3:]
+        codes = np.where(codes == 0, 0.25, codes)
+        values = step * (bend * np.expm1(codes / bend) if bend else codes)
+        values = np.where(kinds == 0, values, np.where(kinds == 1, 0, -1)).reshape(SIZE[::-1])
+        np.testing.assert_allclose(values, here.inverse_depths[0], rtol=2e-7)
+        drawn = here.colours[0][..., 3] > 0
+        off = np.abs(colour.reshape(*SIZE[::-1], 4)[..., :3].astype(int) - srgb8_from_linear(here.light(0)[..., :3]))
+        assert np.percentile(off[drawn], 99) <= 4
+
+
+def test_depth_that_is_missing_is_told_by_its_place(browser):
+    assert browser.does(
+        "(async () => (await new VideoEye({ size: [64, 64] }).decode({ place: 3, begins: false }, {})) === null)()"
+    )

@@ -1,0 +1,196 @@
+"""The door for browsers: who is let in, what is given, and what passes to the feed."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+import subprocess
+import urllib.error
+import urllib.request
+from http.cookiejar import CookieJar
+from urllib.parse import urlsplit
+
+import aiohttp
+import needs
+import pytest
+from serving import Serving
+
+from hmdwarp.errors import InputError
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.run import ServeOptions
+from hmdwarp.sources.feed.message import RGBA8, Ask, FrameMessage, Refusal, Wish, decode, encode
+from hmdwarp.web import Door, Lock
+
+EYES = (View(Pose((0, 1.6, 0)), Fov.symmetric_deg(90, 80)),)
+
+
+def ask(number: int = 1, size=(64, 48)) -> bytes:
+    return encode(Ask(number, 0, 0, 0, 0, size, Pose((0, 1.6, 0)), EYES, wish=Wish(RGBA8)))
+
+
+@pytest.fixture(scope="module")
+def serving(tmp_path_factory):
+    secret = tmp_path_factory.mktemp("secret") / "secret"
+    secret.write_text("a shared secret", encoding="utf-8")
+    with Serving("--web", "127.0.0.1:*", "--token-file", str(secret)) as server:
+        server.door = server.line("for a browser").split()[-1]
+        yield server
+
+
+def opened(address: str, jar: CookieJar | None = None, **headers: str):
+    """(status, headers, text) of a page; redirections are followed."""
+    opener = urllib.request.build_opener(urllib.request.HTTPCookieProcessor(jar if jar is not None else CookieJar()))
+    try:
+        with opener.open(urllib.request.Request(address, headers=headers)) as found:
+            return found.status, found.headers, found.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.headers, error.read().decode()
+
+
+@pytest.fixture(scope="module")
+def inside(serving):
+    """The address without its token, and the cookie that it brought."""
+    jar = CookieJar()
+    status, _, text = opened(serving.door, jar)
+    assert status == 200 and "<canvas" in text
+    serving.next = serving.line("for another one").split()[-1]
+    return serving.door.partition("?")[0], jar
+
+
+def test_the_token_counts_once(serving, inside):
+    assert opened(serving.door)[0] == 403
+    jar = CookieJar()
+    assert opened(serving.next, jar)[0] == 200
+    (cookie,) = jar
+    assert cookie.has_nonstandard_attr("HttpOnly") and cookie.get_nonstandard_attr("SameSite") == "Strict"
+
+
+def test_what_a_page_asks_stays_when_the_token_goes(serving, inside):
+    newest = serving.line("for another one").split()[-1]
+
+    class Stay(urllib.request.HTTPRedirectHandler):
+        def redirect_request(self, *_):
+            return None
+
+    with pytest.raises(urllib.error.HTTPError) as told:
+        urllib.request.build_opener(Stay).open(f"{newest}&trace=walk&latency=200")
+    assert told.value.headers["Location"] == "/?trace=walk&latency=200"
+    told.value.close()
+
+
+@pytest.mark.parametrize("path", ["", "session.json", "shaders.json", "main.js", "traces/walk.json", "feed"])
+def test_without_a_cookie_nothing_is_given(inside, path):
+    assert opened(inside[0] + path)[0] == 403
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("Host", "evil.example"), ("Host", "evil.example:80"), ("Origin", "http://evil.example"), ("Origin", "null")],
+)
+def test_another_name_or_origin_is_refused(inside, name, value):
+    """DNS rebinding comes by the attacker's name, a page of others by its origin."""
+    status, _, text = opened(inside[0], inside[1], **{name: value})
+    assert (status, text) == (403, "open this page by the address that hmdwarp printed\n")
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["../pyproject.toml", "%2e%2e/pyproject.toml", "..%2fdoor.py", "/etc/passwd", "traces/../door.py", "to_web.glsl",
+     "traces/none.json", "index.html%00.js", "door.py"],
+)  # fmt: skip
+def test_no_path_of_the_machine_is_given(inside, path):
+    assert opened(inside[0] + path, inside[1])[0] == 404
+
+
+def test_nothing_from_elsewhere_may_load(inside):
+    for path in ("", "main.js", "shaders.json"):
+        headers = opened(inside[0] + path, inside[1])[1]
+        policy = dict(part.strip().split(" ", 1) for part in headers["Content-Security-Policy"].split(";"))
+        own = urlsplit(inside[0]).netloc
+        assert policy.pop("connect-src") == f"'self' ws://{own}" and policy.pop("img-src") == "'self' data:"
+        assert policy.pop("default-src") == "'none'" and set(policy.values()) == {"'self'", "'none'"}
+        assert headers["X-Content-Type-Options"] == "nosniff" and headers["Cache-Control"] == "no-store"
+
+
+async def _spoken(address: str, jar: CookieJar, messages: list[bytes | str], answers: int) -> list[bytes]:
+    cookies = {cookie.name: cookie.value for cookie in jar}
+    async with (
+        aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session,
+        session.ws_connect(address.replace("http", "ws") + "feed", max_msg_size=1 << 28) as socket,
+    ):
+        for message in messages:
+            await (socket.send_str(message) if isinstance(message, str) else socket.send_bytes(message))
+        found = []
+        async for message in socket:
+            if message.type is not aiohttp.WSMsgType.BINARY:
+                break
+            found.append(message.data)
+            if len(found) == answers:
+                break
+        return found
+
+
+def spoken(inside, *messages: bytes | str, answers: int = 1) -> list:
+    """What a WebSocket of the page hears; [] where it is closed first."""
+    return [decode(data) for data in asyncio.run(_spoken(*inside, list(messages), answers))]
+
+
+def test_the_feed_is_spoken_as_it_is(inside):
+    """The door puts the server's token in; the frame is the one that any client gets."""
+    (frame,) = spoken(inside, ask())
+    assert isinstance(frame, FrameMessage) and (frame.number, frame.size, frame.colour) == (1, (64, 48), RGBA8)
+    assert frame.colours[0].shape == (48, 64, 4) and frame.inverse_depths[0].max() > 0
+
+
+def test_what_the_server_refuses_is_told(inside):
+    broken = bytearray(ask())
+    broken[84:88] = (9000).to_bytes(4, "little")
+    (told,) = spoken(inside, bytes(broken))
+    assert isinstance(told, Refusal) and "9000" in told.text
+
+
+@pytest.mark.parametrize("message", ["text", b"", b"x" * 50, b"x" * 100_000])
+def test_who_speaks_otherwise_is_cut(inside, message):
+    assert spoken(inside, message) == []
+
+
+def test_noise_ends_nothing(inside):
+    noise = [bytes([k]) * 400 for k in range(64)]
+    (frame,) = spoken(inside, *noise, ask())
+    assert frame.number == 1
+
+
+def test_an_other_machine_wants_a_certificate():
+    with pytest.raises(InputError, match="beyond this machine it wants --certificate"):
+        Door("0.0.0.0:*", "tcp://127.0.0.1:1", {}, {})
+    with pytest.raises(InputError, match="expected HOST:PORT"):
+        Door("5580", "tcp://127.0.0.1:1", {}, {})
+    with pytest.raises(InputError, match="it is for --web"):
+        ServeOptions.of({"certificate": "some.pem"})
+
+
+def test_a_port_that_is_taken_is_told(serving):
+    taken = urlsplit(serving.door).netloc
+    with pytest.raises(InputError, match="take another port"):
+        Door(taken, "tcp://127.0.0.1:1", {}, {})
+
+
+@needs.programs("openssl")
+def test_a_certificate_makes_it_https(tmp_path):
+    pem = tmp_path / "pair.pem"
+    made = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost", "-days", "2"]
+    subprocess.run([*made, "-keyout", str(pem), "-out", str(tmp_path / "c.pem")], check=True, capture_output=True)
+    pem.write_text(pem.read_text() + (tmp_path / "c.pem").read_text())
+    door = Door("127.0.0.1:*", "tcp://127.0.0.1:1", {"scene": "x"}, {}, lock=Lock(), certificate=pem)
+    try:
+        trusting = ssl.create_default_context(cafile=str(tmp_path / "c.pem"))
+        trusting.check_hostname = False
+        opener = urllib.request.build_opener(
+            urllib.request.HTTPSHandler(context=trusting), urllib.request.HTTPCookieProcessor()
+        )
+        with opener.open(door.address) as found:
+            assert found.status == 200 and "wss://" in found.headers["Content-Security-Policy"]
+    finally:
+        door.close()
+    with pytest.raises(InputError, match="expected a PEM file with a private key"):
+        Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}, certificate=tmp_path / "c.pem")
