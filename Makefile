@@ -15,7 +15,7 @@ OUT = out/replay
 SECONDS = 3
 # Every n-th refresh is measured; a picture takes a core half a second or more.
 METRICS_EVERY = 30
-# Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --video".
+# Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --jitter 5".
 OPTIONS =
 # Of test-kill: how many sessions are killed (of sweeps a twelfth), and a seed for when; fuzz takes the seed too.
 KILLS = 500
@@ -38,10 +38,12 @@ HMDWARP = .venv/bin/hmdwarp
 help:  ## show this list
 	@sed -n 's/^\([a-z-]*\):.*## /  make \1 | /p' Makefile | awk -F'|' '{ printf "%-20s%s\n", $$1, $$2 }'
 
-setup:  ## make .venv ready (PYTHON=python3.12 chooses a Python)
+setup:  ## make .venv ready, with all extras (PYTHON=python3.12 chooses a Python)
 	@.ci/setup
 
-replay: setup  ## the main job: replay a recorded head 200 ms late and report on it (SECONDS=all: all of the recording)
+# Without extras; all other targets but test take 'setup', which has them.
+replay:  ## the main job: replay a recorded head 200 ms late and report on it (SECONDS=all: all of the recording)
+	@.ci/setup --base
 	$(HMDWARP) replay "$(TRACE)" --scene "$(SCENE)" --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
 	  --lens $(LENS) --headset $(HEADSET) --against "$(AGAINST)" --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(filter-out all,$(SECONDS)),--seconds $(SECONDS)) $(OPTIONS)
 

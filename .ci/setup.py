@@ -1,8 +1,8 @@
 """Make .venv ready for `make`: the pinned Python packages, and Mesa where OpenGL is missing.
 
 Started by .ci/setup. Quick and without a network when nothing changed; the next run repairs an
-interrupted one. Option: --tests also installs what only tests start (.ci/tools.toml), where apt
-may.
+interrupted one. Options: --base installs no extras; --tests also installs what only tests start
+(.ci/tools.toml), where apt may.
 Exit status: 0 ready; 3 the machine lacks something (the message holds the line to type); 1 an
 internal error.
 """
@@ -142,7 +142,7 @@ def any_pip() -> list[str] | None:
     return None
 
 
-def install_system_packages() -> None:
+def install_system_packages(base: bool) -> None:
     """Install all that is missing in one go: without root, one line to type instead of three."""
     packages, reasons = [], []
     if importlib.util.find_spec("ensurepip") is None and not works(PYTHON, "-m", "pip", "--version") and not any_pip():
@@ -157,7 +157,7 @@ def install_system_packages() -> None:
         packages += MESA
         reasons.append("there is no OpenGL (libEGL) here")
     headers = Path(sysconfig.get_path("include"), "Python.h").is_file()
-    if sys.version_info >= (3, 14) and state() != wanted_state() and not (headers and shutil.which("c++")):
+    if sys.version_info >= (3, 14) and not is_ready(base) and not (headers and shutil.which("c++")):
         # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here.
         packages += ["g++", f"python{VERSION}-dev"]
         reasons.append(f"one package has to be compiled for Python {VERSION}")
@@ -200,10 +200,16 @@ def install_for_tests() -> None:
 # --- the virtual environment -------------------------------------------------------------------
 
 
-def wanted_state() -> str:
+def wanted_state(base: bool) -> str:
     """Return a key of what decides: pins, pyproject.toml, this script, Python, checkout's place."""
     parts = [p.read_bytes() for p in (ROOT / "pyproject.toml", CONSTRAINTS, Path(__file__))]
-    return hashlib.sha256(b"\0".join([*parts, VERSION.encode(), os.fsencode(ROOT)])).hexdigest()
+    key = hashlib.sha256(b"\0".join([*parts, VERSION.encode(), os.fsencode(ROOT)])).hexdigest()
+    return f"{key} base" if base else key
+
+
+def is_ready(base: bool) -> bool:
+    """Return whether all is installed; without extras, where base."""
+    return state() in {wanted_state(False), wanted_state(base)}
 
 
 def state() -> str:
@@ -260,19 +266,21 @@ def pip(command: list[str | Path], *arguments: str | Path) -> None:
     raise Lacking(f"pip failed: {errors[0] if errors else 'no message'} (all it said: {LOG.relative_to(ROOT)})")
 
 
-def install_packages() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    extras = project["optional-dependencies"]
-    taken = (lines for name, lines in extras.items() if name not in TOO_LARGE)
-    wanted = [*project["dependencies"], *(line for lines in taken for line in lines)]
+def install_packages(base: bool) -> None:
+    said = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = {name: lines for name, lines in said["project"]["optional-dependencies"].items() if name not in TOO_LARGE}
+    # Without extras hatchling, which is one of the tests', still builds.
+    more = [said["build-system"]["requires"]] if base else extras.values()
+    wanted = [*said["project"]["dependencies"], *(line for lines in more for line in lines)]
     STATE.write_text(HALF_MADE, encoding="utf-8")
-    say("installing the pinned packages into .venv (about 1 GB on disk; a few minutes the first time)")
+    size = "about 0.3 GB on disk" if base else "about 1 GB on disk; a few minutes the first time"
+    say(f"installing the pinned packages into .venv ({size})")
     pip([PYTHON, "-m", "pip"], "install", "--constraint", CONSTRAINTS, *wanted)
     # Editable: a changed shader or module is used at once. No isolation: the pinned hatchling
     # builds, offline too.
     pip([PYTHON, "-m", "pip"], "install", "--no-deps", "--no-build-isolation", "--editable", ROOT)
     whole = STATE.with_suffix(".new")
-    whole.write_text(wanted_state(), encoding="utf-8")
+    whole.write_text(wanted_state(base), encoding="utf-8")
     whole.replace(STATE)
 
 
@@ -295,12 +303,13 @@ def main(options: list[str]) -> None:
     with contextlib.suppress(OSError):  # some network file systems lock no folders
         # Two makes at once: the second waits and finds everything done.
         fcntl.flock(os.open(ROOT, os.O_RDONLY), fcntl.LOCK_EX)
-    install_system_packages()
+    base = "--base" in options
+    install_system_packages(base)
     if not usable():
         make_environment()
-    if state() != wanted_state():
+    if not is_ready(base):
         get_pip()
-        install_packages()
+        install_packages(base)
         say("done")
     check_gl()
     if "--tests" in options:

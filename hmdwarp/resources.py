@@ -11,10 +11,11 @@ from contextlib import suppress
 from importlib import metadata
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from .errors import MachineError
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # What each optional package is for. Which packages they are, pyproject.toml says.
 EXTRAS = {
@@ -27,8 +28,11 @@ EXTRAS = {
     "jod": "--jod",
     "lsl": "--lsl of live and study run",
     "mcap": "head traces in MCAP",
+    "openxr": "headsets: live, record and study through OpenXR",
     "panel": "the controls in the window of live; without them there are keys",
+    "scenes": "scenes in OBJ and PLY files, and Mitsuba's that name them",
     "study": "study analyse and study power, Parquet files, the full-screen console of study run, also in a browser",
+    "video": "--video, --codec and recorded frames in videos",
     "web": "serve --web",
 }
 
@@ -53,6 +57,11 @@ def made_with() -> dict[str, str]:
     """Return the `made_with` of results: the program's commit, Python, and what draws pictures."""
     packages = {name: metadata.version(name) for name in ("numpy", "moderngl")}
     return {"commit": commit(), "python": platform.python_version(), **packages}
+
+
+def made_text() -> str:
+    """Return what `made_with` says, in a line."""
+    return ", ".join(f"{name} {value}" for name, value in made_with().items() if value)
 
 
 def folder(name: str) -> Path:
@@ -94,3 +103,8 @@ def import_extra(module: str, package: str, extra: str) -> ModuleType:
         return importlib.import_module(module)
     except ImportError as error:
         raise MachineError(missing_extra(package, extra)) from error
+
+
+def pyav() -> Any:
+    """Return PyAV. Errors: MachineError with the line that installs it, where it is missing."""
+    return import_extra("av", "PyAV", "video")

@@ -67,7 +67,7 @@ def test_it_runs(target, tmp_path):
     settings = {"OUT": str(tmp_path / "out"), **small.settings}
     lines = _printed("make", "-n", target, *(f"{name}={value}" for name, value in settings.items()))
     # The environment is that of this test, not the checkout's, which may have none.
-    script = lines.replace(".ci/setup\n", "").replace(".venv/bin/", f"{Path(sys.executable).parent}/")
+    script = re.sub(r"(?m)^\.ci/setup.*\n", "", lines).replace(".venv/bin/", f"{Path(sys.executable).parent}/")
     done = subprocess.run(["sh", "-ec", script], cwd=at, capture_output=True, text=True, check=False)
     assert done.returncode == 0 and "Traceback" not in done.stderr, done.stdout + done.stderr
     assert small.prints in done.stdout, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Without the modules of POSIX, as on Windows: all is imported, and a replay runs.
+"""Without the modules of POSIX, as on Windows, and without the packages of extras.
 
 It is still Linux that this runs on: what Windows does differently beside that is not tested.
 """
@@ -11,14 +11,24 @@ import sys
 import pytest
 
 TAKEN = ("fcntl", "termios", "resource", "pty", "tty", "pwd", "grp", "syslog", "readline")
-_AWAY = f"import sys; sys.modules.update(dict.fromkeys({TAKEN}))\n"
+# What the extras bring beside Python's own; tests alone need scikit-image.
+EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "pandas", "statsmodels", "textual", "zmq", "mcap")
+_AWAY = "import sys; sys.modules.update(dict.fromkeys({}))\n"
 # Other libraries that have no Windows, or load POSIX's modules themselves on Linux.
 _THEIRS = ("textual", "pexpect", "ptyprocess")
 
 
-def run(script: str, *arguments: str) -> str:
-    command = [sys.executable, "-c", _AWAY + script, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+_PROGRAM = "from hmdwarp.cli import main; main()"
+_SMALL = ("walk", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0")
+
+
+def start(taken: tuple[str, ...], script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-c", _AWAY.format(taken) + script, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def run(script: str, *arguments: str, taken: tuple[str, ...] = TAKEN) -> str:
+    done = start(taken, script, *arguments)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -43,9 +53,29 @@ for module in pkgutil.walk_packages(hmdwarp.__path__, "hmdwarp."):
 
 @pytest.mark.slow(10)
 def test_a_replay_runs(tmp_path):
-    run(
-        "from hmdwarp.cli import main; main()",
-        *("replay", "walk", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "--workers", "0"),
-        *("--out", str(tmp_path / "out")),
-    )
+    run(_PROGRAM, "replay", *_SMALL, "--out", str(tmp_path / "out"), taken=(*TAKEN, *EXTRAS))
     assert (tmp_path / "out" / "summary.json").is_file()
+
+
+@pytest.mark.parametrize("command", [("study", "plan", "quick"), ("trace", "info", "walk"), ("list", "formats")])
+def test_studies_and_traces_need_no_extra(command):
+    run(_PROGRAM, *command, taken=EXTRAS)
+
+
+@pytest.mark.parametrize(
+    ("extra", "command"),
+    [
+        ("video", ("replay", *_SMALL, "--video")),
+        ("video", ("replay", *_SMALL, "--codec", "h264")),
+        ("openxr", ("live", "--source", "openxr", "--seconds", "1")),
+        ("scenes", ("replay", *_SMALL, "--scene", "box.ply")),
+    ],
+)
+def test_an_extra_is_asked_for_by_one_line(extra, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    faces = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    header = f"ply\nformat ascii 1.0\n{faces}property list uchar int vertex_indices\nend_header\n"
+    (tmp_path / "box.ply").write_text(f"{header}0 0 -1\n1 0 -1\n0 1 -1\n3 0 1 2\n", encoding="ascii")
+    done = start(EXTRAS, _PROGRAM, *command)
+    *_, line = done.stderr.splitlines()
+    assert done.returncode == 3 and f"pip install '.[{extra}]'" in line and "Traceback" not in done.stderr

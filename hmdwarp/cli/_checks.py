@@ -24,7 +24,7 @@ import attrs
 from ..display.openxr import INSTALL, diagnose, manifest_text, missing_extensions
 from ..gpu import egl
 from ..gpu.context import HOW_TO_GET_GL
-from ..resources import EXTRAS, __version__, install_line
+from ..resources import EXTRAS, __version__, install_line, pyav
 
 Answer = dict[str, Any]  # the JSON object of a probe; `error` is set where something is missing
 
@@ -180,7 +180,8 @@ def openxr() -> list[Finding]:
     known = run_probe("openxr")
     if known["stage"] in ("start", "binding"):
         reason = _one_line(known.get("message", known.get("error")))
-        return [Finding("OpenXR loader", State.OPTIONAL, reason, f"{INSTALL} libgl1, and pip install pyopenxr", known)]
+        _, remedy = diagnose("binding", known.get("error", "").partition(":")[0])
+        return [Finding("OpenXR loader", State.OPTIONAL, reason, remedy, known)]
     loader = Finding(
         "OpenXR loader", State.OK, f"pyopenxr {known['binding']}, its own loader for OpenXR {known['loader']}"
     )
@@ -267,18 +268,20 @@ def _named(versions: Mapping[str, str]) -> str:
     return ", ".join(f"{name} {version}" for name, version in versions.items())
 
 
+A_PYAV = f"{install_line('video')}, or where it is broken pip install --force-reinstall av"
+
+
 def video() -> Finding:
     """Check the H.264 encoder behind `replay --video`."""
     try:
-        import av
-
+        av = pyav()
         encoder = av.codec.Codec("h264", "w")
     except Exception as error:  # av's own errors, and loader errors of its libraries
         return Finding(
             "H.264 encoder",
             State.OPTIONAL,
-            f"none in PyAV ({type(error).__name__})",
-            "pip install --force-reinstall av",
+            f"none in PyAV ({type(error.__cause__ or error).__name__})",
+            A_PYAV,
         )
     return Finding(
         "H.264 encoder", State.OK, f"{encoder.name} in PyAV {av.__version__}", facts={"encoder": encoder.name}
@@ -299,9 +302,7 @@ def codecs() -> Finding:
         except Exception as error:  # MachineError, and loader errors of av's libraries
             missing.append(f"{codec.name} is missing ({type(error).__name__})")
     state = State.OPTIONAL if missing else State.OK
-    return Finding(
-        "codecs", state, ", ".join([*works, *missing]), "pip install --force-reinstall av" if missing else ""
-    )
+    return Finding("codecs", state, ", ".join([*works, *missing]), A_PYAV if missing else "")
 
 
 def _one_line(text: object) -> str:

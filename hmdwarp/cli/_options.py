@@ -7,7 +7,9 @@ import json
 import math
 import shlex
 import sys
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -17,6 +19,8 @@ from typer.core import TyperCommand, TyperGroup
 from ..options import Declared, Option, options_of, path_of
 from ..options.named_files import OUTSIDE, allow_outside
 
+HELP_ALL = "--help-all"
+_MANY = 40  # options
 _LONG = 1000  # characters: longer than any first sentence
 
 
@@ -41,7 +45,15 @@ class Group(TyperGroup):
 
 
 class Command(TyperCommand):
-    """A command whose help shows its options in panels, the ones that matter first."""
+    """A command whose help shows its options in panels, the ones that matter first.
+
+    Of many options it explains those alone, and names the others; --help-all explains all.
+    """
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line."""
+        ctx.meta[HELP_ALL] = HELP_ALL in args
+        return super().parse_args(ctx, ["--help"] if HELP_ALL in args else args)
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write arguments, then the options of each panel."""
@@ -50,9 +62,20 @@ class Command(TyperCommand):
             if (row := parameter.get_help_record(ctx)) is not None:
                 usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
                 panels.setdefault(getattr(parameter, "rich_help_panel", None) or usual, []).append(row)
+        brief = not ctx.meta[HELP_ALL] and sum(map(len, panels.values())) > _MANY
         for title in sorted(panels, key=lambda name: {"Arguments": 0, "Options": 1}.get(name, 2)):
-            with formatter.section(title):
-                formatter.write_dl(panels[title])
+            if not brief or title in ("Arguments", "Options"):
+                with formatter.section(title):
+                    formatter.write_dl(panels[title])
+        if brief:
+            others = {title: panels[title] for title in panels if title not in ("Arguments", "Options")}
+            with formatter.section(f"More options, which {HELP_ALL} explains"):
+                for title, rows in others.items():
+                    flags, wide = ", ".join(row[0].split()[0] for row in rows), max(map(len, others))
+                    # A flag is never broken at its hyphens.
+                    lines = textwrap.wrap(flags, formatter.width - wide - 4, break_on_hyphens=False)
+                    for head, line in zip_longest([title], lines, fillvalue=""):
+                        formatter.write(f"  {head:<{wide}}  {line}\n")
 
 
 Said = dict[str, Any]

@@ -89,14 +89,18 @@ class HeadsetEye:
 
     def seen(self, size: tuple[int, int]) -> NDArray[np.bool_]:
         """Return (h, w): which pixels of the view can be seen, the bottom row first."""
-        from skimage.draw import polygon
-
         seen = np.ones(size[::-1], bool)
+        columns, rows = (np.arange(count) + 0.5 for count in size)
         for points in self.hidden:
             tangents = np.column_stack([points, np.ones(len(points))])
             x, y, _ = self.fov.pixel_from_tangent(size) @ tangents.T
-            # Pixel centres lie at i + 0.5.
-            seen[polygon(y - 0.5, x - 0.5, seen.shape)] = False
+            inside = np.zeros_like(seen)
+            # A pixel is inside where an odd number of edges lies to its right.
+            for x0, y0, x1, y1 in zip(x, y, np.roll(x, -1), np.roll(y, -1), strict=True):
+                crossed = (rows < y0) != (rows < y1)
+                at = x0 + (rows[crossed] - y0) * ((x1 - x0) / ((y1 - y0) or 1.0))
+                inside[crossed] ^= columns < at[:, None]
+            seen &= ~inside
         return seen
 
     @property

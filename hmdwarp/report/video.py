@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, InputError, MachineError
+from ..resources import pyav
 from .files import Partial, write_error
 
 ENCODERS = (
@@ -42,19 +43,16 @@ def available_encoders() -> list[str]:
 
     A graphics card's encoder may still refuse to open.
     """
-    import av
+    av = pyav()
 
-    return [name for name in ENCODERS if name in av.codecs_available and _can_encode(name)]
+    def can_encode(name: str) -> bool:
+        try:
+            av.Codec(name, "w")
+        except (ValueError, av.FFmpegError):  # it decodes only
+            return False
+        return True
 
-
-def _can_encode(name: str) -> bool:
-    import av
-
-    try:
-        av.Codec(name, "w")
-    except (ValueError, av.FFmpegError):  # it decodes only
-        return False
-    return True
+    return [name for name in ENCODERS if name in av.codecs_available and can_encode(name)]
 
 
 class VideoWriter:
@@ -76,7 +74,7 @@ class VideoWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], size: tuple[int, int], rate: float) -> None:
-        import av
+        av = pyav()
 
         self.path, self.size = Path(path), size
         if min(size) < 16 or not 0 < rate <= 1000:
@@ -101,7 +99,7 @@ class VideoWriter:
         self.encoder: str = self._stream.codec_context.codec.name
 
     def _first_that_opens(self, rate: Fraction) -> Any:
-        import av
+        av = pyav()
 
         tried = []
         for name in available_encoders():
@@ -128,7 +126,7 @@ class VideoWriter:
 
     def add(self, picture: NDArray[np.uint8]) -> None:
         """Append a picture, (h, w, 3) uint8 sRGB, top row first."""
-        import av
+        av = pyav()
         from av.video.reformatter import ColorRange, Colorspace
 
         if not self._open:
@@ -172,7 +170,7 @@ class VideoWriter:
 
     def abort(self) -> None:
         """Stop and delete the partial file. May be called again."""
-        import av
+        av = pyav()
 
         self._open = False
         try:
@@ -183,7 +181,7 @@ class VideoWriter:
             self._partial.close()
 
     def _mux(self, frame: Any) -> None:
-        import av
+        av = pyav()
 
         try:
             for packet in self._stream.encode(frame):

@@ -84,7 +84,7 @@ class RunOptions(PipelineOptions):
     )
     metrics_by: str = option(
         BY_GPU,
-        f"What finds FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, scikit-image, slower.",
+        f"What finds FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
         valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb
 from ..errors import InputError, SceneError
 from ..options.named_files import SCENE, opened
+from ..resources import import_extra
 from ._draft import Draft, Look, normals_of
 from ._mesh import Material, Texture
 from ._notes import Notes, read_beside, rgba_of
@@ -41,11 +42,13 @@ def mesh_parts(path: Path, notes: Notes) -> list[Any]:
     return parts
 
 
+def _trimesh() -> Any:
+    return import_extra("trimesh", "trimesh", "scenes")
+
+
 def is_closed(positions: Array, triangles: NDArray[Any]) -> bool:
     """Return whether it may be culled from behind; an open surface may be seen from both sides."""
-    import trimesh
-
-    part = trimesh.Trimesh(positions, triangles, process=False)
+    part = _trimesh().Trimesh(positions, triangles, process=False)
     return bool(part.is_watertight and part.is_winding_consistent and part.volume > 0)
 
 
@@ -83,8 +86,7 @@ def _warnings_to(say: Callable[[str], None]) -> Iterator[None]:
 
 def _parts_of(path: Path, notes: Notes) -> list[Any]:
     """Return every mesh of the file (trimesh.Trimesh)."""
-    import trimesh
-
+    trimesh = _trimesh()
     kind, warned = path.suffix.lower().removeprefix("."), list[str]()
     beside = _beside(path.parent)
     try:

@@ -24,7 +24,7 @@ COUNTS = ("pictures", "missed", "task_targets", "task_found", "task_misses")
 FLAGS = ("head_still",)
 TEXTS = (
     "warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by",
-    "task_times_s",
+    "task_times_s", "commit", "options", "numpy", "moderngl",
 )  # fmt: skip
 NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
@@ -82,6 +82,7 @@ def _texts(summary: Mapping[str, Any]) -> dict[str, str]:
         "gl": machine["gl_version"],
         "source": summary["live"]["source"],
         "size": "x".join(map(str, summary["size"])),
+        **{name: summary["made_with"][name] for name in ("commit", "options", "numpy", "moderngl")},
     }
 
 

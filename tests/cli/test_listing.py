@@ -76,6 +76,15 @@ def test_arguments_are_written_in_capitals_in_every_help(name, command):
     assert all(f"\n  {argument} " in rest for argument in arguments)
 
 
+@pytest.mark.parametrize("name", commands)
+def test_help_names_every_option_and_help_all_explains_it(name, command):
+    brief, whole = (command(*name.split(), how).done().out for how in ("--help", "--help-all"))
+    for option in commands[name]:
+        assert re.search(rf"(?<![\w-]){re.escape(option.flag)}\b(?!-)", brief), option.flag
+        assert " ".join(option.help.split()[:2]) in " ".join(whole.split()), option.flag
+    assert ("--help-all" in brief) == (brief != whole)
+
+
 def test_list_alone_lists_its_kinds(command):
     out = command("list").done().out
     assert [line.split()[0] for line in out.splitlines() if line and line[0] != " "] == list(KINDS)

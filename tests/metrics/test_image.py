@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from skimage.metrics import structural_similarity
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import flip, psnr_db, ssim
@@ -179,6 +180,18 @@ def test_ssim_is_the_formula_of_the_paper():
     c1, c2 = (0.01 * 255) ** 2, (0.03 * 255) ** 2
     by_hand = ((2 * mx * my + c1) * (2 * vxy + c2) / ((mx**2 + my**2 + c1) * (vx + vy + c2))).mean()
     assert ssim(shown, truth) == pytest.approx(by_hand, rel=1e-9)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.float64])
+def test_ssim_is_that_of_scikit_image(dtype):
+    """Both add the same numbers as float64, in another order: 1e-12."""
+    shown, truth = (noise(seed, (40, 57)) for seed in (5, 6))
+    if dtype != np.uint8:
+        shown, truth = shown / 255, truth / 255
+    peak = 255 if dtype == np.uint8 else 1.0
+    how = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False, "full": True}
+    _, theirs = structural_similarity(shown, truth, channel_axis=2, data_range=peak, **how)
+    assert ssim(shown, truth) == pytest.approx(float(theirs.mean()), abs=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -209,3 +209,11 @@ def test_only_the_tests_bring_tools_for_tests(clone):
         command = ["make", "-n", "--no-print-directory", target]
         done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=clone)
         assert ("setup --tests" in done.stdout) == wanted, target
+        assert ("setup --base" in done.stdout) == (target == "replay"), target
+
+
+def test_what_has_all_extras_is_ready_without_them_too(machine, tmp_path, monkeypatch):
+    monkeypatch.setattr(machine, "STATE", tmp_path / "state")
+    for has_base_alone, ready in ((True, (True, False)), (False, (True, True))):
+        machine.STATE.write_text(machine.wanted_state(has_base_alone), encoding="utf-8")
+        assert (machine.is_ready(base=True), machine.is_ready(base=False)) == ready

@@ -10,10 +10,11 @@ from pathlib import Path
 from ...errors import InputError, MachineError
 from ...options.documents import DocumentError, parse_json
 from ...options.named_files import FACTS, content_of
+from ...resources import install_line
 
 RUNTIME_LABEL = "the OpenXR runtime"  # named in plans as what corrects the lens and reads depth
 INSTALL = "Debian, Ubuntu: sudo apt-get install"
-A_BINDING = f"{INSTALL} libgl1, and pip install pyopenxr"
+A_BINDING = f"{INSTALL} libgl1, and {install_line('openxr')}"
 A_RUNTIME = (
     "start the runtime that came with the headset and make it the active one there, "
     "or name its .json file in XR_RUNTIME_JSON"
@@ -75,6 +76,8 @@ def diagnose(
     name: the runtime's, where known. active: the runtime that the loader chooses (manifest_text).
     """
     words = _one_line(message)
+    if stage == "binding" and error == "ModuleNotFoundError":
+        return "pyopenxr is not installed", install_line("openxr")
     if stage == "binding":
         return f"no OpenXR loader: {error}{f': {words}' if words else ''}", A_BINDING
     if error == "died":

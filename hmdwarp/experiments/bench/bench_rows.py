@@ -51,6 +51,7 @@ _PLAIN = (
     *("trace", "scene", "latency_ms", "strategy", "warp", "fill", "lens", "headset", "frames"),
     *("rate_hz", "server_rate_hz", "guard", "predict", "clock"),
 )
+_MADE_WITH = ("commit", "options", "numpy", "moderngl")
 
 COLUMNS = (
     *(*_PLAIN, "width", "height"),
@@ -59,12 +60,13 @@ COLUMNS = (
     *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
     *("mismatch", JOD.name, TRUTH_PREFERRED.name, "client", "lacks", "baseline"),
     *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
-    *("gl_renderer", "cpu_count", "host"),
+    *("gl_renderer", "gl_version", "cpu_count", "host", "hmdwarp", *_MADE_WITH),
 )
 # Columns that are no numbers, and those that are whole ones.
 TEXTS = (
     *("trace", "scene", "strategy", "warp", "fill", "lens", "headset", "guard", "predict"),
-    *("clock", "client", "lacks", "baseline", "gl_renderer", "host"),
+    *("clock", "client", "lacks", "baseline", "gl_renderer", "gl_version", "host"),
+    *("hmdwarp", *_MADE_WITH),
 )
 # Keys of a row that grow with its pictures and passes.
 LONG = ("at_instants", "blocks", "passes", "jod", "jod_failure")
@@ -131,7 +133,8 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
     for row in rows:
         found = {key: row.get(key, "") for key in _PLAIN} | {key: row[key] for key in _SAME}
         found |= {"width": row["size"][0], "height": row["size"][1]}
-        found |= {key: row["machine"].get(key) for key in ("gl_renderer", "cpu_count", "host")}
+        found |= {key: row["machine"].get(key) for key in ("gl_renderer", "gl_version", "cpu_count", "host")}
+        found |= {"hmdwarp": row["hmdwarp"]} | {key: row["made_with"][key] for key in _MADE_WITH}
         for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
             for name in names:
                 entry = row[table][name]

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import MachineError
+from ...resources import pyav
 from .codecs import Codec, require
 from .coding import AS_VIDEO, AS_VIDEO8
 from .stream import Packet, Undecodable, VideoDecoder, VideoEncoder, covered, from_two_parts, padded, two_parts
@@ -105,8 +106,7 @@ class DepthVideo:
 
     def picture(self, codes: NDArray[np.uint16], size: tuple[int, int]) -> Any:
         """Return a frame of PyAV, of `size`."""
-        import av
-
+        av = pyav()
         grey = padded(codes, size)
         if self.format == "gray10le":
             return av.VideoFrame.from_ndarray(grey, format=self.format)
@@ -289,7 +289,7 @@ class GreyEncoder:
     """
 
     def __init__(self, size: tuple[int, int], what: str) -> None:
-        import av
+        av = pyav()
 
         require(what, _NAME, "w")
         context: Any = av.CodecContext.create(_NAME, "w")
@@ -317,7 +317,7 @@ class GreyEncoder:
         return zlib.crc32(data).to_bytes(_CHECKED_FROM, "little") + data
 
     def _coded(self, codes: NDArray[np.uint16]) -> bytes:
-        import av
+        av = pyav()
 
         height, width = codes.shape
         padded = np.pad(codes, ((0, self._context.height - height), (0, self._context.width - width)), mode="edge")
@@ -343,7 +343,7 @@ class GreyDecoder:
 
         Errors: Undecodable for bytes that are damaged or of another size.
         """
-        import av
+        av = pyav()
 
         try:
             checksum, *size, beside, first, length = _GREY_HEADER.unpack_from(data)
@@ -367,7 +367,7 @@ class GreyDecoder:
         return frames[0].to_ndarray()[: self.size[1], : self.size[0]], beside
 
     def _context_for(self, configuration: bytes) -> Any:
-        import av
+        av = pyav()
 
         if self._context is None or configuration != self._configuration:
             context: Any = av.CodecContext.create(_NAME, "r")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
 from ...errors import MachineError
+from ...resources import pyav
 from .codecs import Codec
 
 
@@ -104,7 +105,7 @@ class VideoEncoder:
     def __init__(
         self, codec: Codec, size: tuple[int, int], rate_hz: float, pixels: str, options: Mapping[str, str]
     ) -> None:
-        import av
+        av = pyav()
 
         codec.check()
         self.size, self._codec = coded_size(size), codec
@@ -129,7 +130,7 @@ class VideoEncoder:
 
     def encode(self, frame: Any, key: bool) -> tuple[bytes, bool]:
         """Return (bytes, whether it is a key frame) of a PyAV frame. key: force one."""
-        import av
+        av = pyav()
         from av.video.frame import PictureType
 
         frame.pts, frame.time_base = self._pts, self._context.time_base
@@ -154,7 +155,7 @@ class VideoDecoder:
     """
 
     def __init__(self, codec: Codec, size: tuple[int, int], what: str) -> None:
-        import av
+        av = pyav()
 
         codec.check()
         self._size, self._what = coded_size(size), what
@@ -177,7 +178,7 @@ class VideoDecoder:
 
     def decode(self, data: bytes, number: int) -> Any:
         """Return picture `number` as PyAV's frame. Errors: Undecodable."""
-        import av
+        av = pyav()
 
         try:
             frames = self._context.decode(av.Packet(data))
@@ -226,7 +227,7 @@ def _quality(codec: Codec, rate_hz: float, crf: int | None, bitrate_mbit: float 
 
 
 def _to_yuv(picture: NDArray[np.uint8], size: tuple[int, int]) -> Any:
-    import av
+    av = pyav()
     from av.video.reformatter import ColorRange, Colorspace
 
     return av.VideoFrame.from_ndarray(padded(picture, size), format="rgb24").reformat(

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...options.named_files import PICTURE_FILE, VIDEO, opened
-from ...resources import import_extra
+from ...resources import import_extra, pyav
 
 EXR, NPY = ".exr", ".npy"
 PICTURES = (".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".tif", ".tiff", ".webp")
@@ -172,7 +172,7 @@ class VideoPictures:
             return self._last[1]
 
     def _decoded(self, number: int) -> NDArray[np.uint8]:
-        import av
+        av = pyav()
 
         try:
             if number < self._next or self._next == 0:

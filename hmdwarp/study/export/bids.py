@@ -19,7 +19,7 @@ import numpy as np
 from ...errors import TraceError
 from ...poses import PoseTrack, load_trace
 from ...report import OutputFolder
-from ...resources import __version__
+from ...resources import __version__, made_text
 from ...run import DESKTOP, OPENXR
 from ..design import Design, Show
 from ..scales import Scale
@@ -254,7 +254,7 @@ class _Tree:
             "Name": self.design.title,
             "BIDSVersion": VERSION,
             "DatasetType": "raw",
-            "GeneratedBy": [{"Name": "hmdwarp", "Version": __version__}],
+            "GeneratedBy": [{"Name": "hmdwarp", "Version": __version__, "Description": made_text()}],
         })  # fmt: skip
         self.out.write_text(f"{FOLDER}/README", readme)
         people: dict[str, list[Session]] = {}

@@ -9,7 +9,7 @@ import attrs
 
 from ...errors import InputError
 from ...report import OutputFolder, counted
-from ...resources import __version__, install_line
+from ...resources import __version__, install_line, made_text
 from ..design import Design
 from ..scales import QUESTIONNAIRE, RATING, SICKNESS, Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
@@ -235,7 +235,7 @@ def _readme(design: Design, contents: Contents, ratings: Sequence[Row], origin: 
     )
     return f"""{design.title}
 
-Study "{design.name}", exported by hmdwarp {__version__}: {_counts(contents, ratings, origin)}.
+Study "{design.name}", exported by hmdwarp {__version__} ({made_text()}): {_counts(contents, ratings, origin)}.
 Asked after each trial: {scales}.
 Conditions, by part of the study:
 {conditions}

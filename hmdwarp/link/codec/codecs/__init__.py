@@ -9,6 +9,7 @@ import attrs
 
 from ....errors import MachineError
 from ....registry import Registry
+from ....resources import pyav
 
 LARGE = 1 << 20
 
@@ -52,7 +53,7 @@ def require(what: str, name: str, mode: Literal["r", "w"]) -> None:
 
     Errors: MachineError if this PyAV lacks it.
     """
-    import av
+    av = pyav()
 
     try:
         av.Codec(name, mode)
