@@ -63,6 +63,10 @@ class WorstKeeper:
         return sorted(self._best.values(), key=lambda k: k.rank, reverse=True)
 
 
+# Takes the figures of a job.
+Then = Callable[[QualityResult], object]
+_Waiting = tuple[Any, QualityJob, bool, Then | None]
+
 MOST_WORKERS = 8  # each takes 250 MB, more for larger pictures
 
 
@@ -109,7 +113,7 @@ class QualityPool:
         self._failure: HmdwarpError | None = None
         self._stopping = threading.Event()
         # One waiting job per worker keeps them busy; more would only hold pictures in memory.
-        self._queue: queue.Queue[tuple[Any, QualityJob, bool] | None] = queue.Queue(maxsize=max(workers, 1))
+        self._queue: queue.Queue[_Waiting | None] = queue.Queue(maxsize=max(workers, 1))
         self._workers: list[MeasuringProcess] = []
         self._threads: list[threading.Thread] = []
         measured = functools.partial(measure, pixels_per_degree=pixels_per_degree)
@@ -124,18 +128,25 @@ class QualityPool:
             thread.start()
             self._threads.append(thread)
 
-    def submit(self, key: Any, job: QualityJob, *, keep: bool = False) -> None:
-        """Submit a job under a sortable key; block while each worker has a job waiting."""
+    def submit(self, key: Any, job: QualityJob, *, keep: bool = False, then: Then | None = None) -> None:
+        """Submit a job under a sortable key; block while each worker has a job waiting.
+
+        then: called with the figures, from any thread.
+        """
         if keep or self._keeper.count:
             job = attrs.evolve(job, error_map=True)
         if not self._workers and not self._stopping.is_set():
-            self._measure_here(key, job, keep)
+            self._measure_here(key, job, keep, then)
             return
         with self._lock:
             self._under_way += 1
-        if not self._put((key, job, keep)):
+        if not self._put((key, job, keep, then)):
             self._raise_failure()
             raise HmdwarpError("this pool of measuring processes is closed: submit inside its with block")
+
+    def take(self, key: Any, job: QualityJob, result: QualityResult, *, keep: bool = False) -> None:
+        """Store figures that are known already as those of a job."""
+        self._store(key, job, keep, result)
 
     def wait(self) -> None:
         """Wait until all jobs are measured, so that the next timing has the machine to itself.
@@ -206,7 +217,7 @@ class QualityPool:
         else:
             self.abort()
 
-    def _put(self, item: tuple[Any, QualityJob, bool] | None) -> bool:
+    def _put(self, item: _Waiting | None) -> bool:
         """Queue the item for a worker; return False if the pool stopped first."""
         while not self._stopping.is_set():
             try:
@@ -216,9 +227,9 @@ class QualityPool:
                 continue
         return False
 
-    def _measure_here(self, key: Any, job: QualityJob, keep: bool) -> None:
+    def _measure_here(self, key: Any, job: QualityJob, keep: bool, then: Then | None) -> None:
         try:
-            self._store(key, job, keep, measure(job, self._pixels_per_degree))
+            self._store(key, job, keep, measure(job, self._pixels_per_degree), then)
         except Exception as error:
             self._fail(key, error)
             self._raise_failure(error)
@@ -231,10 +242,10 @@ class QualityPool:
                 continue
             if item is None:
                 return
-            key, job, keep = item
+            key, job, keep, then = item
             try:
                 # What is only for reports stays here.
-                self._store(key, job, keep, worker.ask(attrs.evolve(job, rendered_picture=None, beside=())))
+                self._store(key, job, keep, worker.ask(attrs.evolve(job, rendered_picture=None, beside=())), then)
                 with self._idle:
                     self._under_way -= 1
                     self._idle.notify_all()
@@ -242,7 +253,9 @@ class QualityPool:
                 self._fail(key, error)
                 return
 
-    def _store(self, key: Any, job: QualityJob, keep: bool, result: QualityResult) -> None:
+    def _store(self, key: Any, job: QualityJob, keep: bool, result: QualityResult, then: Then | None = None) -> None:
+        if then is not None:
+            then(result)
         with self._lock:
             self._results[key] = result.values
             if result.regions is not None:

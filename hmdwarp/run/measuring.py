@@ -16,10 +16,10 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
-from .profile import ALIKE, COMPARED, READING, TRUTH
+from .profile import COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
-from .truth import MOST_BANDS, WholePictures, coverage, draw_truth, is_measured, shown_picture
+from .truth import MOST_BANDS, TrueEye, WholePictures, coverage, is_measured, shown_picture
 
 # The run's own warp; those that it is compared with have 1, 2 and so on.
 MAIN = 0
@@ -87,11 +87,11 @@ class Probe:
             measured = self._measures(number)
             try:
                 with self._setup.part(TRUTH):
-                    truth = draw_truth(self._setup.server, refresh.inputs[eye], self._setup.size, depth=measured)
+                    truth = self._setup.truth.at(refresh.inputs[eye], depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
-            picture, depth = picture_from_linear(truth.colour), truth.inverse_depth
+            picture, depth = truth.picture, truth.inverse_depth
             result = self._before_lens(refresh, eye)
             job = self._job(number, eye, MAIN, rendered, result, picture, depth)
             if depth is not None:
@@ -104,14 +104,15 @@ class Probe:
                 compared = zip(self._setup.options.compared, others, strict=True)
                 beside = tuple((method_name(*pair), other.now.shown) for pair, other in compared if other is not None)
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0
-                self._pool.submit((number, eye, MAIN), attrs.evolve(job, beside=beside), keep=keep)
+                job = attrs.evolve(job, beside=beside)
+                self._setup.hand_in(self._pool, (number, eye, MAIN), job, keep=keep)
 
     def _read_second(self, number: int, refresh: Refresh, eye: int) -> None:
         result, server = self._before_lens(refresh, eye), self._setup.server
         self.second_eye["hole_share"][number] = _hole_share(coverage(result))
         if isinstance(server, RecordedRenderer) and server.right is not None:
-            truth = draw_truth(server.right, refresh.inputs[eye], self._setup.size, depth=False)
-            self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), picture_from_linear(truth.colour))
+            truth = TrueEye(server.right, self._setup.size).at(refresh.inputs[eye], depth=False)
+            self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
 
     def _read_comparison(
         self,
@@ -133,7 +134,7 @@ class Probe:
         self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
         job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
         if job is not None:
-            self._pool.submit((number, eye, which), job)
+            self._setup.hand_in(self._pool, (number, eye, which), job)
         return job
 
     def _count_filled(self, result: EyeResult) -> None:
@@ -180,8 +181,6 @@ class Probe:
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
             return None
-        with self._setup.part(ALIKE):
-            alike = self._setup.alike(now)
         with self._setup.part(READING):
             return QualityJob(
                 now,
@@ -191,7 +190,6 @@ class Probe:
                 rendered.view,
                 rendered.size,
                 rendered_picture=_late_picture(rendered) if which == MAIN else None,
-                alike=alike,
                 regions=which == MAIN,
             )
 

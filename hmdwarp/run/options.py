@@ -50,6 +50,26 @@ MEASURING = "Measuring"  # heading of options in help
 
 
 @attrs.frozen(kw_only=True)
+class CacheOptions(Declared):
+    """Where pictures and figures are kept for further runs, and how much of them."""
+
+    heading = MEASURING
+
+    folder: Path | None = option(
+        None,
+        "Keep true pictures and figures in this folder, and take those of earlier runs from it.",
+        name="cache",
+        kind=Path,
+        metavar="DIR",
+        convert=attrs.converters.optional(Path),
+    )
+    most_mb: float = option(
+        4000.0, "Size of that folder, at most, in 10^6 bytes; the longest unused goes.", name="cache_mb",
+        valid=Number(above=True),
+    )  # fmt: skip
+
+
+@attrs.frozen(kw_only=True)
 class RunOptions(PipelineOptions):
     """A replay: its trace, what to measure and what to keep.
 
@@ -106,6 +126,7 @@ class RunOptions(PipelineOptions):
         valid=Number(most=256),
         heading=MEASURING,
     )
+    cache: CacheOptions = group(CacheOptions)
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
     # A client that takes time.

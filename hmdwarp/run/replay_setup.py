@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 
 import attrs
@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..metrics import Alike, Compared, PairPass
+from ..metrics import Alike, Compared, PairPass, QualityJob, QualityPool
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
 from ..pipeline.governor import AdaptiveCompensator
@@ -28,9 +28,11 @@ from ..pipeline.source import Source
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
+from .cache import Cache, figures_as_arrays, figures_in, key_of_job
 from .options import BY_LIBRARY, RunOptions
-from .profile import Profile
+from .profile import ALIKE, Profile
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
+from .truth import TrueEye
 
 _MANY = 10_000  # refreshes
 # Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
@@ -55,6 +57,7 @@ class ReplaySetup:
     _cleanup: ExitStack
     profile: Profile | None = None
     _alike: list[PairPass] = attrs.field(factory=list)  # once it is needed
+    cache: Cache | None = None
 
     @property
     def options(self) -> RunOptions:
@@ -120,8 +123,30 @@ class ReplaySetup:
         """Count the CPU time of what runs inside as this part, where there is a profile."""
         return self.profile.part(name) if self.profile is not None else nullcontext()
 
-    def alike(self, now: Compared) -> Alike | None:
+    @property
+    def truth(self) -> TrueEye:
+        """What eyes should see."""
+        return TrueEye(self.server, self.size, self.cache)
+
+    def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
+        """Submit a picture to be measured, or what the cache has of it. Errors: as pool.submit."""
+        if self.cache is None:
+            pool.submit(key, attrs.evolve(job, alike=self._alike_of(job.now)), keep=keep)
+            return
+        job, cache = attrs.evolve(job, error_map=True), self.cache
+        place = key_of_job(cache, job, self.pixels_per_degree, self.options.metrics_by)
+        if (known := cache.get(place, figures_in)) is not None:
+            pool.take(key, job, known, keep=keep)
+            return
+        job = attrs.evolve(job, alike=self._alike_of(job.now))
+        pool.submit(key, job, keep=keep, then=lambda found: cache.put(place, figures_as_arrays(found)))
+
+    def _alike_of(self, now: Compared) -> Alike | None:
         """Return how alike the pictures of an eye are; None where libraries find it."""
+        with self.part(ALIKE):
+            return self._by_passes(now)
+
+    def _by_passes(self, now: Compared) -> Alike | None:
         if self.options.metrics_by == BY_LIBRARY:
             return None
         if not self._alike:
@@ -195,7 +220,15 @@ def set_up_replay(
         profile = Profile() if options.profile else None
         if profile is not None:
             profile.finish, gpu.timer.watch = gpu.gl.finish, profile.stage
-        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile)
+        cache = _cache_of(options, gpu, notes)
+        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile, cache=cache)
+
+
+def _cache_of(options: RunOptions, gpu: Gpu, notes: list[str]) -> Cache | None:
+    if options.cache.folder is None:
+        return None
+    drawn = options.scene, options.scene_options, options.mirrors, options.samples, options.sample_depth
+    return Cache(options.cache, [drawn, gpu.renderer, gpu.gl.info["GL_VERSION"]], notes)
 
 
 def _cost(refreshes: int) -> str:

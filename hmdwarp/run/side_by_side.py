@@ -14,10 +14,7 @@ from numpy.typing import NDArray
 from ..client.compensator import Compensator, EyeResult
 from ..client.inputs import PassInputs
 from ..client.plan import needs_of
-from ..colour import picture_from_linear
 from ..frames import Needs
-from ..geometry import View
-from ..gpu.textures import download
 from ..metrics import (
     Clips,
     Compared,
@@ -30,28 +27,16 @@ from ..metrics import (
     error_image,
 )
 from ..pipeline.loop import Refresh
-from ..sources.server.targets import TargetPool
 from .combinations import ORACLE, Case, Combination, OpenCvWarp, frames_used, instants_of
 from .frame_rows import Row, stage_columns
 from .oracle import Oracle
 from .replay_setup import ReplaySetup
-from .truth import WholePictures, coverage, shown_picture
+from .truth import TruePicture, WholePictures, coverage, shown_picture
 
 # Seconds before each instant at which fills that remember are shown a refresh too. Instants are a
 # few seconds apart, so these fills get to know the recording about as a replay of all of it would
 # teach them.
 RUN_IN_S = (4.0, 3.0, 2.0, 1.0, 0.5)
-
-
-@attrs.frozen(eq=False)
-class Truth:
-    """What one eye should see at a refresh.
-
-    The sRGB picture (h, w, 3) and inverse depth (h, w), top row first.
-    """
-
-    picture: NDArray[np.uint8]
-    inverse_depth: NDArray[np.float32]
 
 
 def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
@@ -99,15 +84,12 @@ class SideBySide:
         # In the order of the combinations.
         self.compensators = [self._compensator_of(combination) for combination in combinations]
         self._whole = WholePictures(setup.server)
-        self._targets = TargetPool(setup.gpu, setup.size)
-        self._target = self._targets.acquire()
 
     def __enter__(self) -> SideBySide:
         return self
 
     def __exit__(self, *error: object) -> None:
         self._whole.close()
-        self._targets.close()
         for compensator in self.compensators:
             if not isinstance(compensator, Compensator):
                 compensator.close()
@@ -144,12 +126,11 @@ class SideBySide:
         """Return what a compensator reads of a refresh, eye by eye."""
         return self._whole.inputs(self._setup.loop, refresh, compensator.plan)
 
-    def truth(self, view: View, time_ns: int) -> Truth:
-        """Draw what a view should show."""
-        drawn = self._setup.server.draw(view, self._setup.size, self._target, time_ns)
-        return Truth(picture_from_linear(download(drawn.colour)), np.maximum(download(drawn.inverse_depth), 0))
+    def truth(self, inputs: PassInputs) -> TruePicture:
+        """Return what an eye should see in the middle of a refresh."""
+        return self._setup.truth.at(attrs.evolve(inputs, shown_last=None))
 
-    def pictures(self, refresh: Refresh, eye: int, truth: Truth) -> list[Compared]:
+    def pictures(self, refresh: Refresh, eye: int, truth: TruePicture) -> list[Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""
         shown = []
         for compensator in self.compensators:
@@ -199,7 +180,7 @@ def rate_clips(
                 beside.teach(refresh)
                 continue
             eye = turns[ends[number]] % len(refresh.inputs)
-            truth = beside.truth(refresh.inputs[eye].shown, refresh.shown_ns)
+            truth = beside.truth(refresh.inputs[eye])
             for which, pictures in enumerate(beside.pictures(refresh, eye, truth)):
                 clips.add(number, eye, which, pictures)
             if number in turns:
@@ -269,7 +250,7 @@ class Comparison:
                 )
 
     def _neighbour(self, refresh: Refresh, eye: int) -> list[Compared]:
-        truth = self._beside.truth(refresh.inputs[eye].shown, refresh.shown_ns)
+        truth = self._beside.truth(refresh.inputs[eye])
         return self._beside.pictures(refresh, eye, truth)
 
     def _time(self, refresh: Refresh) -> None:
@@ -302,11 +283,13 @@ class Comparison:
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Submit the pictures, and compare the holes of both eyes, which no fill changes."""
-        truths = [self._beside.truth(inputs.shown, inputs.shown_ns) for inputs in refresh.inputs]
+        truths = [self._beside.truth(inputs) for inputs in refresh.inputs]
         shared = None  # with one eye nothing is seen by both
         if len(truths) == 2:
             left, right = (inputs.shown for inputs in refresh.inputs)
-            shared = SharedSurface(left, right, truths[0].inverse_depth, truths[1].inverse_depth)
+            near, other = (truth.inverse_depth for truth in truths)
+            assert near is not None and other is not None
+            shared = SharedSurface(left, right, near, other)
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray[np.floating]]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
@@ -331,11 +314,11 @@ class Comparison:
             measured.keys.append(key)
             if same is None:
                 handed_in.setdefault(warp, []).append((key, job))
-                self._pool.submit(key, attrs.evolve(job, alike=self._setup.alike(job.now)))
+                self._setup.hand_in(self._pool, key, job)
         if ORACLE in coverages:
             self._judge_seen(eye, truth, coverages[ORACLE][eye] > 0)
 
-    def _judge_seen(self, eye: int, truth: Truth, seen: NDArray[np.bool_]) -> None:
+    def _judge_seen(self, eye: int, truth: TruePicture, seen: NDArray[np.bool_]) -> None:
         for results, measured in zip(self._last, self.measured, strict=True):
             error = error_image(shown_picture(results[eye])[seen], truth.picture[seen])
             measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))

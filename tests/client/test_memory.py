@@ -18,6 +18,7 @@ from worlds import World, read
 from client.test_multi import BEFORE_A_WALL, HALF_FLOAT, WALL, at, drawn, inner, scene_of, square
 from hmdwarp.client import PassInputs, ShownPicture, parse_fills
 from hmdwarp.client.fill_parts import (
+    BLOCK_SIDE,
     HoleFiller,
     Keeper,
     Keyframe,
@@ -26,6 +27,7 @@ from hmdwarp.client.fill_parts import (
     is_new,
     most_redundant,
     most_useful,
+    place_in_block,
     seeds_for,
 )
 from hmdwarp.client.warp_kinds import DepthPicture
@@ -237,11 +239,9 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
 
 @pytest.mark.parametrize(("scene", "forgets"), [("room", False), ("workshop", True), ("lantern", True)])
 def test_scenes_that_look_the_same_at_all_times_do_not_pay_for_forgetting(monkeypatch, scene, forgets):
-    from hmdwarp.client.fill_parts import Keeper
-
     compared, kept = [], []
-    compare, keep = Keeper.compare_with, Keeper.keep
-    monkeypatch.setattr(Keeper, "compare_with", lambda self, seen: (compared.append(seen), compare(self, seen)))
+    forget, keep = Keeper.forget, Keeper.keep
+    monkeypatch.setattr(Keeper, "forget", lambda self, *seen: (compared.append(seen), forget(self, *seen)))
     monkeypatch.setattr(Keeper, "keep", lambda self, seen, slot: (kept.append(seen), keep(self, seen, slot)))
     with set_up_replay(small(scene=scene, fill="memory", seconds=0.2)) as setup:
         for _, instant_ns in setup.schedule.numbered():
@@ -341,8 +341,9 @@ def test_a_fill_from_pictures_equals_its_twin(gpu, seed, cell, halved):
 
 @pytest.mark.parametrize("seed", [5, 6])
 def test_forgetting_equals_its_twin(gpu, seed):
-    """Of one random world against another from near by, and against itself, which disproves nothing
-    that the twin lets stand.
+    """Of one random world against another from near by.
+
+    At each turn one pixel of a block stands for all of it, and sixteen turns look at all pixels.
     """
     world = World(gpu, seed, (66, 53))
     rendered = RenderedPicture(*world._picture(), world._beside())
@@ -352,15 +353,29 @@ def test_forgetting_equals_its_twin(gpu, seed):
     keeper.keep(world.rendered, slot)
     gpu.gl.memory_barrier()
     assert np.array_equal(read(slot.inverse_depth)[..., 0], np.where(kept.inverse_depth >= 0, kept.inverse_depth, -1))
-    keeper.compare_with(EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth)))
-    keeper.forget(slot, kept.view, rendered.view)
-    gpu.gl.memory_barrier()
-    got = (read(slot.inverse_depth)[..., 0] < 0) & (kept.inverse_depth >= 0)
+    newest = EyeImage(rendered.view, *world._textures(gpu, rendered.colour, rendered.inverse_depth))
+    known, (high, wide) = kept.inverse_depth >= 0, kept.inverse_depth.shape
     wanted, unsure = forgotten(kept, rendered)
     assert unsure.mean() < 0.2
-    assert np.array_equal(got[~unsure], (wanted & (kept.inverse_depth >= 0))[~unsure])
-    assert 20 < got.sum() < got.size
-    assert (read(slot.colour)[got] == 0).all()
+    looked_at = np.zeros((high, wide), int)
+    for turn in range(BLOCK_SIDE**2):
+        keeper.keep(world.rendered, slot)
+        keeper.forget(slot, kept.view, newest, turn)
+        gpu.gl.memory_barrier()
+        gone = known & (read(slot.inverse_depth)[..., 0] < 0)
+        x, y = place_in_block(turn)
+        looked_at[y::BLOCK_SIDE, x::BLOCK_SIDE] += 1
+        # Blocks that the border cuts before that pixel are left alone.
+        spread = np.zeros((2, -(-high // BLOCK_SIDE), -(-wide // BLOCK_SIDE)), bool)
+        for field, one in zip(spread, (wanted & known, unsure), strict=True):
+            at = one[y::BLOCK_SIDE, x::BLOCK_SIDE]
+            field[: at.shape[0], : at.shape[1]] = at
+        erased, doubt = np.kron(spread, np.ones((1, BLOCK_SIDE, BLOCK_SIDE), bool))[:, :high, :wide]
+        assert np.array_equal(gone[~doubt], (erased & known)[~doubt])
+        assert 20 < gone.sum() < gone.size and (read(slot.colour)[gone] == 0).all()
+        seeds = read(slot.seeds)[..., 0]
+        assert (np.kron(seeds, np.ones((2, 2)))[:high, :wide][gone] == -1).all()
+    assert (looked_at == 1).all()
     keeper.close()
 
 

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from hmdwarp.errors import HmdwarpError, SceneError
-from hmdwarp.experiments.sweep import hash_of_files
+from hmdwarp.options.identity import hash_of_files
 from hmdwarp.scenes import SceneOptions, load_scene
 
 AT = '<transform name="{}"><matrix value="1 0 0 {} 0 1 0 1 0 0 1 -2 0 0 0 1"/></transform>'

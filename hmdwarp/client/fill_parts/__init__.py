@@ -12,6 +12,7 @@ from .block_lights import (
 )
 from .hole_pieces import HoleFiller, HolePieces
 from .keeper import (
+    BLOCK_SIDE,
     BYTES_PER_PIXEL,
     Keeper,
     Keyframe,
@@ -21,6 +22,7 @@ from .keeper import (
     most_redundant,
     most_useful,
     overlapping,
+    place_in_block,
     seeds_for,
 )
 
@@ -33,6 +35,7 @@ __all__ = [
     "SAME_DEPTH",
     "SAME_SURFACE",
     "sample_offsets",
+    "BLOCK_SIDE",
     "BYTES_PER_PIXEL",
     "HoleFiller",
     "HolePieces",
@@ -44,5 +47,6 @@ __all__ = [
     "most_redundant",
     "most_useful",
     "overlapping",
+    "place_in_block",
     "seeds_for",
 ]

@@ -59,8 +59,9 @@ class Memory(Fill):
     Both eyes share the pictures. Each new rendered picture is compared with one of the kept ones,
     in turn (all of 12 within six refreshes of two eyes). A kept pixel is erased where the new
     picture sees clearly farther than its place, or a clearly different colour at it; not in scenes
-    known to look the same at all times and from everywhere. Moving objects are never kept. The
-    newest rendered picture comes first: it closes cracks, and no older one overrules it.
+    known to look the same at all times and from everywhere. Of 4 x 4 kept pixels one is compared,
+    another one each time, and stands for all. Moving objects are never kept. The newest rendered
+    picture comes first: it closes cracks, and no older one overrules it.
     """
 
     name = "memory"
@@ -113,8 +114,7 @@ class Memory(Fill):
         if concerned:
             self._turn += 1
             one = concerned[self._turn % len(concerned)]
-            self._keeper.compare_with(rendered)
-            self._keeper.forget(self._slots[one.slot], one.view, rendered.view)
+            self._keeper.forget(self._slots[one.slot], one.view, rendered, self._turn // len(concerned))
         if is_new(rendered.view, self._kept):
             slot = self._free_slot(rendered.view)
             self._keeper.keep(rendered, self._slots[slot])
@@ -145,6 +145,6 @@ class Memory(Fill):
     def bytes_moved(cls, shown_pixels: int) -> int:
         # The shown picture copied. Of the newest and the usual number of kept pictures, all of the
         # same size, a quarter of the depth read, and guesses for a quarter of the pixels emptied,
-        # raised and read. The newest and a kept one read once to compare them.
+        # raised and read. The newest read once more, to compare a kept one with it.
         pictures = 1 + MemorySettings().use
-        return shown_pixels * (16 + pictures * (4 + 4 * 4) // 4 + 12 * 2)
+        return shown_pixels * (16 + pictures * (4 + 4 * 4) // 4 + 12)

@@ -19,6 +19,7 @@ from ...headsets import Headset
 from ...metrics import BOUND, blocks_apart, check_rating
 from ...options import PAPER
 from ...options.documents import json_in
+from ...options.identity import program_hash
 from ...options.named_files import RESULTS
 from ...pipeline.levels import choose
 from ...pipeline.planning import build_plan_for
@@ -33,7 +34,6 @@ from ..sweep import (
     ExperimentResult,
     SweepCase,
     experiment,
-    program_hash,
 )
 from .bench_rows import COLUMNS, LONG, Rows, about_rating, check_parquet, flat, left_out_notes, typed, write_parquet
 from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room

@@ -11,9 +11,9 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...options.identity import hash_of_files
 from ...pipeline.recorded_source import RecordingSource
 from ...sources.sequences.readers import readers
-from ..sweep import hash_of_files
 from .cases import source_of
 from .options import BenchOptions
 from .suites import suites

@@ -15,6 +15,3 @@ from .sweep_case import Result as Result
 from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase
 from .sweep_case import Work as Work
-from .sweep_case import hash_of_files as hash_of_files
-from .sweep_case import identity_of as identity_of
-from .sweep_case import program_hash as program_hash

@@ -20,6 +20,7 @@ import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
 from ...options.declared import HOW
+from ...options.identity import files_at, hash_of_files, is_place, whole_program_hash
 from ...resources import import_extra
 from .options import LOCAL
 from .sweep_case import (
@@ -28,12 +29,8 @@ from .sweep_case import (
     Say,
     SweepCase,
     Work,
-    files_at,
     groups_of,
-    hash_of_files,
-    is_place,
     run_group,
-    whole_program_hash,
 )
 
 RUN_AGAIN = 2  # times that a case is run again because its worker died

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...options import Declared, force_field, group, one_of, option, option_of, same_as
 from ...pipeline.options import with_ipd
 from ...poses.options import TraceOptions
-from ...run.options import RunOptions, recordings_field, with_recordings
+from ...run.options import CacheOptions, RunOptions, recordings_field, with_recordings
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 
@@ -23,7 +23,7 @@ EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""
 _OF_EVERY_RUN = (
-    *("scene_options", "sequence_options", "trace_options", "samples", "sample_depth"),
+    *("scene_options", "sequence_options", "trace_options", "samples", "sample_depth", "cache"),
     *("headset", "rate_hz", "seconds", "jod_s"),
 )
 _RUN = attrs.fields(RunOptions)
@@ -115,6 +115,7 @@ class RecordedOptions(ExperimentOptions):
     sample_depth: str = same_as(_RUN.sample_depth)
     jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
+    cache: CacheOptions = group(CacheOptions)
     trace_options: TraceOptions = group(TraceOptions)
     sweep: SweepOptions = group(SweepOptions)
 

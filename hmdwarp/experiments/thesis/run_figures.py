@@ -28,7 +28,7 @@ from ...pipeline.sizes import refreshes_of
 from ...poses import GLIDES, synthesise
 from ...poses.synth import write_synthetic
 from ...report import timeline_svg
-from ...run import RunOptions, draw_truth, figures, set_up_replay
+from ...run import RunOptions, figures, set_up_replay
 from ...run.combinations import Combination
 from ...run.replay_setup import ReplaySetup
 from ...run.side_by_side import refreshes
@@ -204,10 +204,10 @@ class _Seen:
 
     @classmethod
     def of(cls, setup: ReplaySetup, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
-        drawn = draw_truth(setup.server, refresh.inputs[eye], setup.size, depth=is_measured)
+        drawn = setup.truth.at(refresh.inputs[eye], depth=is_measured)
         frame = refresh.frame.eyes[eye]
         late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
-        return cls(refresh, eye, picture_from_linear(drawn.colour), drawn.inverse_depth, late, depth)
+        return cls(refresh, eye, drawn.picture, drawn.inverse_depth, late, depth)
 
 
 class _Watcher:

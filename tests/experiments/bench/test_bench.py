@@ -341,7 +341,9 @@ def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monke
     from hmdwarp.metrics import QualityPool
 
     submitted, submit = [], QualityPool.submit
-    monkeypatch.setattr(QualityPool, "submit", lambda pool, key, job: (submitted.append(key), submit(pool, key, job)))
+    monkeypatch.setattr(
+        QualityPool, "submit", lambda pool, key, job, **how: (submitted.append(key), submit(pool, key, job, **how))
+    )
     options = attrs.evolve(
         SMALL, warps=("none", "forward"), grid=False, fused=False, latencies_ms=(200.0,), out=tmp_path
     )

@@ -12,7 +12,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.further import Recipe, about_sequence, further, recipes
 from hmdwarp.experiments.bench.suites import suites
-from hmdwarp.experiments.sweep import hash_of_files
+from hmdwarp.options.identity import hash_of_files
 from hmdwarp.sources import sequences
 
 

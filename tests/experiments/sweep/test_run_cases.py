@@ -7,7 +7,8 @@ from collections import Counter
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.sweep import SweepOptions, identity_of
+from hmdwarp.experiments.sweep import SweepOptions
+from hmdwarp.options.identity import identity_of
 
 from .cheap import sweep
 
