@@ -4,6 +4,7 @@ from .errors import MachineError as MachineError
 from .experiments import bench as bench
 from .geometry import DepthLayer as DepthLayer
 from .geometry import Fov as Fov
+from .geometry import Hidden as Hidden
 from .geometry import Pose as Pose
 from .geometry import View as View
 from .geometry import WarpMap as WarpMap

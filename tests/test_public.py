@@ -13,6 +13,7 @@ import hmdwarp
 PUBLIC = {
     "DepthLayer",
     "Fov",
+    "Hidden",
     "HmdwarpError",
     "InputError",
     "MachineError",

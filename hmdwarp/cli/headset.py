@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 
 import typer
 
-from .. import headsets, report
+from .. import display, headsets, report
 from ..errors import InputError
 from ..options import FORCE, Option
 from ._options import Group, Said, takes
@@ -35,3 +36,19 @@ def from_hmdq(said: Said) -> None:
     if said["file"].suffix != ".json" or said["out"].suffix != ".toml":
         raise InputError(f"{said['file']} to {said['out']}: expected a .json file and --out with a .toml file")
     report.write_text(said["out"], headsets.headset_toml(headsets.load_headset(str(said["file"]))))
+
+
+@app.command("from-openxr")
+@takes(_TOML, FORCE)
+def from_openxr(said: Said) -> None:
+    """Write a headset's file from the connected OpenXR runtime: views, size, rate, hidden area."""
+    out = said["out"]
+    report.refuse_existing(out, force=said["force"])
+    if out.suffix != ".toml":
+        raise InputError(f"--out {out}: expected a .toml file")
+    from ..display import openxr
+
+    with closing(openxr.OpenXrDisplay(display.DisplayOptions())) as shown:
+        about = f"{shown.about['headset']} by {shown.about['runtime']}"
+        found = headsets.reported_headset(out.stem, about, shown.size, shown.rate_hz, shown.eyes)
+    report.write_text(out, headsets.headset_toml(found))

@@ -83,7 +83,8 @@ class Compensator:
 
     Everything is compiled and allocated at the start; run() only sets uniforms and dispatches.
     headset: whose lens is applied; None if the plan has no lens. geometry: what the client can draw
-    by itself; required only if a pass reads it.
+    by itself; required only if a pass reads it. hides: whether lenses hide a part of the views,
+    which is then not warped; without, it is warped and blackened.
     """
 
     def __init__(
@@ -94,6 +95,8 @@ class Compensator:
         rendered_size: tuple[int, int],
         shown_size: tuple[int, int],
         geometry: ClientScene | None = None,
+        *,
+        hides: bool = False,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
         self._geometry = geometry
@@ -102,8 +105,10 @@ class Compensator:
         if plan.lens.is_pass:
             assert headset is not None, "a plan with a lens is for a headset"
             lens = plan.lens(gpu, headset, shown_size)
-        self._lens = None if plan.fused else lens
-        output = Output(lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice)
+        self._lens, self._any_lens = None if plan.fused else lens, lens
+        output = Output(
+            lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice, hides
+        )
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
         pictures = pictures_read(plan.warp_needs)
@@ -161,6 +166,9 @@ class Compensator:
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stage("warp"):
             self._run_warp(inputs, made)
+            if made.warped is not None and inputs.middle.hidden is not None:
+                self.gpu.barrier()
+                self.gpu.seen_rows.hide(inputs.middle, made.warped.colour, made.warped.inverse_depth)
         if made.warped is None:
             return EyeResult(inputs.middle, None, None, made.panel)
         return self._finish(inputs, made, made.warped)
@@ -214,7 +222,7 @@ class Compensator:
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
-        for owner in (self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
+        for owner in (self._any_lens, self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
             if owner is not None:
                 owner.close()
         for made in self._eyes:

@@ -13,7 +13,9 @@ from .view import Eyes as Eyes
 from .view import Fov as Fov
 from .view import Guard as Guard
 from .view import GuardBand as GuardBand
+from .view import Hidden as Hidden
 from .view import Mirror as Mirror
+from .view import Polygon as Polygon
 from .view import View as View
 from .view import WarpMap as WarpMap
 from .view import guarded_eyes as guarded_eyes

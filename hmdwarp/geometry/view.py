@@ -203,6 +203,84 @@ class Fov:
         return Fov.from_tangents(grown), (size[0] + pad[0] + pad[1], size[1] + pad[2] + pad[3])
 
 
+Polygon = tuple[tuple[float, float], ...]
+
+
+@attrs.frozen(eq=False)
+class Hidden:
+    """The part of an eye's view that its lens hides.
+
+    A pixel is seen if it lies between the first and the last seen one of its column. Triangles of a
+    mesh leave cracks of a pixel between them, which are closed.
+    """
+
+    polygons: tuple[Polygon, ...]  # in tangents
+    fov: Fov  # the view without a guard band
+    # By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
+    margins: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
+    _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False)
+    _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False)
+
+    def within(self, fov: Fov) -> Hidden:
+        """Return it for a field of view with a guard band: a late frame needs as much beyond it."""
+        margins = tuple(np.abs(fov.tangents - self.fov.tangents).tolist())
+        if margins == self.margins:
+            return self
+        if margins not in self._grown:
+            self._grown[margins] = Hidden(self.polygons, self.fov, margins)
+        return self._grown[margins]
+
+    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
+        """Return (w, 2), read-only: each column's first seen row, and the one after its last."""
+        key = fov, size
+        if key not in self._known:
+            self._known[key] = self._rows(fov, size)
+            self._known[key].flags.writeable = False
+        return self._known[key]
+
+    def _rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
+        from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+        seen = self._inside(fov, size)
+        any_seen = seen.any(axis=0)
+        first = np.where(any_seen, seen.argmax(axis=0), size[1])
+        last = np.where(any_seen, size[1] - seen[::-1].argmax(axis=0), 0)
+        left, right, down, up = fov.tangents
+        per = size[0] / (right - left), size[1] / (up - down)
+        # 1e-9: margins of whole pixels must not gain one by rounding.
+        pads = [math.ceil(margin * per[side // 2] - 1e-9) for side, margin in enumerate(self.margins)]
+        reach = pads[0] + pads[1] + 1  # columns that are needed if one of these is seen
+        origin = pads[1] - reach // 2
+        first = minimum_filter1d(first, reach, mode="constant", cval=size[1], origin=origin)
+        last = maximum_filter1d(last, reach, mode="constant", cval=0, origin=origin)
+        found = np.stack([np.maximum(first - pads[2], 0), np.minimum(last + pads[3], size[1])], axis=1)
+        return np.where(found[:, :1] < found[:, 1:], found, 0).astype(np.int32)
+
+    def _inside(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
+        from scipy.ndimage import binary_opening
+        from skimage.draw import polygon
+
+        to_pixel, seen = fov.pixel_from_tangent(size), np.ones(size[::-1], bool)
+        for points in self.polygons:
+            x, y, _ = to_pixel @ np.column_stack([points, np.ones(len(points))]).T
+            seen[polygon(y - 0.5, x - 0.5, seen.shape)] = False  # pixel centres lie at i + 0.5
+        if any(len(points) == 3 for points in self.polygons):
+            seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
+        left, right, down, up = self.fov.tangents
+        ends = to_pixel @ np.array([[left, right], [down, up], [1, 1]])
+        x, y = np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5
+        across, above = (x > ends[0, 0]) & (x < ends[0, 1]), (y > ends[1, 0]) & (y < ends[1, 1])
+        found: NDArray[np.bool_] = seen & across & above[:, None]
+        return found
+
+    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
+        """Return (h, w): which pixels can be seen, the bottom row first."""
+        first, end = self.rows(fov, size).T
+        row = np.arange(size[1])[:, None]
+        found: NDArray[np.bool_] = (row >= first) & (row < end)
+        return found
+
+
 @attrs.frozen(eq=False)
 class View:
     """One eye at one instant."""
@@ -211,6 +289,16 @@ class View:
     fov: Fov
     # head-locked content is seen with this; the head's origin is half way between the eyes
     head_from_eye: Pose = attrs.field(factory=Pose)
+    # what is neither drawn nor shown, None for nothing
+    hidden: Hidden | None = None
+
+    def within(self, fov: Fov) -> View:
+        """Return the view with a guard band, or without: its hidden area goes along."""
+        return attrs.evolve(self, fov=fov, hidden=self.hidden and self.hidden.within(fov))
+
+    def seen(self, size: Size) -> NDArray[np.bool_]:
+        """Return (h, w): which pixels can be seen, the top row first."""
+        return np.ones(size[::-1], bool) if self.hidden is None else self.hidden.seen(self.fov, size)[::-1]
 
     def rays(self, size: tuple[int, int]) -> NDArray[np.float64]:
         """Return (h, w, 3) directions in eye space through the pixel centres.

@@ -16,6 +16,7 @@ import moderngl
 
 from ..errors import InputError, MachineError
 from . import egl
+from .hidden import SeenRows
 from .raw_gl import gl_function, reset_status_of
 from .shaders import ShaderLibrary
 from .timers import StageTimer, is_software
@@ -107,6 +108,7 @@ class Gpu:
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
         self.shaders = ShaderLibrary(self.gl)
         self.timer = StageTimer(self.gl)
+        self.seen_rows = SeenRows(self.gl, self.shaders)
         self._reset_status = reset_status_of(self.gl)
 
     @property

@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from ..errors import InputError
-from ..geometry import Fov, Pose
+from ..geometry import Eyes, Fov, Polygon, Pose
 from ..options.documents import DocumentError, parse_json
 from ..options.named_files import FACTS, text_in
 from ..options.tables import Table
 from ._lenses import COLOURS, Array, ViveLens
-from ._model import Headset, HeadsetEye, Polygon
+from ._model import Headset, HeadsetEye
 
+REPORTED = "the views as the runtime reported them; no lens, because the runtime corrects it"
 REFRESH_HZ = 90.0  # of a Vive; a file does not tell, --rate takes another
 _NAMES = {"red": "distortion_red", "green": "distortion", "blue": "distortion_blue"}
 _KINDS = ("DISTORT_DPOLY3",)
@@ -34,6 +35,23 @@ def load_export(path: Path) -> Headset:
         raise InputError(f"{path}: this is no JSON: {error}") from error
     except InputError as error:  # keys and the model's own name no file
         raise error if str(error).startswith(str(path)) else InputError(f"{path}: {error}") from error
+
+
+def reported_headset(name: str, about: str, size: tuple[int, int], rate_hz: float, eyes: Eyes) -> Headset:
+    """Return a headset as a connected runtime reports it. about: what runtime and headset it is."""
+    views = eyes.views(Pose())
+    return Headset(
+        name=name,
+        summary=f"{about}, {size[0]}x{size[1]} per eye",
+        source=f"reported by {about}",
+        emulated=REPORTED,
+        eye_size_px=size,
+        refresh_hz=rate_hz,
+        eyes=tuple(
+            HeadsetEye(view.pose, view.fov, hidden=view.hidden.polygons if view.hidden is not None else ())
+            for view in views
+        ),
+    )
 
 
 def _vive(data: Table, path: Path) -> Headset:
@@ -117,7 +135,7 @@ def _hmdq(data: Table, path: Path) -> Headset:
         name=path.stem,
         summary=f"exported by hmdq, {size[0]:g}x{size[1]:g} per eye",
         source=f"hmdq, {path.name}",
-        emulated="the views as the runtime reported them; no lens, because the runtime corrects it",
+        emulated=REPORTED,
         eye_size_px=size,
         refresh_hz=REFRESH_HZ,
         eyes=eyes,

@@ -12,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
-from ..geometry import Fov, Pose
+from ..geometry import Fov, Polygon, Pose
 from ..options.tables import Table, parsed, text_of
 from ._exports import load_export
 from ._lenses import MODELS, Lens
-from ._model import IPD_RANGE_M, Headset, HeadsetEye, Polygon
+from ._model import IPD_RANGE_M, Headset, HeadsetEye
 
 _FOLDER = Path(__file__).parent
 _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
 MIRRORED = "mirrored"
-IPD = ":ipd="
+IPD, DRAWN = ":ipd=", ":hidden=drawn"
 FILE_ENDINGS = (".toml", ".json")
 
 
@@ -33,7 +33,8 @@ def headset_names() -> list[str]:
 def load_headset(spec: str) -> Headset:
     """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
-    `NAME:ipd=62` sets the distance of its pupils, in millimetres.
+    `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
+    draws and counts what its lenses hide.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """
     name, distance, ipd = spec.partition(IPD)
@@ -45,6 +46,8 @@ def load_headset(spec: str) -> Headset:
 
 
 def _loaded(name: str) -> Headset:
+    if name.endswith(DRAWN):
+        return _loaded(name.removesuffix(DRAWN)).without_hidden(name)
     if name.endswith(".json"):
         return load_export(Path(name))
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"
@@ -98,7 +101,7 @@ class _Both:
     def straight(self, fov_deg: Table) -> HeadsetEye:
         """Return a left eye that looks straight ahead, by four angles."""
         fov = Fov(*(math.radians(fov_deg.number(side)) for side in ("left", "right", "down", "up")))
-        return HeadsetEye(Pose((-self.ipd_m / 2, 0, 0)), fov, self.size_m, self._lens(None, -1))
+        return HeadsetEye(Pose((-self.ipd_m / 2, 0, 0)), fov, self.size_m, self._lens(None, -1, fov))
 
     def eye(self, data: Table, side: int) -> HeadsetEye:
         """Return the left (side -1) or the right eye (1) by its own table."""
@@ -112,18 +115,18 @@ class _Both:
         if "orientation_xyzw" in data:
             turn = data.numbers("orientation_xyzw", 4)
         fov = Fov.from_tangents(data.numbers("tangents", 4))
-        return HeadsetEye(Pose(place, turn), fov, self.size_m, self._lens(data, side), _hidden(data, fov))
+        return HeadsetEye(Pose(place, turn), fov, self.size_m, self._lens(data, side, fov), _hidden(data, fov))
 
-    def _lens(self, data: Table | None, side: int) -> Lens | None:
+    def _lens(self, data: Table | None, side: int, fov: Fov) -> Lens | None:
         if self.lens is None or self.size_m is None:
             return None
         model = self.lens.text("model")
         if model not in MODELS:
             raise InputError(f"unknown lens model '{model}': known is {', '.join(MODELS)}")
-        x, y = _pair(self.lens, "axis_from_centre_m")
+        x, y = _pair(self.lens, "axis_from_centre_m") if model != "mesh" else (0.0, 0.0)
         axis = _pair(data, "lens_axis_m") if data is not None and "lens_axis_m" in data else (-side * x, y)
         corner = np.array(self.size_m) / 2 + np.abs(axis)
-        return MODELS[model].of(self.lens, axis, float(np.hypot(*corner)))
+        return MODELS[model].of(self.lens, axis, float(np.hypot(*corner)), fov, self.size_m)
 
 
 def _hidden(data: Table, fov: Fov) -> tuple[Polygon, ...]:

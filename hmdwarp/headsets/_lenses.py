@@ -11,9 +11,11 @@ from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..geometry import Fov
 from ..options.tables import Table
 
 MAX_COEFFICIENTS = 9
+MOST_POINTS = 257  # on a side of a mesh
 COLOURS = ("red", "green", "blue")
 Array = NDArray[np.float64]
 Pair = tuple[float, float]
@@ -35,11 +37,8 @@ class Lens(Protocol):
     def mirrored(self) -> Lens:
         """Return the other eye's lens."""
 
-    def centre(self, colour: str) -> Pair:
-        """Return where a colour's axis lies beside the lens's own, in units."""
-
-    def scales(self, colour: str, r: Array) -> Array:
-        """Return the tangent that the lens shows at radius r from its axis, over r."""
+    def tangents(self, colour: str, on_lens: Array) -> Array:
+        """Return the tangents (..., 2) of places (..., 2) in units; NaN where it shows nothing."""
 
 
 def refuse_unless_positive(**values: float) -> None:
@@ -49,8 +48,25 @@ def refuse_unless_positive(**values: float) -> None:
             raise InputError(f"{name} is {value:g}: expected a number above 0")
 
 
+class _Round:
+    """A lens that is round about an axis of each colour."""
+
+    def centre(self, colour: str) -> Pair:
+        """Return where a colour's axis lies beside the lens's own, in units."""
+        raise NotImplementedError
+
+    def scales(self, colour: str, r: Array) -> Array:
+        """Return the tangent that the lens shows at radius r from its axis, over r."""
+        raise NotImplementedError
+
+    def tangents(self, colour: str, on_lens: Array) -> Array:
+        """Return the tangents of places on it."""
+        from_centre = on_lens - self.centre(colour)
+        return np.asarray(from_centre * self.scales(colour, np.hypot(*np.moveaxis(from_centre, -1, 0)))[..., None])
+
+
 @attrs.frozen
-class _OneAxis:
+class _OneAxis(_Round):
     """A lens with one axis for all colours."""
 
     # where it meets the eye's panel, from the panel's centre
@@ -85,7 +101,7 @@ class RadialLens(_OneAxis):
     reach: float  # the largest r on the panel, up to which the polynomial must grow
 
     @classmethod
-    def of(cls, data: Table, axis: Pair, reach_m: float) -> RadialLens:
+    def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> RadialLens:
         """Return the lens of a file's table. reach_m: from the axis to the panel's corner."""
         unit_m = data.number("unit_m")
         return cls(
@@ -164,7 +180,7 @@ class TableLens(_OneAxis):
             raise InputError(f"lens table angle_deg ends at {self.angle_deg[-1]:g}: expected less than 89 degrees")
 
     @classmethod
-    def of(cls, data: Table, axis: Pair, reach_m: float) -> TableLens:
+    def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> TableLens:
         """Return the lens of a file's table: one `distance`, or one for each colour."""
         if "distance" in data:
             distances = dict.fromkeys(COLOURS, data.numbers("distance"))
@@ -187,7 +203,7 @@ class TableLens(_OneAxis):
 
 
 @attrs.frozen
-class ViveLens:
+class ViveLens(_Round):
     """A rational polynomial around one centre for each colour, as SteamVR keeps it.
 
     tangent = place (1 / (1 + k1 r^2 + k2 r^4 + k3 r^6) + k4) / focal; the place is counted from the
@@ -232,5 +248,72 @@ class ViveLens:
         return np.asarray((1 / polynomial.polyval(r * r, [1, k1, k2, k3]) + k4) / self.focal)
 
 
+@attrs.frozen
+class MeshLens:
+    """The tangent that each point of a grid over the panel shows, bilinear between points.
+
+    Errors: InputError for a mesh that folds back.
+    Source: OpenVR, IVRSystem::ComputeDistortion, sampled on a grid.
+    """
+
+    model: ClassVar[str] = "mesh"
+    axis_from_centre_m: ClassVar[Pair] = (0.0, 0.0)
+    unit_m: ClassVar[float] = 1.0
+
+    panel_m: Pair
+    # Of each colour: rows from below, in them points from the left.
+    points: dict[str, tuple[tuple[Pair, ...], ...]]
+
+    @classmethod
+    def of(cls, data: Table, axis: Pair, reach_m: float, fov: Fov, panel_m: Pair) -> MeshLens:
+        """Return the lens of a file's table: one `uv` of the eye's view, or one for each colour."""
+        columns, rows = (data.whole(side, 2, MOST_POINTS) for side in ("columns", "rows"))
+        keys = dict.fromkeys(COLOURS, "uv") if "uv" in data else {colour: colour for colour in COLOURS}
+        low, high = fov.tangents[::2], fov.tangents[1::2]
+        points = {}
+        for colour, key in keys.items():
+            uv = np.reshape(data.numbers(key, 2 * columns * rows), (rows, columns, 2))
+            points[colour] = _as_tuples(low + uv * (high - low))
+        return cls(panel_m, points)
+
+    def __attrs_post_init__(self) -> None:
+        for colour, points in self.points.items():
+            grid = np.array(points)
+            across, up = np.diff(grid, axis=1), np.diff(grid, axis=0)
+            for right in (slice(None, -1), slice(1, None)):
+                for above in (slice(None, -1), slice(1, None)):
+                    x, y = across[above], up[:, right]
+                    # Of a bilinear cell it is linear: above 0 at its corners, it is so everywhere.
+                    folds = np.argwhere(x[..., 0] * y[..., 1] <= x[..., 1] * y[..., 0])
+                    if len(folds):
+                        row, column = folds[0]
+                        raise InputError(
+                            f"the lens mesh of {colour} folds back in the cell of row {row}, column {column}: "
+                            "two panel pixels would show the same direction; correct its uv"
+                        )
+
+    def mirrored(self) -> MeshLens:
+        """Return the other eye's lens."""
+        turned = {colour: np.array(points)[:, ::-1] * (-1, 1) for colour, points in self.points.items()}
+        return MeshLens(self.panel_m, {colour: _as_tuples(grid) for colour, grid in turned.items()})
+
+    def tangents(self, colour: str, on_lens: Array) -> Array:
+        """Return the tangents of places, in metres from the panel's middle."""
+        grid = np.array(self.points[colour])
+        at = (on_lens / self.panel_m + 0.5) * (grid.shape[1] - 1, grid.shape[0] - 1)
+        low = np.clip(np.floor(at), 0, (grid.shape[1] - 2, grid.shape[0] - 2)).astype(int)
+        (x, y), (s, t) = np.moveaxis(low, -1, 0), np.moveaxis(at - low, -1, 0)[..., None]
+        below, above = ((1 - s) * grid[y + up, x] + s * grid[y + up, x + 1] for up in (0, 1))
+        return np.asarray((1 - t) * below + t * above)
+
+
+def _as_tuples(grid: Array) -> tuple[tuple[Pair, ...], ...]:
+    return tuple(tuple((float(x), float(y)) for x, y in row) for row in grid)
+
+
 # By what a file calls them.
-MODELS: dict[str, type[RadialLens] | type[TableLens]] = {"radial": RadialLens, "table": TableLens}
+MODELS: dict[str, type[RadialLens] | type[TableLens] | type[MeshLens]] = {
+    "radial": RadialLens,
+    "table": TableLens,
+    "mesh": MeshLens,
+}

@@ -5,6 +5,7 @@ All code that assumes two eyes and a panel is here.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry import Fov, Pose, View
+from ..geometry import Fov, Hidden, Polygon, Pose, View
 from ._lenses import Lens, refuse_unless_positive
 
 
@@ -23,7 +24,6 @@ def _whole_pixels(size: Sequence[float]) -> tuple[int, int]:
     return int(size[0]), int(size[1])
 
 
-Polygon = tuple[tuple[float, float], ...]
 # A view turned farther than this has a wrong sign or a wrong unit: Pimax's 10 degrees are the
 # most on the market.
 MOST_CANT_DEG = {"inwards": 10.0, "outwards": 30.0}
@@ -89,19 +89,13 @@ class HeadsetEye:
 
     def seen(self, size: tuple[int, int]) -> NDArray[np.bool_]:
         """Return (h, w): which pixels of the view can be seen, the bottom row first."""
-        seen = np.ones(size[::-1], bool)
-        columns, rows = (np.arange(count) + 0.5 for count in size)
-        for points in self.hidden:
-            tangents = np.column_stack([points, np.ones(len(points))])
-            x, y, _ = self.fov.pixel_from_tangent(size) @ tangents.T
-            inside = np.zeros_like(seen)
-            # A pixel is inside where an odd number of edges lies to its right.
-            for x0, y0, x1, y1 in zip(x, y, np.roll(x, -1), np.roll(y, -1), strict=True):
-                crossed = (rows < y0) != (rows < y1)
-                at = x0 + (rows[crossed] - y0) * ((x1 - x0) / ((y1 - y0) or 1.0))
-                inside[crossed] ^= columns < at[:, None]
-            seen &= ~inside
-        return seen
+        area = self.hidden_area
+        return np.ones(size[::-1], bool) if area is None else area.seen(self.fov, size)
+
+    @functools.cached_property
+    def hidden_area(self) -> Hidden | None:
+        """What of its views is hidden, None for nothing."""
+        return Hidden(self.hidden, self.fov) if self.hidden else None
 
     @property
     def hidden_share(self) -> float:
@@ -210,13 +204,19 @@ class Headset:
         ]
         return attrs.evolve(self, name=f"{self.name}:ipd={found:g}", eyes=tuple(moved))
 
+    def without_hidden(self, name: str) -> Headset:
+        """Return it, so named, with lenses that hide nothing."""
+        return attrs.evolve(self, name=name, eyes=tuple(attrs.evolve(eye, hidden=()) for eye in self.eyes))
+
     def fov(self, eye: int) -> Fov:
         """Return the field of view of eye 0 (left) or 1 (right)."""
         return self.eyes[eye].fov
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the eyes' views for a head pose, the left first."""
-        return tuple(View(world_from_head @ eye.head_from_eye, eye.fov, eye.head_from_eye) for eye in self.eyes)
+        return tuple(
+            View(world_from_head @ eye.head_from_eye, eye.fov, eye.head_from_eye, eye.hidden_area) for eye in self.eyes
+        )
 
     @property
     def flat_view(self) -> tuple[Fov, float]:
@@ -247,8 +247,7 @@ class Headset:
         lens = self.eyes[eye].lens
         assert lens is not None
         scale, offset = self.lens_from_panel(eye, (1, 1))
-        from_centre = places * scale + offset - lens.centre(colour)
-        return from_centre * lens.scales(colour, np.hypot(*np.moveaxis(from_centre, -1, 0)))[..., None]
+        return lens.tangents(colour, places * scale + offset)
 
 
 _FLAT_MOST = math.tan(math.radians(75))

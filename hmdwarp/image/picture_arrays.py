@@ -145,6 +145,35 @@ def raw_picture(
     )
 
 
+def without_hidden(colour: ArrayLike, view: View) -> ArrayLike:
+    """Return the colour, masked where the view's lens hides it."""
+    if view.hidden is None or np.ndim(colour) != 3:
+        return colour
+    masked: Any = np.ma.asarray(colour)
+    seen = view.seen((masked.shape[1], masked.shape[0]))
+    return np.ma.array(masked, mask=np.ma.getmaskarray(masked) | ~seen[..., None])
+
+
+def about_corners(picture: RawPicture) -> list[str]:
+    """Return a note on four corners that look like what a lens hides: black, and without depth."""
+    wide, high = picture.size
+    side = max(1, min(wide, high) // 32)
+    least = -np.finfo(np.float64).tiny if picture.is_inverse else 0  # inverse depth 0 is the sky's
+    with np.errstate(invalid="ignore"):
+        known = picture.depth > least
+    if not known[high // 2].any():
+        return []
+    for rows in (slice(side), slice(high - side, high)):
+        for columns in (slice(side), slice(wide - side, wide)):
+            said = picture.hidden is not None and picture.hidden[rows, columns].any()
+            if said or known[rows, columns].any() or picture.colour[rows, columns, :3].any():
+                return []
+    return [
+        "the corners of colour are black and have no depth, as what a lens hides: holes there are filled with what is "
+        "beside them; give the views hidden=Hidden(polygons, fov), which leaves it black"
+    ]
+
+
 def _can_go_up(colour: NDArray[Any], depth: NDArray[Any], scale: float | None, encoding: str | None) -> bool:
     """Return whether the arguments are right at first sight, and of types that the GPU reads."""
     fits = colour.ndim == 3 and colour.shape[2] in (3, 4) and colour.size and depth.shape == colour.shape[:2]

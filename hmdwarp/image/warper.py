@@ -44,16 +44,18 @@ from .picture_arrays import (
     SRGB,
     SRGB8,
     RawPicture,
+    about_corners,
     checked_picture,
     checked_size,
     checked_view,
     raw_picture,
+    without_hidden,
 )
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
 from .usable import plan_of
 
 IN_FLIGHT = 3  # calls of Warper.submit whose pixels are on their way at once
-_LARGEST, _UNIT = "largest", "unit"  # what a Warper warns of once
+_LARGEST, _UNIT, _CORNERS = "largest", "unit", "corners"  # what a Warper warns of once
 _CLOSED_FIRST = "this Warper was closed before result() was called: call it first"
 Other = tuple[ArrayLike, ArrayLike, View]
 _shared: Gpu | None = None
@@ -622,7 +624,9 @@ class Warper:
                 largest = about_largest([self._picture(flight, 0, late=late).depth])
             self._warned.update([_LARGEST] if largest else [])
         unit = self._unit_notes(lambda: self._picture(flight, 0, late=late).metres(), flight.views, "depth_scale={:g}")
-        for note in (*largest, *unit):
+        corners = about_corners(self._picture(flight, 0, late=late)) if _CORNERS not in self._warned else []
+        self._warned.add(_CORNERS)  # of the first picture
+        for note in (*largest, *unit, *corners):
             warnings.warn(note, stacklevel=5 if late else 4)  # where warp, warp_image or result is called
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
@@ -710,7 +714,7 @@ def _request(
 ) -> _Request:
     _check_eye(eye)
     views = _checked_views(rendered, shown)
-    picture = raw_picture(colour, depth_m, depth_scale, encoding)
+    picture = raw_picture(without_hidden(colour, views[0]), depth_m, depth_scale, encoding)
     return _Request(views, picture, others, client_depth_m, layers, age_s, depth_scale, encoding, result, eye, out)
 
 
@@ -780,9 +784,10 @@ def warp_image(
     colour: (h, w, 3), uint8 sRGB or float linear light, row 0 at the top; see `encoding`. A fourth
     channel is coverage: 0 is a hole, all else is seen. depth_m: (h, w) metres along -z; inf is
     infinitely far; 0, negative or NaN marks a hole, which is counted and never spread. A pixel that
-    a numpy.ma mask hides, in colour or depth, is a hole too. size: (w, h) of the result, by default
-    the size of `colour`. gpu: a context made in the calling thread; by default one is made at the
-    first call and shared by all threads, one at a time.
+    a numpy.ma mask hides, in colour or depth, is a hole too, and one that rendered.hidden has; what
+    shown.hidden has is black. size: (w, h) of the result, by default the size of `colour`. gpu: a
+    context made in the calling thread; by default one is made at the first call and shared by all
+    threads, one at a time.
     effects: names of effects that pictures are enough for, such as "reflections_from_pictures".
     repair: what mends the depth first, such as "edges+complete"; then a pixel shown by guessed
     depth has the confidence of the guess as its coverage.
@@ -805,8 +810,8 @@ def warp_image(
     Errors: InputError for arguments that do not fit, and in such a process; PlanError for a warp
     that needs more than such pictures; UnknownNameError; MachineError without OpenGL 4.3.
     """
-    picture = raw_picture(colour, depth_m, depth_scale, encoding)
     views = _checked_views(rendered, shown)
+    picture = raw_picture(without_hidden(colour, views[0]), depth_m, depth_scale, encoding)
     shown_size = picture.size if size is None else checked_size(size)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
     options |= {"budget_ms": budget_ms, "bench": bench}

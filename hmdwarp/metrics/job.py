@@ -133,6 +133,12 @@ class Measurement:
         self.now: Compared = job.now
 
     @functools.cached_property
+    def seen(self) -> NDArray[np.bool_]:
+        """(h, w): what the lens does not hide; the rest is black in both pictures."""
+        high, wide = self.now.shown.shape[:2]
+        return self.now.view.seen((wide, high))
+
+    @functools.cached_property
     def flip(self) -> tuple[float, NDArray[np.float32]]:
         """Mean FLIP error and its (h, w) map."""
         alike = self._job.alike

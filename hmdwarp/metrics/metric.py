@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from ..registry import Registry
-from .job import Input, Measurement, QualityJob, QualityResult, region_of, region_sums
+from .job import REGIONS, Input, Measurement, QualityJob, QualityResult, region_of, region_sums
 
 
 @attrs.frozen
@@ -40,6 +40,9 @@ class Metric:
     # Place among the metrics in every file, table and page.
     order: int
     compute: Callable[[Measurement], float | None]
+    # What it is of a picture of which no pixel is alike, from that of one with a share that is
+    # black in both: hidden pixels. By default of a mean of errors.
+    of_seen_share: Callable[[float, float], float] = lambda value, share: value / share
     # Without one of these there is no figure (None). A live run has no TRUTH.
     needs: Input = Input.TRUTH
     higher_is_better: bool = False
@@ -70,6 +73,14 @@ class Metric:
     explanation: str = ""  # sentences for the readers of a report
     # As a possible predictor of ratings, in the middle of a sentence.
     study_title: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
+
+    def of_seen(self, value: float | None, share: float) -> float | None:
+        """Return the figure over the seen pixels, of one over all with hidden ones alike."""
+        return value if value is None or share == 1 else min(self.of_seen_share(value, share), self.most)
+
+    def of_all(self, value: float | None, share: float) -> float | None:
+        """Return the figure over all pixels; the inverse of of_seen."""
+        return self.of_seen(value, 1 / share)
 
     @property
     def scale(self) -> float:
@@ -106,8 +117,10 @@ def metrics_in_order() -> tuple[Metric, ...]:
 def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
     """Return all figures of one job; the same job gives the same bits in any process."""
     now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
+    share = float(measurement.seen.mean())
     values = {
-        metric.name: metric.compute(measurement) if metric.needs in there else None for metric in metrics_in_order()
+        metric.name: metric.of_seen(metric.compute(measurement), share) if metric.needs in there else None
+        for metric in metrics_in_order()
     }
     flip_map = measurement.flip[1]
     error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
@@ -120,5 +133,6 @@ def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
             measurement.rendered,
             measurement.rendered_size,
         )
+        region[~measurement.seen] = len(REGIONS)
         regions = region_sums(now.shown, now.truth, region, flip_map)
     return QualityResult(values, error_map, regions)

@@ -15,6 +15,7 @@ from ..client.inputs import History, PassInputs
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import EyeSizes, frame_bytes, video_pixels
+from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
 from ..link import CHANGES, RESOLUTION
@@ -40,12 +41,22 @@ class SizedCompensator(Compensator):
     """
 
     def __init__(
-        self, gpu: Gpu, plan: Plan, headset: Headset | None, rendered: Size, shown: Size, geometry: ClientScene
+        self,
+        gpu: Gpu,
+        plan: Plan,
+        headset: Headset | None,
+        rendered: Size,
+        shown: Size,
+        geometry: ClientScene,
+        *,
+        hides: bool = False,
     ) -> None:
-        super().__init__(gpu, plan, headset, rendered, shown, geometry)
+        super().__init__(gpu, plan, headset, rendered, shown, geometry, hides=hides)
         self._full_size = rendered
         self._others: dict[Size, Compensator] = {}
-        self._make: Callable[[Size], Compensator] = lambda size: Compensator(gpu, plan, headset, size, shown, geometry)
+        self._make: Callable[[Size], Compensator] = lambda size: Compensator(
+            gpu, plan, headset, size, shown, geometry, hides=hides
+        )
 
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run the plan on a frame of its size; see Compensator.run."""
@@ -197,4 +208,5 @@ def _compensator(
     options: PipelineOptions, target: Target, plan: Plan, sizes: EyeSizes, geometry: ClientScene
 ) -> Compensator:
     kind = SizedCompensator if options.network.overload == RESOLUTION else Compensator
-    return kind(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, geometry)
+    hides = any(view.hidden is not None for view in target.eyes.views(Pose()))
+    return kind(target.gpu, plan, target.lens_of, sizes.rendered, sizes.shown, geometry, hides=hides)

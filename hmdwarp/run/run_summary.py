@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..frames import EyeSizes
-from ..geometry import Pose
+from ..geometry import Pose, View
 from ..gpu.context import Gpu
 from ..link import response_figures
-from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference
+from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
 from ..options import AUTO
 from ..pipeline.build import Pipeline
 from ..pipeline.governor import AdaptiveCompensator
@@ -253,7 +253,36 @@ def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list
     rate_hz, trace = setup.schedule.rate_hz, setup.trace
     facts = Facts.of(setup.pipeline, name, setup.headset.name, rate_hz, setup.track.axes, trace.assumptions)
     frames = len({row["frame"] for row in rows})
-    return facts.summary(passes, frames, {**aggregate(rows), "notes": setup.notes})
+    measured = aggregate(rows)
+    hidden = hidden_entry(setup.headset.views(Pose()), setup.size, measured["quality"])
+    return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *_hidden_notes(hidden)]})
+
+
+def hidden_entry(
+    views: Sequence[View], size: tuple[int, int], quality: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Return the `hidden` of summary.json, none where lenses hide nothing.
+
+    share: of the shown pixels. quality: the means if hidden pixels, which are black and alike,
+    counted too.
+    """
+    if all(view.hidden is None for view in views):
+        return {}
+    seen = sum(float(view.seen(size).mean()) for view in views) / len(views)
+    means = {one.name: one.of_all(quality[one.name]["mean"], seen) for one in metrics_in_order()}
+    return {"hidden": {"share": 1 - seen, "quality": means}}
+
+
+def _hidden_notes(entry: Mapping[str, Any]) -> list[str]:
+    if not entry:
+        return []
+    hidden = entry["hidden"]
+    every = (metric.figure for metric in metrics_in_order())
+    figures = ", ".join(f"{one.label} {one.text(hidden['quality'][one.name])} {one.unit}".strip() for one in every)
+    return [
+        f"The lens hides {hidden['share']:.1%} of each picture: it is neither drawn, warped nor counted. With it, all "
+        f"black, the means are: {figures}."
+    ]
 
 
 def result_of(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import attrs
 import numpy as np
@@ -103,7 +104,7 @@ def _drawn(server: Renderer, view: View, time_ns: int, size: tuple[int, int], de
     try:
         # Where a camera knows no depth, what it saw counts as infinitely far.
         inverse = np.maximum(download(image.inverse_depth), 0) if depth else None
-        return Truth(download(image.colour), inverse)
+        return Truth(_black_where_hidden(download(image.colour), view), inverse)
     finally:
         server.pool(size).release(image.colour)
 
@@ -139,7 +140,13 @@ def band_count(first: View, last: View, size: tuple[int, int]) -> int:
 def shown_picture(result: EyeResult) -> NDArray[np.uint8]:
     """Return the picture before the lens: (h, w, 3) sRGB, top row first."""
     assert result.shown is not None
-    return picture_from_linear(download(result.shown.texture))
+    return _black_where_hidden(picture_from_linear(download(result.shown.texture)), result.view)
+
+
+def _black_where_hidden(picture: NDArray[Any], view: View) -> NDArray[Any]:
+    if view.hidden is None:
+        return picture
+    return np.where(view.seen((picture.shape[1], picture.shape[0]))[..., None], picture, picture.dtype.type(0))
 
 
 def coverage(result: EyeResult) -> NDArray[np.floating]:

@@ -26,8 +26,9 @@ from hmdwarp.errors import MachineError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.difference import Simplified
-from hmdwarp.geometry import DepthLayer, Fov, Pose, View
+from hmdwarp.geometry import DepthLayer, Fov, Hidden, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Copier, Gpu, ShaderLibrary, allocate, flatten
+from hmdwarp.gpu.hidden import SeenRows
 from hmdwarp.headsets import load_headset
 from hmdwarp.image.array_passes import GiveOut, PixelBuffers, TakeIn
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
@@ -157,7 +158,8 @@ def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
     for lens in [None, *libraries] if choice.entry.fuses else [None]:
         for scanout in [False, True] if choice.entry.scans_out else [False]:
             for depth in [False, True] if lens is None and choice.entry.depth_reads is not None else [False]:
-                choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout, depth)).close()
+                for hides in [False, True] if lens is None else [False]:
+                    choice.entry(gpu, (9, 7), (8, 6), choice.settings, Output(lens, scanout, depth, hides)).close()
 
 
 def _compile_effects(gpu: Gpu, tools: Tools) -> None:
@@ -192,6 +194,13 @@ def _draw_every_content(gpu: Gpu) -> None:
                 for needs in (Needs(), everything):
                     server.recycle(server.draw_frame([view], 0, (8, 6), needs=needs))
                 server.close()
+    hidden = View(view.pose, view.fov, hidden=Hidden((((-1, -1), (0, -1), (-1, 0)),), view.fov))
+    server, depth = Server(gpu, scene), allocate(gpu.gl, (8, 6), SCALAR)
+    server.recycle(server.draw_frame([hidden], 0, (8, 6)))
+    server.draw_depth(hidden, (8, 6), depth)
+    for into in (None, depth):
+        SeenRows(gpu.gl, gpu.shaders).hide(hidden, Canvas(gpu.gl, (8, 6)), into)
+    server.close()
 
 
 def lacking(gpu: Gpu, name: str) -> set[str]:

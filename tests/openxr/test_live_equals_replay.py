@@ -17,8 +17,9 @@ from PIL import Image
 from replays import small
 
 from hmdwarp.colour import picture_from_linear
-from hmdwarp.geometry import Eyes, Fov, Pose, View
+from hmdwarp.geometry import Eyes, Fov, Hidden, Pose, View
 from hmdwarp.gpu import download
+from hmdwarp.headsets import Headset
 from hmdwarp.pipeline import Loop, ServerFrames
 from hmdwarp.poses import angle_between, load_trace
 from hmdwarp.run import ReplaySetup, set_up_replay
@@ -77,21 +78,22 @@ class Shown:
 class EyesAsTheyWere:
     """Eyes as the runtime had them at one refresh after the other.
 
-    Each in the head, with its field of view.
+    Each in the head, with its field of view and what its lens hides.
     """
 
     def __init__(self) -> None:
-        self._known: list[list[tuple[Pose, Fov]]] = []
+        self._known: list[list[tuple[Pose, Fov, Hidden | None]]] = []
         self.at = 0
 
     def add(self, shown: list[View]) -> None:
         """At the next refresh."""
-        self._known.append([(view.head_from_eye, view.fov) for view in shown])
+        self._known.append([(view.head_from_eye, view.fov, view.hidden) for view in shown])
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """At refresh number `at`, as Eyes.views."""
         return tuple(
-            View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._known[self.at]
+            View(world_from_head @ head_from_eye, fov, head_from_eye, hidden)
+            for head_from_eye, fov, hidden in self._known[self.at]
         )
 
 
@@ -189,8 +191,12 @@ def replayed(setup: ReplaySetup, rows: list[Shown], eyes: Eyes) -> list[list[NDA
 class HeadsetEyes:
     """Those of a headset's file, which are the same at every refresh."""
 
-    def __init__(self, headset: Eyes) -> None:
-        self.at, self.views = 0, headset.views
+    def __init__(self, headset: Headset, hidden: list[Hidden | None]) -> None:
+        self.at = 0
+        pairs = zip(headset.eyes, hidden, strict=True)
+        self.views = attrs.evolve(
+            headset, eyes=tuple(attrs.evolve(eye, hidden=one.polygons if one else ()) for eye, one in pairs)
+        ).views
 
 
 PASSES = [{"warp": "forward", "fill": "interpolate"}, {"warp": "iterative", "fill": "none"}]
@@ -210,7 +216,8 @@ def test_the_same_poses_and_pictures(remote_head, no_screen, monkeypatch, tmp_pa
     with setup() as made:
         np.testing.assert_array_equal(replayed(made, rows, were), handed_over)
     with setup() as made:
-        again = replayed(made, rows, HeadsetEyes(made.headset))
+        hidden = [view.hidden for view in were.views(Pose())]
+        again = replayed(made, rows, HeadsetEyes(made.headset, hidden))
     # A runtime tells where the eyes sit in the head by float32 sums over the head's own place, so
     # they tremble by 3e-8 m and 3e-8 rad (measured), 2e-6 pixels. That tips over what lies on the
     # edge of two surfaces: 18 pixels of 11,520 at most in 64 pictures.

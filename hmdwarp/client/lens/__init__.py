@@ -70,6 +70,9 @@ class LensPass(ABC):
         """Return the uniforms of `library` for one eye."""
         raise NotImplementedError(f"lens '{self.name}' cannot be fused with a warp")
 
+    def close(self) -> None:  # noqa: B027 (most own nothing)
+        """Free what the lens owns."""
+
     @classmethod
     def bytes_moved(cls, panel_pixels: int) -> int:
         """Return the least bytes that one eye's panel moves: one colour each way."""

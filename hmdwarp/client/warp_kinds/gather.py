@@ -59,6 +59,7 @@ class GatherWarp(Warp):
         lens = self.output.lens
         if lens is None:
             defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
+            defines |= {"HIDES": 1} if self.output.hides else {}
         else:
             defines |= {"LENS": lens.library, **lens.library_defines()}
         if self.output.scanout:
@@ -91,7 +92,10 @@ class GatherWarp(Warp):
             program.uniforms.set(
                 panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
             )
-        program.run(*into.size)
+        if self.output.hides and self.output.lens is None:
+            self.gpu.seen_rows.run(program, inputs.middle, into.size)
+        else:
+            program.run(*into.size)
 
     def bind_beside(self, program: Compute, inputs: PassInputs) -> None:
         """Bind what lib/depth_beside.glsl reads, if the shown depth is written."""

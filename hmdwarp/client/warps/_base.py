@@ -34,6 +34,8 @@ class Output:
     scanout: bool = False
     # Whether run_with_depth() will be called: the inverse depth is written along with the colour.
     depth: bool = False
+    # Whether lenses hide a part of the shown views.
+    hides: bool = False
 
 
 class Warp(ABC):

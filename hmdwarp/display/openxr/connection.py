@@ -20,7 +20,16 @@ from .. import Closed
 from ..controls import Control
 from .actions import Actions, open_actions
 from .graphics import Graphics, check_requirements
-from .runtime import DEPTH_EXTENSION, WITH_PICTURES, Calls, FrameCalls, Instance, Session, open_instance
+from .runtime import (
+    DEPTH_EXTENSION,
+    WITH_PICTURES,
+    Calls,
+    FrameCalls,
+    Instance,
+    Session,
+    hidden_triangles,
+    open_instance,
+)
 from .tracking import COUNT, HeadTracker, RuntimeEyes, Spaces
 
 READY_S = 5.0  # for a new session to become ready; runtimes take fractions of a second
@@ -60,6 +69,10 @@ class Connection:
 
         Errors: MachineError if that takes too long.
         """
+        self.session.on_mask_change = lambda: eyes.hide(
+            [hidden_triangles(calls, self.instance, self.session.handle, eye) for eye in range(COUNT)]
+        )
+        self.session.on_mask_change()
         began, seen = time.monotonic(), 0
         while seen < SEEN or not eyes.known:
             waited = time.monotonic() - began

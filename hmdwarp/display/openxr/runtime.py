@@ -94,7 +94,15 @@ DEPTH_EXTENSION = "XR_KHR_composition_layer_depth"
 FLOOR_EXTENSION = "XR_EXT_local_floor"
 HEADLESS_EXTENSION = "XR_MND_headless"
 RATE_EXTENSION = "XR_FB_display_refresh_rate"
-WITH_PICTURES = (GLX_EXTENSION, EGL_EXTENSION, CLOCK_EXTENSION, DEPTH_EXTENSION, FLOOR_EXTENSION)
+MASK_EXTENSION = "XR_KHR_visibility_mask"
+WITH_PICTURES = (
+    GLX_EXTENSION,
+    EGL_EXTENSION,
+    CLOCK_EXTENSION,
+    DEPTH_EXTENSION,
+    FLOOR_EXTENSION,
+    MASK_EXTENSION,
+)
 WITHOUT_PICTURES = (HEADLESS_EXTENSION, CLOCK_EXTENSION, FLOOR_EXTENSION, RATE_EXTENSION)
 NS = 1_000_000_000
 
@@ -184,6 +192,7 @@ State = xr.SessionState
 _BUFFER = xr.StructureType.EVENT_DATA_BUFFER.value
 _STATE_CHANGED = xr.StructureType.EVENT_DATA_SESSION_STATE_CHANGED.value
 _WORLD_CHANGES = xr.StructureType.EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING.value
+_MASK_CHANGED = xr.StructureType.EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR.value
 _INSTANCE_LOSS = xr.StructureType.EVENT_DATA_INSTANCE_LOSS_PENDING.value
 _NO_EVENT = xr.Result.EVENT_UNAVAILABLE.value
 _STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
@@ -207,6 +216,8 @@ class Session:
         )
         # Called with the kind of a reference space that gets another origin, and when it does.
         self.on_world_change: Callable[[int, int], None] = lambda kind, time: None
+        # Called when the part of a view that the lens hides has changed.
+        self.on_mask_change: Callable[[], None] = lambda: None
         self._event = xr.EventDataBuffer()
         self._changed, self._moved = (
             ctypes.cast(ctypes.pointer(self._event), ctypes.POINTER(kind)).contents
@@ -224,6 +235,8 @@ class Session:
                 self._enter(State(self._changed._state))
             elif event._type == _WORLD_CHANGES:
                 self.on_world_change(self._moved._reference_space_type, self._moved.change_time)
+            elif event._type == _MASK_CHANGED:
+                self.on_mask_change()
             elif event._type == _INSTANCE_LOSS:
                 raise Lost(f"{self._calls.name} is about to end")
 
@@ -247,6 +260,39 @@ class Session:
 
 
 _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
+
+
+def hidden_triangles(
+    calls: Calls, instance: Instance, session: xr.Session, eye: int
+) -> tuple[tuple[tuple[float, float], ...], ...]:
+    """Return what the lens hides of an eye's view, in tangents; none where that is not known.
+
+    Source: OpenXR 1.0, XR_KHR_visibility_mask: vertices lie on the plane z = -1.
+    """
+    if MASK_EXTENSION not in instance.extensions:
+        return ()
+    pointer = calls.call_once(xr.get_instance_proc_addr, instance.handle, "xrGetVisibilityMaskKHR")
+    ask, mask = ctypes.cast(pointer, xr.PFN_xrGetVisibilityMaskKHR), xr.VisibilityMaskKHR()
+    kind = xr.VisibilityMaskTypeKHR.HIDDEN_TRIANGLE_MESH.value
+    asked = (session, _STEREO.value, eye, kind, ctypes.byref(mask))
+    if ask(*asked) < 0 or not mask.index_count_output:
+        return ()
+    vertices, indices = (xr.Vector2f * mask.vertex_count_output)(), (ctypes.c_uint32 * mask.index_count_output)()
+    mask.vertex_capacity_input, mask.index_capacity_input = len(vertices), len(indices)
+    mask.vertices = ctypes.cast(vertices, ctypes.POINTER(xr.Vector2f))
+    mask.indices = ctypes.cast(indices, ctypes.POINTER(ctypes.c_uint32))
+    if ask(*asked) < 0:
+        return ()
+    return triangles_of([(vertex.x, vertex.y) for vertex in vertices], list(indices[: mask.index_count_output]))
+
+
+def triangles_of(
+    vertices: Sequence[tuple[float, float]], indices: Sequence[int]
+) -> tuple[tuple[tuple[float, float], ...], ...]:
+    """Return the triangles of a runtime's mesh, none for one with a wrong index."""
+    if len(indices) % 3 or any(index >= len(vertices) for index in indices):
+        return ()
+    return tuple(tuple(vertices[index] for index in indices[first : first + 3]) for first in range(0, len(indices), 3))
 
 
 class FrameCalls:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ctypes
 import time
+from collections.abc import Sequence
 
 import xr
 
 from ...errors import InputError
-from ...geometry import Fov, Pose, View
+from ...geometry import Fov, Hidden, Polygon, Pose, View
 from ...poses import Origin, PoseSample
 from .runtime import FLOOR_EXTENSION, Calls, Instance
 
@@ -34,7 +35,8 @@ class RuntimeEyes:
             ctypes.byref(self._count),
             self._views,
         )
-        self._known: tuple[tuple[Pose, Fov], ...] = ()
+        self._known: tuple[tuple[Pose, Fov, Hidden | None], ...] = ()
+        self._hidden: tuple[tuple[Polygon, ...], ...] = ((),) * COUNT
         self._bytes = b""
 
     @property
@@ -56,16 +58,27 @@ class RuntimeEyes:
         if raw != self._bytes:
             self._update(raw)
 
+    def hide(self, hidden: Sequence[tuple[Polygon, ...]]) -> None:
+        """Take what the lens hides of each view, as polygons of tangents."""
+        self._hidden, self._bytes = tuple(hidden), b""
+
     def _update(self, raw: bytes) -> None:
         try:
-            self._known = tuple((pose_of(view.pose), _fov_of(view.fov)) for view in self._views)
+            found = [(pose_of(view.pose), _fov_of(view.fov)) for view in self._views]
+            self._known = tuple(
+                (pose, fov, Hidden(hidden, fov) if hidden else None)
+                for (pose, fov), hidden in zip(found, self._hidden, strict=True)
+            )
         except InputError:  # no field of view yet, or zeros from a lost service
             return
         self._bytes = raw
 
     def views(self, world_from_head: Pose) -> tuple[View, ...]:
         """Return the view of each eye, as geometry.Eyes."""
-        return tuple(View(world_from_head @ head_from_eye, fov, head_from_eye) for head_from_eye, fov in self._known)
+        return tuple(
+            View(world_from_head @ head_from_eye, fov, head_from_eye, hidden)
+            for head_from_eye, fov, hidden in self._known
+        )
 
 
 def pose_of(pose: xr.Posef) -> Pose:

@@ -21,7 +21,8 @@ def flicker(error: NDArray[Any], view: View, previous_error: NDArray[Any], previ
     The two are compared at the same shown view direction: the homography of the rotation alone maps
     the previous error to the current view (sampled bilinearly, in float64). Error that is fixed to
     a direction in the world does not count as flicker while the head turns; error that jumps does.
-    Pixels whose direction is outside the previous picture are left out; None if none remains.
+    Pixels whose direction is outside the previous picture, and those that either view hides, are
+    left out; None if none remains.
     Interpolation softens the previous error under rotation, so pixel-sharp error counts a little
     even when it is steady.
 
@@ -43,7 +44,13 @@ def flicker(error: NDArray[Any], view: View, previous_error: NDArray[Any], previ
         at, _, _ = mapping.apply(centres, np.zeros(centres.shape[:2]))  # inverse depth 0: the rotation alone
         x, y = (_index_of(at[..., axis].ravel()) for axis in (0, 1))
         with np.errstate(invalid="ignore"):
-            both = np.flatnonzero((x >= 0) & (x <= previous_width - 1) & (y >= 0) & (y <= previous_height - 1))
+            there = (x >= 0) & (x <= previous_width - 1) & (y >= 0) & (y <= previous_height - 1)
+        if view.hidden is not None:
+            there &= flip_rows(view.seen((width, height)))[rows].ravel()
+        both = np.flatnonzero(there)
+        if previous_view.hidden is not None:
+            before = flip_rows(previous_view.seen((previous_width, previous_height)))
+            both = both[before[np.rint(y[both]).astype(int), np.rint(x[both]).astype(int)]]
         sampled = _Bilinear(x[both], y[both], (previous_width, previous_height))
         for now, before in zip(present, previous, strict=True):
             total += float(np.abs(now[rows].take(both) - sampled(before)).sum())
@@ -82,6 +89,7 @@ metrics.register(
         name="flicker",
         order=60,
         compute=lambda m: flicker(m.now.error, m.now.view, m.previous.error, m.previous.view),
+        of_seen_share=lambda value, share: value,  # of the seen pixels already
         needs=Input.TRUTH | Input.PREVIOUS,
         label="Flicker",
         short_label="flicker",

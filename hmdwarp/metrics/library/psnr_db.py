@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..metric import Metric, metrics
-from ..picture_pairs import check_pair, db_of
+from ..picture_pairs import PSNR_CAP_DB, check_pair, db_of
 
 
 def psnr_db(shown: NDArray[Any], truth: NDArray[Any]) -> float:
@@ -32,6 +33,7 @@ metrics.register(
         name="psnr_db",
         order=10,
         compute=lambda m: psnr_db(m.now.shown, m.now.truth),
+        of_seen_share=lambda value, share: value + 10 * math.log10(share) if value < PSNR_CAP_DB else value,
         higher_is_better=True,
         label="PSNR",
         unit="dB",

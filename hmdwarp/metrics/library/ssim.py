@@ -7,6 +7,7 @@ metrics.register(
         name="ssim",
         order=20,
         compute=lambda m: m.ssim,
+        of_seen_share=lambda value, share: 1 - (1 - value) / share,
         higher_is_better=True,
         least=-1.0,
         most=1.0,

@@ -164,7 +164,7 @@ class Server(Renderer):
         """
         needs = needs if needs is not None else Needs()
         fovs, grown = guarded_eyes(views, guard, size)
-        guarded = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, fovs, strict=True)]
+        guarded = [view.within(fov) for view, fov in zip(views, fovs, strict=True)]
         drawings = [Drawing(view, size, drawn_ns, needs, shown_size, self._marched, age_ns) for view in views]
         return self._draw_all(guarded, grown, drawings, pictures=pictures)
 
@@ -182,7 +182,7 @@ class Server(Renderer):
         views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
         shown picture, which some layers follow.
         """
-        seen = [View(view.pose, fov, view.head_from_eye) for view, fov in zip(views, shown, strict=True)]
+        seen = [view.within(fov) for view, fov in zip(views, shown, strict=True)]
         drawings = [Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched) for view in seen]
         return self._draw_all(views, size, drawings, pictures=True)
 

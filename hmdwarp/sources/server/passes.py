@@ -238,7 +238,18 @@ class ScenePasses:
     def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
         """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
+        if view.hidden is not None:
+            self._hide(view, framebuffer)
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
+
+    def _hide(self, view: View, framebuffer: moderngl.Framebuffer) -> None:
+        """Draw the hidden area in front of everything."""
+        program = self._gpu.shaders.draw(
+            "server/hidden.vert", "server/hidden.frag", **({"COLOUR": 1} if self._colour else {})
+        )
+        framebuffer.viewport = (0, 0, *framebuffer.size)
+        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+            self._gpu.seen_rows.corners(view, framebuffer.size, program).render(moderngl.TRIANGLES)
 
     def draw_into(
         self,
