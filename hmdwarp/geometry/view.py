@@ -258,12 +258,11 @@ class Hidden:
 
     def _inside(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
         from scipy.ndimage import binary_opening
-        from skimage.draw import polygon
 
         to_pixel, seen = fov.pixel_from_tangent(size), np.ones(size[::-1], bool)
         for points in self.polygons:
             x, y, _ = to_pixel @ np.column_stack([points, np.ones(len(points))]).T
-            seen[polygon(y - 0.5, x - 0.5, seen.shape)] = False  # pixel centres lie at i + 0.5
+            seen &= ~_pixels_inside(x, y, size)
         if any(len(points) == 3 for points in self.polygons):
             seen = binary_opening(np.pad(seen, 1, mode="edge"), np.ones((3, 3)))[1:-1, 1:-1]
         left, right, down, up = self.fov.tangents
@@ -279,6 +278,17 @@ class Hidden:
         row = np.arange(size[1])[:, None]
         found: NDArray[np.bool_] = (row >= first) & (row < end)
         return found
+
+
+def _pixels_inside(xs: NDArray[np.float64], ys: NDArray[np.float64], size: Size) -> NDArray[np.bool_]:
+    """Return (h, w): which pixels' centres a polygon holds: an odd number of edges is right of them."""
+    inside = np.zeros(size[::-1], bool)
+    columns, rows = (np.arange(count) + 0.5 for count in size)
+    for x0, y0, x1, y1 in zip(xs, ys, np.roll(xs, -1), np.roll(ys, -1), strict=True):
+        crossed = (rows < y0) != (rows < y1)
+        at = x0 + (rows[crossed] - y0) * ((x1 - x0) / ((y1 - y0) or 1.0))
+        inside[crossed] ^= columns < at[:, None]
+    return inside
 
 
 @attrs.frozen(eq=False)
