@@ -281,7 +281,7 @@ class Hidden:
 
 
 def _pixels_inside(xs: NDArray[np.float64], ys: NDArray[np.float64], size: Size) -> NDArray[np.bool_]:
-    """Return (h, w): which pixels' centres a polygon holds: an odd number of edges is right of them."""
+    """Return (h, w): whether an odd number of edges lies right of a pixel's centre."""
     inside = np.zeros(size[::-1], bool)
     columns, rows = (np.arange(count) + 0.5 for count in size)
     for x0, y0, x1, y1 in zip(xs, ys, np.roll(xs, -1), np.roll(ys, -1), strict=True):
