@@ -45,10 +45,9 @@ def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
             picture_from_linear(download(eye.panel.texture)).astype(int) for eye in here.watched.shown[-1].eyes
         )
         server = Server(here.watched.gpu, load_scene("room"))
-        for head_from_eye, fov in UNLIKE:
-            drawn.append(
-                picture_from_linear(download(server.draw(View(HEAD @ head_from_eye, fov), SMALL).colour)).astype(int)
-            )
+        for (head_from_eye, fov), told in zip(UNLIKE, here.watched.shown[-1].inputs, strict=True):
+            view = View(HEAD @ head_from_eye, fov, hidden=told.shown.hidden)
+            drawn.append(picture_from_linear(download(server.draw(view, SMALL).colour)).astype(int))
         server.close()
 
     here.run(quick(scene="room", pictures=3), after)

@@ -14,7 +14,7 @@ from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import BRIGHT_VIDEO, DEPTH, PACKED, VECTORS, VIDEO, layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download, upload
-from hmdwarp.link.codec import DEPTH_CODES, Coding
+from hmdwarp.link.codec import DEPTH_CODES, DEPTH_VIDEOS, Coding
 from hmdwarp.pipeline import Coder, Reads
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
@@ -112,13 +112,15 @@ def test_arrived_layers_are_within_the_bound_of_their_coding(server, name, depth
             upload(texture, before[-1])
         coded = coder.encode(frame, reads, wants_key=False)
         assert {key[1] for key in coded.packets} == {name} and len(coded.packets) == len(parts)
-        videos = {VIDEO, BRIGHT_VIDEO, *([DEPTH] if depth == "video" else [])}
+        videos = {VIDEO, BRIGHT_VIDEO, *([DEPTH] if depth in DEPTH_VIDEOS else [])}
         assert coded.is_key == (number == 0) or not videos & set(layer.coded_as())
         for texture, _ in parts:
             upload(texture, np.full_like(download(texture), 3))
         assert coder.receive(coded)
         for (texture, coding), drawn in zip(parts, before, strict=True):
-            check(coding, drawn, download(texture), math.inf if depth == "video" else coded.frame.eyes[0].depth_error)
+            check(
+                coding, drawn, download(texture), math.inf if depth in DEPTH_VIDEOS else coded.frame.eyes[0].depth_error
+            )
         server.recycle(frame)
 
 

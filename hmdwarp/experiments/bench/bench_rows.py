@@ -134,7 +134,8 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
         found = {key: row.get(key, "") for key in _PLAIN} | {key: row[key] for key in _SAME}
         found |= {"width": row["size"][0], "height": row["size"][1]}
         found |= {key: row["machine"].get(key) for key in ("gl_renderer", "gl_version", "cpu_count", "host")}
-        found |= {"hmdwarp": row["hmdwarp"]} | {key: row["made_with"][key] for key in _MADE_WITH}
+        made_with = row.get("made_with", {})  # 0.1 had none
+        found |= {"hmdwarp": row["hmdwarp"]} | {key: made_with.get(key, "") for key in _MADE_WITH}
         for names, table, suffix, main in ((STAGES, "time_ms", "_ms", "median"), (QUALITY, "quality", "", "mean")):
             for name in names:
                 entry = row[table][name]

@@ -15,6 +15,7 @@ from .stream import (
     ColourDecoder,
     ColourEncoder,
     Packet,
+    Undecodable,
     bytes_from_light,
     covered,
     from_two_parts,
@@ -26,7 +27,7 @@ from .stream import (
 )
 
 # See two_parts. The fields: powers of 2 beyond 1, the light of uncovered pixels as half floats; the
-# parts: coverage and video.
+# parts: coverage (after a key frame XORed with the one before) and video.
 _HEADER = struct.Struct("<IB6sI")
 # A byte of coverage: 0 is nothing at all, 1 to 255 a coverage of 0 to 1.
 _STEPS = 254
@@ -39,9 +40,10 @@ class Encoder:
     size: (w, h). crf: constant quality, 0 (best) to 51; or bitrate_mbit: Mbit/s of the video;
     neither: the codec's own crf. key_every_s: a key frame at least that often; None: the first, and
     those requested. keeps_beyond_1: whether light above 1 is kept; a display clips it, but what is
-    multiplied by less than 1 before it is shown needs it. Coverage takes no part in the reference
-    chain: each picture's is packed by itself. Errors: InputError for numbers out of range, or codec
-    "none", which encodes nothing; MachineError as ColourEncoder.
+    multiplied by less than 1 before it is shown needs it. Coverage is packed without loss; after a
+    key frame what changed of it is, so that a headset's hidden area costs little.
+    Errors: InputError for numbers out of range, or codec "none", which encodes nothing;
+    MachineError as ColourEncoder.
     """
 
     def __init__(
@@ -64,6 +66,7 @@ class Encoder:
         self._number, self._last_key = 0, 0
         self._key_wanted = True
         self._keeps_beyond_1, self._stops = keeps_beyond_1, 0
+        self._before = np.zeros(size[::-1], np.uint8)
 
     def request_key(self) -> None:
         """Make the next picture a key frame, because an earlier one is missing."""
@@ -89,8 +92,9 @@ class Encoder:
             # It falls with a key frame only: another scale changes every block of the video.
             self._stops = max(stops_of(light), 0 if wants_key else self._stops)
         colour, key = self._colour.encode(covered(bytes_from_light(light, self._stops), coverage == 0), wants_key)
-        packed = pack(coverage)
+        packed = pack(coverage if key else coverage ^ self._before)
         data = two_parts(_HEADER, (self._stops, empty.tobytes()), packed, colour)
+        self._before = coverage
         self._number, self._key_wanted = number + 1, False
         self._last_key = number if key else self._last_key
         return Packet(number, key, data)
@@ -105,6 +109,7 @@ class Decoder:
     def __init__(self, codec: str | Codec, size: tuple[int, int]) -> None:
         self.size = size
         self._colour = ColourDecoder(_coding(codec), size)
+        self._before = np.zeros(size[::-1], np.uint8)
 
     def decode(self, packet: Packet) -> NDArray[np.float16]:
         """Return the picture as the client sees it: as encoded, coverage within 1/508.
@@ -116,6 +121,9 @@ class Decoder:
         stops, empty, packed, video = _parts(packet.data)
         colour = self._colour.decode(video, packet.number)
         coverage = unpack(packed)
+        if coverage.shape != self._before.shape or coverage.dtype != np.uint8:
+            raise Undecodable("damaged picture (coverage of another size)")
+        self._before = coverage = coverage if packet.key else coverage ^ self._before
         out = np.empty((*coverage.shape, 4), np.float16)
         out[..., :3] = light_from_bytes(colour, stops)
         out[..., 3] = np.maximum(coverage.astype(np.float32) - 1, 0) / _STEPS

@@ -131,7 +131,8 @@ TEN_BITS = DepthVideo(_codec("10-bit", 22), "gray10le", 1023)
 EIGHT_BITS = DepthVideo(_codec("8-bit", 10), "yuv420p", 255, most_bend=8.0)
 DEPTH_VIDEOS = {AS_VIDEO: TEN_BITS, AS_VIDEO8: EIGHT_BITS}
 # CRC-32 of everything after it, step, nearest inverse depth, bytes of the map, which follows; then
-# the video.
+# the video. Beside a picture that is no key frame, the map is XORed with the one before: a
+# headset's hidden area stays.
 _HEADER = struct.Struct("<IddI")
 # Codes a step: what the video rounds anyway need not be rounded before.
 _FINER = 2
@@ -147,7 +148,7 @@ class DepthVideoEncoder:
     def __init__(self, size: tuple[int, int], rate_hz: float, step: float, how: DepthVideo = TEN_BITS) -> None:
         self._size, self._step, self._how = size, step / _FINER, how
         self._video = VideoEncoder(how.codec, size, rate_hz, how.format, {})
-        self._kinds = _kinds_of(how, size)[0]
+        self._kinds, self._before = _kinds_of(how, size)[0], np.zeros(size[::-1], np.uint8)
         self._number, self._nearest = 0, 0.0
         self._key_wanted = True
 
@@ -170,7 +171,9 @@ class DepthVideoEncoder:
         step = max(self._step, _least_step(self._nearest, self._how.most, self._how.most_bend))
         codes = covered(_codes(np.maximum(values, 0), step, self._nearest, self._how.most)[..., None], none)[..., 0]
         video, key = self._video.encode(self._how.picture(codes, self._video.size), self._key_wanted)
-        told = self._kinds(np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint8))
+        kinds = np.where(none, _NONE, np.where(values == 0, _FAR, _SURFACE)).astype(np.uint8)
+        told = self._kinds(kinds if key else kinds ^ self._before)
+        self._before = kinds
         number, self._number, self._key_wanted = self._number, self._number + 1, False
         return Packet(number, key, two_parts(_HEADER, (step, self._nearest), told, video))
 
@@ -184,6 +187,7 @@ class DepthVideoDecoder:
     def __init__(self, size: tuple[int, int], how: DepthVideo = TEN_BITS) -> None:
         self._size, self._how = size, how
         self._video, self._kinds = VideoDecoder(how.codec, size, "depth"), _kinds_of(how, size)[1]
+        self._before = np.zeros(size[::-1], np.uint8)
 
     def decode(self, packet: Packet) -> NDArray[np.float32]:
         """Return (h, w) float32; no depth is -1, and 0 is what was infinitely far.
@@ -195,7 +199,8 @@ class DepthVideoDecoder:
         (step, nearest), told, video = from_two_parts(_HEADER, packet.data, "depth")
         if not (2.0**-30 <= step <= 2.0**30 and 0 <= nearest <= 2.0**128):
             raise Undecodable(f"damaged depth (steps of {step:g}, up to {nearest:g})")
-        kinds = self._kinds(told)
+        kinds = self._kinds(told).astype(np.uint8)
+        self._before = kinds = kinds if packet.key else kinds ^ self._before
         codes = _first_plane(self._video.decode(video, packet.number), self._size, self._how.most)
         out: NDArray[np.float32] = _values(step, nearest, self._how.most)[codes]
         out[kinds == _FAR] = 0
@@ -214,12 +219,12 @@ def _kinds_of(
     def unpack(told: bytes) -> NDArray[np.uint8]:
         count = size[0] * size[1]
         try:
-            kinds = zlib.decompressobj().decompress(told, count + 1) if told else bytes(count)
+            kinds = zlib.decompressobj().decompress(told, count + 1)
             return np.frombuffer(kinds, np.uint8).reshape(size[::-1])
         except (zlib.error, ValueError) as error:
             raise Undecodable(f"damaged depth ({error})") from error
 
-    return lambda kinds: zlib.compress(kinds.tobytes()) if kinds.any() else b"", unpack
+    return lambda kinds: zlib.compress(kinds.tobytes()), unpack
 
 
 def _first_plane(frame: Any, size: tuple[int, int], most: int) -> NDArray[np.integer[Any]]:

@@ -58,21 +58,30 @@ export class VideoEye {
   }
 
   /** {colour, depth: {codes, kinds, step, bend}}; null where a picture before it is missing. */
-  async decode({ place, begins }, { colour, depth }) {
+  decode(frame, eye) {
+    this.last = this.decoded(frame, eye, this.last);
+    return this.last;
+  }
+
+  async decoded({ place, begins }, { colour, depth }, earlier) {
     if (place !== this.next) return null;
     this.next += 1;
     const view = new DataView(depth.buffer), [step, nearest] = [4, 12].map((at) => view.getFloat64(at, true));
     const packed = view.getUint32(20, true), map = depth.subarray(HEADER_BYTES, HEADER_BYTES + packed);
-    const [shown, luma, kinds] = await Promise.all([
+    const [shown, luma, told] = await Promise.all([
       this.colour.decode(colour, place, begins),
       this.depth.decode(depth.subarray(HEADER_BYTES + packed), place, begins),
-      packed ? inflated(map) : new Uint8Array(this.size[0] * this.size[1]),
+      inflated(map),
     ]);
+    await earlier;
+    const before = this.kinds; // after a key frame the map says what changed
+    if (!begins) for (let k = 0; k < told.length; k += 1) told[k] ^= before[k];
+    this.kinds = told;
     if (!shown || !luma) return null;
     const codes = new Uint8Array(luma.allocationSize({ rect: luma.visibleRect }));
     const [plane] = await luma.copyTo(codes, { rect: luma.visibleRect });
     luma.close();
-    return { colour: shown, depth: { codes: this.rows(codes, plane), kinds, step, bend: bendOf(nearest / step) } };
+    return { colour: shown, depth: { codes: this.rows(codes, plane), kinds: told, step, bend: bendOf(nearest / step) } };
   }
 
   /** The first plane's rows without gaps. */
