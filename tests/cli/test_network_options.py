@@ -48,7 +48,7 @@ QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--qu
         (("--crf", "20"), "without a codec"),
         (("--bitrate", "5"), "without a codec"),
         (("--depth-code", "exact"), "without a codec"),
-        (("--codec", "h264", "--depth-code", "lossy"), "expected exact, sixteenth or video"),
+        (("--codec", "h264", "--depth-code", "lossy"), "expected exact, sixteenth, video or video8"),
         (("--effects", "overlai"), "did you mean 'overlay'?"),
         (("--effects", "overlay,no-overlay"), "both forced and forbidden"),
         (("--mirrors", "scren"), "did you mean 'screen'?"),

@@ -56,7 +56,9 @@ def summary(**live) -> dict:
     }
     texts = dict.fromkeys(("warp", "fill", "scene", "lens", "headset", "hmdwarp"), "x")
     machine = {"gl_renderer": "r", "gl_version": "4.3"}
-    return {"frames": 3, "live": beside, "effects": ["a", "b"], "size": [4, 5], "machine": machine, **texts}
+    made_with = dict.fromkeys(("commit", "options", "numpy", "moderngl"), "x")
+    texts |= {"machine": machine, "made_with": made_with}
+    return {"frames": 3, "live": beside, "effects": ["a", "b"], "size": [4, 5], **texts}
 
 
 def test_figures_of_a_trial_by_hand():
