@@ -18,6 +18,8 @@ const QUALITY = number("crf", 23, 0, 51);
 const MOST_KEPT = 128; // frames that wait until they are old enough
 const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
+const LEAST_SHARE = 0.8, MOST_SLOW = 3; // of the display's refreshes; seconds below it
+const LEAST_SAVING = 0.75; // of a chain's time that a cheaper one takes at most
 const $ = (name) => document.getElementById(name);
 
 const even = (side) => Math.max(64, 2 * Math.round(side / 2));
@@ -52,6 +54,7 @@ class Session {
   constructor(about, chain, feed) {
     Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], isCoded: "VideoDecoder" in window && !asked.has("raw") });
     this.chosen = CHAINS[asked.get("warp")] ? asked.get("warp") : null;
+    this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
     this.costs = {};
   }
@@ -116,6 +119,7 @@ class Session {
 
   /** Measure every chain on what is shown, and choose the best that fits a refresh of `interval` ms. */
   choose(shown, interval) {
+    this.interval = interval;
     if (this.chosen && this.costs[this.chosen] !== undefined) return;
     for (const name of Object.keys(CHAINS)) {
       this.chain.show(0, shown, name); // compiles
@@ -128,6 +132,15 @@ class Session {
     const eyes = this.shown.eyes.length, fits = Object.keys(CHAINS).filter((name) => eyes * this.costs[name] <= SHARE * interval);
     const cheapest = Math.min(...Object.values(this.costs)); // where none fits, the best of those that cost about as little
     this.chosen ??= fits[0] ?? Object.keys(CHAINS).find((name) => this.costs[name] <= 1.5 * cheapest);
+    $("chain").value = this.chosen;
+  }
+
+  /** Take the next cheaper chain after seconds in a row with too few refreshes, unless somebody chose this one. */
+  govern(refreshes) {
+    this.slow = refreshes < LEAST_SHARE * (1000 / this.interval) ? (this.slow ?? 0) + 1 : 0;
+    const cheaper = Object.keys(CHAINS).filter((name) => this.costs[name] < LEAST_SAVING * this.costs[this.chosen]);
+    if (this.isForced || this.slow < MOST_SLOW || !cheaper.length) return;
+    [this.chosen, this.slow] = [cheaper[0], 0];
     $("chain").value = this.chosen;
   }
 
@@ -157,6 +170,7 @@ class Session {
 function tellFigures(session) {
   const passed = (performance.now() - figures.since) / 1000, frame = session.shown;
   if (!frame) return;
+  session.govern(figures.refreshes / passed);
   const rows = {
     "age of the shown frame": `${(performance.now() - frame.asked).toFixed(0)} ms`,
     "round trip": `${session.feed.round.toFixed(0)} ms`,
@@ -221,7 +235,7 @@ async function begin() {
   const session = new Session(about, chain, (frame) => new Feed(address, { frame, told: (text) => told(text, "feed") }));
   $("scene").textContent = about.scene;
   $("chain").append(...Object.keys(CHAINS).map((name) => new Option(name)));
-  $("chain").onchange = () => (session.chosen = $("chain").value);
+  $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true });
   $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
   $("latency").value = number("latency", 200, 0, 800);
   const tellLatency = () => ($("latency-told").textContent = `${$("latency").value} ms`);
