@@ -92,6 +92,9 @@ def no_context_is_left_behind():
     before = _current_gpu()
     yield
     assert _current_gpu() is before, "this test left an OpenGL context open: close it"
+    was_on = gc.isenabled()
+    gc.enable()
+    assert was_on, "this test left garbage collection off: memory of later ones would grow"
 
 
 def _current_gpu():

@@ -161,7 +161,8 @@ def about_corners(picture: RawPicture) -> list[str]:
     least = -np.finfo(np.float64).tiny if picture.is_inverse else 0  # inverse depth 0 is the sky's
     with np.errstate(invalid="ignore"):
         known = picture.depth > least
-    if not known[high // 2].any():
+    upright, across = known[[*range(side), *range(high - side, high)], wide // 2], known[high // 2, [0, -1]]
+    if known.mean() < 0.5 or not (upright.any() and across.any()):  # most is unknown, or a whole rim
         return []
     for rows in (slice(side), slice(high - side, high)):
         for columns in (slice(side), slice(wide - side, wide)):

@@ -202,8 +202,8 @@ def test_a_refused_picture_is_not_remembered(kind, gpu):
 
 def test_a_fill_that_remembers_learns_from_each_picture(gpu):
     """What the second picture does not show, the first one did: only the Warper knows it."""
-    colour, depth = np.full((30, 40, 3), 0.25, np.float32), np.full((30, 40), 3.0)
-    colour[:, :20] = 0.75
+    # Infinitely far and of one colour: both pictures are of the same world.
+    colour, depth = np.full((30, 40, 3), 0.25, np.float32), np.full((30, 40), np.inf)
     aside = view(yaw=25.0)
     with Warper(SIZE, warp="iterative", fill="memory", gpu=gpu) as warper:
         warper.warp(colour, depth, aside, aside)

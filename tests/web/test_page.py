@@ -86,14 +86,15 @@ def test_what_is_shown_is_the_late_frame_warped_to_the_newest_head(page, gpu):
 
 
 def test_with_videos_the_codecs_loss_is_all_that_is_added(page, gpu):
-    """At CRF 10 H.264 leaves 35 dB or more of this room.
+    """Where the head is then, nobody chooses, so medians count.
 
-    Half of that error again is for depth, whose codes move pixels by a fraction of one.
+    At CRF 10 half the pixels of a decoded picture are within two levels of 255. Codes of depth
+    move others by a fraction of a pixel, and textures by as much of their contrast: twice that.
     """
     looked = page("trace=walk&latency=200&warp=iterative&size=256&crf=10").does(LOOK)
     here = warped_here(looked, gpu)
-    error = (picture_of(looked).astype(float) - here.colour)[here.coverage > 0] / 255
-    assert -10 * np.log10(np.mean(error**2)) > 35 - 3
+    off = np.abs(picture_of(looked).astype(int) - here.colour)[here.coverage > 0]
+    assert np.median(off) <= 4 and np.percentile(off, 90) <= 20
 
 
 def test_a_server_that_goes_is_told_and_taken_up_again(page):
