@@ -199,7 +199,8 @@ class _PlainFile(io.FileIO):
 
     def readall(self) -> bytes:
         parts = []
-        while part := super().read(_STEP):
+        # A byte more than it has shows growth; a buffer for all of a step costs a small file 16 MiB.
+        while part := super().read(min(_STEP, self._size - self.tell() + 1)):
             parts.append(part)
             self._refuse_growth()
         return b"".join(parts)
