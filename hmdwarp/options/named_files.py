@@ -199,7 +199,7 @@ class _PlainFile(io.FileIO):
 
     def readall(self) -> bytes:
         parts = []
-        # A byte more than it has shows growth; a buffer for all of a step costs a small file 16 MiB.
+        # A byte more than it has shows growth; a buffer of a whole step is 16 MiB for each file.
         while part := super().read(min(_STEP, self._size - self.tell() + 1)):
             parts.append(part)
             self._refuse_growth()
