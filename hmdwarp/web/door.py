@@ -95,10 +95,10 @@ class Door:
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         self._context = zmq.asyncio.Context()
         self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
-        self._loop, self._begun = asyncio.new_event_loop(), threading.Event()
+        self._loop = asyncio.new_event_loop()
+        self._runner = self._loop.run_until_complete(self._begin())
         self._thread = threading.Thread(target=self._work, name="web", daemon=True)
         self._thread.start()
-        self._begun.wait()
 
     @property
     def address(self) -> str:
@@ -109,18 +109,19 @@ class Door:
     def _scheme(self) -> str:
         return "http" if self._tls is None else "https"
 
-    def _work(self) -> None:
-        asyncio.set_event_loop(self._loop)
+    async def _begin(self) -> web.AppRunner:
         app = web.Application(middlewares=[self._guard], client_max_size=0)
         app.router.add_get("/feed", self._pass)
         app.router.add_get("/{path:.*}", self._give)
         runner = web.AppRunner(app, access_log=None, handle_signals=False, shutdown_timeout=0.5)
-        self._loop.run_until_complete(runner.setup())
-        site = web.SockSite(runner, self._listener, ssl_context=self._tls)
-        self._loop.run_until_complete(site.start())
-        self._begun.set()
+        await runner.setup()
+        await web.SockSite(runner, self._listener, ssl_context=self._tls).start()
+        return runner
+
+    def _work(self) -> None:
+        asyncio.set_event_loop(self._loop)
         self._loop.run_forever()
-        self._loop.run_until_complete(runner.cleanup())
+        self._loop.run_until_complete(self._runner.cleanup())
         self._loop.close()
 
     @web.middleware
