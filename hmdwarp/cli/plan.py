@@ -65,11 +65,12 @@ class _About:
 
 def _passes(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
     from ..pipeline.planning import build_plan_for, proxy_plan_for
+    from ..pipeline.source import motion_notes
 
     built = build_plan_for(options, source.headset, source.scene, **told)
     proxy = proxy_plan_for(options, source.scene) if options.source_kind is PROXY else None
     frame = pipeline.frame_weight(options, source.headset, [built])
-    notes = pipeline.guard_notes(options, frame)
+    notes = [*pipeline.guard_notes(options, frame), *motion_notes(options, source.scene, built)]
 
     def show() -> None:
         if proxy is not None:

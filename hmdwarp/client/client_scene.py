@@ -10,6 +10,7 @@ import moderngl
 
 from ..frames import Frame
 from ..geometry import View
+from ..scenes import ArrivedState
 from ..sources.server import Renderer
 
 Size = tuple[int, int]
@@ -65,11 +66,13 @@ class ClientScene:
     """What a client with some of the scene can draw by itself, for any view and instant.
 
     server: of the same scene; it draws the exact depth, and belongs to the caller. cache: folder of
-    reduced scenes, None for the user's cache folder.
+    reduced scenes, None for the user's cache folder. arrived: what the server's scene knows of its
+    own motion, where that comes with the frames.
     """
 
-    def __init__(self, server: Renderer, cache: Path | None = None) -> None:
+    def __init__(self, server: Renderer, cache: Path | None = None, arrived: ArrivedState | None = None) -> None:
         self.server, self.gpu, self.scene, self.cache = server, server.gpu, server.scene, cache
+        self._arrived = arrived
         self._stores: dict[tuple[type[Store], Hashable], Store] = {}
 
     @property
@@ -90,6 +93,8 @@ class ClientScene:
 
     def receive(self, frame: Frame) -> None:
         """Hand what a frame brings to the stores; call it with each frame that arrives."""
+        if self._arrived is not None:
+            self._arrived.take(frame.drawn_ns)
         for layer, kind in _receivers.items():
             for wanted, update in frame.eyes[0].get(layer, {}).items():
                 self.store(kind, wanted).receive(update.content)

@@ -110,6 +110,12 @@ class Plan:
         return reduce(or_, (*of_fills, *of_effects, self.lit), self.warp_needs)
 
     @property
+    def draws_scene(self) -> bool:
+        """Whether the client draws something of the scene itself: its own, or points that came."""
+        read = {name for step in self.steps for name in step.reads}
+        return "rendered.points" in read or any(name.startswith("client.") for name in read)
+
+    @property
     def draws_client_depth(self) -> bool:
         """Whether the client draws its own depth for this plan."""
         return self.writes(CLIENT_DEPTH)

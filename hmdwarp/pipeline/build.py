@@ -29,7 +29,7 @@ from .loop import Loop
 from .options import PipelineOptions
 from .recorded_renderer import MomentOf
 from .sizes import check_held, expected_age_ns, eye_sizes
-from .source import PoseRequest, Source, Target, settling
+from .source import PoseRequest, Source, Target, client_scene, settling
 
 Size = tuple[int, int]
 
@@ -162,8 +162,7 @@ def build_pipeline(
     with ExitStack() as stack:
         server = source.renderer(gpu, options, moment_of)
         stack.callback(server.close)
-        geometry = ClientScene(server)
-        stack.callback(geometry.close)
+        geometry = client_scene(options, source.scene, server, stack)
         frames = source.frames(options, server, target, requested, stack)
         history = History(needs.others.past, needs.others.spacing_ns, frames.recycle)
         stack.callback(history.close)

@@ -36,7 +36,7 @@ from ..options import (
     parse_size,
     rendered_size_field,
 )
-from ..scenes.options import SceneOptions
+from ..scenes.options import EXTRAPOLATED, FORESEEN, HELD, SceneOptions
 from ..sources.sequences.options import SequenceOptions, repair_field
 from .levels import QualityLevel
 from .proxy_options import (
@@ -227,6 +227,16 @@ class PipelineOptions(Declared):
         "converged",
         "Light between surfaces under lamps that move: converged, or voxels[:size=64,cones=6,bounces=4,updates=10], "
         "a grid that all views share.",
+        heading=RENDERING,
+    )
+    # Where scenes move; what is drawn on the server knows all of it.
+    client_motion: str = option(
+        FORESEEN,
+        "What a client that draws knows of bodies, lamps and vertices that move: all of it beforehand, the last state "
+        "that arrived and its speed, or that state alone.",
+        valid=one_of(FORESEEN, EXTRAPOLATED, HELD),
+        limits=f"{FORESEEN}, {EXTRAPOLATED} or {HELD}",
+        study=PICTURE,
         heading=RENDERING,
     )
     lens: str = option(

@@ -9,7 +9,6 @@ from typing import Any
 
 import moderngl
 
-from ..client.client_scene import ClientScene
 from ..client.compensator import Compensator, EyeResult
 from ..client.effects import effects
 from ..client.inputs import History
@@ -37,7 +36,7 @@ from .proxy_options import PROXY, RECORDING, REMOTE
 from .recorded_source import RecordingSource
 from .remote_source import RemoteSource
 from .sizes import age_over_ns, check_room, eye_sizes, guarded_size, held_over, refreshes_of, rendered_entry
-from .source import PoseRequest, ServerFrames, Source, Target, settling
+from .source import PoseRequest, ServerFrames, Source, Target, client_scene, settling
 
 # At most so many times are kept of each stage: three minutes of two eyes at 90 Hz.
 _KEPT = 1 << 15
@@ -223,8 +222,7 @@ class ProxySource(Source):
         age_ns = age_over_ns(first, asked.latency_ms, round(refresh_ns), rate_hz)
         history = History(plan.needs.others.past, plan.needs.others.spacing_ns, server.recycle)
         stack.callback(history.close)
-        geometry = ClientScene(server)
-        stack.callback(geometry.close)
+        geometry = client_scene(options, server.scene, server, stack)
         compensator = Compensator(gpu, plan, None, made.rendered, made.shown, geometry)
         stack.callback(compensator.close)
         # What it shows is for the requested head; what the server draws is seen later.

@@ -27,7 +27,7 @@ from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Moment
-from ..scenes import Scene, load_scene
+from ..scenes import EXTRAPOLATED, FORESEEN, KNOWS, ArrivedState, Scene, as_arrived, load_scene, moves
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled
 from .frame_coder import Coder
@@ -167,6 +167,32 @@ def settling(frames: FrameSource, geometry: ClientScene) -> Settled:
         frames.heard(frame, arrived, heard_ns)
 
     return settled
+
+
+def client_scene(options: PipelineOptions, scene: Scene, server: Renderer, stack: ExitStack) -> ClientScene:
+    """Return the scene as the client has it, freed with the stack.
+
+    It is drawn by the server's own renderer, unless its motion has to arrive.
+    """
+    arrived = None
+    if options.client_motion != FORESEEN and moves(scene):
+        arrived = ArrivedState(options.client_motion == EXTRAPOLATED)
+        server = _server(server.gpu, options, as_arrived(scene, arrived))
+        stack.callback(server.close)
+    geometry = ClientScene(server, arrived=arrived)
+    stack.callback(geometry.close)
+    return geometry
+
+
+def motion_notes(options: PipelineOptions, scene: Scene, plan: Plan) -> list[str]:
+    """Say how a client that draws knows of what moves; nothing where neither is so."""
+    if not (plan.draws_scene and moves(scene)):
+        return []
+    return [f"What moves in scene '{scene.name}' {KNOWS[options.client_motion]} (--client-motion)."]
+
+
+def _server(gpu: Gpu, options: PipelineOptions, scene: Scene) -> Server:
+    return Server(gpu, scene, options.mirrors, samples=options.samples, nearest=options.sample_depth == NEAREST)
 
 
 Options = TypeVar("Options", bound=PipelineOptions)
@@ -314,8 +340,7 @@ class Source:
 
         moment_of: where recorded frames are at an instant.
         """
-        nearest = options.sample_depth == NEAREST
-        return Server(gpu, self.scene, options.mirrors, samples=options.samples, nearest=nearest)
+        return _server(gpu, options, self.scene)
 
 
 def nothing(name: str, summary: str, **more: Any) -> Scene:

@@ -24,7 +24,7 @@ from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
 from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
-from ..pipeline.source import Source
+from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene
 from ..sources.server import Renderer
@@ -216,7 +216,7 @@ def set_up_replay(
             run.build(gpu, poses, lambda now_ns: track, schedule.age_ns, link_ns, all_pictures=not alone)
         )
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
-        notes.extend(options.notes)
+        notes.extend([*options.notes, *motion_notes(options, source.scene, pipeline.plan)])
         profile = Profile() if options.profile else None
         if profile is not None:
             profile.finish, gpu.timer.watch = gpu.gl.finish, profile.stage

@@ -1,3 +1,6 @@
+from ._arrived import ArrivedState as ArrivedState
+from ._arrived import as_arrived as as_arrived
+from ._arrived import moves as moves
 from ._load import check_scene_name as check_scene_name
 from ._load import load_scene as load_scene
 from ._load import slow_in as slow_in
@@ -42,6 +45,8 @@ from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
 from ._viewpoint import with_targets as with_targets
+from .motions import REACH_M as REACH_M
+from .motions import REACH_S as REACH_S
 from .motions import Joint as Joint
 from .motions import Pendulum as Pendulum
 from .motions import Skinned as Skinned
@@ -50,7 +55,11 @@ from .motions import Still as Still
 from .motions import Thrown as Thrown
 from .motions import Track as Track
 from .motions import Waving as Waving
+from .motions import swing_seconds as swing_seconds
+from .options import EXTRAPOLATED as EXTRAPOLATED
 from .options import FILE_ENDINGS as FILE_ENDINGS
+from .options import FORESEEN as FORESEEN
+from .options import KNOWS as KNOWS
 from .options import SceneOptions as SceneOptions
 from .radiosity import Transport as Transport
 from .radiosity import blockers_of as blockers_of

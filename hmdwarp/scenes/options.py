@@ -1,4 +1,4 @@
-"""What a user may state about a scene file: units, axes, the viewer's place, the animation."""
+"""Options of scenes: how a file is read, and what a client knows of what moves."""
 
 from __future__ import annotations
 
@@ -12,6 +12,14 @@ from ..options import PICTURE, Declared, Number, one_of, option
 NONE = "none"
 FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply", ".xml")
 UPS = ("y", "z")
+# How a client that draws learns of motion: it knows all of it beforehand, goes on from the last
+# state with its speed, or stays with it; and how a note says so.
+FORESEEN, EXTRAPOLATED, HELD = "foreseen", "extrapolated", "held"
+KNOWS = {
+    FORESEEN: "is known to the client beforehand, as if recorded",
+    EXTRAPOLATED: "is known to the client by the newest state that has arrived, continued at its speed",
+    HELD: "is known to the client by the newest state that has arrived, which it holds",
+}
 
 
 @attrs.frozen

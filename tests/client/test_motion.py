@@ -14,15 +14,16 @@ from reference.picture import HALF_UNIT
 from worlds import read
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.client.effect_passes import REACH_M, MotionPass
-from hmdwarp.client.effect_passes.motion_pass import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG, SWING_S
+from hmdwarp.client.effect_passes import MotionPass
+from hmdwarp.client.effect_passes.motion_pass import MOST_BODIES, RIGID, SOFT, STEEPEST_DEG
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.warp_kinds import steepest
 from hmdwarp.errors import InputError
 from hmdwarp.frames import BodyIds, EyeImage, Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
 from hmdwarp.gpu import COLOUR, NUMBER, SCALAR, allocate
-from hmdwarp.scenes import Body, Mesh, Scene, Spinning, Texture, Thrown
+from hmdwarp.scenes import REACH_M, Body, Mesh, Scene, Spinning, Texture, Thrown
+from hmdwarp.scenes.motions import SWING_S
 from hmdwarp.sources.server import Server
 
 MS = 1_000_000

@@ -2,7 +2,7 @@
 
 from .closing import Closing
 from .mirrored_pass import MirroredPass
-from .motion_pass import REACH_M, REACH_S, MotionPass
+from .motion_pass import MotionPass
 from .reflections import Reflections
 
-__all__ = ["REACH_M", "REACH_S", "Closing", "MirroredPass", "MotionPass", "Reflections"]
+__all__ = ["Closing", "MirroredPass", "MotionPass", "Reflections"]

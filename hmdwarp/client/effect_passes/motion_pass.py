@@ -18,18 +18,11 @@ from ...geometry import Pose, RigidState, View, WarpMap
 from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
+from ...scenes import REACH_M, swing_seconds
 from ..effects import RenderedPass
 from ..inputs import PassInputs
 from ..warp_kinds import steepest
 
-# Deforming things swing: limbs and cloth return about once in SWING_S. After a latency L a swing
-# has moved about as far as its speed takes it in sin(w L) / w seconds. The parabola L (1 - 2 L /
-# SWING_S) begins and ends with that curve and lies below it: 0.16 s at 200 ms, 0.24 at 400, 0.16 at
-# 800, and nothing from half a swing on, where the speed predicts nothing. Held at 0.25 s instead,
-# the result at 800 ms was worse.
-SWING_S = 2.0
-REACH_S = SWING_S / 8  # the longest extrapolation
-REACH_M = 0.3
 STEEPEST_DEG = 85.0  # angle from facing; steeper planes tear, as in the mesh warps
 NEAREST_M = 0.02
 MOST_BODIES = 4096
@@ -50,12 +43,6 @@ def body_map(state: RigidState, age_ns: int, view: View, size: tuple[int, int]) 
     """
     rendered, after = (pose.relative_to(view.pose) for pose in (state.pose, state.after(age_ns)))
     return WarpMap.between(View(after @ rendered.inverse(), view.fov), size, View(Pose(), view.fov), size)
-
-
-def swing_seconds(age_ns: int) -> float:
-    """Return for how long deforming things continue with their velocity; see SWING_S."""
-    age = age_ns * 1e-9
-    return age * max(0.0, 1 - 2 * abs(age) / SWING_S)
 
 
 def rests(moved: WarpMap) -> bool:

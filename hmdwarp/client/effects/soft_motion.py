@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...frames import Needs
-from ..effect_passes import REACH_M, REACH_S, MotionPass
+from ...scenes import REACH_M, REACH_S
+from ..effect_passes import MotionPass
 from . import effects
 from ._base import Effect
 
