@@ -34,6 +34,8 @@ DEBIAN = (
     "python3", "ca-certificates", "xvfb", "xdotool", "monado-service", "libopenxr1-monado",
     "mesa-vulkan-drivers", "libvulkan1", "libgl1", "libglx-mesa0", "libegl1", "libegl-mesa0", "libgl1-mesa-dri",
 )  # fmt: skip
+# Of the extra test, what checks code, files and figures elsewhere, with what it alone brings.
+CHECKERS = ("mitsuba", "drjit", "mypy", "ast-serialize", "ruff", "scikit-image", "scikit-learn", "pingouin", "babel")
 UNREAD = ("man", "doc", "locale", "info")  # below usr/share: left out
 # What Python compiles and matplotlib looks up at its first start; kept in the root, it saves 5 s
 # each time the root is entered.
@@ -99,10 +101,11 @@ def _folder() -> Path:
 
 
 def _pins() -> list[str]:
-    """Return the pinned packages without those of bench (OpenCV, a fifth of it), docs and jod."""
+    """Return the pinned packages without those that no test here reads, a third of them by size."""
     project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    left_out = {_name(line) for line in [*extras["bench"], *extras["docs"], *extras["jod"]]}
+    unread = [line for name in ("bench", "cluster", "docs", "draco", "exr", "jod") for line in extras[name]]
+    left_out = {*map(_name, unread), *CHECKERS}
     lines = (PROJECT / ".ci" / "constraints.txt").read_text(encoding="utf-8").splitlines()
     return [line for line in lines if line and line[0] != "#" and _name(line) not in left_out]
 
