@@ -66,6 +66,7 @@ check-format: setup
 
 check-types: setup
 	@.venv/bin/python -m mypy
+	@.venv/bin/python -m mypy --platform win32 --cache-dir .mypy_cache/win32
 
 check-shaders: setup
 	@.venv/bin/python -m pytest -q tests/gpu/test_shader_files.py

@@ -49,14 +49,14 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
 }
 
 
-def run(command: str, folder: Path, *, statuses: Sequence[int] = (0,), **environment: str) -> str:
-    """Run Python with these arguments and return what it prints. Raises: SystemExit."""
+def run(command: str, folder: Path, *, said: bool = False, statuses: Sequence[int] = (0,), **environment: str) -> str:
+    """Run Python and return what it prints, said: on stderr. Raises: SystemExit."""
     print(command, flush=True)
     words, how = [sys.executable, *shlex.split(command.format(folder=folder))], {"cwd": ROOT, "text": True}
     done = subprocess.run(words, check=False, capture_output=True, env={**os.environ, **environment}, **how)
     if done.returncode not in statuses:
         raise SystemExit(done.stderr)
-    return done.stdout.rstrip()
+    return (done.stderr if said else done.stdout).rstrip()
 
 
 def hmdwarp(command: str, out: Path, result: str) -> dict[str, Any]:
@@ -258,6 +258,20 @@ def live_cost(folder: Path) -> None:
     replace("live-cost", "\n\n".join(f"```text\n{part}\n```" for part in parts))
 
 
+def profile(folder: Path) -> None:
+    """Say where a replay's CPU time goes, measured by the libraries and on the GPU."""
+    options = "--seconds 0.4 --size 640x400 --fill memory+pyramid --lens radial --headset rift-dk1 "
+    options += "--against none,forward+interpolate --metrics-every 1 --images 2 --profile"
+    tables = []
+    for judge in ("library", "gpu"):
+        command = f"-m hmdwarp replay look-around {options} --metrics-by {judge} --out {folder}/profile-{judge}"
+        lines = [line for line in run(command, folder, said=True, COLUMNS="110").splitlines() if line.startswith("| ")]
+        tables.append([[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]])
+    rows = [[*by_library, *by_gpu[1:]] for by_library, by_gpu in zip(*tables, strict=True)]
+    heads = [f"{by}: {head}" for by in ("library", "GPU") for head in ("CPU s", "%", "ms a refresh")]
+    replace("profile", markdown(["part", *heads], rows))
+
+
 def kills(folder: Path) -> None:
     """Kill sweeps at random moments; needs the extra `cluster`."""
     replace("kills", run("-m tests.experiments.sweep.killing 40", folder).splitlines()[-1])
@@ -325,6 +339,7 @@ OWN: Mapping[str, Callable[..., None]] = {
     "rgbd": rgbd,
     "thesis": thesis,
     "live-cost": live_cost,
+    "profile": profile,
     "kills": kills,
     "keys": keys,
     "hard-cases": lists_of_tests,

@@ -1,7 +1,10 @@
+from . import check as check
+from . import study as study
 from .errors import HmdwarpError as HmdwarpError
 from .errors import InputError as InputError
 from .errors import MachineError as MachineError
 from .experiments import bench as bench
+from .experiments.bench import compare as compare
 from .geometry import DepthLayer as DepthLayer
 from .geometry import Fov as Fov
 from .geometry import Hidden as Hidden
@@ -17,3 +20,4 @@ from .poses import load_trace as load_trace
 from .resources import __version__ as __version__
 from .run import RunOptions as RunOptions
 from .run import replay as replay
+from .sources import sequences as sequences

@@ -13,7 +13,13 @@ import pytest
 TAKEN = ("fcntl", "termios", "resource", "pty", "tty", "pwd", "grp", "syslog", "readline")
 # What the extras bring beside Python's own; tests alone need scikit-image.
 EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "pandas", "statsmodels", "textual", "zmq", "mcap")
-_AWAY = "import sys; sys.modules.update(dict.fromkeys({}))\n"
+_FUNCTIONS = ("O_PATH", "O_NOFOLLOW", "posix_fallocate", "sysconf", "nice")
+_AWAY = """
+import os, sys
+sys.modules.update(dict.fromkeys({}))
+for name in {}:
+    delattr(os, name)
+"""
 # Other libraries that have no Windows, or load POSIX's modules themselves on Linux.
 _THEIRS = ("textual", "pexpect", "ptyprocess")
 
@@ -23,7 +29,7 @@ _SMALL = ("walk", "--scene", "planes", "--size", "48x40", "--seconds", "0.1", "-
 
 
 def start(taken: tuple[str, ...], script: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", _AWAY.format(taken) + script, *arguments]
+    command = [sys.executable, "-c", _AWAY.format(taken, _FUNCTIONS) + script, *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 

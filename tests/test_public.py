@@ -24,14 +24,15 @@ PUBLIC = {
     "WarpMap",
     "WarpedImage",
     "Warper",
+    "compare",
     "inverse_depth_from_clip",
     "load_trace",
     "replay",
     "warp_image",
     "__version__",
 }
-MODULES = {"bench"}
-FUNCTIONS = {"inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
+MODULES = {"bench", "check", "sequences", "study"}
+FUNCTIONS = {"compare", "inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
 
 
 def test_these_names_and_no_others():

@@ -1,14 +1,12 @@
 """Make the pages of the site that are no file of docs/: those beside it, examples, reference.
 
-A hook of MkDocs (docs/site/mkdocs.yml). The reference has a page for each package that names in
-`__all__` what is public; what it does not define itself is linked to where that stands.
+A hook of MkDocs (docs/site/mkdocs.yml). The reference has what `hmdwarp` names as public: a page of
+its own names, and one of each module among them.
 """
 
 from __future__ import annotations
 
-import importlib
 import inspect
-import pkgutil
 import re
 import sys
 from pathlib import Path
@@ -58,41 +56,28 @@ def _reference() -> dict[str, str]:
     """Return {file: text} of the reference, its table of contents included."""
     import hmdwarp
 
-    found = pkgutil.walk_packages(hmdwarp.__path__, "hmdwarp.")
-    names = [module.name for module in found if module.ispkg and "._" not in module.name]
-    packages = [package for package in map(importlib.import_module, names) if getattr(package, "__all__", None)]
-    homes = {package.__name__ for package in packages}
-    pages = {f"reference/{package.__name__}.md": _page(package, homes) for package in [hmdwarp, *packages]}
-    lines = [
-        f"- [{package.__name__}]({package.__name__}.md): {_first_line(package)}" for package in [hmdwarp, *packages]
-    ]
-    pages["reference/index.md"] = "\n".join(["# Reference", "", *lines])
-    return pages
+    public = {name: getattr(hmdwarp, name) for name in hmdwarp.__all__}
+    modules = {f"hmdwarp.{name}": thing for name, thing in public.items() if inspect.ismodule(thing)}
+    modules = {"hmdwarp": hmdwarp, **modules}
+    lines = [f"- [{name}]({name}.md): {_first_line(module)}" for name, module in modules.items()]
+    pages = {f"reference/{name}.md": _page(name, module) for name, module in modules.items()}
+    return {**pages, "reference/index.md": "\n".join(["# Reference", "", *lines])}
 
 
-def _page(package: ModuleType, homes: set[str]) -> str:
-    """Return the page of one package: its own public things in full, others as links."""
-    own, others, constants = [], [], []
-    for name in sorted(package.__all__):
-        thing = getattr(package, name)
-        home = _home(thing, homes)
-        if not (inspect.isclass(thing) or inspect.isfunction(thing)):
-            constants.append(f"- `{name}`: {_constant(thing)}")
-        elif home in (package.__name__, None):
-            own.append(f"::: {thing.__module__}.{thing.__qualname__}")
+def _page(title: str, module: ModuleType) -> str:
+    """Return the page of a module: its public things in full, modules as links."""
+    full, links, constants = [], [], []
+    for name in sorted(module.__all__):
+        thing = getattr(module, name)
+        if inspect.ismodule(thing):
+            links.append(f"- [`{name}`]({title}.{name}.md): {_first_line(thing)}")
+        elif inspect.isclass(thing) or inspect.isfunction(thing):
+            full.append(f"::: {thing.__module__}.{thing.__qualname__}")
         else:
-            others.append(f"- [`{name}`]({home}.md#{thing.__module__}.{thing.__qualname__}): {_first_line(thing)}")
-    parts = [f"# {package.__name__}", inspect.getdoc(package) or ""]
-    parts += ["\n".join(lines) for lines in (others, constants) if lines]
-    return "\n\n".join([*parts, *own])
-
-
-def _home(thing: Any, homes: set[str]) -> str | None:
-    """Return the innermost package with a page that a class or function is defined in."""
-    module = getattr(thing, "__module__", "")
-    while module and module not in homes:
-        module = module.rpartition(".")[0]
-    return module or None
+            constants.append(f"- `{name}`: {_constant(thing)}")
+    about = re.sub(r"\s*Names are in __init__\.pyi;[^.]*\.", "", inspect.getdoc(module) or "")
+    parts = [f"# {title}", about]
+    return "\n\n".join([*parts, *("\n".join(lines) for lines in (links, constants) if lines), *full])
 
 
 def _constant(value: Any) -> str:

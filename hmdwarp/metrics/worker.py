@@ -12,6 +12,8 @@ import os
 import pickle
 import sys
 
+from ..platforms import lower_priority
+
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed
 
 
@@ -20,7 +22,7 @@ def main() -> None:
     # Text printed to standard output (FLIP prints errors there) must not end up among the results.
     results = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
-    os.nice(_NICENESS)
+    lower_priority(_NICENESS)
 
     # A parent that is gone (EOFError, BrokenPipeError) needs no more results.
     with contextlib.suppress(EOFError, BrokenPipeError):

@@ -17,6 +17,7 @@ from typing import Any, BinaryIO, cast
 import attrs
 
 from ..errors import InputError, SceneError, TraceError
+from ..platforms import open_checked
 from .declared import Option
 
 OUTSIDE = Option(
@@ -66,13 +67,7 @@ def opened(path: str | os.PathLike[str], kind: FileKind, folder: Path | None = N
     """
     shown = _shown(path)
     try:
-        # Opening by O_PATH neither waits for a pipe nor wakes a device.
-        place = os.open(path, os.O_PATH | os.O_CLOEXEC)
-        try:
-            _check(place, path, kind, folder)
-            handle = os.open(f"/proc/self/fd/{place}", os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        finally:
-            os.close(place)
+        handle = open_checked(path, lambda place: _check(place, path, kind, folder))
     except (OSError, ValueError) as error:  # a name with a zero byte, or with half a surrogate, is a ValueError
         raise kind.error(f"{shown}: {_why(error)}: expected {kind.what}") from error
     return cast("BinaryIO", io.BufferedReader(_PlainFile(handle, shown, kind), 1 << 18))

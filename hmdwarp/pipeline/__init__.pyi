@@ -17,7 +17,6 @@ from .sizes import eye_sizes as eye_sizes
 from .sizes import frame_weight as frame_weight
 from .sizes import guard_notes as guard_notes
 from .sizes import guarded_size as guarded_size
-from .sizes import memory_bytes as memory_bytes
 from .source import PoseRequest as PoseRequest
 from .source import ServerFrames as ServerFrames
 from .source import Source as Source

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,6 +15,7 @@ from ..gpu.textures import check_size
 from ..headsets import Headset
 from ..link import LinkOptions
 from ..options import DEFAULT_GUARD
+from ..platforms import memory_bytes
 from .options import PipelineOptions
 
 Size = tuple[int, int]
@@ -89,14 +89,6 @@ def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: Guard, frames: in
             f"{needed / 1e9:.1f} GB, and this machine has {memory_bytes() / 1e9:.1f} GB: "
             "use a smaller --size, a shorter --latency or a lower --rate"
         )
-
-
-def memory_bytes() -> float:
-    """Return the memory of the whole machine, infinite where unknown."""
-    try:
-        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
-    except (AttributeError, ValueError, OSError):
-        return math.inf
 
 
 # A latency within this of a whole number of refreshes counts as that number: 16.67 ms is one

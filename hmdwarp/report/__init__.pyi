@@ -40,6 +40,7 @@ from .replay_page import WorstFrame as WorstFrame
 from .replay_page import comparison_rows as comparison_rows
 from .replay_page import panels_of as panels_of
 from .replay_page import render_report as render_report
+from .replay_page import summary_html as summary_html
 from .replay_page import summary_table as summary_table
 from .run_diff import DIFF_PAGE as DIFF_PAGE
 from .run_diff import RunDiff as RunDiff

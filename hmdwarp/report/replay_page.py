@@ -447,6 +447,16 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     return table
 
 
+def summary_html(summary: Summary, *baselines: Summary) -> str:
+    """Return that table as HTML, for a notebook."""
+    cell, head = Markup("<td style='text-align: right'>{}{}</td>").format, Markup("<th>{}</th>").format
+    lines = [Markup().join(head(name) for name in ("", *column_names(summary, *baselines)))]
+    for row in comparison_rows(summary, *baselines):
+        cells = [cell(main, " *" if row.best == column else "") for column, (main, _) in enumerate(row.cells)]
+        lines.append(Markup().join((head(_table_head(row.figure)), *cells)))
+    return str(Markup("<table>{}</table>").format(Markup().join(Markup("<tr>{}</tr>").format(line) for line in lines)))
+
+
 def _table_head(figure: Figure) -> str:
     label = f"Time, {figure.label.lower()}" if figure in TIME_FIGURES else figure.label
     return f"{label} [{figure.unit}]" if figure.unit else label

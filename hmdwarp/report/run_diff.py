@@ -111,7 +111,7 @@ class RunDiff:
 
     def lines(self) -> list[str]:
         """Return what differs, a sentence each."""
-        pairs = [f"{part}: {key} is {_text(a)} and {_text(b)}" for part, key, a, b in self._entries()]
+        pairs = [f"{part}: {key} is {' and '.join(_texts(a, b))}" for part, key, a, b in self._entries()]
         pictures = [
             f"picture: {one.name} " + (one.why or f"differs in {100 * one.share:.2g} % of pixels, by at most "
                                        f"{one.largest} of 255")
@@ -254,5 +254,8 @@ def _picture(first: StoredRun, second: StoredRun, name: str, tolerance: float) -
     return PictureDiff(name, "", float((apart > tolerance).mean()), int(apart.max()), shown)
 
 
-def _text(value: Any) -> str:
-    return "not there" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+def _texts(*values: Any) -> list[str]:
+    """Return values that differ with six digits, with all where those are equal."""
+    texts = [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
+    texts = [str(value) for value in values] if len(set(texts)) == 1 else texts
+    return ["not there" if value is None else text for value, text in zip(values, texts, strict=True)]

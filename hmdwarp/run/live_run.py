@@ -24,6 +24,7 @@ from ..display import (
     openxr,
 )
 from ..errors import MachineError
+from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, load_trace
@@ -198,7 +199,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             recorder.begin(display.about, display.rate_hz)
         log.begin(display, host, LiveMarkers(markers, say))
         try:
-            Driver(display, host, ending, say).run(_UserRun(host, log, ending, say), log, recorder, after)
+            user = _UserRun(host, log, ending, _Pace(display, options, say))
+            Driver(display, host, ending, say).run(user, log, recorder, after)
         except Closed as closed:
             say(str(closed))
     return log.result()
@@ -221,14 +223,41 @@ def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], st
     return [save_recording, save_log]
 
 
+JUDGED_NS = 1_000_000_000  # from the first picture: what a machine makes in a second, it makes in the next
+
+
+class _Pace:
+    """Tells once, a second after the first picture, that most refreshes get none."""
+
+    def __init__(self, display: Display, options: LiveOptions, say: Say) -> None:
+        self.say = say
+        self._display, self._options = display, options
+        self._count, self._began_ns, self._over = 0, 0, False
+
+    def picture(self) -> None:
+        """Count a picture."""
+        now_ns = self._display.now_ns()
+        self._began_ns = self._began_ns or now_ns
+        took_ns = now_ns - self._began_ns
+        if took_ns >= JUDGED_NS and not self._over:
+            self._over = True
+            refreshes = round(took_ns * 1e-9 * (self._options.rate_hz or self._display.rate_hz))
+            if 2 * self._count < refreshes:
+                self.say(
+                    f"note: {self._count} of {refreshes} refreshes got a picture: this machine is too slow for these "
+                    f"options; a smaller --size helps{'' if self._options.warp == AUTO else ', or --warp auto'}"
+                )
+        self._count += 1
+
+
 class _UserRun(FrameHandler):
     """A run whose user may change everything, up to the limits of the options."""
 
     pictures = True
 
-    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, say: Say) -> None:
-        self._log, self._ending, self._host = log, ending, host
-        self._commands = CommandHandler(host, say)
+    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, pace: _Pace) -> None:
+        self._log, self._ending, self._host, self._pace = log, ending, host, pace
+        self._commands = CommandHandler(host, pace.say)
         log.status.choices = choices()
         log.status.values = values(host.options, host.pipeline.sizes.shown)
 
@@ -245,7 +274,7 @@ class _UserRun(FrameHandler):
         return changed
 
     def arrived(self, refresh: Refresh) -> None:
-        return
+        self._pace.picture()
 
     def on_display_lost(self, why: str) -> None:
         return

@@ -36,6 +36,7 @@ from ..report import (
     labelled_strip,
     panels_of,
     render_report,
+    summary_html,
 )
 from ..resources import __version__, made_with
 from .frame_rows import ReplayLog, Row
@@ -242,6 +243,10 @@ class ReplayResult:
     def report(self) -> Path:
         """Path of the page."""
         return self.folder / "report.html"
+
+    def _repr_html_(self) -> str:
+        """Return the table that ends a run: a notebook shows it."""
+        return summary_html(self.summary, *self.against)
 
 
 def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:

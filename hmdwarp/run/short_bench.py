@@ -23,8 +23,9 @@ from ..options import AUTO
 from ..pipeline.levels import best_within, levels_from
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
-from ..pipeline.sizes import expected_age_ns, guarded_size, memory_bytes
+from ..pipeline.sizes import expected_age_ns, guarded_size
 from ..pipeline.source import Source
+from ..platforms import memory_bytes
 from ..poses import PoseSample, PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate

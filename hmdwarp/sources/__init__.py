@@ -1,1 +1,5 @@
 """What gives frames: the server that renders a scene, recorded sequences, a remote renderer."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -228,7 +228,7 @@ def test_a_guard_beyond_the_gl_limit(command, quick, kept):
 
 def test_more_frames_than_memory_holds(command, quick, kept):
     """16384 x 16384 pixels of 12 bytes for two eyes are 6 GB a frame, 14 frames at a time."""
-    from hmdwarp.pipeline import memory_bytes
+    from hmdwarp.platforms import memory_bytes
 
     if memory_bytes() > 85e9:
         pytest.skip("this machine has more than 85 GB of memory")

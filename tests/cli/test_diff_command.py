@@ -1,6 +1,7 @@
 """A run is equal to itself run again; what differs is told, and ends with status 4."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -73,6 +74,7 @@ def test_a_changed_pixel_is_found_and_shown_and_a_tolerance_allows_it(command, s
     (other / "summary.json").write_text(json.dumps(summary))
     done = command("diff", out, other, "--out", tmp_path / "page", "--json")
     assert done.status == 4 and done.err.count("\n") == 2
+    assert all(a != b for a, b in re.findall(r"figure: \S+ is (\S+) and (\S+)$", done.err, re.MULTILINE))
     assert "figure: quality.psnr_db.mean is" in done.err and f"picture: images/{name} differs in" in done.err
     found = json.loads(done.out)
     assert not found["equal"] and found["pictures"][0]["largest"] <= 3

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import ctypes
 import math
+import re
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -25,7 +27,7 @@ import xr
 
 from hmdwarp.display import DisplayOptions, Lost
 from hmdwarp.display.openxr.connection import DEPTHS, RGBA8, RGBA16F, SRGB8_A8, colour_format, depth_format
-from hmdwarp.display.openxr.graphics import VARIABLE, check_requirements, kinds
+from hmdwarp.display.openxr.graphics import VARIABLE, _put, check_requirements, kinds
 from hmdwarp.display.openxr.runtime import Calls, Session
 from hmdwarp.display.openxr.tracking import EYE_HEIGHT_M, HeadTracker, RuntimeEyes, _world
 from hmdwarp.poses import Origin
@@ -51,13 +53,26 @@ def test_a_window_is_preferred_and_either_can_be_insisted_on(extensions, environ
     assert kinds(frozenset(extensions), environ) == wanted
 
 
+def test_windows_has_one_way_and_its_addresses_lie_where_pyopenxr_reads_them():
+    """Its binding is read, not imported: that needs Windows. A handle there has 64 bits."""
+    assert kinds(BOTH, {}, "win32") == ["wgl"]
+    text = (Path(xr.__file__).parent / "platform" / "windows.py").read_text(encoding="utf-8")
+    (found,) = re.findall(r"class GraphicsBindingOpenGLWin32KHR.*?_fields_ = (\[.*?\])", text, re.DOTALL)
+    names = re.findall(r'\("(\w+)", ([\w.]+)\)', found)
+    assert names == [("h_dc", "wintypes.HDC"), ("h_glrc", "WGL.HGLRC")]
+    fields = [(name, ctypes.c_void_p) for name, _ in names]
+    binding = type("Binding", (ctypes.Structure,), {"_fields_": [("head", ctypes.c_void_p * 2), *fields]})()
+    _put(binding, h_dc=0xFEDC_BA98_7654_3210, h_glrc=1)
+    assert (binding.h_dc, binding.h_glrc, list(binding.head)) == (0xFEDC_BA98_7654_3210, 1, [None, None])
+
+
 @pytest.mark.parametrize(
     ("extensions", "environ", "error", "words"),
     [
         ({"XR_KHR_opengl_enable"}, {}, MachineError, "DISPLAY is not set"),
         ({"XR_KHR_opengl_enable"}, {**X, VARIABLE: "egl"}, MachineError, "can be drawn for by glx here"),
         (BOTH, {VARIABLE: "glx"}, MachineError, "can be drawn for by egl here"),
-        (BOTH, {**X, VARIABLE: "vulkan"}, InputError, "expected egl or glx"),
+        (BOTH, {**X, VARIABLE: "vulkan"}, InputError, "expected egl, glx or wgl"),
     ],
 )
 def test_no_way_to_draw_is_said(extensions, environ, error, words):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import shlex
@@ -37,6 +38,16 @@ def test_every_public_name_is_in_the_reference(site):
     text = (site / "reference" / "hmdwarp.html").read_text(encoding="utf-8")
     missing = [name for name in hmdwarp.__all__ if f">{name}<" not in text]
     assert not missing
+
+
+def test_the_reference_has_public_names_alone_and_can_be_searched(site):
+    modules = [f"hmdwarp.{name}" for name in hmdwarp.__all__ if inspect.ismodule(getattr(hmdwarp, name))]
+    assert {page.stem for page in (site / "reference").glob("*.html")} == {"index", "hmdwarp", *modules}
+    assert (site / "search" / "search_index.json").is_file()
+    text = (site / "index.html").read_text(encoding="utf-8")
+    tasks = ["Replay a recorded head", "Warp your RGB-D", "Run it live", "Compare methods", "Run a rating study"]
+    places = [text.index(task) for task in tasks]
+    assert places == sorted(places)
 
 
 def test_fields_stand_with_their_class(site):

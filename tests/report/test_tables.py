@@ -9,7 +9,7 @@ import re
 from rich.console import Console
 
 from hmdwarp.metrics import aggregate
-from hmdwarp.report import comparison_rows, summary_table
+from hmdwarp.report import comparison_rows, summary_html, summary_table
 
 from .samples import a_baseline, a_summary, some_rows
 
@@ -53,6 +53,17 @@ def test_the_better_one_is_marked_whichever_column_it_is_in():
     assert len(re.findall(r"\d \*", text)) == 4
     assert "*: the best of the line, by the 95 % interval of the difference" in " ".join(text.split())
     assert "*" not in printed(a_summary(good))
+
+
+def test_a_notebook_shows_the_same_table():
+    """Names and figures are the terminal's; a name cannot be markup."""
+    good, bad = a_summary(some_rows(0)), a_baseline(some_rows(0), some_rows(0, worse=3))
+    rows = re.findall(r"<tr>(.*?)</tr>", summary_html(good, {**bad, "warp": "<none>"}))
+    cells = [re.findall(r"<t[hd].*?>(.*?)</t[hd]>", row) for row in rows]
+    assert cells[0] == ["", "forward", "&lt;none&gt;"]
+    figures = [(text, row.best) for row in comparison_rows(good, bad) for text, _ in row.cells]
+    assert [cell.removesuffix(" *") for row in cells[1:] for cell in row[1:]] == [text for text, _ in figures]
+    assert sum(cell.endswith(" *") for row in cells for cell in row) == 4
 
 
 def test_the_best_of_three_is_marked_where_it_is_sure():

@@ -203,6 +203,15 @@ def test_pictures_have_an_end(monkeypatch, tmp_path):
     assert any("2 pictures were kept: the limit" in note for note in result.summary["notes"])
 
 
+@pytest.mark.parametrize("every", [1, 5])
+def test_a_second_without_most_of_its_pictures_is_told_once(monkeypatch, tmp_path, every):
+    events = {number: None for number in range(160) if number % every}
+    _, display = go(monkeypatch, tmp_path / "out", {**events, **closed_at(250)})
+    told = [line for line in display.said if "got a picture" in line]
+    assert len(told) == (every > 1)
+    assert all("20 of 100 refreshes" in line and "--size" in line and "--warp auto" in line for line in told)
+
+
 def test_events_are_listed(monkeypatch, tmp_path):
     events = {
         8: Tick(0, 0, render=False),

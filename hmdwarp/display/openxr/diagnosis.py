@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -24,8 +25,10 @@ RESTART = "start, or restart, the runtime's service"
 ANOTHER = "use a runtime that has it (Monado has)"
 UPDATE = "update the headset's runtime"
 
-GRAPHICS_EXTENSIONS = (GLX_EXTENSION, EGL_EXTENSION) = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
-CLOCK_EXTENSION = "XR_KHR_convert_timespec_time"
+GRAPHICS_EXTENSIONS = (OPENGL_EXTENSION, EGL_EXTENSION) = ("XR_KHR_opengl_enable", "XR_MNDX_egl_enable")
+CLOCK_EXTENSION = (
+    "XR_KHR_win32_convert_performance_counter_time" if sys.platform == "win32" else "XR_KHR_convert_timespec_time"
+)
 
 STAGES = ("binding", "runtime", "instance", "headset", "session", "running")  # on the way to a picture, in order
 _STEPS = {

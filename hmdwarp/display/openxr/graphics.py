@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
@@ -13,14 +14,14 @@ import xr
 from ...errors import InputError, MachineError
 from ...gpu.context import WANTED, Gpu, create_context
 from ..controls import CONTROLS, Control
-from .diagnosis import EGL_EXTENSION, GLX_EXTENSION
+from .diagnosis import EGL_EXTENSION, OPENGL_EXTENSION
 from .runtime import Calls, Instance
 
 if TYPE_CHECKING:
     from .mirror_window import Mirror
 
 VARIABLE = "HMDWARP_OPENXR_GRAPHICS"
-GLX, EGL = "glx", "egl"
+GLX, EGL, WGL = "glx", "egl", "wgl"
 _CONFIG_ID, _FBCONFIG_ID, _VISUAL_ID, _NONE = 0x3028, 0x8013, 0x800B, 0
 
 
@@ -29,7 +30,7 @@ class Graphics:
     """An OpenGL context for a runtime."""
 
     gpu: Gpu  # with its context current
-    name: str  # "GLX" or "EGL"
+    name: str  # "GLX", "EGL" or "WGL"
     binding: ctypes.Structure  # that context as a runtime expects it
     mirror: Mirror | None = None  # the window, if any
 
@@ -40,20 +41,20 @@ class Graphics:
             self.mirror.close()
 
 
-def kinds(extensions: frozenset[str], environ: Mapping[str, str]) -> list[str]:
+def kinds(extensions: frozenset[str], environ: Mapping[str, str], system: str = sys.platform) -> list[str]:
     """Return the ways to draw for that runtime here, the best first.
 
     GLX: a window's context, which mirrors the left eye on the desktop. EGL: one without a window.
-    The environment variable HMDWARP_OPENXR_GRAPHICS, egl or glx, forces one.
+    WGL: as GLX, on Windows. The environment variable HMDWARP_OPENXR_GRAPHICS forces one.
     Errors: InputError for another value of it; MachineError if none is left.
     """
     requested = environ.get(VARIABLE, "").lower()
-    if requested not in ("", EGL, GLX):
-        raise InputError(f"{VARIABLE} is '{requested}': expected {EGL} or {GLX}")
+    if requested not in ("", EGL, GLX, WGL):
+        raise InputError(f"{VARIABLE} is '{requested}': expected {EGL}, {GLX} or {WGL}")
     possible = []
-    if GLX_EXTENSION in extensions and environ.get("DISPLAY"):
-        possible.append(GLX)
-    if EGL_EXTENSION in extensions:
+    if OPENGL_EXTENSION in extensions and (system == "win32" or environ.get("DISPLAY")):
+        possible.append(WGL if system == "win32" else GLX)
+    if EGL_EXTENSION in extensions and system != "win32":
         possible.append(EGL)
     left = [kind for kind in possible if requested in ("", kind)]
     if left:
@@ -76,7 +77,7 @@ def open_graphics(instance: Instance, controls: tuple[Control, ...] = CONTROLS) 
     failures = []
     for kind in kinds(instance.extensions, os.environ):
         try:
-            return _windowed(controls) if kind == GLX else _windowless()
+            return _windowless() if kind == EGL else _windowed(controls, kind)
         except MachineError as error:
             failures.append(str(error))
     raise MachineError("; ".join(failures))
@@ -87,7 +88,7 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
 
     Errors: MachineError if it needs a newer one.
     """
-    if GLX_EXTENSION not in instance.extensions:
+    if OPENGL_EXTENSION not in instance.extensions:
         return
     needs = calls.call_once(xr.get_opengl_graphics_requirements_khr, instance.handle, instance.system)
     least = xr.Version(needs.min_api_version_supported)
@@ -98,7 +99,7 @@ def check_requirements(calls: Calls, instance: Instance, gpu: Gpu) -> None:
         )
 
 
-def _windowed(controls: tuple[Control, ...]) -> Graphics:
+def _windowed(controls: tuple[Control, ...], kind: str) -> Graphics:
     os.environ.setdefault(
         "PYGLFW_LIBRARY_VARIANT", "x11"
     )  # GLX belongs to X11; this is read when glfw is first imported, which is now
@@ -107,7 +108,7 @@ def _windowed(controls: tuple[Control, ...]) -> Graphics:
     mirror = Mirror(controls)
     try:
         gpu = Gpu(mirror.gl)
-        return Graphics(gpu, "GLX", _glx_binding(), mirror)
+        return Graphics(gpu, kind.upper(), _glx_binding() if kind == GLX else _wgl_binding(), mirror)
     except BaseException:
         mirror.close()
         raise
@@ -155,6 +156,16 @@ def _glx_binding() -> ctypes.Structure:
     binding: ctypes.Structure = xr.GraphicsBindingOpenGLXlibKHR()
     _put(binding, x_display=display, visualid=visual.value, glx_fbconfig=config, glx_context=context)
     binding.glx_drawable = glx.glXGetCurrentDrawable()
+    return binding
+
+
+def _wgl_binding() -> ctypes.Structure:
+    """Return the binding of the current context. Errors: MachineError unless it is WGL."""
+    wgl = _library("opengl32.dll", "wglGetCurrentDC", "wglGetCurrentContext")
+    binding: ctypes.Structure = xr.GraphicsBindingOpenGLWin32KHR()
+    _put(binding, h_dc=wgl.wglGetCurrentDC(), h_glrc=wgl.wglGetCurrentContext())
+    if not binding.h_glrc:
+        raise MachineError("the window's context is not WGL's")
     return binding
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, suppress
@@ -16,7 +17,15 @@ from xr import raw_functions
 from ...errors import HmdwarpError, MachineError
 from ...resources import __version__
 from .. import Closed, Lost
-from .diagnosis import CLOCK_EXTENSION, EGL_EXTENSION, GLX_EXTENSION, LOST, diagnose, manifest_text, missing_extensions
+from .diagnosis import (
+    CLOCK_EXTENSION,
+    EGL_EXTENSION,
+    LOST,
+    OPENGL_EXTENSION,
+    diagnose,
+    manifest_text,
+    missing_extensions,
+)
 
 # Results that only a caller who violates the specification gets.
 _WRONG = ("CallOrderInvalid", "HandleInvalid", "LayerInvalid", "PoseInvalid", "TimeInvalid", "ValidationFailure")
@@ -96,7 +105,7 @@ HEADLESS_EXTENSION = "XR_MND_headless"
 RATE_EXTENSION = "XR_FB_display_refresh_rate"
 MASK_EXTENSION = "XR_KHR_visibility_mask"
 WITH_PICTURES = (
-    GLX_EXTENSION,
+    OPENGL_EXTENSION,
     EGL_EXTENSION,
     CLOCK_EXTENSION,
     DEPTH_EXTENSION,
@@ -121,19 +130,18 @@ class Instance:
     system: int
     extensions: frozenset[str]  # the enabled ones
     about: dict[str, str]  # runtime, runtime_version, headset
-    _convert: Callable[..., int]  # xrConvertTimespecTimeToTimeKHR
-    _timespec: xr.timespec
+    _convert: Callable[..., int]  # from the system's clock, which _stamp has for time.monotonic_ns
+    _stamp: Callable[[int], ctypes.Structure | ctypes.c_int64]
     _time: ctypes.c_int64
 
     def offset_ns(self) -> int:
-        """Return runtime clock minus CLOCK_MONOTONIC.
+        """Return runtime clock minus time.monotonic_ns.
 
         Measured at every refresh: a runtime's clock may drift, and a restarted runtime may have
         another.
         """
         now_ns = time.monotonic_ns()
-        self._timespec.tv_sec, self._timespec.tv_nsec = divmod(now_ns, NS)
-        if self._convert(self.handle, ctypes.byref(self._timespec), ctypes.byref(self._time)) < 0:
+        if self._convert(self.handle, ctypes.byref(self._stamp(now_ns)), ctypes.byref(self._time)) < 0:
             return 0
         return self._time.value - now_ns
 
@@ -177,11 +185,21 @@ def _described(calls: Calls, handle: xr.Instance, on: frozenset[str]) -> Instanc
     )  # Monado's name includes it
     system = calls.call_once(xr.get_system, handle, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
     headset = _text(calls.call_once(xr.get_system_properties, handle, system).system_name)
-    pointer = calls.call_once(xr.get_instance_proc_addr, handle, "xrConvertTimespecTimeToTimeKHR")
-    convert = ctypes.cast(pointer, xr.PFN_xrConvertTimespecTimeToTimeKHR)
+    name = f"xrConvert{'Win32PerformanceCounter' if sys.platform == 'win32' else 'TimespecTime'}ToTimeKHR"
+    convert = ctypes.cast(calls.call_once(xr.get_instance_proc_addr, handle, name), getattr(xr, f"PFN_{name}"))
     calls.stage = "session"
     about = {"runtime": runtime, "runtime_version": version, "headset": headset}
-    return Instance(handle, system, on, about, convert, xr.timespec(), ctypes.c_int64())
+    return Instance(handle, system, on, about, convert, _stamped, ctypes.c_int64())
+
+
+def _stamped(now_ns: int) -> ctypes.Structure | ctypes.c_int64:
+    """Return an instant of time.monotonic_ns, which has just been read, as the runtime takes it."""
+    if sys.platform != "win32":
+        stamp: ctypes.Structure = xr.timespec(*divmod(now_ns, NS))
+        return stamp
+    ticks = ctypes.c_int64()
+    ctypes.CDLL("kernel32.dll").QueryPerformanceCounter(ctypes.byref(ticks))
+    return ticks
 
 
 def _text(value: bytes | str) -> str:

@@ -17,7 +17,8 @@ from ...gpu.context import Gpu
 from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
 from ...headsets import Headset
 from ...metrics import QualityPool, clip_length, worker_count
-from ...pipeline.sizes import check_held, eye_sizes, memory_bytes
+from ...pipeline.sizes import check_held, eye_sizes
+from ...platforms import memory_bytes
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
 from ...run.options import RunOptions
 from ...run.replay_setup import set_up_replay

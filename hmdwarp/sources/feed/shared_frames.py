@@ -11,6 +11,7 @@ its own as long as it lives. On Linux; elsewhere nothing is shared.
 from __future__ import annotations
 
 import contextlib
+import io
 import mmap
 import os
 import re
@@ -25,6 +26,7 @@ import attrs
 import numpy as np
 
 from ... import platforms
+from ...platforms import CLOEXEC, NOFOLLOW, NONBLOCK
 from .message import FrameMessage, Malformed, Stub, length_of, pieces_of, write
 
 SHARED = Path("/dev/shm")
@@ -161,10 +163,10 @@ class SharedFrames:
 
 def _made(name: str, length: int) -> mmap.mmap:
     """Return the memory of a new segment. Errors: OSError, and nothing is left then."""
-    descriptor = os.open(SHARED / name, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+    descriptor = os.open(SHARED / name, os.O_RDWR | os.O_CREAT | os.O_EXCL | CLOEXEC, 0o600)
     try:
         # Without the room a write into it would end the process.
-        os.posix_fallocate(descriptor, 0, length)
+        platforms.reserve(descriptor, length)
         return mmap.mmap(descriptor, length)
     except BaseException:
         (SHARED / name).unlink()
@@ -178,7 +180,7 @@ def _locked() -> tuple[str, int]:
     while True:
         name = f"{PREFIX}-{secrets.token_hex(8)}"
         path = SHARED / name
-        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_CLOEXEC, 0o600)
+        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | CLOEXEC, 0o600)
         if _locks(lock) and path.exists():
             return name, lock
         # Another server has just taken it for one that was left behind.
@@ -207,7 +209,7 @@ def remove_abandoned() -> None:
 def _abandoned(owner: str) -> bool:
     """Return whether no process holds the lock; its file is removed then."""
     try:
-        descriptor = os.open(SHARED / owner, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+        descriptor = os.open(SHARED / owner, os.O_RDWR | CLOEXEC | NOFOLLOW)
     except FileNotFoundError:
         return True
     except OSError:
@@ -230,7 +232,7 @@ def read(stub: Stub) -> memoryview:
     """
     if _SEGMENT.fullmatch(stub.name) is None:
         raise Malformed(f"shared memory '{stub.name[:40]}': expected {PREFIX}-, an owner and a number")
-    flags = os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW | os.O_NONBLOCK
+    flags = os.O_RDONLY | CLOEXEC | NOFOLLOW | NONBLOCK
     descriptor = os.open(SHARED / stub.name, flags)
     try:
         found = os.fstat(descriptor)
@@ -238,7 +240,7 @@ def read(stub: Stub) -> memoryview:
             raise Malformed(f"shared memory of {found.st_size} bytes: expected {stub.length}")
         # An array's memory is twice as quick to get as that of bytes: it comes in large pages.
         data = np.empty(stub.length, np.uint8).data
-        count = os.preadv(descriptor, [data], 0)
+        count = io.FileIO(descriptor, closefd=False).readinto(data)
         if count < stub.length:
             raise Malformed(f"shared memory that ends at {count} bytes: expected {stub.length}")
         return data.toreadonly()

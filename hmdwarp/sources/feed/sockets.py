@@ -11,7 +11,6 @@ import contextlib
 import ipaddress
 import os
 import re
-import select
 import socket
 import struct
 import sys
@@ -25,7 +24,7 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
-from ...platforms import fcntl, termios
+from ...platforms import fcntl, takes_more, termios
 from ...resources import import_extra
 from . import EXTRA
 
@@ -139,9 +138,7 @@ class Connection:
 
     def takes_more(self) -> bool:
         """Return whether the system has room for bytes to it: the library then holds none."""
-        waiting = select.poll()
-        waiting.register(self.descriptor, select.POLLOUT)
-        return bool(waiting.poll(0))
+        return takes_more(self.descriptor)
 
 
 class Connections:

@@ -18,8 +18,9 @@ import textual_serve.server
 from aiohttp import web
 from textual_serve.app_service import AppService
 
+from ...platforms import message_socket
 from .message_socket import MessageSocket
-from .terminal_app import ConsoleApp, lower_priority
+from .terminal_app import ConsoleApp, step_back
 
 CLOSING_S = 1.0  # for pages that are still open
 CELLS = (600, 300)  # of a terminal at most: the screen would draw as many as a page names
@@ -110,7 +111,7 @@ def serve() -> None:
     Arguments could be read by everybody on this machine. The folder is removed at the end: the
     session may have been killed.
     """
-    lower_priority()
+    step_back()
     # Neither a request nor a screen that ends after this server's loop is news for the session's
     # stderr.
     logging.disable()
@@ -131,8 +132,8 @@ def serve() -> None:
 
 def show(door: str) -> None:
     """Show the screen to the server that started this. door: where the session listens."""
-    lower_priority()
-    end = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    step_back()
+    end = message_socket()
     end.connect(door)
     app = ConsoleApp(MessageSocket(end))
     app.run(mouse=False)

@@ -15,6 +15,7 @@ from typing import Protocol, Self
 import attrs
 
 from ...display import Command
+from ...platforms import in_foreground
 from ..scales import range_text
 
 KINDS = (AUTO, TERMINAL, BROWSER, LINES, NONE) = ("auto", "terminal", "browser", "lines", "none")
@@ -275,7 +276,7 @@ class LineConsole:
         try:
             if not select.select([self._input], [], [], 0)[0]:
                 return False
-            return not os.isatty(self._input) or os.tcgetpgrp(self._input) == os.getpgrp()
+            return not os.isatty(self._input) or in_foreground(self._input)
         except (OSError, ValueError):
             self._input = -1
             return False

@@ -17,7 +17,7 @@ from contextlib import suppress
 from typing import Any
 
 from ...display import Command
-from ...platforms import widen_pipe
+from ...platforms import unblock, widen_pipe
 from .line_console import ConsoleState, LineConsole, Subject, is_bound, subject_of
 
 PACKET = 1 << 16
@@ -214,7 +214,7 @@ class OutputCapture:
 
     def __init__(self) -> None:
         self.read, self._write = os.pipe()  # reads do not wait
-        os.set_blocking(self.read, False)
+        unblock(self.read)
         with suppress(OSError):  # more than this user may have
             widen_pipe(self._write, PIPE_BYTES)
         self.out, self.err = os.dup(1), os.dup(2)  # stdout and stderr as they were

@@ -10,7 +10,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
-import select
 import signal
 import socket
 import sys
@@ -25,7 +24,7 @@ from textual.containers import Horizontal, Vertical
 from textual.drivers.linux_driver import LinuxDriver
 from textual.widgets import RichLog, Static
 
-from ...platforms import termios
+from ...platforms import has_hung_up, lower_priority, termios, unblock
 from .line_console import ConsoleState, clock
 from .message_socket import MessageSocket, PeerGone, pieces
 from .screen_text import COLOURED, PLAIN, Entered, KeyEntry, Scene, help_text, plain
@@ -191,9 +190,7 @@ class ConsoleApp(App[None], inherit_bindings=False):
 
     def _redraw(self) -> None:
         """Draw what is new, and once a second in any case: that no news came is news."""
-        hung_up = select.poll()
-        hung_up.register(0, 0)
-        if hung_up.poll(0):
+        if has_hung_up(0):
             self._leave(1)
         elif asyncio.get_running_loop().time() - self._drawn_s >= 1.0:
             self._draw()
@@ -230,7 +227,7 @@ class TerminalApp(ConsoleApp):
         loop = asyncio.get_running_loop()
         self._raw_modes = termios.tcgetattr(0)
         loop.add_reader(self._printed_fd, self._take_printed)
-        loop.add_signal_handler(signal.SIGCONT, self._come_back)
+        loop.add_signal_handler(signal.Signals["SIGCONT"], self._come_back)
 
     def action_interrupt(self, name: str) -> None:
         """Send the session's program the signal that the terminal would send it for this key."""
@@ -249,20 +246,16 @@ class TerminalApp(ConsoleApp):
         self.action_repaint()
 
 
-def lower_priority() -> None:
-    """Let the session's program run first on a machine with few cores.
-
-    SCHED_BATCH keeps this program from preempting it whenever a message arrives.
-    """
-    with contextlib.suppress(OSError, AttributeError):
-        os.nice(NICE)
-        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+def step_back() -> None:
+    """Let the session's program run first on a machine with few cores."""
+    with contextlib.suppress(OSError):
+        lower_priority(NICE, batch=True)
 
 
 def main(messages_fd: int, printed_fd: int, error_fd: int, session_pid: int) -> None:
     """Run the program. error_fd: stderr of the session's program, for the last lines."""
-    lower_priority()
-    os.set_blocking(printed_fd, False)
+    step_back()
+    unblock(printed_fd)
     app = TerminalApp(MessageSocket(socket.socket(fileno=messages_fd)), printed_fd, session_pid)
     app.run(mouse=False)
     for piece in pieces(printed_fd):

@@ -14,7 +14,6 @@ import os
 import secrets
 import shlex
 import shutil
-import signal
 import socket
 import stat
 import subprocess
@@ -28,7 +27,7 @@ from typing import Self
 
 from ...display import Command
 from ...errors import InputError, MachineError
-from ...platforms import termios
+from ...platforms import in_foreground, message_socket, message_sockets, signals_blocked, termios
 from ...resources import install_line
 from .line_console import AUTO, BROWSER, KINDS, LINES, NONE, TERMINAL, Console, ConsoleState, LineConsole, NoConsole
 from .message_socket import LINES_KEPT, MessageSocket, OutputCapture, ProgramConsole
@@ -59,7 +58,7 @@ class BrowserConsole(ProgramConsole):
     def __enter__(self) -> Self:
         self._folder = Path(tempfile.mkdtemp(prefix="hmdwarp-console-"))  # for this user alone
         door = str(self._folder / "door")
-        self._door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._door = message_socket()
         try:
             self._door.bind(door)
         except OSError as error:  # a path of more than 107 bytes
@@ -155,8 +154,6 @@ def _program(main: str, *arguments: str) -> list[str]:
     return [sys.executable, "-c", PAGE_CODE.format(main=main), json.dumps(sys.path), *arguments]
 
 
-# Signals of the session's program alone; the console ends when that program does.
-BLOCKED = {signal.SIGINT, signal.SIGTERM, signal.SIGTTOU}
 SCREEN_CODE = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from hmdwarp.study.console.terminal_app import main; main(*map(int, sys.argv[2:]))"
@@ -175,21 +172,20 @@ class TerminalConsole(ProgramConsole):
 
     def __enter__(self) -> Self:
         self._modes = termios.tcgetattr(0)
-        here, there = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        here, there = message_sockets()
         capture = self._capture = OutputCapture()
         passed = (there.fileno(), capture.read, capture.err)
-        masked = signal.pthread_sigmask(signal.SIG_BLOCK, BLOCKED)  # the new program inherits the mask
         try:
-            self.program = subprocess.Popen(
-                [sys.executable, "-c", SCREEN_CODE, json.dumps(sys.path), *map(str, passed), str(os.getpid())],
-                stdin=0,
-                stdout=capture.out,
-                stderr=capture.out,  # textual draws on stderr
-                pass_fds=passed,
-                env=_environment(),
-            )
+            with signals_blocked():  # they are the session's alone; the console ends when that does
+                self.program = subprocess.Popen(
+                    [sys.executable, "-c", SCREEN_CODE, json.dumps(sys.path), *map(str, passed), str(os.getpid())],
+                    stdin=0,
+                    stdout=capture.out,
+                    stderr=capture.out,  # textual draws on stderr
+                    pass_fds=passed,
+                    env=_environment(),
+                )
         finally:
-            signal.pthread_sigmask(signal.SIG_SETMASK, masked)
             there.close()
         self.messages = MessageSocket(here)
         capture.begin()
@@ -257,12 +253,12 @@ def _why_no_terminal() -> str:
     for name, stream in (("stdin", sys.stdin), ("stdout", sys.stdout)):
         if stream is None or stream.closed or not stream.isatty():
             return f"{name} is not a terminal"
-    if os.environ.get("TERM", "dumb") in ("", "dumb"):
+    if termios is None or os.environ.get("TERM", "dumb") in ("", "dumb"):
         return "TERM says that this terminal cannot place text (dumb, or not set)"
     if importlib.util.find_spec("textual") is None:
         return f"textual is not installed: {install_line('study')}"
     if sys.stdin.fileno() != 0 or sys.stdout.fileno() != 1:
         return "stdin and stdout are other files than the program was started with"
-    if os.tcgetpgrp(0) != os.getpgrp():
+    if not in_foreground(0):
         return "the program runs in the background"
     return ""

@@ -18,10 +18,10 @@ TEXTS = {
     BREAK: "have a break",
     AGAIN: "answer the last question again",
     SKIP: "leave this question unanswered",
-    STOP: "stop for today",
+    STOP: "end the session",
 }
 OFFERED = (CONTINUE, BREAK, AGAIN, STOP)
-SURE = (("no", "no, go on"), ("yes", "yes, stop"))
+SURE = (("no", "no, go on"), ("yes", "yes, end it"))
 SURE_TO_REFUSE = (("no", "no, back to the text"), ("yes", "yes, end here"))
 
 ROWS = 9  # of a page; a headset's eye cannot see more at once (display/present.py)
@@ -101,7 +101,7 @@ class MenuDialog:
         hint = picking_hint(self._hints)
         if self._stopping:
             lines = ("Your answers so far are kept.", "You need not say why.")
-            return MessagePanel("Stop now?", lines, SURE, self._picker.marked, hint)
+            return MessagePanel("End the session now?", lines, SURE, self._picker.marked, hint)
         return MessagePanel("Menu", (), self._picker.choices, self._picker.marked, hint, column=True)
 
     def handle(self, commands: Sequence[Command]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import os
+import shutil
 import sqlite3
 import zlib
 from collections.abc import Iterator
@@ -13,6 +14,7 @@ from typing import Any
 from urllib.parse import quote
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...platforms import NOFOLLOW
 from ...report import counted, sync
 from .folders import DATABASE, TRACES, Journal, noted_journal
 from .page_reader import rows_in
@@ -74,10 +76,9 @@ def damaged(path: Path, why: str) -> InputError:
 
 def _is_full(folder: Path) -> bool:
     try:
-        found = os.statvfs(folder)
+        return shutil.disk_usage(folder).free < _LEAST_BYTES
     except OSError:
         return False
-    return found.f_bavail * found.f_frsize < _LEAST_BYTES
 
 
 @contextmanager
@@ -194,7 +195,7 @@ def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
     path = folder / DATABASE
     with translated(path):
         with suppress(OSError):  # SQLite says why; its log gets the same mode
-            os.close(os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o600))
+            os.close(os.open(path, os.O_RDWR | os.O_CREAT | NOFOLLOW, 0o600))
         db = _connect(path, "mode=rwc")
         try:
             new = _is_empty(db)

@@ -18,6 +18,7 @@ from pathlib import Path
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...platforms import NOFOLLOW
 from ...report import counted, sync
 from .admission import check_code
 from .database import transaction, translated
@@ -118,7 +119,7 @@ def _erase_traces(traces: Path, sub: str) -> None:
 
 
 def _overwrite(path: Path) -> None:
-    handle = os.open(path, os.O_WRONLY | os.O_NOFOLLOW)
+    handle = os.open(path, os.O_WRONLY | NOFOLLOW)
     try:
         left = os.fstat(handle).st_size
         while left > 0:

@@ -66,13 +66,15 @@ class Lock:
 
     def _write(self) -> None:
         with suppress(OSError):  # a full disk: the lock is held all the same
-            os.pwrite(self._file, json.dumps(self._words).encode().ljust(_WORDS), 0)  # at once, over all before
+            os.lseek(self._file, 0, os.SEEK_SET)
+            os.write(self._file, json.dumps(self._words).encode().ljust(_WORDS))  # at once, over all before
             os.ftruncate(self._file, _WORDS)
 
     def _holder(self) -> str:
         """Return "since 14:03 on 2026-01-31, process 123 on HOST"; "" where it is not known."""
         with suppress(OSError, ValueError, KeyError, TypeError):
-            holder = json.loads(os.pread(self._file, 4096, 0))
+            os.lseek(self._file, 0, os.SEEK_SET)
+            holder = json.loads(os.read(self._file, 4096))
             since = datetime.fromisoformat(holder["since"]).strftime("%H:%M on %Y-%m-%d")
             return f"since {since}, process {holder['pid']} on {holder['host']}"
         return ""

@@ -44,7 +44,7 @@ def test_steps_and_confirm_choose(steps, chosen):
 def test_the_end_is_confirmed_twice():
     menu = MenuDialog()
     menu.handle(said("left", *["right"] * 3, "confirm"))
-    assert menu.chosen == "" and menu.panel().title == "Stop now?"
+    assert menu.chosen == "" and menu.panel().title == "End the session now?"
     menu.handle(said("confirm"))
     assert menu.chosen == "" and menu.panel().title == "Menu"  # a second slip goes back
     menu.handle(said(*["down"] * 3, "confirm", "right", "confirm"))

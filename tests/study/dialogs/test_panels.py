@@ -5,8 +5,6 @@ What is drawn where pointing finds it, nothing beyond the paper, nothing that ju
 
 from __future__ import annotations
 
-import time
-
 import attrs
 import numpy as np
 import pytest
@@ -160,7 +158,7 @@ def test_the_buttons_of_a_panel_are_where_they_are_drawn():
 
 def test_a_button_s_text_keeps_clear_of_its_edges():
     """By 8 pixels on each side: a smaller size is taken instead."""
-    text = "Stop for today"
+    text = "End the session"
     for px in (28, 24):
         for spare in (0, 8, 15, 16):
             right = 10 + width_of(text, px) + spare
@@ -210,23 +208,16 @@ def test_a_panel_lies_in_the_middle_and_a_text_at_the_bottom(gpu):
 
 
 def test_a_marker_that_moves_leaves_no_textures_behind(gpu):
-    """A hundred panels; no more than KEPT stay.
-
-    Each takes 2 ms, one with a list 5; the limit is against what got much worse alone.
-    """
+    """A hundred panels; no more than KEPT stay."""
     notices, asked = Notices(gpu.gl), asked_of(next(scale for scale in SHIPPED if scale.name == "slider"))
     try:
-        seconds = []
         asked.handle(said("left"))
-        for _ in range(100):
-            asked.handle(said("right" if len(seconds) % 100 < 40 else "left"))
+        for number in range(100):
+            asked.handle(said("right" if number < 40 else "left"))
             panel = asked.panel()
             assert panel == asked.panel() and hash(panel) == hash(asked.panel())
-            began = time.perf_counter()
             assert notices.of(panel) is notices.of(asked.panel())
-            seconds.append(time.perf_counter() - began)
         assert len(notices._kept) == KEPT
-        assert np.median(seconds) < 0.05
     finally:
         notices.close()
 

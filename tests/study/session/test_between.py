@@ -187,14 +187,14 @@ def test_a_participant_stops_by_the_menu_after_one_question(monkeypatch, gpu, tm
             return [Command("menu")]
         if isinstance(panel, MessagePanel) and panel.title == "Menu":
             return [press(panel, "stop")]
-        if isinstance(panel, MessagePanel) and panel.title == "Stop now?":
+        if isinstance(panel, MessagePanel) and panel.title == "End the session now?":
             return [press(panel, "yes")]
         return None
 
     path = study(tmp_path)
     ran = run(monkeypatch, gpu, path, Person(own))
     assert ran.session.status == STOPPED
-    assert "Stop now?" in [getattr(panel, "title", "") for panel in ran.display.panels]
+    assert "End the session now?" in [getattr(panel, "title", "") for panel in ran.display.panels]
     (stop,) = [event for event in contents(path).events if event.kind == "stop"]
     assert stop.data["by"] == "participant"
 

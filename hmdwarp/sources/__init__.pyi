@@ -1,0 +1,1 @@
+from . import sequences as sequences
