@@ -12,16 +12,33 @@ from collections.abc import Callable, Mapping
 
 import cv2
 import numpy as np
+from bench_feed import VIEWS
 from bench_quick import Case
 
 from hmdwarp.client.warps import warps
-from hmdwarp.gpu import SCALAR, Gpu, allocate
+from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
+from hmdwarp.frames import EyeImage
+from hmdwarp.geometry import inverse_depth_from_metres
+from hmdwarp.gpu import SCALAR, Gpu, allocate, download, upload
 from hmdwarp.scenes import load_scene
-from hmdwarp.sources.server import Server
+from hmdwarp.sources.array_passes import LINEAR, SRGB8, Arrays
+from hmdwarp.sources.server import Renderer, Server
 
 SIZE = (1280, 800)
 # (what, over what, at most, what it is over)
-AIMS = (("backward with its depth", "forward", 1.0, "`backward` with the client's depth over `forward`"),)
+FRAMES = tuple(
+    (name, f"{name} by NumPy", 1.0, f"{told} over the same by NumPy")
+    for name, told in (
+        ("recorded", "a recorded frame to textures"),
+        ("full", "a frame of the feed to textures, `--raw full`,"),
+        ("half", "a frame of the feed to textures, `--raw half`,"),
+        ("given", "a drawn frame to the bytes of `--raw half`"),
+    )
+)
+AIMS = (
+    *FRAMES,
+    ("backward with its depth", "forward", 1.0, "`backward` with the client's depth over `forward`"),
+)
 PARTS = (
     ("forward", "warpFrame", "`forward` over cv2.warpFrame"),
     ("none", "forward", "copying a picture (`none`) over `forward`"),
@@ -39,7 +56,7 @@ def methods_of(case: Case, gpu: Gpu) -> dict[str, Callable[[], object]]:
     unseeded = iterative(gpu, case.size, case.size, iterative.Settings(seed="rotation"))
     few = allocate(gpu.gl, (2, 2), SCALAR)
     every = case.methods()
-    wanted = {name for aim in (*AIMS, *PARTS) for name in aim[:2]}
+    wanted = {name for aim in (*AIMS[len(FRAMES) :], *PARTS) for name in aim[:2]}
     return {name: run for name, run in every.items() if name in wanted} | {
         "unseeded": lambda: unseeded.run(case.inputs, case.canvas),
         "depth": lambda: case.server.draw_depth(case.shown, case.size, case.client_depth),
@@ -58,6 +75,50 @@ def measured(gpu: Gpu, methods: Mapping[str, Callable[[], object]], rounds: int)
             gpu.gl.finish()
             times[name].append((time.process_time_ns() - started) * 1e-6)
     return {name: float(np.median(values[1:])) for name, values in times.items()}
+
+
+def frames_taken(gpu: Gpu, size: tuple[int, int]) -> dict[str, Callable[[], object]]:
+    """Return how frames go to the GPU and from it, and the same by NumPy, as it was before."""
+    rng, renderer = np.random.default_rng(1), Renderer(gpu, load_scene("room"))
+    colour, metres = rng.integers(0, 256, (*size[::-1], 4), np.uint8), rng.uniform(0.5, 9, size[::-1]).astype("f4")
+    light, inverse, target = rng.random(colour.shape, np.float32).astype(np.float16), 1 / metres, renderer.acquire(size)
+    codes, step = rng.integers(0, 65535, metres.shape, np.uint16), float(np.float32(1e-4))
+    recorded = Arrays(np.ascontiguousarray(colour[..., :3]), SRGB8, metres, is_apart=True)
+    fed = {
+        "full": Arrays(light, LINEAR, inverse, is_inverse=True, is_apart=True),
+        "half": Arrays(colour, SRGB8, codes, step, is_inverse=True, is_apart=True),
+    }
+    eye = EyeImage(VIEWS[0], target.colour, target.inverse_depth)
+
+    def by_numpy(light: np.ndarray, inverse: np.ndarray) -> None:
+        upload(target.colour, light.astype(np.float16, copy=False))
+        upload(target.inverse_depth, inverse.astype(np.float32, copy=False))
+
+    def recorded_by_numpy() -> None:
+        found, covered = linear_from_srgb(recorded.colour).astype(np.float32), np.ones((*metres.shape, 1), np.float32)
+        inverse = inverse_depth_from_metres(metres)
+        by_numpy(np.concatenate([found, covered], axis=2), np.where(np.isnan(inverse), -1, inverse))
+
+    def half_by_numpy() -> None:
+        found = linear_from_srgb(colour).astype(np.float16)
+        found[..., 3] = colour[..., 3] > 0
+        by_numpy(found, np.where(codes == 65535, np.float32(-1), codes * np.float32(step)))
+
+    def given_by_numpy() -> None:
+        drawn, depth = download(target.colour), download(target.inverse_depth)
+        np.dstack([srgb8_from_linear(drawn[..., :3]), np.where(drawn[..., 3] > 0, 255, 0).astype(np.uint8)])
+        np.where(depth < 0, 65535, np.rint(depth * (65534 / depth.max()))).astype(np.uint16)
+
+    return {
+        "recorded": lambda: renderer.take_in(recorded, target),
+        "recorded by NumPy": recorded_by_numpy,
+        "full": lambda: renderer.take_in(fed["full"], target),
+        "full by NumPy": lambda: by_numpy(light, inverse),
+        "half": lambda: renderer.take_in(fed["half"], target),
+        "half by NumPy": half_by_numpy,
+        "given": lambda: renderer.give_codes(eye),
+        "given by NumPy": given_by_numpy,
+    }
 
 
 def table(took: Mapping[str, float]) -> str:
@@ -79,7 +140,8 @@ def main() -> None:
     cv2.setNumThreads(1)
     with Gpu() as gpu:
         server = Server(gpu, load_scene("room"))
-        print(table(measured(gpu, methods_of(Case(gpu, server, SIZE, arguments.time), gpu), arguments.rounds)))
+        methods = methods_of(Case(gpu, server, SIZE, arguments.time), gpu) | frames_taken(gpu, SIZE)
+        print(table(measured(gpu, methods, arguments.rounds)))
         server.close()
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import Ask, FrameMessage
+from hmdwarp.sources.feed.message import HALF, RAW, Ask, DepthCodes, FrameMessage, Wish
 from hmdwarp.sources.feed.shared_frames import SharedFrames, read
 
 SIZES = ((640, 400), (1344, 1600))
@@ -33,9 +33,13 @@ END = (1, 1)
 PORT = 5599
 
 
-def frame_of(size: tuple[int, int]) -> FrameMessage:
-    """Both eyes with colour (8 bytes a pixel) and depth (4), as downloaded: turned over."""
+def frame_of(size: tuple[int, int], wish: Wish = RAW["full"]) -> FrameMessage:
+    """Both eyes with colour (8 bytes a pixel) and depth (4), as downloaded, or in half."""
     rng = np.random.default_rng(1)
+    if wish == HALF:
+        bytes_ = tuple(rng.integers(0, 256, (size[1], size[0], 4), np.uint8) for _ in VIEWS)
+        codes = tuple(DepthCodes(rng.integers(0, 65536, size[::-1], np.uint16), 1e-4) for _ in VIEWS)
+        return FrameMessage(1, 0, 0, 0, 0, 0, VIEWS, bytes_, codes)
     colours = tuple(rng.random((size[1], size[0], 4), np.float32).astype(np.float16)[::-1] for _ in VIEWS)
     depths = tuple(rng.random((size[1], size[0]), np.float32)[::-1] for _ in VIEWS)
     return FrameMessage(1, 0, 0, 0, 0, 0, VIEWS, colours, depths)
@@ -43,7 +47,8 @@ def frame_of(size: tuple[int, int]) -> FrameMessage:
 
 def give(addresses: list[str]) -> None:
     """The other process: answer each request by a frame of its size, until one says to end."""
-    frames, ended = {size: frame_of(size) for size in SIZES}, threading.Event()
+    frames = {(size, wish): frame_of(size, wish) for size in SIZES for wish in RAW.values()}
+    ended = threading.Event()
 
     def answer(listener: Listener) -> None:
         while not ended.is_set():
@@ -51,7 +56,7 @@ def give(addresses: list[str]) -> None:
             if asked is not None and asked.ask.size == END:
                 ended.set()
             elif asked is not None:
-                listener.answer(asked, attrs.evolve(frames[asked.ask.size], number=asked.ask.number))
+                listener.answer(asked, attrs.evolve(frames[asked.ask.size, asked.ask.wish], number=asked.ask.number))
         listener.close()
 
     threads = [threading.Thread(target=answer, args=(Listener(address),)) for address in addresses]
@@ -72,7 +77,8 @@ def fetched(caller: Caller, ask: Ask) -> float:
     (arrival,) = arrived[-1:]
     # As an upload does.
     for picture in (*arrival.frame.colours, *arrival.frame.inverse_depths):
-        np.add.reduce(np.frombuffer(picture, np.uint32))
+        numbers = picture.codes if isinstance(picture, DepthCodes) else picture
+        np.add.reduce(np.frombuffer(numbers, np.uint16 if numbers is not picture else np.uint32))
     return time.perf_counter() - begun
 
 
@@ -115,7 +121,7 @@ def main() -> None:
     wanted = argparse.ArgumentParser(description=__doc__)
     wanted.add_argument("--times", type=int, default=60)
     times = wanted.parse_args().times
-    took: dict[tuple[str, tuple[int, int]], list[float]] = {}
+    took: dict[tuple[str, str, tuple[int, int]], list[float]] = {}
     numbers = itertools.count(1)
     with tempfile.TemporaryDirectory() as folder:
         tcp, ipc = f"127.0.0.1:{PORT}", f"ipc://{folder}/frames"
@@ -128,19 +134,28 @@ def main() -> None:
         ):
             callers = dict(zip(WAYS, (by_tcp, by_ipc, by_memory), strict=True))
             for turn in range(times + 5):
-                for size in SIZES:
-                    for way, caller in callers.items():
-                        seconds = fetched(caller, Ask(next(numbers), 0, 0, 0, 0, size, Pose(), VIEWS))
-                        if turn >= 5:
-                            took.setdefault((way, size), []).append(seconds)
+                for (form, wish), size, (way, caller) in itertools.product(RAW.items(), SIZES, callers.items()):
+                    ask = Ask(next(numbers), 0, 0, 0, 0, size, Pose(), VIEWS, wish=wish)
+                    seconds = fetched(caller, ask)
+                    if turn >= 5:
+                        took.setdefault((form, way, size), []).append(seconds)
             by_tcp.ask(Ask(next(numbers), 0, 0, 0, 0, END, Pose(), VIEWS))
             other.join()
-    print(f"| pixels of one eye | {' | '.join(WAYS)} | ipc / tcp | shared memory / ipc |")
-    print("| --- |" + " --- |" * (len(WAYS) + 2))
-    for size in SIZES:
-        medians = [statistics.median(took[way, size]) for way in WAYS]
+    print(f"| pixels of one eye | `--raw` | {' | '.join(WAYS)} | ipc / tcp | shared memory / ipc | half / full |")
+    print("| --- | --- |" + " --- |" * (len(WAYS) + 3))
+    for size, form in itertools.product(SIZES, RAW):
+        medians = [statistics.median(took[form, way, size]) for way in WAYS]
+        over = (
+            ""
+            if form == "full"
+            else ", ".join(
+                f"{one / statistics.median(took['full', way, size]):.2f}"
+                for one, way in zip(medians, WAYS, strict=True)
+            )
+        )
         cells = " | ".join(f"{median * 1e3:.2f} ms" for median in medians)
-        print(f"| {size[0]}x{size[1]} | {cells} | {medians[1] / medians[0]:.2f} | {medians[2] / medians[1]:.2f} |")
+        ratios = f"{medians[1] / medians[0]:.2f} | {medians[2] / medians[1]:.2f}"
+        print(f"| {size[0]}x{size[1]} | {form} | {cells} | {ratios} | {over} |")
 
 
 if __name__ == "__main__":

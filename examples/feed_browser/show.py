@@ -16,6 +16,7 @@ import numpy as np
 from PIL import Image
 
 from hmdwarp import Fov, View, Warper, load_trace
+from hmdwarp.sources.feed.message import HALF
 from hmdwarp.sources.feed.viewer import Viewer
 
 SIZE, FOV = (480, 360), Fov.symmetric(np.deg2rad(90), np.deg2rad(73.74))
@@ -40,7 +41,8 @@ class Session:
 
     def run(self, address: str, trace: str = "look-around") -> None:
         """Ask, warp and show, one frame after the other."""
-        head, viewer, frames, begun_ns = load_trace(trace).track, Viewer(address), 0, time.monotonic_ns()
+        head, viewer = load_trace(trace).track, Viewer(address, wish=HALF)
+        frames, begun_ns = 0, time.monotonic_ns()
 
         def view_now() -> tuple[View, int]:
             passed_ns = (time.monotonic_ns() - begun_ns) % head.duration_ns
@@ -52,7 +54,7 @@ class Session:
                 frame = viewer.fetch(wanted, SIZE, passed_ns)
                 if frame is None:
                     sys.exit(f"{address}: no frames come; start 'hmdwarp serve' there")
-                there_ns, depth = time.monotonic_ns(), frame.inverse_depths[0].astype(np.float64)
+                there_ns, depth = time.monotonic_ns(), frame.inverse_depth(0).astype(np.float64)
                 with np.errstate(divide="ignore"):
                     metres = np.where(depth < 0, np.nan, 1 / depth)
                 shown = warper.warp(

@@ -36,7 +36,7 @@ class ArrivingScene(Store):
         self._light: ArrivingLight | None = None
         if pieces.light is not None:
             self._light = ArrivingLight(gpu, blank, pieces.light, pieces.most_blockers)
-        self._renderer = Server(gpu, blank, lighting=self._light)
+        self._renderer = Server(gpu, blank, lighting=self._light, changes=True)
         self._first = set(pieces.first)
         self._here: set[int] = set()  # the meshes that have come
         self._scale_of = dict.fromkeys((texture for texture, _ in pieces.levels), 0.0)

@@ -8,10 +8,11 @@ import os
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from functools import partial
 
+import attrs
 import moderngl
 
 from ..errors import InputError, MachineError
@@ -85,6 +86,56 @@ def _heap_trim() -> Callable[[int], int] | None:
     return getattr(ctypes.CDLL(None), "malloc_trim", None) if sys.platform == "linux" else None
 
 
+@attrs.define(eq=False)
+class _Lent:
+    """What passes of one context after the other may use, made of something that is held too."""
+
+    thing: moderngl.Texture
+    source: object
+    users: int = 0
+    # The Gpu that used it last.
+    last: Gpu | None = None
+
+
+@attrs.frozen(eq=False)
+class _Context:
+    """A context with what is compiled and lent in it."""
+
+    gl: moderngl.Context
+    shaders: ShaderLibrary
+    lent: dict[object, _Lent] = attrs.field(factory=dict)
+
+
+_idle: list[_Context] | None = None  # of closed Gpus, to be used again; None where they end
+
+
+@contextmanager
+def contexts_kept() -> Iterator[None]:
+    """Use contexts of closed Gpus again in this block, with compiled programs and lent textures."""
+    global _idle  # noqa: PLW0603 (of the process, as its contexts)
+    if _idle is not None:
+        yield
+        return
+    _idle = []
+    try:
+        yield
+    finally:
+        left, _idle = _idle, None
+        for context in left:
+            context.gl.release()
+
+
+def _taken() -> _Context:
+    if not _idle:
+        gl = create_context()
+        return _Context(gl, ShaderLibrary(gl))
+    before, context = getattr(_thread, "gpu", None), _idle.pop()
+    if before is not None:
+        before.gl.__exit__(None, None, None)
+    context.gl.__enter__()
+    return context
+
+
 class Gpu:
     """A context with its limits and caches; every pass gets this one object.
 
@@ -97,7 +148,9 @@ class Gpu:
     def __init__(self, gl: moderngl.Context | None = None) -> None:
         global _process  # noqa: PLW0603 (a fork copies it)
         check_not_forked()
-        self.gl = gl if gl is not None else create_context()
+        self._context = _taken() if gl is None else _Context(gl, ShaderLibrary(gl))
+        self._is_own = gl is None
+        self.gl = self._context.gl
         _process = self._process = os.getpid()
         self._before: Gpu | None = getattr(_thread, "gpu", None)
         self._closed = False
@@ -106,7 +159,7 @@ class Gpu:
         self.renderer: str = self.gl.info["GL_RENDERER"]
         self.version: str = self.gl.info["GL_VERSION"]
         self.max_texture_size: int = self.gl.info["GL_MAX_TEXTURE_SIZE"]
-        self.shaders = ShaderLibrary(self.gl)
+        self.shaders = self._context.shaders
         self.timer = StageTimer(self.gl)
         self.seen_rows = SeenRows(self.gl, self.shaders)
         self._reset_status = reset_status_of(self.gl)
@@ -229,8 +282,47 @@ class Gpu:
         self._closed, _thread.gpu = True, None
         _make_current(self._before if before is self else before)
 
+    def lend(self, source: object, key: Hashable, make: Callable[[], moderngl.Texture]) -> moderngl.Texture:
+        """Return the texture made of a source, which must not change, as the key says.
+
+        All users of the context share it, and must not write into it.
+        """
+        lent = self._context.lent.get((id(source), key))
+        if lent is None:
+            lent = self._context.lent[id(source), key] = _Lent(make(), source)
+        lent.users, lent.last = lent.users + 1, self
+        return lent.thing
+
+    def hand_back(self, thing: moderngl.Texture) -> bool:
+        """Free a lent texture unless others need it; return False for one that was not lent."""
+        for key, lent in self._context.lent.items():
+            if lent.thing is thing:
+                lent.users -= 1
+                if not lent.users and _idle is None:
+                    del self._context.lent[key]
+                    thing.release()
+                return True
+        return False
+
+    def _put_aside(self) -> bool:
+        """Leave the context to the next Gpu; return whether that is wanted."""
+        if _idle is None or not self._is_own or self._reset_status():
+            return False
+        for key, lent in list(self._context.lent.items()):
+            if lent.last is not self:
+                del self._context.lent[key]
+                lent.thing.release()
+            lent.last = None
+        self.gl.enable_only(moderngl.NOTHING)
+        self.gl.finish()
+        self.gl.__exit__(None, None, None)
+        _idle.append(self._context)
+        return True
+
     def _release(self) -> None:
         self._collect()
+        if self._put_aside():
+            return
         # A context that is destroyed while current stays so in EGL, and GLX then refuses a window's
         # in the same thread (BadAccess).
         self.gl.__exit__(None, None, None)

@@ -14,12 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..colour import linear_from_srgb, srgb_from_linear
 from ..errors import InputError
 from ..geometry import Fov, Pose, View, inverse_depth_from_metres, metres_from_inverse_depth
+from ..sources.array_passes import LINEAR, SRGB, SRGB8, Arrays
 from ..sources.repairs import RepairChain
 from ..sources.sequences import about_largest, is_largest
 
 NO_DEPTH = -1.0
-# What colour may be: sRGB as bytes, sRGB or linear light as floats.
-SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
 ENCODINGS = (SRGB, LINEAR)
 # Light above it is rare, and a picture is not lit like that in most places, nor in whole numbers:
 # 8-bit values are, as floats.
@@ -74,23 +73,9 @@ class PictureArrays:
 
 
 @attrs.frozen(eq=False)
-class RawPicture:
-    """A picture with depth whose numbers the GPU checks and converts; the top row first."""
+class RawPicture(Arrays):
+    """A picture of a caller, whose numbers the GPU checks as well."""
 
-    # (h, w, 3), or (h, w, 4) with coverage: uint8 sRGB, or floats.
-    colour: NDArray[Any]
-    # Of `colour`: "srgb8", "srgb" or "linear".
-    encoding: str
-    # (h, w) floats, or uint16 with the scale; below 0 or NaN there is none.
-    depth: NDArray[Any]
-    # Metres per unit of `depth`.
-    scale: float = 1.0
-    # Whether `depth` is in 1/m instead.
-    is_inverse: bool = False
-    # Whether floats are linear light only because nothing else was said.
-    is_guessed: bool = False
-    # (h, w) where a mask hides colour or depth; None without one.
-    hidden: NDArray[np.bool_] | None = None
     # What checked_picture takes, and what it has made of that, if it was asked.
     passed: tuple[Any, ...] = ()
     checked: PictureArrays | None = None
@@ -112,11 +97,10 @@ class RawPicture:
         """Return what checked_picture makes of it. Errors: InputError."""
         return self.checked or checked_picture(*self.passed)
 
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) in pixels."""
-        height, width = self.depth.shape
-        return width, height
+    def as_sent(self, colour: NDArray[Any], depth: NDArray[Any]) -> RawPicture:
+        """Return the picture with the numbers that the GPU was sent."""
+        masked = np.ma.array(depth, mask=False if self.hidden is None else self.hidden)
+        return attrs.evolve(self, colour=colour, depth=depth, passed=(colour, masked, *self.passed[2:]))
 
 
 def raw_picture(

@@ -12,7 +12,8 @@ from ..geometry import DepthLayer, View
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, release_all, upload
-from .picture_arrays import ENCODINGS, LINEAR, SRGB
+from ..sources.array_passes import LINEAR, SRGB
+from .picture_arrays import ENCODINGS
 
 INVERSE, METRES = "inverse", "metres"
 _FORMS = {INVERSE: 0, METRES: 1}

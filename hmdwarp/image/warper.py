@@ -34,15 +34,12 @@ from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, uploa
 from ..gpu.timers import Lap
 from ..options import AUTO
 from ..pipeline.governor import Change
+from ..sources.array_passes import LINEAR, SRGB, SRGB8, Found, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
-from .array_passes import Found, GiveOut, PixelBuffers, TakeIn
 from .auto import AutoCompensator, plans_of_levels
 from .layer_arrays import CallerLayers
 from .picture_arrays import (
-    LINEAR,
-    SRGB,
-    SRGB8,
     RawPicture,
     about_corners,
     checked_picture,
@@ -468,7 +465,9 @@ class Warper:
     def _picture(self, flight: _Flight, number: int, *, late: bool) -> RawPicture:
         """Return a picture with the numbers that the GPU was sent."""
         picture = flight.pictures[number]
-        return self._take_in.kept(picture, flight.buffers, number) if late else picture
+        if not late or picture.checked is not None:
+            return picture
+        return picture.as_sent(*self._take_in.sent(picture, flight.buffers, number))
 
     def _check_numbers(self, flight: _Flight, *, late: bool = False) -> None:
         """Check what the GPU has noted of their numbers. Errors: InputError as checked_picture."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..colour import srgb8_from_linear
 from ..frames.layers import PICTURE
 from ..geometry import View
 from ..link.codec import (
@@ -30,8 +29,10 @@ from ..link.codec import (
     codecs,
     depth_step,
 )
+from ..sources.array_passes import LINEAR, SRGB8, Arrays
 from ..sources.feed import bounds
 from ..sources.feed.message import (
+    DEPTH_CODES,
     DEPTH_EXACT,
     DEPTH_VIDEO,
     DEPTH_VIDEO8,
@@ -42,13 +43,17 @@ from ..sources.feed.message import (
     RGBA8,
     RGBA16F,
     Ask,
+    DepthCodes,
     FrameMessage,
+    Picture,
     Wish,
 )
 from .feed_layers import unpacked
 from .frame_coder import pixels_per_tangent
 
 _CODECS = {H264: "h264", HEVC: "hevc"}
+_RAW_COLOURS = {RGBA16F: "float16", RGBA8: "srgb8"}
+_RAW_DEPTHS = {INVERSE_DEPTH: "float32", DEPTH_CODES: "uint16"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
 _WORK = {H264: 1, HEVC: 4}, {DEPTH_VIDEO: 2, DEPTH_VIDEO8: 2}
@@ -58,13 +63,16 @@ _DEPTHS = {AS_VIDEO: DEPTH_VIDEO, AS_VIDEO8: DEPTH_VIDEO8}
 _VIDEOS = {number: DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
 
 
-def wish_of(coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[int, int], age_s: float) -> Wish:
+def wish_of(
+    raw: Wish, coding: Coding, rate_hz: float, views: Sequence[View], size: tuple[int, int], age_s: float
+) -> Wish:
     """Return what to ask the server for, so that frames are coded as a run here would.
 
-    views, size: of the display; a guard band leaves the pixels as dense.
+    raw: how they come without a codec. views, size: of the display; a guard band leaves the pixels
+    as dense.
     """
     if codecs.get(coding.codec).is_none:
-        return Wish(rate_hz=rate_hz)
+        return attrs.evolve(raw, rate_hz=rate_hz)
     step = STEP if coding.depth == EXACT else depth_step(pixels_per_tangent((view.fov, size) for view in views), age_s)
     return Wish(
         _FORMATS[coding.codec],
@@ -90,8 +98,37 @@ def left_out(frame: FrameMessage, eye: int) -> frozenset[str]:
     return frozenset(name for name, picture in both if isinstance(picture, bytes))
 
 
+def arrays_of(frame: FrameMessage, eye: int, size: tuple[int, int], missing: Collection[str] = ()) -> Arrays:
+    """Return what a decoded frame has of one eye, in (w, h) pixels; nothing where it is missing."""
+    (of_colour, of_depth), (no_colour, no_depth) = PICTURE, _blank(size)
+    colour: Picture = no_colour if of_colour in missing else frame.colours[eye]
+    depth: Picture = no_depth if of_depth in missing else frame.inverse_depths[eye]
+    assert isinstance(colour, np.ndarray) and not isinstance(depth, bytes), "it is decoded"
+    codes, step = (depth.codes, depth.step) if isinstance(depth, DepthCodes) else (depth, 1.0)
+    encoding = SRGB8 if colour.dtype == np.uint8 else LINEAR
+    return Arrays(colour, encoding, codes, step, is_inverse=True, is_apart=True)
+
+
+def _blank(size: tuple[int, int]) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
+    """Return pictures where nothing was drawn: one number each, at every pixel."""
+    return np.broadcast_to(np.float16(0), (*size[::-1], 4)), np.broadcast_to(np.float32(-1), size[::-1])
+
+
+def raw_form(frame: FrameMessage, before: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what summary.json says of raw frames: types, and the largest error of depth in 1/m.
+
+    before: what it said after the frame before; {} for a coded frame, and the first.
+    """
+    if frame.is_coded:
+        return {}
+    error = max(before.get("depth_error", 0.0), depth_error(frame, Wish()))
+    return {"colour": _RAW_COLOURS[frame.colour], "depth": _RAW_DEPTHS[frame.depth], "depth_error": error}
+
+
 def depth_error(frame: FrameMessage, wish: Wish) -> float:
     """Return by how much coded depth may be wrong, in 1/m: as for frames that are coded here."""
+    if frame.depth == DEPTH_CODES:
+        return max(0.55 * depth.step for depth in frame.inverse_depths if isinstance(depth, DepthCodes))
     return {DEPTH_EXACT: wish.depth_step / 2, **dict.fromkeys(_VIDEOS, 2 * wish.depth_step)}.get(frame.depth, 0.0)
 
 
@@ -111,7 +148,10 @@ def _of_all_pixels(ask: Ask, of: tuple[dict[int, int], dict[int, int]]) -> int:
 
 
 class FeedEncoder:
-    """Code the frames of one client, of one size, as it requests. Errors: as VideoEncoder."""
+    """Code the frames of one client, of one size, as it requests: colour in bytes for a video.
+
+    Errors: as VideoEncoder.
+    """
 
     def __init__(self, ask: Ask) -> None:
         self.wish, self.size, self._place = ask.wish, ask.size, 0
@@ -153,15 +193,12 @@ class _EyeEncoder:
             self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP, _VIDEOS[wish.depth])
         elif wish.depth == DEPTH_EXACT:
             self._depth = DepthEncoder(size, wish.depth_step or STEP)
-        self._first, self._is_bytes = True, wish.colour == RGBA8
+        self._first = True
 
     def encode(self, colour: Any, depth: Any) -> tuple[Any, Any]:
         first, self._first = self._first, False
         if self._colour is not None:
-            colour, _ = self._colour.encode(srgb8_from_linear(colour[..., :3]), first)
-        elif self._is_bytes:
-            coverage = np.where(colour[..., 3] > 0, 255, 0).astype(np.uint8)
-            colour = np.dstack([srgb8_from_linear(colour[..., :3]), coverage])
+            colour, _ = self._colour.encode(colour[..., :3], first)
         if self._video is not None:
             return colour, self._video.encode(depth).data
         return colour, depth if self._depth is None else self._depth.encode(depth)
@@ -214,6 +251,8 @@ class _EyeDecoder:
             depth = self._video.decode(Packet(frame.place, frame.begins, depth))
         elif frame.depth == DEPTH_EXACT:
             depth = self._depth.decode(depth)
+        elif isinstance(depth, DepthCodes):
+            depth = depth.numbers()
         if self._colour is not None:
             self._colour.begin(frame.place, frame.begins)
             light = self._colour.decode(colour, frame.place)

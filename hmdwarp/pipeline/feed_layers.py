@@ -213,11 +213,11 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
             }
             for of_eye in frame.layers
         )
-        for of_eye, view, depth in zip(found, frame.views, frame.inverse_depths, strict=True):
+        for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
             if len(of_eye.get(VELOCITY, ())) > 1:
-                if isinstance(depth, bytes):
+                if isinstance(frame.inverse_depths[eye], bytes):
                     raise InputError("motion vectors without depth")
-                of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, depth)]
+                of_eye[VELOCITY] = [velocity_of(of_eye[VELOCITY], view, frame.inverse_depth(eye))]
     except (BadPart, InputError) as error:
         raise Undecodable(str(error)) from error
     return attrs.evolve(frame, layers=found)

@@ -17,10 +17,10 @@ from ..colour import linear_from_srgb
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import Fov, Guard, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu.context import Gpu
-from ..gpu.textures import upload
 from ..poses import Origin, PoseSample
 from ..poses.track import Moment
 from ..scenes import Scene
+from ..sources.array_passes import LINEAR, SRGB8, Arrays
 from ..sources.repairs import RepairChain
 from ..sources.sequences import RecordedFrame, Sequence
 from ..sources.server import Renderer, Target
@@ -29,8 +29,7 @@ Size = tuple[int, int]
 Box = tuple[float, float, float, float]
 # Decoded frames that are kept: those under way, and the truth next to them; fewer of large ones.
 _KEPT, _LEAST_KEPT, _KEPT_BYTES = 32, 4, 500_000_000
-_PIXEL_BYTES = 8 + 4
-_NONE = -1.0
+_PIXEL_BYTES = 3 + 4
 AS_RECORDED = RepairChain()
 _NOTHING = 1e-5  # what rounding leaves of two equal poses, in ms, degrees and metres
 _ANOTHER = 1.0  # pixel that the truth may be off without a note
@@ -128,9 +127,7 @@ class RecordedRenderer(Renderer):
         self, taken: RecordedFrame, fov: Fov, size: Size, into: Target | None = None, repair: RepairChain = AS_RECORDED
     ) -> EyeImage:
         target = into if into is not None else self.acquire(size)
-        colour, inverse_depth = self._pixels(taken, fov, size, repair)
-        upload(target.colour, colour)
-        upload(target.inverse_depth, inverse_depth)
+        self.take_in(self._pixels(taken, fov, size, repair), target)
         view = attrs.evolve(taken.view, fov=fov)
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=taken.time_ns)
 
@@ -158,24 +155,21 @@ def _about_truth(offsets: Mapping[str, Mapping[str, float]], pixels_per_degree: 
     return f"{text} That is another view than the one shown: the figures count this difference as error."
 
 
-def _pixels(
-    taken: RecordedFrame, fov: Fov, size: Size, repair: RepairChain
-) -> tuple[NDArray[np.float16], NDArray[np.float32]]:
-    """Return linear light (h, w, 4) and inverse depth (h, w) of a frame in (w, h) pixels.
+def _pixels(taken: RecordedFrame, fov: Fov, size: Size, repair: RepairChain) -> Arrays:
+    """Return a frame in (w, h) pixels: whole ones of it as they are.
 
     fov: what they show, within that of the frame.
     """
-    colour, depth_m = taken.read()
-    light = linear_from_srgb(colour).astype(np.float32)
-    inverse: NDArray[np.floating] = inverse_depth_from_metres(depth_m)
+    colour, depth = taken.read()
     if repair.steps:
-        inverse = repair.run(colour * np.float32(1 / 255), inverse).inverse_depth
-    box = _box(taken, fov)
-    if size != taken.size or box != (0, 0, *taken.size):
-        light, inverse = _averaged(light, size, box), _nearest(inverse, size, box)
-    covered = np.ones((*light.shape[:2], 1), np.float32)
-    rgba = np.concatenate([light, covered], axis=2).astype(np.float16)
-    return rgba, np.where(np.isnan(inverse), _NONE, inverse).astype(np.float32)
+        depth = repair.run(colour * np.float32(1 / 255), inverse_depth_from_metres(depth)).inverse_depth
+    box, is_inverse = _box(taken, fov), bool(repair.steps)
+    left, top, right, bottom = map(int, box)
+    if box == (left, top, right, bottom) and size == (right - left, bottom - top):
+        inner = np.s_[top:bottom, left:right]
+        return Arrays(colour[inner], SRGB8, depth[inner], is_inverse=is_inverse, is_apart=True)
+    light = _averaged(linear_from_srgb(colour).astype(np.float32), size, box)
+    return Arrays(light, LINEAR, _nearest(depth, size, box), is_inverse=is_inverse, is_apart=True)
 
 
 def _box(taken: RecordedFrame, fov: Fov) -> Box:
@@ -196,10 +190,10 @@ def _averaged(light: NDArray[np.float32], size: Size, box: Box) -> NDArray[np.fl
     return np.stack([np.asarray(channel) for channel in channels], axis=2)
 
 
-def _nearest(inverse: NDArray[np.floating], size: Size, box: Box) -> NDArray[np.floating]:
+def _nearest(depth: NDArray[np.floating], size: Size, box: Box) -> NDArray[np.floating]:
     row, column = (
         (low + (np.arange(n) + 0.5) * (high - low) / n).astype(int)
         for low, high, n in ((box[1], box[3], size[1]), (box[0], box[2], size[0]))
     )
-    nearest: NDArray[np.floating] = inverse[row[:, None], column]
+    nearest: NDArray[np.floating] = depth[row[:, None], column]
     return nearest

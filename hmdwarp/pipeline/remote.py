@@ -27,7 +27,7 @@ from ..sources.feed.message import ANY, Ask, FrameMessage, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import FeedDecoder, codec_of, left_out, reading
+from .feed_coding import FeedDecoder, codec_of, left_out, raw_form, reading
 from .feed_layers import misfit, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
@@ -94,6 +94,8 @@ class Remote:
         self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
+        # Types of the numbers of the frames that came last, and the largest error of their depth.
+        self._raw: dict[str, Any] = {}
         # What is read of the eyes' pictures; the rest is not sent.
         self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
@@ -231,6 +233,7 @@ class Remote:
                 self._misfit = wrong
                 self._leave_out(wrong, "")
                 continue
+            self._raw = raw_form(arrival.frame, self._raw)
             self._compare(pending.views, decoded.views)
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
@@ -292,6 +295,7 @@ class Remote:
             "address": self._caller.address,
             "lost": self._losses,
             "away_s": (self._away_ns + (time.monotonic_ns() - self._lost_ns if self._lost_ns is not None else 0)) / 1e9,
+            "raw": self._raw,
             "clock": self._caller.clock.summary(),
             "unanswered": self.unanswered,
             "undecodable": self.undecodable,

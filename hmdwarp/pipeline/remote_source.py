@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
 import attrs
-import numpy as np
 
 from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
@@ -16,19 +15,18 @@ from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE, layers
 from ..geometry import Eyes, Pose, View, guarded_eyes
 from ..gpu.context import Gpu
-from ..gpu.textures import upload
 from ..link.codec import Coding
 from ..poses import PoseSample
 from ..poses.track import Moment
 from ..scenes import Scene
 from ..sources.feed.caller import Arrival
 from ..sources.feed.key_pairs import public_key
-from ..sources.feed.message import FrameMessage
-from ..sources.feed.options import FeedOptions, secret_in
+from ..sources.feed.message import RAW, FrameMessage
+from ..sources.feed.options import FULL, FeedOptions, secret_in
 from ..sources.feed.viewer import Viewer
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
-from .feed_coding import depth_error, left_out, wish_of
+from .feed_coding import arrays_of, depth_error, left_out, wish_of
 from .feed_layers import made
 from .frame_coder import Coder
 from .options import PipelineOptions
@@ -58,6 +56,10 @@ class RemoteSource(Source):
         self._is_here = draws_truth and options.scene != SERVER_SCENE
         elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
         super().__init__(options, None if self._is_here else elsewhere)
+        if feed.raw != FULL and options.coding.codec != "none":
+            raise InputError(
+                f"--raw {feed.raw} beside --codec {options.coding.codec}: coded frames are not raw; leave one out"
+            )
         self.feed, self._draws_truth = feed, draws_truth
         self._remote: Remote | None = None
 
@@ -98,7 +100,7 @@ class RemoteSource(Source):
         assert options.size is not None
         remote = self._remote = Remote(self.feed, holds=first.holds, keeps=first.keeps, say=first.say)
         remote.pictures = first.pictures
-        wanted = (options.coding, first.rate_hz, first.views, options.size)
+        wanted = (RAW[self.feed.raw], options.coding, first.rate_hz, first.views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
         longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
@@ -148,21 +150,6 @@ class RemoteSource(Source):
             self._remote = None
 
 
-def upload_eye(target: Target, frame: FrameMessage, eye: int, pictures: Collection[str] = PICTURE) -> frozenset[str]:
-    """Put what is read of one eye's pictures into textures; return what is not, and is empty.
-
-    pictures: as of PoseRequest. The frame is decoded.
-    """
-    missing = left_out(frame, eye) | frozenset(PICTURE).difference(pictures)
-    (width, height), (colour, depth) = target.size, PICTURE
-    light = np.zeros((height, width, 4), np.float16) if colour in missing else frame.light(eye)
-    upload(target.colour, light)
-    inverse = np.full((height, width), -1, np.float32) if depth in missing else frame.inverse_depths[eye]
-    assert not isinstance(inverse, bytes), "it is decoded before"
-    upload(target.inverse_depth, inverse)
-    return missing
-
-
 class RemoteRenderer(Renderer):
     """A renderer whose pictures are drawn elsewhere, each on request.
 
@@ -182,7 +169,7 @@ class RemoteRenderer(Renderer):
             raise NoTruth("the server has not drawn the truth")
         self._apart.take(view, found.views[0])
         target = into if into is not None else self.acquire(size)
-        upload_eye(target, found, 0)
+        self.take_in(arrays_of(found, 0, size), target)
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns)
 
     def truth_facts(
@@ -224,7 +211,8 @@ class RemoteFrames:
         found, eyes = arrival.frame, []
         for eye, view in enumerate(found.views):
             target = self.server.acquire(self._size(found, view))
-            missing = upload_eye(target, found, eye, self.requested.pictures)
+            missing = left_out(found, eye) | frozenset(PICTURE).difference(self.requested.pictures)
+            self.server.take_in(arrays_of(found, eye, target.size, missing), target)
             error = depth_error(found, self.remote.wish)
             further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
             textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns

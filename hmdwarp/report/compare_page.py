@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
 from .bench.rows import Column
-from .charts import MARKER_PT, canvas, draw_front, draw_names, not_measured, scale_axis, svg_text
+from .charts import MARKER_PT, Drawn, again, canvas, draw_front, draw_names, not_measured, scale_axis, svg_text
 from .page import (
     Article,
     Chart,
@@ -91,7 +91,8 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
         Fold(label, [_table(label, group), Group("panels", _strip(group, shown))], is_open=number == 0)
         for number, (label, group, shown) in enumerate(cases)
     ]
-    clients = [_client(client, rows) for client in data["clients"]]
+    drawn: dict[object, Drawn] = {}
+    clients = [_client(client, rows, drawn) for client in data["clients"]]
     strategies = [(strategy["name"], _strategy_text(strategy)) for strategy in data["strategies"]]
     return Page(
         kind="compare",
@@ -295,12 +296,15 @@ def _strategy_text(one: Mapping[str, Any]) -> str:
     return f"{summary}. Crosses the link: {one['crosses']}. Late: {one['late']}. ({one['source']})"
 
 
-def _client(client: Mapping[str, str], rows: Sequence[Row]) -> Article:
-    """Return the fronts of one client: what it can run, case by case."""
+def _client(client: Mapping[str, str], rows: Sequence[Row], drawn: dict[object, Drawn]) -> Article:
+    """Return the fronts of one client: what it can run, case by case.
+
+    drawn: the charts so far, by content; those that are the same are drawn once.
+    """
     folds: list[Fold] = []
     for label, group, _ in _cases(rows, []):
         can = [row for row in group if not row["unfit"][client["name"]]]
-        charts = Group("charts", [_front(label, client["name"], can, cost) for cost in COSTS])
+        charts = Group("charts", [_front(label, client["name"], can, cost, drawn) for cost in COSTS])
         folds.append(Fold(label, [charts], _best(can), is_open=not folds))
     return Article([Heading(client["name"]), Text(client["summary"], ""), *folds], id=client["name"])
 
@@ -313,24 +317,27 @@ def _best(can: Sequence[Row]) -> str:
     return f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[4:7])})."
 
 
-def _front(label: str, client: str, rows: Sequence[Row], cost: str) -> Chart:
+def _front(label: str, client: str, rows: Sequence[Row], cost: str, drawn: dict[object, Drawn]) -> Chart:
     column = COLUMNS[cost]
     rows = [row for row in rows if row["quality"][PRIMARY]["mean"] is not None]
     best = pareto(rows, lambda row: (row["quality"][PRIMARY]["mean"], row[cost]))
     heading = f"error against {' '.join(column.head)}"
     names = ", ".join(row["strategy"] for row in sorted(best, key=lambda row: row[cost])) or "nothing it can run"
     words = f"{heading}, {client}, {label}. Front, from cheap to dear: {names}."
-    points = [(row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows]
+    content = (cost, *((row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows))
+    if content in drawn:
+        return Chart.of(heading, again(drawn[content], (client, label)), words, "")
     box = (0.62, 0.5, _WIDTH_IN - 0.1, _HEIGHT_IN - 0.15)
     across = " in ".join(filter(None, column.head))
     with canvas(
-        (label, client, cost, points), (_WIDTH_IN, _HEIGHT_IN), x=across, y="FLIP, lower is better", box=box
+        (label, client, content), (_WIDTH_IN, _HEIGHT_IN), x=across, y="FLIP, lower is better", box=box
     ) as axes:
         if rows:
             _draw(axes, rows, best, cost)
         else:
             not_measured(axes)
-        return Chart.of(heading, svg_text(axes.get_figure()), words, "")
+        drawn[content] = svg_text(axes.get_figure())
+    return Chart.of(heading, drawn[content], words, "")
 
 
 def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str) -> None:

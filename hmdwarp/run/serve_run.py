@@ -11,7 +11,6 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import web
 from ..errors import InputError, MachineError
@@ -28,7 +27,7 @@ from ..scenes import Scene, load_scene
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import KeyPair, key_pair
 from ..sources.feed.listener import Asked, Listener
-from ..sources.feed.message import ANY, NONE, Ask, FrameMessage
+from ..sources.feed.message import ANY, BYTES, DEPTH_CODES, NONE, RGBA8, Ask, DepthCodes, FrameMessage, Picture
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
 from .options import ServeOptions
@@ -139,8 +138,8 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     check_work(ask)
     frame = _drawn(server, ask, needs)
     server.gpu.wait()
-    pictures = list(_pictures(frame, ask))
-    packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE}
+    pictures = list(_pictures(server, frame, ask))
+    packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
@@ -175,8 +174,15 @@ def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
     return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
-def _pictures(frame: Frame, ask: Ask) -> Iterator[list[NDArray[np.floating] | bytes]]:
-    wishes = (ask.wish.colour, ask.wish.depth)
+def _pictures(server: Server, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
+    colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
-        both = zip((eye.colour, eye.inverse_depth), wishes, strict=True)
-        yield [download(texture) if wish != NONE else b"" for texture, wish in both]
+        half = server.give_codes(eye) if colour in BYTES or depth == DEPTH_CODES else None
+        yield [
+            b"" if colour == NONE else half[0] if half and colour in BYTES else download(eye.colour),
+            b""
+            if depth == NONE
+            else DepthCodes(*half[1:])
+            if half and depth == DEPTH_CODES
+            else download(eye.inverse_depth),
+        ]

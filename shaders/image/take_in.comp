@@ -7,7 +7,8 @@
 #if ENCODED
 #include "lib/srgb.glsl"
 #endif
-// DEPTH is 0 for inverse depth, 1 for floats in units, 2 for 16-bit integers in units.
+// DEPTH is 0 for inverse depth, 1 for floats in units, 2 for 16-bit integers in units, 3 for such
+// of inverse depth. APART: colour without depth stays, and depth without colour.
 // Bindings are written here: moderngl sets no uniform of the type uimage2D.
 layout(rg32ui, binding = 0) writeonly uniform uimage2D colour;
 layout(r32f, binding = 1) writeonly uniform image2D inverse_depth;
@@ -16,7 +17,7 @@ layout(rgba32ui, binding = 3) readonly uniform uimage2D given_depth;
 layout(r16ui, binding = 4) readonly uniform uimage2D light_of_byte; // the bits of halves
 layout(std430, binding = 0) buffer Found { uint found[]; };
 uniform ivec2 rendered_size;
-uniform float scale; // metres per unit of depth
+uniform float scale; // metres, or 1/m, per unit of depth
 uniform int slot;    // of `found`, in words
 
 // In one texel for each channel there are PIXELS pixels.
@@ -60,7 +61,7 @@ uint half_of(float value) {
 }
 
 vec4 depths_of(ivec2 quad) {
-#if DEPTH == 2
+#if DEPTH >= 2
     uvec4 all = imageLoad(given_depth, ivec2(quad.x >> 1, quad.y));
     uvec2 words = (quad.x & 1) == 0 ? all.xy : all.zw;
     return vec4(words.x & 0xffffu, words.x >> 16, words.y & 0xffffu, words.y >> 16);
@@ -100,6 +101,8 @@ void main() {
                 float value = values[k];
 #if DEPTH == 0
                 float inverse = value >= 0.0 ? value : NONE;
+#elif DEPTH == 3
+                float inverse = value == 65535.0 ? NONE : value * scale;
 #else
                 bool largest = false;
 #if DEPTH == 2
@@ -135,9 +138,15 @@ void main() {
 #endif
 #endif
                 }
+#if APART
+                uint cover = hidden ? 0u : ONE;
+                imageStore(colour, p, uvec4(light.r | light.g << 16, light.b | cover << 16, 0u, 0u));
+                imageStore(inverse_depth, p, vec4(inverse, 0.0, 0.0, 0.0));
+#else
                 bool covered = inverse >= 0.0 && !hidden;
                 imageStore(colour, p, covered ? uvec4(light.r | light.g << 16, light.b | ONE << 16, 0u, 0u) : uvec4(0u));
                 imageStore(inverse_depth, p, vec4(covered ? inverse : NONE, 0.0, 0.0, 0.0));
+#endif
             }
         }
     }

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from contextlib import closing
 
 import attrs
 import contexts
@@ -16,7 +17,11 @@ import pytest
 from commands import hmdwarp
 
 from hmdwarp.errors import InputError, MachineError
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import SCALAR, Canvas, Gpu, allocate, context, download, egl, reset_status_of, upload
+from hmdwarp.gpu.context import contexts_kept
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources.server import Server
 
 
 @pytest.fixture(autouse=True)
@@ -206,3 +211,20 @@ def test_a_command_whose_context_is_lost_ends_with_3_and_leaves_nothing(monkeypa
     assert done.returncode == 3, done.stdout + done.stderr
     assert "was reset" in done.stderr.splitlines()[-1]
     assert not (tmp_path / "out").exists()
+
+
+def test_a_context_is_used_again_with_its_programs_and_what_it_lent():
+    """Textures of a scene that is drawn again are sent once, those of another one are freed."""
+    room, planes, view = load_scene("room"), load_scene("planes"), View(Pose((0, 1.6, 0)), Fov.symmetric(1, 1))
+    used = []
+    with contexts_kept():
+        for scene in (room, room, planes):
+            with Gpu() as gpu, closing(Server(gpu, scene)) as server:
+                picture = download(server.draw(view, (16, 12)).colour)
+                used.append((gpu.gl, gpu.shaders, server.textures[0], picture))
+    first, second, third = used
+    assert first[:3] == second[:3] and first[:2] == third[:2] and first[2] is not third[2]
+    np.testing.assert_array_equal(first[3], second[3])
+    assert isinstance(first[2].mglo, moderngl.InvalidObject)
+    with Gpu() as gpu:
+        assert gpu.gl is not first[0] and works(gpu)

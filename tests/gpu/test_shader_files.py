@@ -30,7 +30,6 @@ from hmdwarp.geometry import DepthLayer, Fov, Hidden, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, Copier, Gpu, ShaderLibrary, allocate, flatten
 from hmdwarp.gpu.hidden import SeenRows
 from hmdwarp.headsets import load_headset
-from hmdwarp.image.array_passes import GiveOut, PixelBuffers, TakeIn
 from hmdwarp.image.picture_arrays import ENCODINGS, SRGB8, raw_picture
 from hmdwarp.image.picture_textures import INVERSE, METRES, ForeignTextures
 from hmdwarp.metrics import PairPass
@@ -38,6 +37,7 @@ from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.run.late_client import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
+from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server
 
 from .preprocessor import Sides, value_of, walk
@@ -137,6 +137,14 @@ def _take_arrays_over(gpu: Gpu) -> None:
         for depth, scale in ((ones, None), (whole, 0.001), (whole.astype(np.int32), 1)):
             raw = raw_picture(np.ones((7, 9, channels), kind), depth, scale, encoding)
             taking.run(raw, taking.send(raw, buffers), into, buffers.found, 0)
+    for kind, depth in product((np.uint8, np.float32), (ones.astype(np.float32), whole)):
+        upload = Upload(gpu, (9, 7))
+        for is_inverse in (False, True):
+            upload.run(Arrays(np.ones((7, 9, 3), kind), LINEAR, depth, is_inverse=is_inverse, is_apart=True), into)
+        upload.close()
+    giving = GiveCodes(gpu, (9, 7))
+    giving.run(into)
+    giving.close()
     taking.close()
 
 

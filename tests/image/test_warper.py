@@ -23,9 +23,9 @@ from hmdwarp.client.warps import warps
 from hmdwarp.errors import PlanError
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, download, upload
 from hmdwarp.image import usable_warps
-from hmdwarp.image.array_passes import PixelBuffers, TakeIn
 from hmdwarp.image.picture_arrays import checked_picture, raw_picture
 from hmdwarp.image.usable import AVAILABLE
+from hmdwarp.sources.array_passes import PixelBuffers, TakeIn
 
 SIZE = (40, 30)
 STAGES = {"upload", "warp", "download", "host"}  # of each call with arrays

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import tracemalloc
+from contextlib import closing
 from pathlib import Path
 
 import attrs
@@ -12,13 +14,19 @@ from PIL import Image
 from recorded_folders import fov_of, taken, write_nerfstudio, write_npz, write_tum
 from replays import replayed, rows_of
 
+from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.geometry import Pose
+from hmdwarp.geometry import Pose, inverse_depth_from_metres
+from hmdwarp.gpu import download
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.options import options_of
+from hmdwarp.pipeline.recorded_renderer import RecordedRenderer
+from hmdwarp.pipeline.source import nothing
 from hmdwarp.poses import load_trace
 from hmdwarp.run import ReplayResult, RunOptions, set_up_replay
+from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import SequenceOptions
+from hmdwarp.sources.server import Target
 
 # Of 30 Hz: three frames late.
 LATE_MS = 100.0
@@ -145,6 +153,32 @@ def test_another_size_is_averaged(run, folder):
     full = run(latency=0.0, warp="none", fill="none", size="30x20", images=1)
     strip = np.asarray(Image.open(next((full.folder / "images").iterdir())).convert("RGB"))
     assert strip.shape[1] >= 4 * 30
+
+
+def test_frames_are_taken_over_as_they_are(gpu, folder):
+    """Light by its table bit for bit, inverse depth within what dividing in float32 is off by.
+
+    That is 2.5 units. A crop in whole pixels is the same; a mean in float32 rounds to the same
+    half, or to the one beside it.
+    """
+    sequence = sequences.open(folder)
+    frame, size = sequence.frames[3], sequence.frames[3].size
+    light, inverse = linear_from_srgb(frame.colour).astype(np.float16), inverse_depth_from_metres(frame.depth_m)
+    inner = sequence.cropped(4).frames[3]
+    with closing(RecordedRenderer(gpu, nothing("recorded", ""), sequence)) as renderer:
+        whole = renderer.draw(frame.view, size, time_ns=frame.time_ns)
+        part = renderer.draw(inner.view, inner.size, time_ns=frame.time_ns)
+        small = renderer.draw(frame.view, (size[0] // 2, size[1] // 2), time_ns=frame.time_ns)
+        for image, cut in ((whole, np.s_[:, :]), (part, np.s_[4:-4, 4:-4])):
+            colour, depth = download(image.colour), download(image.inverse_depth)
+            assert np.array_equal(colour[..., :3], light[cut]) and (colour[..., 3] == 1).all()
+            assert depth == pytest.approx(np.where(np.isnan(inverse), -1, inverse)[cut], rel=3 * 2**-23)
+        mean = light.astype(np.float64).reshape(size[1] // 2, 2, size[0] // 2, 2, 3).mean(axis=(1, 3))
+        assert download(small.colour)[..., :3] == pytest.approx(mean, rel=2**-10, abs=2**-24)
+        tracemalloc.start()
+        renderer.draw(frame.view, size, Target(whole.colour, whole.inverse_depth), time_ns=frame.time_ns)
+        assert tracemalloc.get_traced_memory()[1] < 2 * size[0] * size[1]  # colour alone has three times as much
+        tracemalloc.stop()
 
 
 def test_part_of_a_recording(run, tmp_path):

@@ -127,7 +127,7 @@ def test_a_picture_of_videos_is_what_python_decodes(browser, rendered):
     coder, decoder = FeedEncoder(ask), FeedDecoder()
     browser.does("globalThis.video = null")
     for number in (1, 2):
-        frame = FrameMessage(number, 0, 0, 0, 0, 0, (view,), (light,), (depth,))
+        frame = FrameMessage(number, 0, 0, 0, 0, 0, (view,), (srgb8_from_linear(light),), (depth,))
         coded = coder.encode(frame)
         here = decoder.decode(coded)
         whole = json.dumps(base64.b64encode(encode(coded)).decode())

@@ -11,6 +11,7 @@ from typing import Any
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
+from ...gpu.context import contexts_kept
 from ...report import SCHEMA, OutputFolder
 from ...resources import __version__
 from .cluster import run_on_cluster
@@ -182,7 +183,7 @@ def _run(
     if options.cluster is not None:
         yield from run_on_cluster(work, cases, options.cluster, say, in_turn=in_turn)
         return
-    with work.opened() as runner:
+    with contexts_kept(), work.opened() as runner:
         for group in groups_of(cases):
             yield from run_group(runner, group, bar.within)
 

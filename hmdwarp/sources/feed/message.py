@@ -6,7 +6,6 @@ than they do; parts that are packed stay so.
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import math
 import struct
@@ -20,7 +19,7 @@ from numpy.typing import NDArray
 from ...colour import linear_from_srgb
 from ...errors import InputError
 from ...geometry import Pose, View
-from . import bounds, parts
+from . import bounds, options, parts
 from .parts import Layers, Part, Wanted
 
 VERSION = 3
@@ -28,7 +27,9 @@ MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
-INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, DEPTH_VIDEO8 = DEPTHS = (1, 2, 3, 4)
+# Those that are made of sRGB bytes.
+BYTES = (RGBA8, H264, HEVC)
+INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, DEPTH_VIDEO8, DEPTH_CODES = DEPTHS = (1, 2, 3, 4, 5)
 ANY = 0
 # Of a picture that is left out: neither wished nor sent.
 NONE = 255
@@ -56,6 +57,9 @@ _EYE = struct.Struct("<18d")
 # Of each format that is not coded: how numbers are stored, four a pixel of colour and one of depth.
 _COLOURS: dict[int, np.dtype] = {RGBA16F: np.dtype("<f2"), RGBA8: np.dtype("u1")}
 _DEPTHS: dict[int, np.dtype] = {INVERSE_DEPTH: np.dtype("<f4")}
+# What comes before the codes of a DepthCodes: its step.
+_STEP = struct.Struct("<f")
+_CODE = np.dtype("<u2")
 _NO_TOKEN = bytes(32)
 Size = tuple[int, int]
 # Of a whole message.
@@ -76,6 +80,11 @@ class Wish:
     bitrate_mbit: float = 0.0
     # 1/m, of coded depth; 0 for the server's choice.
     depth_step: float = 0.0
+
+
+# The two forms that are not coded: 12 bytes a pixel as drawn, and 6.
+FULL, HALF = Wish(), Wish(RGBA8, DEPTH_CODES)
+RAW = {options.FULL: FULL, options.HALF: HALF}
 
 
 class Malformed(ValueError):
@@ -120,6 +129,35 @@ class Ask:
 
 
 @attrs.frozen(eq=False)
+class DepthCodes:
+    """Inverse depth in 16 bits: a code times the step, in 1/m; 65535 where nothing was drawn."""
+
+    # (h, w) uint16, top row first; 0 is infinitely far.
+    codes: NDArray[np.uint16]
+    step: float
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(h, w)."""
+        return self.codes.shape
+
+    @property
+    def nbytes(self) -> int:
+        """The bytes in a message."""
+        return _STEP.size + self.codes.nbytes
+
+    def numbers(self) -> NDArray[np.float32]:
+        """Return inverse depth, -1 where nothing was drawn."""
+        inverse = self.codes * np.float32(self.step)
+        inverse[self.codes == NO_CODE] = -1
+        return inverse
+
+
+NO_CODE = 65535
+Picture = NDArray[Any] | DepthCodes | bytes
+
+
+@attrs.frozen(eq=False)
 class FrameMessage:
     """A frame downstream, with the exact views it was drawn for."""
 
@@ -136,7 +174,7 @@ class FrameMessage:
     # as uint8; bytes where it is coded.
     colours: tuple[NDArray[np.float16] | NDArray[np.uint8] | bytes, ...]
     # (h, w) in 1/m, 0 for the sky, -1 where nothing was drawn; bytes where it is coded.
-    inverse_depths: tuple[NDArray[np.float32] | bytes, ...]
+    inverse_depths: tuple[NDArray[np.float32] | DepthCodes | bytes, ...]
     # Formats of those that are bytes, and (w, h) of one eye where both are.
     colour: int = RGBA16F
     depth: int = INVERSE_DEPTH
@@ -162,14 +200,20 @@ class FrameMessage:
         return self.coded_size
 
     def light(self, eye: int) -> NDArray[np.float16]:
-        """Return one eye's colour as linear light; it must not be coded."""
+        """Return one eye's decoded colour as linear light, for programs without a GPU."""
         colour = self.colours[eye]
         assert not isinstance(colour, bytes)
         if colour.dtype != np.uint8:
             return colour.astype(np.float16, copy=False)
-        light = _light_of_byte()[colour]
+        light = linear_from_srgb(colour).astype(np.float16)
         light[..., 3] = colour[..., 3] > 0
         return light
+
+    def inverse_depth(self, eye: int) -> NDArray[np.float32]:
+        """Return one eye's decoded depth in 1/m, likewise."""
+        depth = self.inverse_depths[eye]
+        assert not isinstance(depth, bytes)
+        return depth.numbers() if isinstance(depth, DepthCodes) else depth
 
     @property
     def bytes(self) -> int:
@@ -180,7 +224,8 @@ class FrameMessage:
     def is_finite(self) -> bool:
         """Whether colour and depth, where they are numbers, are finite."""
         return all(
-            isinstance(picture, bytes) or _is_finite(picture) for picture in (*self.colours, *self.inverse_depths)
+            not isinstance(picture, np.ndarray) or _is_finite(picture)
+            for picture in (*self.colours, *self.inverse_depths)
         )
 
     @property
@@ -221,20 +266,22 @@ def request_bytes(eyes: int) -> int:
 LARGEST_ASK = request_bytes(int(bounds.EYES.most)) + parts.wanted_bytes(int(bounds.LAYERS.most), int(bounds.EYES.most))
 
 
-def length_of(piece: Piece) -> int:
+def length_of(piece: Picture) -> int:
     """Return the bytes of a picture, or of another piece of a message."""
     return len(piece) if isinstance(piece, bytes) else piece.nbytes
 
 
 def _is_finite(picture: NDArray[Any]) -> bool:
-    if picture.dtype == np.float16:  # by its exponents: np.isfinite takes 41 ms for 1344x1600, this 4
-        return bool((picture.view(np.uint16) & 0x7C00).max(initial=0) < 0x7C00)
-    return picture.dtype.kind != "f" or bool(np.isfinite(picture).all())
+    """Return whether all numbers are finite: by extremes alone, which take no other picture."""
+    if picture.dtype == np.float16:  # by their bits: np.isfinite takes 41 ms for 1344x1600
+        most = picture.view(np.int16).max(initial=0), picture.view(np.uint16).max(initial=0)
+        return bool(most[0] < _HALF_INFINITE and most[1] < 0x8000 + _HALF_INFINITE)
+    return picture.dtype.kind != "f" or bool(
+        np.isfinite(picture.max(initial=0)) and np.isfinite(picture.min(initial=0))
+    )
 
 
-@functools.cache
-def _light_of_byte() -> NDArray[np.float16]:
-    return linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16)
+_HALF_INFINITE = 0x7C00  # as bits; what is above is no number
 
 
 def token_of(secret: str) -> bytes:
@@ -284,7 +331,7 @@ def pieces_of(message: Message) -> list[Piece]:
         start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads))
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
         lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
-        pictures = [picture for pair in pairs for picture in pair]
+        pictures = [piece for pair in pairs for picture in pair for piece in _pieces_of(picture)]
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
     if isinstance(message, Stub):
         return _framed(STUB, [_STUB.pack(message.number, message.length, message.name.encode())])
@@ -301,9 +348,15 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
 
-def _format_of(picture: NDArray[Any] | bytes, coded: int) -> int:
+def _pieces_of(picture: Picture) -> list[Piece]:
+    return [_STEP.pack(picture.step), picture.codes] if isinstance(picture, DepthCodes) else [picture]
+
+
+def _format_of(picture: Picture, coded: int) -> int:
     if isinstance(picture, bytes):
         return coded
+    if isinstance(picture, DepthCodes):
+        return DEPTH_CODES
     formats: dict[str, int] = {"float16": RGBA16F, "uint8": RGBA8, "float32": INVERSE_DEPTH}
     return formats[picture.dtype.name]
 
@@ -390,12 +443,13 @@ def _frame(data: Data) -> FrameMessage:
     _check_length(data, end)
     bounds.UNPACKED.check(parts.unpacked_bytes(layers))
     colours: list[NDArray[Any] | bytes] = []
-    depths: list[NDArray[Any] | bytes] = []
+    depths: list[Picture] = []
     for of_colour, of_depth in lengths:
         if (colour == NONE and of_colour) or (depth == NONE and of_depth):
             raise Malformed(f"pictures of {of_colour} and {of_depth} bytes in formats {colour} and {depth}: expected 0")
         colours.append(_picture(data, at, of_colour, _COLOURS.get(colour), (height, width, 4)))
-        depths.append(_picture(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
+        read = _codes if depth == DEPTH_CODES else _picture
+        depths.append(read(data, at + of_colour, of_depth, _DEPTHS.get(depth), (height, width)))
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
@@ -410,6 +464,16 @@ def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tup
     if length != count * kind.itemsize:
         raise Malformed(f"a picture of {length} bytes: expected {count * kind.itemsize}")
     return np.frombuffer(data, kind, count, at).reshape(shape)
+
+
+def _codes(data: Data, at: int, length: int, _: object, shape: tuple[int, ...]) -> DepthCodes:
+    if length < _STEP.size:
+        raise Malformed(f"a picture of {length} bytes: expected a step before its codes")
+    (step,) = _STEP.unpack_from(data, at)
+    bounds.CODE_STEP.check(step)
+    codes = _picture(data, at + _STEP.size, length - _STEP.size, _CODE, shape)
+    assert not isinstance(codes, bytes)
+    return DepthCodes(codes, step)
 
 
 def _refusal(data: Data) -> Refusal:

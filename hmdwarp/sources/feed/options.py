@@ -7,9 +7,10 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, option
+from ...options import Declared, one_of, option
 from ...options.named_files import SECRET, text_in
 
+FULL, HALF = RAW_FORMS = ("full", "half")
 _STUDY = "a study shows scenes that it draws itself, with a latency that it sets"
 
 
@@ -38,10 +39,21 @@ class FeedOptions(Declared):
         None, "File with the secret that the server at --connect requires.", kind=Path, study=_STUDY
     )
 
+    raw: str = option(
+        FULL,
+        "How frames of the server at --connect come without a codec: full (12 bytes a pixel, as drawn), half (6: sRGB "
+        "bytes, inverse depth in 65535 steps up to the nearest surface).",
+        valid=one_of(*RAW_FORMS),
+        limits=", ".join(RAW_FORMS),
+        study=_STUDY,
+    )
+
     def __attrs_post_init__(self) -> None:
         for name, path in (("--server-key", self.server_key), ("--token-file", self.token_file)):
             if path is not None and not self.connect:
                 raise InputError(f"{name} {path}: it is for --connect; name the server, or leave it out")
+        if self.raw != FULL and not self.connect:
+            raise InputError(f"--raw {self.raw}: it is for --connect; name the server, or leave it out")
 
 
 def secret_in(path: Path | None) -> str:

@@ -6,7 +6,7 @@ import time
 
 from ...geometry import View
 from .caller import Caller
-from .message import Ask, FrameMessage
+from .message import FULL, Ask, FrameMessage, Wish
 
 _ANSWER_NS, _AGAIN_NS = 10_000_000_000, 1_000_000_000
 # Unanswered in a row: then no more requests are sent.
@@ -16,11 +16,11 @@ _MOST_UNANSWERED = 3
 class Viewer:
     """A client that asks for one eye's view and waits for it.
 
-    Errors: as Caller.
+    wish: how its numbers come; coded frames are passed over. Errors: as Caller.
     """
 
-    def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
-        self._caller = Caller(address, secret, server_key)
+    def __init__(self, address: str, secret: str = "", server_key: bytes = b"", wish: Wish = FULL) -> None:
+        self._caller, self._wish = Caller(address, secret, server_key), wish
         self._number = self._unanswered = 0
 
     def fetch(self, view: View, size: tuple[int, int], time_ns: int) -> FrameMessage | None:
@@ -39,7 +39,7 @@ class Viewer:
         until_ns = time.monotonic_ns() + _ANSWER_NS
         while (now_ns := time.monotonic_ns()) < until_ns:
             self._number += 1
-            self._caller.ask(Ask(self._number, 0, time_ns, time_ns, 0, size, head, (view,)))
+            self._caller.ask(Ask(self._number, 0, time_ns, time_ns, 0, size, head, (view,), wish=self._wish))
             # Requested again after a while: the connection may not have been there.
             again_ns = min(until_ns, now_ns + _AGAIN_NS)
             while time.monotonic_ns() < again_ns:

@@ -37,7 +37,8 @@ class Server(Renderer):
     samples: of each pixel of plain surfaces; colour is their mean in linear light. nearest: whether
     depth, and with it a body's number or velocity, is that of the nearest surface with a sample;
     else that of the pixel's centre. Mirrors, sheets and overlays are added with one sample, as are
-    layers of surfaces. Errors: MachineError for more than the GPU has.
+    layers of surfaces. changes: whether the scene's textures will. Errors: MachineError for more
+    samples than the GPU has.
     """
 
     def __init__(
@@ -49,13 +50,14 @@ class Server(Renderer):
         lighting: Lighting | None = None,
         samples: int = 1,
         nearest: bool = False,
+        changes: bool = False,
     ) -> None:
         self._several = Multisampled(gpu, samples) if samples > 1 else None
         self._nearest = nearest
         self._framebuffers = Framebuffers(gpu.gl)
         super().__init__(gpu, scene, self._framebuffers.forget)
         self._marched = _is_marched(mirrors)
-        self._textures = SceneTextures(gpu, scene)
+        self._textures = SceneTextures(gpu, scene, lent=not changes)
         still = [mesh for mesh in scene.meshes if mesh.is_surface and mesh.stands_still]
         self._buffers = SceneBuffers(gpu, still, self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import attrs
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ...colour import srgb8_from_linear
 from ...errors import MachineError
@@ -16,6 +17,7 @@ from ...geometry import Guard, Pose, View
 from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
+from ..array_passes import Arrays, GiveCodes, Upload
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -197,6 +199,18 @@ class Renderer:
     ) -> None:
         self.gpu, self.scene, self._forget = gpu, scene, forget
         self._pools: LastUsed[tuple[Any, ...], TargetPool] = LastUsed()
+        self._uploads: LastUsed[tuple[int, int], Upload] = LastUsed()
+        self._given: LastUsed[tuple[int, int], GiveCodes] = LastUsed()
+
+    def take_in(self, picture: Arrays, into: Target) -> None:
+        """Write a picture of another process, or of files, into a target of its size."""
+        upload = self._uploads.made(picture.size, lambda: Upload(self.gpu, picture.size))
+        upload.run(picture, (into.colour, into.inverse_depth))
+
+    def give_codes(self, eye: EyeImage) -> tuple[NDArray[np.uint8], NDArray[np.uint16], float]:
+        """Return an eye's pictures in the half form of the feed, see GiveCodes."""
+        giving = self._given.made(eye.size, lambda: GiveCodes(self.gpu, eye.size))
+        return giving.run((eye.colour, eye.inverse_depth))
 
     def draw(self, view: View, size: tuple[int, int], into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Return the whole picture of `view` at `time_ns`: the truth.
@@ -279,7 +293,11 @@ class Renderer:
         """Free targets that were not needed since the last call, but a few."""
         for key in [key for key, pool in self._pools.items() if pool.live]:
             self._pools.use(key)
-        freed = self._pools.trimmed(lambda key, pool: pool.bytes)
+        freed: list[tuple[Any, TargetPool | Upload | GiveCodes]] = [
+            *self._pools.trimmed(lambda key, pool: pool.bytes),
+            *self._uploads.trimmed(lambda size, upload: upload.bytes),
+            *self._given.trimmed(lambda size, giving: giving.bytes),
+        ]
         for _, pool in freed:
             pool.close()
         if freed:
@@ -287,9 +305,10 @@ class Renderer:
         self.gpu.forget_released()
 
     def close(self) -> None:
-        """Free the pools."""
-        for pool in self._pools.values():
-            pool.close()
+        """Free the pools, and what pictures were taken in by."""
+        for made in (self._pools, self._uploads, self._given):
+            for pool in made.values():
+                pool.close()
 
 
 class Framebuffers:

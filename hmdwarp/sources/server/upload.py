@@ -72,12 +72,23 @@ def _texels(image: NDArray[np.uint8]) -> bytes:
     return np.ascontiguousarray(flip_rows(image)).tobytes()
 
 
-class SceneTextures:
-    """A scene's textures on the GPU, by index; -1 is white."""
+_WHITE = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
 
-    def __init__(self, gpu: Gpu, scene: Scene) -> None:
-        white = Texture("white", np.full((1, 1, 3), 255, np.uint8), srgb=False)
-        self._made = [upload_texture(gpu, texture) for texture in (*scene.textures, white)]
+
+def _lent(gpu: Gpu, texture: Texture) -> moderngl.Texture:
+    return gpu.lend(texture.image, (texture.srgb, texture.repeat), lambda: upload_texture(gpu, texture))
+
+
+class SceneTextures:
+    """A scene's textures on the GPU, by index; -1 is white.
+
+    lent: they never change, and others of the context share them.
+    """
+
+    def __init__(self, gpu: Gpu, scene: Scene, *, lent: bool = False) -> None:
+        self._gpu = gpu
+        make = _lent if lent else upload_texture
+        self._made = [make(gpu, texture) for texture in (*scene.textures, _WHITE)]
         self._shines = {k: _shine(gpu, one.emission) for k, one in enumerate(scene.textures) if one.emission}
         self.revision = 0  # counts changes
 
@@ -96,7 +107,8 @@ class SceneTextures:
 
     def close(self) -> None:
         """Free them."""
-        release_all(*self._made, *(shine.texture for shine in self._shines.values()))
+        release_all(*(texture for texture in self._made if not self._gpu.hand_back(texture)))
+        release_all(*(shine.texture for shine in self._shines.values()))
 
 
 def _shine(gpu: Gpu, emission: Emission) -> Shine:

@@ -162,7 +162,7 @@ def test_encoders_of_all_clients_are_bounded_and_the_oldest_begins_anew(monkeypa
     listener, size = SimpleNamespace(clients=range(5)), (64, 64)
     coders = serve_run._Coders(listener)
     ask = decode(foreign.request(1, size=size, formats=formats))
-    colour, depth = np.ones((*size, 4), np.float16), np.ones(size, np.float32)
+    colour, depth = np.full((*size, 4), 255, np.uint8), np.ones(size, np.float32)
     frame = FrameMessage(1, 0, 0, 0, 0, 0, ask.views, (colour,), (depth,))
     monkeypatch.setattr(serve_run, "_MOST_CODED_BYTES", 3 * FeedEncoder(ask).bytes)
 

@@ -15,6 +15,7 @@ from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (
+    DEPTH_CODES,
     DEPTH_EXACT,
     DEPTH_VIDEO,
     H264,
@@ -24,6 +25,7 @@ from hmdwarp.sources.feed.message import (
     NONE,
     Ask,
     BadRequest,
+    DepthCodes,
     FrameMessage,
     Malformed,
     Refusal,
@@ -109,6 +111,31 @@ def test_bytes_of_colour_come_back_and_are_srgb():
     assert back.light(0)[0, 0, 3] == 0 and (back.light(1)[..., 3] == (colours[1][..., 3] > 0)).all()
 
 
+def test_depth_in_16_bits_comes_back_and_is_its_step_times_the_codes():
+    codes = RNG.integers(0, 65536, (3, 4), np.uint16)
+    codes[0, :3] = (0, 65534, 65535)
+    sent = attrs.evolve(BYTES, inverse_depths=(DepthCodes(codes, 0.25), DepthCodes(codes[::-1], 0.0)))
+    data = encode(sent)
+    back = decode(data)
+    assert back.depth == DEPTH_CODES and back.bytes == 2 * (4 * 12 + 4 + 2 * 12) and back.is_finite
+    np.testing.assert_array_equal(back.inverse_depths[1].codes, codes[::-1])
+    assert back.inverse_depth(0)[0, :3].tolist() == [0, 0.25 * 65534, -1] and back.inverse_depth(1).max() == 0
+    at = data.index(struct.pack("<f", 0.25))
+    for step in (-1.0, np.nan, np.inf, 2.0**112):
+        with pytest.raises(Malformed, match="step of depth in 16 bits"):
+            decode(data[:at] + struct.pack("<f", step) + data[at + 4 :])
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("name", ["colours", "inverse_depths"])
+def test_numbers_that_are_not_finite_show(name, bad):
+    pictures = [picture.copy() for picture in getattr(FRAME, name)]
+    extremes = attrs.evolve(FRAME, **{name: (pictures[0], pictures[1] * 0 + np.finfo(pictures[1].dtype).max)})
+    assert extremes.is_finite and attrs.evolve(extremes, **{name: [-one for one in getattr(extremes, name)]}).is_finite
+    pictures[1][2, 1] = bad
+    assert not attrs.evolve(FRAME, **{name: pictures}).is_finite
+
+
 def test_coded_pictures_and_the_wish_for_them_come_back_bit_for_bit():
     wish = Wish(H264, DEPTH_VIDEO, 0, 72.0, 12.5, 2.0**-10)
     back = decode(encode(attrs.evolve(ASK, wish=wish, anew=True)))
@@ -131,8 +158,8 @@ def test_a_picture_that_is_left_out_has_no_bytes():
     assert no_depth.size == (4, 3) and no_depth.inverse_depths == (b"", b"")
     with pytest.raises(Malformed, match="6 and 0 bytes in formats 255"):
         decode(encode(attrs.evolve(neither, colours=CODED.colours)))
-    with pytest.raises(Malformed, match="formats 255 and 5"):
-        decode(encode(attrs.evolve(neither, depth=5)))
+    with pytest.raises(Malformed, match="formats 255 and 6"):
+        decode(encode(attrs.evolve(neither, depth=6)))
 
 
 def test_further_layers_and_the_wish_for_them_come_back_bit_for_bit():

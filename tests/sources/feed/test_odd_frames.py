@@ -64,6 +64,14 @@ ODD: dict[str, Odd] = {
     "another size": lambda asked: foreign.frame(asked, size=(3, 2)),
     "the largest size": lambda asked: foreign.frame(asked, size=(8192, 8192), formats=(3, 3), pictures=(b"", b"")),
     "an unknown format": lambda asked: foreign.frame(asked, formats=(9, 1)),
+    "codes without a step": lambda asked: foreign.frame(
+        asked, formats=(2, 5), pictures=(b"\x80" * 4 * pixels(asked), b"")
+    ),
+    "codes of no step": lambda asked: foreign.frame(
+        asked,
+        formats=(2, 5),
+        pictures=(b"\x80" * 4 * pixels(asked), struct.pack("<f", np.nan) + bytes(2 * pixels(asked))),
+    ),
     "a video of noise": lambda asked: foreign.frame(asked, formats=(3, 2), pictures=(b"\0\0\0\1g" * 9, b"d" * 99)),
     "a depth of noise": lambda asked: foreign.frame(
         asked, formats=(4, 3), pictures=(b"", depth_of(2.0**-30, 2.0**128))

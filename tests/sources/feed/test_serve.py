@@ -1,7 +1,8 @@
 """A server and its client in two processes: what crosses the feed is what would be drawn here."""
 
 import time
-from contextlib import closing
+import tracemalloc
+from contextlib import closing, nullcontext
 
 import attrs
 import numpy as np
@@ -9,12 +10,14 @@ import pytest
 from replays import small
 from serving import Serving
 
+from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
+from hmdwarp.pipeline.feed_coding import arrays_of
 from hmdwarp.pipeline.remote import Remote
 from hmdwarp.pipeline.remote_source import RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
@@ -23,9 +26,10 @@ from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import NONE, Refusal, decode, encode
+from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Refusal, Wish, decode, encode
 from hmdwarp.sources.feed.options import FeedOptions
-from hmdwarp.sources.server import Server
+from hmdwarp.sources.feed.viewer import Viewer
+from hmdwarp.sources.server import Renderer, Server
 
 from .exchange import answered, exchanged, feeder
 from .test_message import ASK, FRAME
@@ -121,6 +125,56 @@ def same_as_offline(serving, tmp_path, monkeypatch, asked) -> dict:
         for ours, theirs in zip(eyes, offline[shown][1], strict=True):
             np.testing.assert_array_equal(ours, theirs)
     return summary
+
+
+def test_half_of_the_bytes_are_the_same_picture_in_srgb_and_depth_within_half_a_step(serving, gpu):
+    """Over the feed, and as the GPU takes it over."""
+    view, size = attrs.evolve(ASK.views[0], pose=Pose((0, 1.6, 0))), (161, 143)
+    found = {}
+    for name, wish in (*RAW.items(), ("as before", Wish(200, 200))):
+        with closing(Viewer(serving.address, wish=wish)) as viewer:
+            found[name] = viewer.fetch(view, size, 0)
+    full, half, odd = found.values()
+    assert (odd.colour, odd.depth) == (full.colour, full.depth)  # whatever is not known is answered as drawn
+    assert half.bytes == full.bytes / 2 + 4 and (half.colour, half.depth) == (RGBA8, DEPTH_CODES)
+    np.testing.assert_array_equal(half.colours[0][..., :3], srgb8_from_linear(full.colours[0][..., :3]))
+    np.testing.assert_array_equal(half.colours[0][..., 3] > 0, full.colours[0][..., 3] > 0)
+    exact, got, step = full.inverse_depths[0], half.inverse_depth(0), half.inverse_depths[0].step
+    assert step == pytest.approx(exact.max() / 65534, rel=1e-6) and ((exact == 0) == (got == 0)).all()
+    assert np.abs(got - exact)[exact > step].max() <= 0.55 * step and ((exact < 0) == (got < 0)).all()
+    with closing(Renderer(gpu, load_scene("planes"))) as renderer:
+        for frame in (full, half):
+            target = renderer.acquire(size)
+            renderer.take_in(arrays_of(frame, 0, size), target)
+            np.testing.assert_array_equal(download(target.colour), frame.light(0))
+            np.testing.assert_array_equal(download(target.inverse_depth), frame.inverse_depth(0))
+            before = tracemalloc_peak(lambda: renderer.take_in(arrays_of(frame, 0, size), target))  # noqa: B023
+            assert before < size[0] * size[1]
+
+
+def tracemalloc_peak(run) -> int:
+    tracemalloc.start()
+    run()
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    return peak
+
+
+@pytest.mark.parametrize("knows", [True, False])
+def test_a_replay_in_half_says_how_frames_came(serving, tmp_path, monkeypatch, knows):
+    """A server that does not know the form sends what it has."""
+    with feeder() if not knows else nullcontext(serving.address) as address:
+        scene = "planes" if knows else "server"
+        asked = small(tmp_path / "out", scene=scene, feed=FeedOptions(connect=address, raw="half"), seconds=0.3)
+        _, summary = pictures(monkeypatch, asked)
+    expected = {"colour": "srgb8", "depth": "uint16"} if knows else {"colour": "float16", "depth": "float32"}
+    told = summary["link"]["feed"]["raw"]
+    error = told.pop("depth_error")
+    assert told == expected and (0 < error < 1e-4 if knows else error == 0)
+    with pytest.raises(InputError, match="--raw half beside --codec h264"):
+        replay(attrs.evolve(asked, coding=Coding("h264")))
+    with pytest.raises(InputError, match="--raw half: it is for --connect"):
+        FeedOptions(raw="half")
 
 
 def ages(shown) -> dict[int, int]:

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..gpu.context import Gpu
 from ..gpu.raw_gl import clear_buffer, mapped
-from ..gpu.textures import Canvas, allocate, release_all
-from .picture_arrays import LINEAR, SRGB, SRGB8, RawPicture
+from ..gpu.textures import Canvas, allocate, flip_rows, release_all, texture_bytes
 
+# What colour may be: sRGB as bytes, sRGB or linear light as floats.
+SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
 Size = tuple[int, int]
 Pair = tuple[moderngl.Texture, moderngl.Texture]
 _RG32UI = 0x823C  # a rgba16f texture, as the bits of its halves
@@ -24,8 +25,43 @@ _TEXEL_BYTES = 16  # of given_colour and given_depth
 # says of the others whether.
 _WRONG, _NEGATIVE, _POSITIVE, _LARGEST, _BRIGHT, _FRACTION, _ABOVE_ONE = range(7)
 _WORDS = 8
-_INVERSE, _METRES, _UINT16 = range(3)
+_INVERSE, _METRES, _UINT16, _UINT16_INVERSE = range(4)
+LARGEST_CODE = 65534  # of depth in 16 bits; 65535 is none
 _RESULTS = (SRGB8, SRGB, LINEAR)
+
+
+@attrs.frozen(eq=False)
+class Arrays:
+    """A picture with depth whose numbers the GPU converts; the top row first."""
+
+    # (h, w, 3), or (h, w, 4) with coverage: uint8 sRGB, or floats.
+    colour: NDArray[Any]
+    # Of `colour`: "srgb8", "srgb" or "linear".
+    encoding: str
+    # (h, w) floats, or uint16 with the scale; below 0, NaN and 65535 are none.
+    depth: NDArray[Any]
+    # Metres, or 1/m, per unit of `depth`.
+    scale: float = 1.0
+    # Whether `depth` is in 1/m instead.
+    is_inverse: bool = False
+    # Whether floats are linear light only because nothing else was said.
+    is_guessed: bool = False
+    # Whether colour without depth stays, and depth without colour; else both are a hole.
+    is_apart: bool = False
+    # (h, w) where a mask hides colour or depth; None without one.
+    hidden: NDArray[np.bool_] | None = None
+
+    @property
+    def size(self) -> Size:
+        """(w, h) in pixels."""
+        height, width = self.depth.shape
+        return width, height
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether the bytes are those of textures: half floats with coverage, and 1/m."""
+        kinds = self.colour.dtype.name, self.colour.shape[2], self.depth.dtype.name
+        return kinds == ("float16", 4, "float32") and self.is_inverse and self.is_apart
 
 
 class Found:
@@ -82,6 +118,11 @@ class PixelBuffers:
             self._made[*key, byte_count] = self._gpu.gl.buffer(reserve=byte_count, dynamic=True)
         return self._made[*key, byte_count]
 
+    @property
+    def bytes(self) -> int:
+        """The bytes of all of them."""
+        return sum(buffer.size for buffer in self._made.values())
+
     def close(self) -> None:
         """Free them."""
         self.found.close()
@@ -98,7 +139,12 @@ class TakeIn:
         self._light_of_byte.write(bits.tobytes())
         self._staged: dict[tuple[str, int, int], moderngl.Texture] = {}
 
-    def send(self, picture: RawPicture, buffers: PixelBuffers, number: int = 0) -> Pair:
+    @property
+    def bytes(self) -> int:
+        """The bytes of its textures."""
+        return sum(map(texture_bytes, self._staged.values()))
+
+    def send(self, picture: Arrays, buffers: PixelBuffers, number: int = 0) -> Pair:
         """Return the bytes of colour and depth as textures; the next picture overwrites them."""
         sent = []
         for name, array in _arrays_of(picture).items():
@@ -113,28 +159,22 @@ class TakeIn:
             sent.append(texture)
         return sent[0], sent[1]
 
-    def kept(self, picture: RawPicture, buffers: PixelBuffers, number: int = 0) -> RawPicture:
-        """Return the picture as it was sent, whatever its arrays have become since then."""
-        if picture.checked is not None:
-            return picture
-        sent = {}
+    def sent(self, picture: Arrays, buffers: PixelBuffers, number: int = 0) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Return colour and depth as they were sent, whatever the arrays have become since then."""
+        found = []
         for name, array in _arrays_of(picture).items():
             buffer, view = self._staging(name, array, buffers, number)
             with mapped(buffer) as raw:
-                sent[name] = np.array(view(raw), array.dtype)
-        hidden = False if picture.hidden is None else picture.hidden
-        depth = np.ma.array(sent["depth"][..., 0], mask=hidden)
-        return attrs.evolve(
-            picture, colour=sent["colour"], depth=depth.data, passed=(sent["colour"], depth, *picture.passed[2:])
-        )
+                found.append(np.array(view(raw), array.dtype))
+        return found[0], found[1][..., 0]
 
-    def run(self, picture: RawPicture, sent: Pair, into: Pair, found: Found, number: int) -> None:
+    def run(self, picture: Arrays, sent: Pair, into: Pair, found: Found, number: int) -> None:
         """Write rgba16f linear light with coverage and r32f inverse depth.
 
         sent: what `send` returns for the picture. number: which of the pictures of `found`.
         """
         kind, is_whole = _sent_as("colour", picture.colour), picture.depth.dtype.kind == "u"
-        form = _UINT16 if is_whole else _INVERSE if picture.is_inverse else _METRES
+        form = (_UINT16_INVERSE if is_whole else _INVERSE) if picture.is_inverse else _UINT16 if is_whole else _METRES
         program = self._gpu.shaders.compute(
             "image/take_in.comp",
             ITEM_BYTES=kind.itemsize,
@@ -142,6 +182,7 @@ class TakeIn:
             DEPTH=form,
             ENCODED=int(picture.encoding == SRGB),
             GUESSED=int(picture.is_guessed),
+            APART=int(picture.is_apart),
         )
         into[0].bind_to_image(0, read=False, write=True, format=_RG32UI)
         into[1].bind_to_image(1, read=False, write=True)
@@ -175,7 +216,81 @@ class TakeIn:
         release_all(self._light_of_byte, *self._staged.values())
 
 
-def _arrays_of(picture: RawPicture) -> dict[str, NDArray[Any]]:
+class GiveCodes:
+    """Makes the half form of the feed of pictures of one size: sRGB bytes, and depth in 16 bits."""
+
+    def __init__(self, gpu: Gpu, size: Size) -> None:
+        self._gpu, self._size = gpu, size
+        self._byte_of_half = _byte_table(gpu)
+        pixels = -(-size[0] // 2) * 2 * size[1]
+        self._nearest, self._colours, self._codes = (gpu.gl.buffer(reserve=n) for n in (4, 4 * pixels, 2 * pixels))
+
+    def run(self, pair: Pair) -> tuple[NDArray[np.uint8], NDArray[np.uint16], float]:
+        """Return colour (h, w, 4), codes (h, w) and their step in 1/m.
+
+        pair: rgba16f and r32f textures. A code is within 0.55 steps: half of one, and what two
+        divisions in float32, good to 2.5 units, are off by at 65534 of them.
+        """
+        colour, inverse_depth = pair
+        clear_buffer(self._nearest, 0)
+        colour.bind_to_image(0, read=True, write=False, format=_RG32UI)
+        inverse_depth.bind_to_image(1, read=True, write=False)
+        self._byte_of_half.bind_to_image(2, read=True, write=False)
+        for binding, buffer in enumerate((self._nearest, self._colours, self._codes)):
+            buffer.bind_to_storage_buffer(binding)
+        for step in (0, 1):
+            program = self._gpu.shaders.compute("image/give_codes.comp", STEP=step)
+            program.uniforms.set(rendered_size=self._size)
+            program.run(-(-self._size[0] // 2), self._size[1])
+            self._gpu.barrier()
+        wide, high = self._size
+        nearest = np.frombuffer(self._nearest.read(), np.float32)[0]
+        with mapped(self._colours) as raw:
+            colours = raw.reshape(high, -1, 4)[:, :wide].copy()
+        with mapped(self._codes) as raw:
+            codes = raw.view(np.uint16).reshape(high, -1)[:, :wide].copy()
+        return colours, codes, float(nearest / np.float32(LARGEST_CODE))
+
+    @property
+    def bytes(self) -> int:
+        """The bytes of its buffers."""
+        return self._colours.size + self._codes.size
+
+    def close(self) -> None:
+        """Free what was made."""
+        release_all(self._byte_of_half, self._nearest, self._colours, self._codes)
+
+
+class Upload:
+    """Takes whole pictures of one size over; nothing is allocated after the first of a kind."""
+
+    def __init__(self, gpu: Gpu, size: Size) -> None:
+        self._taking, self._buffers = TakeIn(gpu, size), PixelBuffers(gpu, 1)
+
+    def run(self, picture: Arrays, into: Pair) -> None:
+        """Write rgba16f linear light with coverage and r32f inverse depth."""
+        if not picture.is_ready:
+            sent = self._taking.send(picture, self._buffers)
+            self._taking.run(picture, sent, into, self._buffers.found, 0)
+            return
+        for number, (array, texture) in enumerate(zip((picture.colour, picture.depth), into, strict=True)):
+            buffer = self._buffers.of(array.nbytes, "ready", number)
+            with mapped(buffer, write=True) as raw:
+                np.copyto(raw.view(array.dtype).reshape(array.shape), flip_rows(array))
+            texture.write(buffer, alignment=1)
+
+    @property
+    def bytes(self) -> int:
+        """The bytes of what was made."""
+        return self._taking.bytes + self._buffers.bytes
+
+    def close(self) -> None:
+        """Free what was made."""
+        self._taking.close()
+        self._buffers.close()
+
+
+def _arrays_of(picture: Arrays) -> dict[str, NDArray[Any]]:
     """Return colour and depth, each (h, w, c)."""
     return {"colour": picture.colour, "depth": picture.depth[..., None]}
 
@@ -186,13 +301,19 @@ def _sent_as(name: str, array: NDArray[Any]) -> np.dtype[Any]:
     return np.dtype(array.dtype.type if is_own else np.float32)
 
 
+def _byte_table(gpu: Gpu) -> moderngl.Texture:
+    """Return the sRGB byte of each half, by its two bytes."""
+    table = allocate(gpu.gl, (256, 256), (1, "u1"))
+    table.write(srgb8_from_linear(np.arange(65536, dtype=np.uint16).view(np.float16)).tobytes())
+    return table
+
+
 class GiveOut:
     """Makes arrays of what is shown."""
 
     def __init__(self, gpu: Gpu, size: Size) -> None:
         self._gpu, self._size = gpu, size
-        self._byte_of_half = allocate(gpu.gl, (256, 256), (1, "u1"))
-        self._byte_of_half.write(srgb8_from_linear(np.arange(65536, dtype=np.uint16).view(np.float16)).tobytes())
+        self._byte_of_half = _byte_table(gpu)
 
     def run(
         self,
