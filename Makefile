@@ -8,7 +8,8 @@ WARP = iterative
 FILL = memory+pyramid
 # What it is compared with: no warp, and the thesis's method on the same late frames.
 AGAINST = none,forward+interpolate
-LENS = radial
+# By default the headset's own.
+LENS =
 HEADSET = rift-dk1
 OUT = out/replay
 # How much of the trace, "all" for all of it; 3 seconds take less than a minute without a GPU.
@@ -45,7 +46,7 @@ setup:  ## make .venv ready, with all extras (PYTHON=python3.12 chooses a Python
 replay:  ## the main job: replay a recorded head 200 ms late and report on it (SECONDS=all: all of the recording)
 	@.ci/setup --base
 	$(HMDWARP) replay "$(TRACE)" --scene "$(SCENE)" --latency $(LATENCY) --warp $(WARP) --fill $(FILL) \
-	  --lens $(LENS) --headset $(HEADSET) --against "$(AGAINST)" --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(filter-out all,$(SECONDS)),--seconds $(SECONDS)) $(OPTIONS)
+	  $(if $(LENS),--lens $(LENS)) --headset $(HEADSET) --against "$(AGAINST)" --metrics-every $(METRICS_EVERY) --out "$(OUT)" $(if $(filter-out all,$(SECONDS)),--seconds $(SECONDS)) $(OPTIONS)
 
 test:  ## all tests, as CI runs them; what they need beside Python comes through apt where it may
 	@.ci/setup --tests

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import attrs
 import moderngl
 
-from ..geometry import View
+from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
+from ..gpu.hidden import Groups
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
@@ -116,10 +117,18 @@ class Compensator:
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills = [
-            fill.entry(gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill))
+            fill.entry(
+                gpu,
+                rendered_size,
+                shown_size,
+                fill.settings,
+                geometry,
+                depth_read=plan.reads_depth_after(fill),
+                hides=hides,
+            )  # fmt: skip
             for fill in plan.fills
         ]
-        tools = Tools(carry, pictures, images_read(plan.needs), geometry)
+        tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides)
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
             for planned in plan.effect_passes
@@ -128,6 +137,7 @@ class Compensator:
         self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
         self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
+        self._blackened: dict[int, tuple[Hidden, Fov]] = {}
 
     def _canvases_of_one_eye(self) -> _Canvases:
         gl, size = self.gpu.gl, self.shown_size
@@ -166,12 +176,27 @@ class Compensator:
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stage("warp"):
             self._run_warp(inputs, made)
-            if made.warped is not None and inputs.middle.hidden is not None:
-                self.gpu.barrier()
-                self.gpu.seen_rows.hide(inputs.middle, made.warped.colour, made.warped.inverse_depth)
+            self._hide(inputs.middle, inputs.eye, made)
         if made.warped is None:
             return EyeResult(inputs.middle, None, None, made.panel)
         return self._finish(inputs, made, made.warped)
+
+    def _hide(self, view: View, eye: int, made: _Canvases) -> None:
+        """Blacken what the lens hides in the warped picture, and once in those that follow.
+
+        Later passes leave it as it is, or copy it; a gather only writes up to its outline.
+        """
+        if made.warped is None or view.hidden is None:
+            return
+        self.gpu.barrier()
+        of: Groups = "edge" if self._warp.kind == "gather" else "hidden"
+        if self._blackened.get(eye) != (view.hidden, view.fov):
+            self._blackened[eye], of = (view.hidden, view.fov), "hidden"
+            for picture in made.filled:
+                self.gpu.seen_rows.hide(view, picture.colour, picture.inverse_depth)
+            for canvas in made.effects:
+                self.gpu.seen_rows.hide(view, canvas, None)
+        self.gpu.seen_rows.hide(view, made.warped.colour, made.warped.inverse_depth, of)
 
     def _run_warp(self, inputs: PassInputs, made: _Canvases) -> None:
         warped = made.warped

@@ -7,6 +7,7 @@ from .depth import DepthLayer as DepthLayer
 from .depth import inverse_depth_from_clip as inverse_depth_from_clip
 from .depth import inverse_depth_from_metres as inverse_depth_from_metres
 from .depth import metres_from_inverse_depth as metres_from_inverse_depth
+from .parallel import ParallelEyes as ParallelEyes
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
 from .view import Eyes as Eyes

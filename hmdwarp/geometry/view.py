@@ -221,6 +221,18 @@ class Hidden:
     _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False)
     _grown: dict[tuple[float, ...], Hidden] = attrs.field(factory=dict, init=False, repr=False)
 
+    @classmethod
+    def of_rows(cls, rows: NDArray[np.float64], fov: Fov) -> Hidden:
+        """Return what is hidden where a view's columns, from the left, see a part of their height.
+
+        rows: (n, 2) first and last seen place, 0 (below) to 1; equal where a column sees nothing.
+        """
+        left, right, down, up = fov.tangents.tolist()
+        x = np.repeat(np.linspace(left, right, len(rows) + 1), 2)[1:-1].tolist()
+        first, end = (np.repeat(down + side * (up - down), 2).tolist() for side in rows.T)
+        below = (*zip(x, first, strict=True), (right, down), (left, down))
+        return cls((below, (*zip(x, end, strict=True), (right, up), (left, up))), fov)
+
     def within(self, fov: Fov) -> Hidden:
         """Return it for a field of view with a guard band: a late frame needs as much beyond it."""
         margins = tuple(np.abs(fov.tangents - self.fov.tangents).tolist())

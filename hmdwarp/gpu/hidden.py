@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 from weakref import WeakKeyDictionary
 
 import moderngl
@@ -16,7 +16,19 @@ GROUPS = 7  # storage buffer of shaders/lib/rows.glsl
 UNIT = 15  # texture unit of seen_rows, see shaders/gpu/hide.comp
 ACROSS = 150  # rectangles of the hidden area, about
 Size = tuple[int, int]
+
+
 Fov = Any
+Groups = Literal["seen", "hidden", "edge"]
+
+
+def hiding(hides: bool) -> dict[str, object]:
+    """Return the defines of a program that SeenRows.run runs, {} where nothing is hidden.
+
+    Groups nearer to square would follow the outline more closely, but take llvmpipe longer: 16x32
+    pixels in place of 64x8 cost a copying pass half as much again.
+    """
+    return {"HIDES": 1} if hides else {}
 
 
 class HiddenArea(Protocol):
@@ -55,7 +67,7 @@ class SeenRows:
         self._made: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size], moderngl.Texture]] = WeakKeyDictionary()
         self._arrays: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Draw], moderngl.VertexArray]]
         self._arrays = WeakKeyDictionary()
-        self._groups: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Size], tuple[moderngl.Buffer, int]]]
+        self._groups: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Size, Groups], tuple[moderngl.Buffer, int]]]
         self._groups = WeakKeyDictionary()
 
     def use(self, view: SeenView, size: Size) -> int:
@@ -68,7 +80,16 @@ class SeenRows:
         made[key].use(UNIT)
         return UNIT
 
-    def corners(self, view: SeenView, size: Size, program: Draw) -> moderngl.VertexArray:
+    def cover(self, view: SeenView, size: Size, nearest: float, **defines: object) -> None:
+        """Draw what is hidden of a view in front of everything, into a framebuffer of that size.
+
+        nearest: the end of the depth range in clip space, 1 or -1.
+        """
+        if view.hidden is not None:
+            program = self._shaders.draw("server/hidden.vert", "server/hidden.frag", NEAREST=nearest, **defines)
+            self._corners(view, size, program).render(moderngl.TRIANGLES)
+
+    def _corners(self, view: SeenView, size: Size, program: Draw) -> moderngl.VertexArray:
         """Return rectangles, in_ndc, of what is hidden of a view, for a program.
 
         In a wide picture each is several columns wide and leaves what any of them sees. 1234x1370:
@@ -93,26 +114,55 @@ class SeenRows:
         return made[key]
 
     def run(self, program: Compute, view: SeenView, size: Size) -> None:
-        """Run a program made with HIDES over the work groups that see something of a view."""
+        """Run over the work groups that see something of a view; over all without HIDES."""
+        program.program.run(*self.grid(program, view, size))
+
+    def grid(self, program: Compute, view: SeenView, size: Size) -> tuple[int, int]:
+        """Return the work groups of such a run; a list of them is bound."""
+        return (self.groups(program, view, size), 1) if program.hides else program.groups(*size)
+
+    def groups(self, program: Compute, view: SeenView, size: Size, of: Groups = "seen") -> int:
+        """Bind the list of those groups for a program made with HIDES; return how many they are.
+
+        of: groups at a seen pixel, with a hidden one, or with a hidden one near the outline.
+        """
         hidden = view.hidden or self._nothing
         wide, high = program.group[0], program.group[1] * program.rows
-        made, key = self._groups.setdefault(hidden, {}), (view.fov, size, (wide, high))
+        made, key = self._groups.setdefault(hidden, {}), (view.fov, size, (wide, high), of)
         if key not in made:
             seen = hidden.seen(view.fov, size)
-            any_seen = np.logical_or.reduceat(seen, np.arange(0, size[1], high), axis=0)
-            any_seen = np.logical_or.reduceat(any_seen, np.arange(0, size[0], wide), axis=1)
-            row, column = np.nonzero(any_seen)
-            made[key] = self._gl.buffer((column | row << 16).astype(np.uint32).tobytes()), len(row)
+            # Passes read beside the pixels that they write.
+            beside = np.pad(seen, 1)
+            beside = beside[:-2, 1:-1] | beside[2:, 1:-1] | beside[1:-1, :-2] | beside[1:-1, 2:] | seen
+            any_seen, any_hidden = (_any_of(part, wide, high) for part in (beside, ~seen))
+            # A pass of other groups writes up to the next of these.
+            written = any_seen | np.roll(any_seen, 1, axis=0) | np.roll(any_seen, -1, axis=0)
+            lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
+            row, column = np.nonzero(lists[of])
+            made[key] = self._gl.buffer((column | row << 16).astype(np.uint32).tobytes() or bytes(4)), len(row)
         groups, count = made[key]
         groups.bind_to_storage_buffer(GROUPS)
-        program.program.run(count)
+        return count
 
-    def hide(self, view: SeenView, colour: Canvas, inverse_depth: moderngl.Texture | None) -> None:
-        """Write into the hidden pixels of a shown picture: black, no depth, and no hole either."""
-        program = self._shaders.compute("gpu/hide.comp", WITH_DEPTH=int(inverse_depth is not None))
+    def hide(
+        self, view: SeenView, colour: Canvas, inverse_depth: moderngl.Texture | None, of: Groups = "hidden"
+    ) -> None:
+        """Write into the hidden pixels of a shown picture: black, no depth, and no hole either.
+
+        of: "edge" for those alone beside which a pass over the seen work groups has written.
+        """
+        program = self._shaders.compute("gpu/hide.comp", WITH_DEPTH=int(inverse_depth is not None), **hiding(True))
         colour.bind_for_writing(0)
         if inverse_depth is not None:
             inverse_depth.bind_to_image(1, read=False, write=True)
             program.uniforms.set(depth=1)
         program.uniforms.set(colour=0, size=colour.size, seen_rows=self.use(view, colour.size))
-        program.run(*colour.size)
+        if count := self.groups(program, view, colour.size, of):
+            program.program.run(count)
+
+
+def _any_of(chosen: NDArray[np.bool_], wide: int, high: int) -> NDArray[np.bool_]:
+    """Return which groups of wide x high pixels have one that is chosen."""
+    rows = np.logical_or.reduceat(chosen, np.arange(0, chosen.shape[0], high), axis=0)
+    found: NDArray[np.bool_] = np.logical_or.reduceat(rows, np.arange(0, chosen.shape[1], wide), axis=1)
+    return found

@@ -243,6 +243,7 @@ class Compute:
         self.group = _group_size(flat.text)
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
+        self.hides = "HIDES" in defines  # runs over listed work groups, see SeenRows.run
 
     def run(self, width: int, height: int = 1) -> None:
         """Dispatch enough work groups for width x height invocations."""

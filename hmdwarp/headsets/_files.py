@@ -21,7 +21,7 @@ from ._model import IPD_RANGE_M, Headset, HeadsetEye
 _FOLDER = Path(__file__).parent
 _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
 MIRRORED = "mirrored"
-IPD, DRAWN = ":ipd=", ":hidden=drawn"
+IPD, DRAWN, PARALLEL = ":ipd=", ":hidden=drawn", ":render=parallel"
 FILE_ENDINGS = (".toml", ".json")
 
 
@@ -34,7 +34,7 @@ def load_headset(spec: str) -> Headset:
     """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
     `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
-    draws and counts what its lenses hide.
+    draws and counts what its lenses hide; `NAME:render=parallel` draws with parallel views.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """
     name, distance, ipd = spec.partition(IPD)
@@ -48,6 +48,8 @@ def load_headset(spec: str) -> Headset:
 def _loaded(name: str) -> Headset:
     if name.endswith(DRAWN):
         return _loaded(name.removesuffix(DRAWN)).without_hidden(name)
+    if name.endswith(PARALLEL):
+        return attrs.evolve(_loaded(name.removesuffix(PARALLEL)), name=name, renders_parallel=True)
     if name.endswith(".json"):
         return load_export(Path(name))
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"

@@ -123,6 +123,7 @@ class Headset:
     emulated: str = ""  # what of it is emulated and what is not, where that is not all
     peak_cd_m2: float | None = None  # luminance of white and of black; None where not measured
     black_cd_m2: float | None = None
+    renders_parallel: bool = False  # whether frames are drawn with views that are not canted
 
     def __attrs_post_init__(self) -> None:
         given = {"peak_cd_m2": self.peak_cd_m2, "black_cd_m2": self.black_cd_m2}
@@ -269,10 +270,18 @@ class CameraDisplay(Headset):
 
 
 def camera_display(
-    source: str, fov: Fov, size: tuple[int, int], refresh_hz: float, eye_distance_m: float = 0.0
+    source: str,
+    fov: Fov,
+    size: tuple[int, int],
+    refresh_hz: float,
+    eye_distance_m: float = 0.0,
+    hidden: tuple[Polygon, ...] = (),
 ) -> CameraDisplay:
-    """Return the display of a camera. source: what recorded it; size: (w, h) of its pictures."""
+    """Return the display of a camera.
+
+    source: what recorded it; size: (w, h) of its pictures; hidden: as an eye's, of both.
+    """
     panel_m = (0.1, 0.1 * size[1] / size[0])
     places = (0.0, eye_distance_m) if eye_distance_m else (0.0,)
-    eyes = tuple(HeadsetEye(Pose((x, 0, 0)), fov, panel_m) for x in places)
+    eyes = tuple(HeadsetEye(Pose((x, 0, 0)), fov, panel_m, hidden=hidden) for x in places)
     return CameraDisplay(NAME, f"the camera of {source}", source, size, refresh_hz, eyes)

@@ -87,6 +87,13 @@ _IPD = Option(
     unit="mm",
     study=DISPLAY,
 )
+_PARALLEL = Option(
+    "Draw with parallel views that hold the canted ones, as SteamVR's parallel projection does.",
+    bool,
+    False,
+    name="render_parallel",
+    heading=RENDERING,
+)
 _WIDE = Option(
     "A second, wide and coarse view with every frame: fill wide before the others.",
     bool,
@@ -249,7 +256,7 @@ class PipelineOptions(Declared):
         "rift-dk1",
         f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json.",
         study=DISPLAY,
-        beside=(_IPD,),
+        beside=(_IPD, _PARALLEL),
     )
     # (w, h) of one eye.
     size: tuple[int, int] | None = option(
@@ -345,7 +352,7 @@ class PipelineOptions(Declared):
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields whose options were set. Errors: InputError."""
         usual = {option.name: option.default for option in options_of(cls)}
-        said = with_strategy(with_frames(with_ipd(said, usual["headset"]), usual), usual)
+        said = with_strategy(with_frames(with_headset(said, usual["headset"]), usual), usual)
         values = _with_limits_of_client(super().values_of(said), said)
         check_one_guard(said)
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
@@ -529,11 +536,14 @@ def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> d
     return values
 
 
-def with_ipd(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
-    """Return the options with --ipd as part of the headset. headset: where none is named."""
-    if said.get("ipd") is None:
-        return said
-    return {**said, "headset": f"{said.get('headset') or headset}:ipd={said['ipd']:g}"}
+def with_headset(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
+    """Return the options with --render-parallel and --ipd as part of the headset.
+
+    headset: where none is named.
+    """
+    parts = ":render=parallel" if said.get("render_parallel") else ""
+    parts += f":ipd={said['ipd']:g}" if said.get("ipd") is not None else ""
+    return {**said, "headset": f"{said.get('headset') or headset}{parts}"} if parts else said
 
 
 def _own_lens(headset: str) -> str:

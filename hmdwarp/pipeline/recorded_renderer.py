@@ -160,16 +160,23 @@ def _pixels(taken: RecordedFrame, fov: Fov, size: Size, repair: RepairChain) -> 
 
     fov: what they show, within that of the frame.
     """
+    colour: NDArray[Any]
     colour, depth = taken.read()
     if repair.steps:
         depth = repair.run(colour * np.float32(1 / 255), inverse_depth_from_metres(depth)).inverse_depth
-    box, is_inverse = _box(taken, fov), bool(repair.steps)
+    box, encoding = _box(taken, fov), SRGB8
     left, top, right, bottom = map(int, box)
     if box == (left, top, right, bottom) and size == (right - left, bottom - top):
-        inner = np.s_[top:bottom, left:right]
-        return Arrays(colour[inner], SRGB8, depth[inner], is_inverse=is_inverse, is_apart=True)
-    light = _averaged(linear_from_srgb(colour).astype(np.float32), size, box)
-    return Arrays(light, LINEAR, _nearest(depth, size, box), is_inverse=is_inverse, is_apart=True)
+        colour, depth = colour[top:bottom, left:right], depth[top:bottom, left:right]
+    else:
+        light = _averaged(linear_from_srgb(colour).astype(np.float32), size, box)
+        colour, encoding, depth = light, LINEAR, _nearest(depth, size, box)
+    if taken.hidden is not None:
+        seen = attrs.evolve(taken.view, fov=fov).seen(size)
+        coverage = np.where(seen, 255 if encoding == SRGB8 else 1, 0).astype(colour.dtype)
+        colour = np.dstack([colour * seen[..., None].astype(colour.dtype), coverage])
+        depth = np.where(seen, depth, np.nan).astype(np.float32)
+    return Arrays(colour, encoding, depth, is_inverse=bool(repair.steps), is_apart=True)
 
 
 def _box(taken: RecordedFrame, fov: Fov) -> Box:

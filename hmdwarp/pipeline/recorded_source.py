@@ -173,7 +173,8 @@ def display_of(sequence: Sequence, guard: GuardBand | None = None, eye_distance_
                 "as the display has; replay those of each camera by themselves"
             )
     fov, size = _middle_of(first.fov, first.size, guard or GuardBand())
-    return camera_display(str(sequence.path), fov, size, sequence.rate_hz or 1.0, eye_distance_m)
+    hidden = first.hidden.polygons if first.hidden is not None else ()
+    return camera_display(str(sequence.path), fov, size, sequence.rate_hz or 1.0, eye_distance_m, hidden)
 
 
 def _middle_of(fov: Fov, size: Size, guard: GuardBand) -> tuple[Fov, Size]:

@@ -96,6 +96,8 @@ class Remote:
         self.wish, self._format = Wish(), ANY
         # Types of the numbers of the frames that came last, and the largest error of their depth.
         self._raw: dict[str, Any] = {}
+        # Whether the server leaves out what requests say is hidden, as its frames say.
+        self._takes_hidden = False
         # What is read of the eyes' pictures; the rest is not sent.
         self.pictures = frozenset(PICTURE)
         self._paced: tuple[int, int] | None = None
@@ -116,7 +118,9 @@ class Remote:
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size if self.pictures else NO_PICTURE)
-        wide = tuple(attrs.evolve(view, fov=fov) for view, fov in zip(views, fovs, strict=True))
+        wide = tuple(view.within(fov) for view, fov in zip(views, fovs, strict=True))
+        if not self._takes_hidden:  # it draws all of it, or has not said yet
+            wide = tuple(attrs.evolve(view, hidden=None) for view in wide)
         self._number += 1
         # Requested once, and again only if that request will have no answer.
         anew = self._decoder.wants_anew and self._anew_number not in self._pending
@@ -222,6 +226,7 @@ class Remote:
                 self._leave_out("another size or number of eyes than requested", "")
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
+            self._takes_hidden = arrival.frame.takes_hidden
             try:
                 decoded = self._decoder.decode(wanted_alone(arrival.frame, pending.wanted))
             except Undecodable as error:

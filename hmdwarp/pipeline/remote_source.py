@@ -216,7 +216,9 @@ class RemoteFrames:
             error = depth_error(found, self.remote.wish)
             further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
             textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
-            eyes.append(EyeImage(view, *textures, further, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
+            asked = pending.views[eye]
+            seen = attrs.evolve(view, hidden=asked.hidden) if view.fov == asked.fov else view
+            eyes.append(EyeImage(seen, *textures, further, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
         if found.layers:  # a server may choose the size of some
             self.server.trim()
         took_ms = {"render": found.render_ns / _MS}

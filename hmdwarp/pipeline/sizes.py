@@ -9,7 +9,7 @@ from typing import Any
 from ..client.plan import Plan, needs_of
 from ..errors import InputError, MachineError
 from ..frames import EyeSizes, Needs, frame_bytes
-from ..geometry import Eyes, Guard, GuardBand, Pose, guarded_eyes
+from ..geometry import Eyes, Guard, GuardBand, ParallelEyes, Pose, guarded_eyes
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
 from ..headsets import Headset
@@ -21,6 +21,17 @@ from .options import PipelineOptions
 Size = tuple[int, int]
 
 
+def drawn_for(eyes: Eyes, size: Size) -> tuple[Eyes, Size]:
+    """Return the eyes and (w, h) that frames are drawn for, without a guard band.
+
+    Those that are shown, or for a headset that renders in parallel such that hold them.
+    """
+    if not getattr(eyes, "renders_parallel", False):
+        return eyes, size
+    parallel = ParallelEyes(eyes)
+    return parallel, parallel.size(size)
+
+
 def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     """Return (w, h) of the picture that the server draws for one eye.
 
@@ -29,8 +40,9 @@ def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     """
     band = GuardBand.of(guard)
     band.check(size)
+    drawn, drawn_size = drawn_for(eyes, size)
     try:
-        return guarded_eyes(eyes.views(Pose()), band, size)[1]
+        return guarded_eyes(drawn.views(Pose()), band, drawn_size)[1]
     except InputError as error:
         raise InputError(f"{band} on {_named(eyes)}: {error}; use a smaller one") from error
 
@@ -45,22 +57,28 @@ def eye_sizes(guard: Guard, eyes: Eyes, size: Size) -> EyeSizes:
 
     size: of the shown picture. Errors: as guarded_size.
     """
-    return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())))
+    drawn, drawn_size = drawn_for(eyes, size)
+    other = None if drawn is eyes else (drawn.views(Pose())[0].fov, drawn_size)
+    return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())), other)
 
 
 def rendered_entry(guard: Guard, sizes: EyeSizes) -> dict[str, Any]:
     """Return the `rendered` of summary.json: what the server draws for one eye.
 
     size: [w, h]. pixels: how many times those of the shown picture. fov_deg: [across, down], of the
-    left eye, on the whole.
+    left eye, on the whole. parallel: how many times the pixels of canted views, where views are
+    parallel instead.
     """
     (width, height), (shown_width, shown_height) = sizes.rendered, sizes.shown
-    left, right, down, up = sizes.fovs[0].guarded(guard, sizes.shown, sizes.rendered)[0].tangents.tolist()
+    fov, size = sizes.drawn or (sizes.fovs[0], sizes.shown)
+    left, right, down, up = fov.guarded(guard, size, sizes.rendered)[0].tangents.tolist()
+    canted = sizes.fovs[0].guarded(guard, sizes.shown)[1]
     degrees = [math.degrees(math.atan(high) - math.atan(low)) for low, high in ((left, right), (down, up))]
     return {
         "size": [width, height],
         "pixels": round(width * height / (shown_width * shown_height), 4),
         "fov_deg": [round(angle, 2) for angle in degrees],
+        **({} if sizes.drawn is None else {"parallel": round(width * height / math.prod(canted), 4)}),
     }
 
 
@@ -68,7 +86,8 @@ def rendered_text(entry: Mapping[str, Any]) -> str:
     """Return the entry in words: '1600x900, 1.41 times the pixels, 102.7 x 93.4 degrees'."""
     width, height = entry["size"]
     across, down = entry["fov_deg"]
-    return f"{width}x{height}, {entry['pixels']:.2f} times the pixels, {across:.1f} x {down:.1f} degrees"
+    parallel = f", parallel: {entry['parallel']:.2f} times those of canted views" if "parallel" in entry else ""
+    return f"{width}x{height}, {entry['pixels']:.2f} times the pixels, {across:.1f} x {down:.1f} degrees{parallel}"
 
 
 def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: Guard, frames: int, latency_ms: float) -> None:

@@ -144,7 +144,7 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
-    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further)
+    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further, takes_hidden=True)
     coded = coders.coded(asked, drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))

@@ -7,6 +7,7 @@
 // Source: algorithm 3 of the 2014 thesis this project starts from; O'Neill 2014, PCG (the hash).
 #define ROWS 4 // of a piece
 #include "lib/hole_columns.glsl"
+#include "lib/coverage.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/model_normal.glsl"
 layout(rgba16f) readonly uniform image2D warped;
@@ -56,7 +57,7 @@ void visit(ivec2 p) {
         vec4 light = imageLoad(warped, place);
         float its = imageLoad(model_inverse_depth, place).r;
         bool agrees = abs(its - depth) <= same_depth * (min(its, depth) + FLOOR);
-        agrees = agrees && inside && light.a > 0.0 && dot(normal_of(place, its), normal) >= same_way;
+        agrees = agrees && inside && light.a > HIDDEN && dot(normal_of(place, its), normal) >= same_way;
 #if MEDIAN
         if (agrees) insert(light.rgb);
 #else

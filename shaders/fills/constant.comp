@@ -4,6 +4,7 @@
 // Source: none.
 #define ROWS 8
 #include "lib/rows.glsl"
+#include "lib/coverage.glsl"
 layout(rgba16f) readonly uniform image2D warped;
 layout(rgba16f) writeonly uniform image2D filled;
 uniform ivec2 shown_size;
@@ -15,14 +16,14 @@ layout(std430, binding = 0) buffer Sums { uint groups[4]; vec4 mean; vec4 sums[]
 void main() {
     ivec2 p = first_pixel(), size = shown_size;
     if (p.x >= size.x) return;
-    int column = int(gl_GlobalInvocationID.y) * size.x + p.x;
+    int column = p.y / ROWS * size.x + p.x;
     vec4 sum = vec4(0.0);
     bool empty = false;
     for (int row = 0; row < ROWS; ++row, ++p.y) {
         if (p.y >= size.y) break;
         vec4 colour = imageLoad(warped, p);
         imageStore(filled, p, colour);
-        sum += colour.a > 0.0 ? vec4(colour.rgb, 1.0) : vec4(0.0);
+        sum += colour.a > HIDDEN ? vec4(colour.rgb, 1.0) : vec4(0.0);
         empty = empty || colour.a == 0.0;
     }
     sums[column] = sum;

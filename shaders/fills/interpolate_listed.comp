@@ -9,6 +9,7 @@ layout(std430, binding = 2) readonly buffer Holes { uint hole_count, none_a, non
 uniform int minimum_count;
 #define MOST (SIZE * SIZE - 1)
 #include "lib/insertion_median.glsl"
+#include "lib/coverage.glsl"
 
 void main() {
     uint hole = gl_GlobalInvocationID.x;
@@ -18,7 +19,7 @@ void main() {
         sorted_count = 0;
         for (int k = 0; k < SIZE * SIZE; ++k) {
             vec4 colour = imageLoad(warped, p + ivec2(k % SIZE, k / SIZE) - SIZE / 2);
-            if (colour.a > 0.0) insert(colour.rgb);
+            if (colour.a > HIDDEN) insert(colour.rgb);
         }
         if (sorted_count >= minimum_count) imageStore(filled, p, vec4(middle_of_sorted(), 1.0));
     }

@@ -6,6 +6,7 @@
 // along epipolar lines, then blurred.
 #define ROWS 4 // of a piece
 #include "lib/hole_columns.glsl"
+#include "lib/coverage.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/behind.glsl"
 layout(rgba16f) readonly uniform image2D warped;
@@ -61,7 +62,7 @@ float first_covered(vec2 centre, vec2 line) {
         bool is_inside = all(lessThan(uvec2(pixel), uvec2(shown_size)));
         ivec2 piece = pixel / ivec2(PIECE_WIDE, PIECE_HIGH);
         bool any_covered = stamp_of[is_inside ? piece.y * pieces_in_a_row() + piece.x : 0].y == stamp;
-        bool covered = is_inside && imageLoad(warped, pixel).a > 0.0;
+        bool covered = is_inside && imageLoad(warped, pixel).a > HIDDEN;
         found = covered ? away : 0.0;
         pending = is_inside && !covered;
         away += any_covered ? 1.0 : steps_in_piece(place, piece * ivec2(PIECE_WIDE, PIECE_HIGH), line);

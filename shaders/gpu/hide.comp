@@ -2,15 +2,15 @@
 // weighs nothing beside what is seen, and is no hole to fill.
 // In: the seen rows. Out: colour and coverage (and inverse depth, -1) of the others.
 // Source: none.
-#define ROWS 32
+#define ROWS 8 // those of a gather warp, whose groups it completes
 #include "lib/rows.glsl"
+#include "lib/coverage.glsl"
 layout(rgba16f) writeonly uniform image2D colour;
 #if WITH_DEPTH
 layout(r32f) writeonly uniform image2D depth;
 #endif
 uniform ivec2 size;
 uniform sampler2D seen_rows; // as wide as the picture, one texel high: in each column the rows from x up to y
-const float HIDDEN = 1.0 / 16384.0; // the least half float that no GPU flushes to 0
 
 void main() {
     ivec2 p = first_pixel();

@@ -1,6 +1,7 @@
 // The median of the covered ones among a pixel's eight neighbours, channel by channel, where there
 // are at least `minimum_count`.
 // Source: the interpolation step of the 2014 thesis this project starts from.
+#include "lib/coverage.glsl"
 layout(rgba16f) readonly uniform image2D warped;
 uniform int minimum_count;
 
@@ -13,7 +14,7 @@ struct Row {
 
 vec4 texel(ivec2 p) {
     vec4 c = imageLoad(warped, p);
-    return c.a > 0.0 ? c : vec4(ABSENT, 0.0);
+    return c.a > HIDDEN ? c : vec4(ABSENT, 0.0);
 }
 
 Row row_at(ivec2 p) {

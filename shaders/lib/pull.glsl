@@ -4,6 +4,7 @@
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the restriction to the
 // farthest surface is this project's.
 #include "lib/push_pull.glsl"
+#include "lib/coverage.glsl"
 const vec4 KERNEL = vec4(0.125, 0.375, 0.375, 0.125);
 const float GAIN = 4.0;               // so that one full texel of four makes a full one
 const float LEAST = 1.0 / 1024.0;     // keeps weights from vanishing in half floats, however many levels they pass
@@ -27,6 +28,7 @@ Texels row_from(ivec2 from) {
 #if FROM_PICTURE
     depth = vec4(depth_below(from), depth_below(second), depth_below(third), depth_below(fourth));
     row.holes = vec4(lessThanEqual(row.weight, vec4(0.0)));
+    row.weight *= vec4(greaterThan(row.weight, vec4(HIDDEN)));
     row.border = row.weight;
 #else
     vec3 a = depth_below(from), b = depth_below(second), c = depth_below(third), d = depth_below(fourth);

@@ -9,6 +9,8 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+from numpy.typing import NDArray
+from PIL import Image
 from recorded_folders import fov_of, seen_from, taken, write_npz
 from replays import replayed
 
@@ -16,6 +18,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.run import LiveOptions, ReplayResult, RunOptions, live
 from hmdwarp.sources import sequences
+from hmdwarp.sources.sequences.options import MASK
 
 SIZE, COUNT, RATE_HZ = (60, 40), 12, 30.0
 WALL_M = 2.0
@@ -67,6 +70,38 @@ def test_the_rest_of_the_recording_is_a_guard_band(run, folder):
         for guard in ("1", "1.5")
     )
     assert bare > 0.04 and guarded == 0
+
+
+def masked(folder: Path, size: tuple[int, int] = SIZE) -> NDArray[np.bool_]:
+    """Write hidden.png beside the frames; return what is seen: all but a band and two corners."""
+    x, y = np.meshgrid(np.arange(size[0]), np.arange(size[1]))
+    seen = (x >= 4) & (x + y >= 20) & (x - y < size[0] - 10)
+    Image.fromarray(np.uint8(255 * seen)).save(folder / MASK)
+    return seen
+
+
+@pytest.mark.parametrize("chain", ["rotation/pyramid", "iterative/stretch+constant", "forward/interpolate_full"])
+def test_what_a_mask_hides_of_recorded_frames_is_no_picture(run, tmp_path, chain):
+    """Its black is neither warped into view nor filled from, nor counted."""
+    folder, (warp, fill) = tmp_path / "masked", chain.split("/")
+    folder.mkdir()
+    seen = masked(folder)
+    # A white wall, black where it is not seen.
+    frames = [
+        attrs.evolve(frame, colour=np.uint8(255 * seen)[..., None].repeat(3, axis=2), depth_m=np.full(seen.shape, 2.0))
+        for frame in taken(6, SIZE)
+    ]
+    write_npz(folder, frames)
+    summary = run(folder, warp=warp, fill=fill).summary
+    assert summary["hidden"]["share"] == pytest.approx(1 - seen.mean(), abs=0.002)
+    assert summary["quality"]["psnr_db"]["mean"] > 60 and summary["quality"]["hole_share"]["mean"] > 0
+    (folder / MASK).rename(tmp_path / "elsewhere.png")
+    assert run(folder, warp=warp, fill=fill, hidden=tmp_path / "elsewhere.png").summary["hidden"]
+    smeared = run(folder, warp=warp, fill=fill).summary
+    assert "hidden" not in smeared and smeared["quality"]["psnr_db"]["mean"] < 30
+    masked(folder, (40, 40))
+    with pytest.raises(InputError, match=r"hidden.png: 40x40 pixels; expected 60x40"):
+        run(folder, warp=warp)
 
 
 def test_size_is_that_of_the_shown_middle(run, folder):

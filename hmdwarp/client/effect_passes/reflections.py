@@ -36,7 +36,9 @@ class Reflections(ShownPass):
     def prepare(self) -> None:
         gpu, shown = self.gpu, self.shown_size
         glossy = GLOSSY in self.parts
-        self._compose = gpu.shaders.compute("effects/reflect.comp", **({"GLOSSY": 1} if glossy else {}))
+        self._compose = gpu.shaders.compute(
+            "effects/reflect.comp", **({"GLOSSY": 1} if glossy else {}), **self.tools.hiding
+        )
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
         self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
         self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
@@ -95,7 +97,7 @@ class Reflections(ShownPass):
         )
         pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
         self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
-        self._compose.run(*self.shown_size)
+        self.gpu.seen_rows.run(self._compose, inputs.middle, self.shown_size)
 
     def close(self) -> None:
         for owner in (self._warp, self._closing):

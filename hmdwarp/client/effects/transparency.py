@@ -10,6 +10,7 @@ from ...scenes import is_cutout
 from ..carry import as_image
 from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import GatherWarp, Seeds
+from ..warps import Output
 from ..warps.iterative import IterativeSettings
 from . import effects
 from ._base import Effect, ShownPass
@@ -69,7 +70,8 @@ class TransparencyPass(ShownPass):
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
-        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size)
+        output = Output(hides=self.tools.hides)
+        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size, output=output)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         self._veil.behind = picture

@@ -5,6 +5,8 @@ They are listed while the picture is copied; further passes run on them alone, b
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import moderngl
 import numpy as np
 
@@ -25,7 +27,8 @@ class HolePieces:
     """The list of pieces with holes of the newest picture; owns its buffers.
 
     with_depth: copies the inverse depth too. twice: copies the colour to a second texture as well.
-    coarse: also lists the pieces of the picture at half the resolution that see a hole.
+    coarse: also lists the pieces of the picture at half the resolution that see a hole. hiding: a
+    fill's.
     """
 
     def __init__(
@@ -37,9 +40,10 @@ class HolePieces:
         with_depth: bool = False,
         twice: bool = False,
         coarse: bool = False,
+        hiding: Mapping[str, object] | None = None,
     ) -> None:
         self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
-        parts = {"WITH_DEPTH": int(with_depth), "TWICE": int(twice), "COARSE": int(coarse)}
+        parts = {"WITH_DEPTH": int(with_depth), "TWICE": int(twice), "COARSE": int(coarse), **(hiding or {})}
         self._program = gpu.shaders.compute("fills/holes.comp", **parts)
         self.count = _pieces_in(size)
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
@@ -54,8 +58,8 @@ class HolePieces:
         self._coarse = gpu.gl.buffer(reserve=len(_HEADER) + 4 * at_half) if coarse else None
         self._coarse_stamps = gpu.gl.buffer(bytes(4 * at_half)) if coarse else None
 
-    def find(self, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
-        """Copy the picture and list its pieces with holes.
+    def find(self, view: View, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
+        """Copy the picture, which is shown in `view`, and list its pieces with holes.
 
         Return the stamp that marks its pieces with covered pixels.
         """
@@ -76,7 +80,7 @@ class HolePieces:
             self._coarse.bind_to_storage_buffer(2)
             self._coarse_stamps.bind_to_storage_buffer(3)
         self._program.uniforms.set(**uniforms)
-        self._program.run(*self._size)
+        self._gpu.seen_rows.run(self._program, view, self._size)
         self._gpu.barrier()
         return self._stamp
 
@@ -122,15 +126,17 @@ class HoleFiller:
     overrules the first picture if it is the newest.
 
     cell: side, in shown pixels, of the square that shares a guess: a texel of the guessing picture
-    covers as much.
+    covers as much. hiding: a fill's.
     """
 
-    def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
+    def __init__(
+        self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1, hiding: Mapping[str, object] | None = None
+    ) -> None:
         self._gpu, self._size = gpu, shown_size
         self._cells = tiles(shown_size, cell)
         shaders, gl = gpu.shaders, gpu.gl
         self._start, self._gather = (
-            shaders.compute("fills/memory_start.comp"),
+            shaders.compute("fills/memory_start.comp", **(hiding or {})),
             shaders.compute("fills/memory_gather.comp"),
         )
         self._guesses = DepthGuesses(gpu, self._cells)
@@ -140,8 +146,8 @@ class HoleFiller:
         self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
         self._stamp = 0
 
-    def start(self, picture: ShownPicture, into: ShownPicture) -> None:
-        """Copy the picture; pictures added from now on go into its holes."""
+    def start(self, view: View, picture: ShownPicture, into: ShownPicture) -> None:
+        """Copy a picture shown in `view`; pictures added from now on go into its holes."""
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._first = True
         self._guesses.empty(self._pieces)
@@ -154,7 +160,7 @@ class HoleFiller:
         }
         self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
         self._gpu.barrier()
-        self._start.run(*self._size)
+        self._gpu.seen_rows.run(self._start, view, self._size)
         self._picture, self._into = picture, into
 
     def add(

@@ -42,7 +42,7 @@ class InterpolateFull(Fill):
     def prepare(self) -> None:
         gl, reach = self.gpu.gl, self.settings.reach
         self._program = self.gpu.shaders.compute("fills/interpolate_full.comp")
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, twice=True)
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, twice=True, hiding=self.hiding)
         self._other = allocate(gl, self.shown_size, COLOUR)
         self._untouched = np.tile(np.array([0, 1, 0, 0], np.uint32), reach + 1).tobytes()
         self._steps = gl.buffer(self._untouched)
@@ -50,7 +50,7 @@ class InterpolateFull(Fill):
         self._listed, self._stamp = gl.buffer(bytes(4 * self._pieces.count)), 0
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        self._pieces.find(picture, into, self._other)
+        self._pieces.find(inputs.middle, picture, into, self._other)
         self._steps.write(self._untouched)
         self._pieces.list.bind_to_storage_buffer(0)
         self._steps.bind_to_storage_buffer(1)

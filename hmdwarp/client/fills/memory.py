@@ -79,7 +79,10 @@ class Memory(Fill):
         if count < 1:
             wanted = f"one rendered picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
-        self._holes, self._keeper = HoleFiller(self.gpu, self.shown_size, CELL), Keeper(self.gpu, self.rendered_size)
+        self._holes, self._keeper = (
+            HoleFiller(self.gpu, self.shown_size, CELL, self.hiding),
+            Keeper(self.gpu, self.rendered_size),
+        )
         self._slots = [Slot.of(self.gpu, self.rendered_size) for _ in range(count)]
         self._seeds = seeds_for(self.gpu, self.rendered_size)
         self._kept: list[Keyframe] = []
@@ -94,7 +97,7 @@ class Memory(Fill):
             self._last[inputs.eye] = rendered.view, rendered.drawn_ns
             self._learn(inputs)
         self._keeper.seed(rendered.inverse_depth, self._seeds)
-        self._holes.start(picture, into)
+        self._holes.start(shown, picture, into)
         self._holes.add(
             DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )

@@ -100,7 +100,9 @@ class Pyramid(Fill):
         self._first_push, self._push = (
             shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=0, LISTED=k) for k in (1, 0)
         )
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True)
+        self._pieces = HolePieces(
+            self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True, hiding=self.hiding
+        )
         size = self.shown_size
         self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
@@ -121,7 +123,7 @@ class Pyramid(Fill):
         return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        self._pieces.find(picture, into)
+        self._pieces.find(inputs.middle, picture, into)
         back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         for program in self._placed:
             place = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}

@@ -50,7 +50,8 @@ class CompositeWarp(Warp):
         self._guesses = DepthGuesses(self.gpu, self.shown_size)
         self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
         self._choose, self._first, self._more = (
-            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS) for k in range(3)
+            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS, **hiding)
+            for k, hiding in enumerate((self.output.hiding, self.output.hiding, {}))
         )
         self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
@@ -70,7 +71,7 @@ class CompositeWarp(Warp):
         for index, picture in enumerate(self.pictures(inputs)):
             self._guesses.empty(self._pieces)
             self._guesses.scatter(picture.inverse_depth, picture.view, inputs.shown, _DEPTH)
-            self._gather(picture, inputs.shown, own, is_first=index == 0)
+            self._gather(picture, inputs.middle, own, is_first=index == 0)
 
     def _gather(self, picture: DepthPicture, shown: View, own: dict[str, object], *, is_first: bool) -> None:
         size = picture.colour.size
@@ -84,18 +85,18 @@ class CompositeWarp(Warp):
         uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
         if is_first:
             self._first.uniforms.set(**uniforms)
-            self._dispatch(self._first, self.shown_size)
+            self._dispatch(self._first, shown)
             return
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._choose.uniforms.set(stamp=self._stamp, **uniforms)
-        self._dispatch(self._choose, self.shown_size)
+        self._dispatch(self._choose, shown)
         self._more.uniforms.set(**uniforms)
         self.gpu.barrier()
         self._more.program.run_indirect(self._pieces)
 
-    def _dispatch(self, program: Compute, size: tuple[int, int]) -> None:
+    def _dispatch(self, program: Compute, shown: View) -> None:
         self.gpu.barrier()
-        program.run(*size)
+        self.gpu.seen_rows.run(program, shown, self.shown_size)
 
     def close(self) -> None:
         self._guesses.close()

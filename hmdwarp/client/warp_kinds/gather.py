@@ -59,7 +59,6 @@ class GatherWarp(Warp):
         lens = self.output.lens
         if lens is None:
             defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
-            defines |= {"HIDES": 1} if self.output.hides else {}
         else:
             defines |= {"LENS": lens.library, **lens.library_defines()}
         if self.output.scanout:
@@ -70,7 +69,10 @@ class GatherWarp(Warp):
         if self.output.depth:
             defines |= {"WRITES_DEPTH": 1}
         return self.gpu.shaders.compute(
-            path, OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl", **defines
+            path,
+            OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl",
+            **defines,
+            **(self.output.hiding if lens is None else {}),
         )
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
@@ -92,10 +94,7 @@ class GatherWarp(Warp):
             program.uniforms.set(
                 panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
             )
-        if self.output.hides and self.output.lens is None:
-            self.gpu.seen_rows.run(program, inputs.middle, into.size)
-        else:
-            program.run(*into.size)
+        self.gpu.seen_rows.run(program, inputs.middle, into.size)
 
     def bind_beside(self, program: Compute, inputs: PassInputs) -> None:
         """Bind what lib/depth_beside.glsl reads, if the shown depth is written."""

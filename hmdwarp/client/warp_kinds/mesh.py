@@ -29,17 +29,18 @@ class MeshTarget:
     """A framebuffer of the shown size."""
 
     def __init__(self, gpu: Gpu, shown_size: tuple[int, int]) -> None:
-        self._gl = gpu.gl
+        self._gpu, self._gl = gpu, gpu.gl
         self._colour = allocate(gpu.gl, shown_size, COLOUR)
         self._depth = gpu.gl.depth_renderbuffer(shown_size)
         self._framebuffer = gpu.gl.framebuffer([self._colour], self._depth)
 
     @contextmanager
-    def drawing(self) -> Iterator[None]:
-        """Clear it, and draw what faces the eye; larger depth values are nearer."""
+    def drawing(self, shown: View) -> Iterator[None]:
+        """Clear it, and draw what faces the eye and is seen; larger depth values are nearer."""
         with drawing_into(self._framebuffer, moderngl.DEPTH_TEST | moderngl.CULL_FACE):
             self._framebuffer.clear(depth=0.0)
             self._gl.depth_func = ">"
+            self._gpu.seen_rows.cover(shown, self._framebuffer.size, 1.0, COLOUR=1)
             yield
             self._gl.depth_func = "<"
 
@@ -92,7 +93,7 @@ class GridMesh:
             ring=self._ring,
             nearer=STEP,
         )
-        with self._target.drawing():
+        with self._target.drawing(inputs.shown):
             self._array.render(moderngl.TRIANGLES)
         self._target.copy_to(into)
 
@@ -269,7 +270,7 @@ class MeshWarp(Warp):
             "rendered_parallax": back.e,
             "overlap": overlap(self.merging.get("tolerance", 0.0)),
         }
-        with self._target.drawing():
+        with self._target.drawing(shown):
             for draw, array, calls, count in zip(
                 (self._cells, self._pieces), self._arrays, self._buffers[2:4], self._calls, strict=True
             ):

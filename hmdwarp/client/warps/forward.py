@@ -66,11 +66,12 @@ class Forward(ScatterWarp):
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)
-        self._path.run(self.forward_map(inputs), into)
+        self._path.run(self.forward_map(inputs), into, inputs)
 
     def depth_pass(self, words: int) -> Compute | None:
         """Return the pass that reads the shown depth out of keys, if it is needed."""
-        return self.gpu.shaders.compute("warps/forward_depth.comp", WORDS=words) if self.output.depth else None
+        defines = {"WORDS": words, **self.output.hiding}
+        return self.gpu.shaders.compute("warps/forward_depth.comp", **defines) if self.output.depth else None
 
     def close(self) -> None:
         super().close()
@@ -93,18 +94,20 @@ class _Portable:
         shaders, gl = warp.gpu.shaders, warp.gpu.gl
         self._warp = warp
         self._clear = shaders.compute("warps/forward_clear.comp")
-        self._nearest, self._colour, *self._settle = (shaders.compute("warps/forward.comp", PASS=k) for k in range(5))
+        self._nearest, self._colour, *self._settle = (
+            shaders.compute("warps/forward.comp", PASS=k, **warp.output.hiding) for k in range(5)
+        )
         check_room(warp.gpu, warp.name, warp.shown_size, KEY_BYTES, _TIE_HEADER)
         self._quads = -(-warp.shown_size[0] * warp.shown_size[1] // 4)
         self._keys = gl.buffer(reserve=16 * self._quads)
         self._depth = warp.depth_pass(1)
         self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
 
-    def run(self, forward: WarpMap, into: Canvas) -> None:
+    def run(self, forward: WarpMap, into: Canvas, inputs: PassInputs) -> None:
         self._keys.bind_to_storage_buffer(0)
         self._ties.bind_to_storage_buffer(1)
         into.clear()
-        groups = self._nearest.groups(*self._warp.rendered_size)
+        groups = self._warp.gpu.seen_rows.grid(self._nearest, inputs.rendered.view, self._warp.rendered_size)
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
@@ -116,7 +119,7 @@ class _Portable:
                 program.program.run(*groups)
         if self._depth is not None:
             self._warp.set(self._depth)
-            self._depth.run(*self._warp.shown_size)
+            self._warp.gpu.seen_rows.run(self._depth, inputs.middle, self._warp.shown_size)
 
     def close(self) -> None:
         self._keys.release()
@@ -128,21 +131,21 @@ class _OnePass:
 
     def __init__(self, warp: Forward) -> None:
         self._warp = warp
-        self._nearest, self._resolve = (
-            warp.gpu.shaders.compute("warps/forward_atomic64.comp", PASS=k) for k in range(2)
-        )
+        shaders = warp.gpu.shaders
+        self._nearest = shaders.compute("warps/forward_atomic64.comp", PASS=0, **warp.output.hiding)
+        self._resolve = shaders.compute("warps/forward_atomic64.comp", PASS=1)
         self._keys, self._depth = warp.empty_keys(words=2), warp.depth_pass(2)
 
-    def run(self, forward: WarpMap, into: Canvas) -> None:
+    def run(self, forward: WarpMap, into: Canvas, inputs: PassInputs) -> None:
         self._keys.bind_to_storage_buffer(0)
-        for program, size in ((self._nearest, self._warp.rendered_size), (self._resolve, self._warp.shown_size)):
-            self._warp.gpu.barrier()
-            self._warp.set(program, H=forward.H, e=forward.e)
-            program.run(*size)
-            if program is self._nearest and self._depth is not None:
-                self._warp.gpu.barrier()
-                self._warp.set(self._depth)
-                self._depth.run(*self._warp.shown_size)
+        warp, seen = self._warp, inputs.middle
+        passes = [(self._nearest, inputs.rendered.view, warp.rendered_size), (self._resolve, seen, warp.shown_size)]
+        if self._depth is not None:
+            passes.insert(1, (self._depth, seen, warp.shown_size))
+        for program, view, size in passes:
+            warp.gpu.barrier()
+            warp.set(program, H=forward.H, e=forward.e)
+            warp.gpu.seen_rows.run(program, view, size)
 
     def close(self) -> None:
         self._keys.release()

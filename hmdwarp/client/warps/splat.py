@@ -52,7 +52,7 @@ class Splat(ScatterWarp):
     Settings = SplatSettings
 
     def prepare(self) -> None:
-        self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0)
+        self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0, **self.output.hiding)
         self._fetch = self.gpu.shaders.compute("warps/splat.comp", PASS=1, **self.depth_defines)
         self._keys = self.empty_keys()
 
@@ -67,7 +67,7 @@ class Splat(ScatterWarp):
             self.gpu.barrier()
             H, e = _exact(warp_map)
             self.set(program, H=H, e=e, **limits)
-            program.run(*size)
+            self.gpu.seen_rows.run(program, inputs.rendered.view, size)
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:

@@ -11,7 +11,7 @@ import attrs
 
 from ...errors import InputError
 from ...options import Declared, force_field, group, one_of, option, option_of, same_as
-from ...pipeline.options import with_ipd
+from ...pipeline.options import with_headset
 from ...poses.options import TraceOptions
 from ...run.options import CacheOptions, RunOptions, recordings_field, with_recordings
 from ...scenes.options import SceneOptions
@@ -123,7 +123,7 @@ class RecordedOptions(ExperimentOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError for one that frames decide."""
-        said = with_ipd(with_recordings(said), option_of(attrs.fields(cls).headset).default)
+        said = with_headset(with_recordings(said), option_of(attrs.fields(cls).headset).default)
         values = super().values_of(said)
         if values.get("frames") is None:
             return values

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ...colour import linear_from_srgb
 from ...errors import InputError
 from ...geometry import Pose, View
-from . import bounds, options, parts
+from . import bounds, options, parts, seen_columns
 from .parts import Layers, Part, Wanted
 
 VERSION = 3
@@ -39,13 +39,13 @@ _KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", STUB: "frame in sh
 _HEAD = struct.Struct("<4sHHI")
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
 # width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
-# number of further layers, whether frames may come by shared memory, frames a second, Mbit/s of an
-# eye's video, step of depth.
-_ASK = struct.Struct("<QqqqQ32sIIBBBBBBBx3d")
+# number of further layers, whether frames may come by shared memory, whether hidden areas follow,
+# frames a second, Mbit/s of an eye's video, step of depth.
+_ASK = struct.Struct("<QqqqQ32sIIBBBBBBBB3d")
 # Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
 # height, eyes, format of colour, format of depth, whether the stream begins here, place in it,
-# number of parts of further layers.
-_FRAME = struct.Struct("<QqqqqqIIBBBBIB3x")
+# number of parts of further layers, whether requests may say what is hidden.
+_FRAME = struct.Struct("<QqqqqqIIBBBBIBB2x")
 # Bytes of one eye's colour and depth.
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
@@ -185,6 +185,8 @@ class FrameMessage:
     place: int = 0
     # Further layers of each eye; () for none.
     layers: tuple[Layers, ...] = ()
+    # Whether the server leaves out what requests say is hidden of their views.
+    takes_hidden: bool = False
 
     @property
     def is_coded(self) -> bool:
@@ -263,7 +265,12 @@ def request_bytes(eyes: int) -> int:
     return _HEAD.size + _ASK.size + _POSE.size + eyes * _EYE.size
 
 
-LARGEST_ASK = request_bytes(int(bounds.EYES.most)) + parts.wanted_bytes(int(bounds.LAYERS.most), int(bounds.EYES.most))
+_MOST_EYES = int(bounds.EYES.most)
+LARGEST_ASK = (
+    request_bytes(_MOST_EYES)
+    + parts.wanted_bytes(int(bounds.LAYERS.most), _MOST_EYES)
+    + seen_columns.BYTES * _MOST_EYES
+)
 
 
 def length_of(piece: Picture) -> int:
@@ -322,13 +329,16 @@ def pieces_of(message: Message) -> list[Piece]:
         stated = (one.number, one.sent_ns, one.time_ns, one.head_ns, one.received, one.token)
         start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
         wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
-        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted])
+        areas = map(seen_columns.packed_area, one.views) if _hides(one.views) else ()
+        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas])
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
         colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
         heads, contents = parts.packed_layers(it.layers)
-        start = _FRAME.pack(*numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads))
+        start = _FRAME.pack(
+            *numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), it.takes_hidden
+        )
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
         lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
         pictures = [piece for pair in pairs for picture in pair for piece in _pieces_of(picture)]
@@ -344,8 +354,12 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     wish = ask.wish
     quality = 0 if wish.crf is None else 1 + wish.crf
     layers = 0 if ask.wanted is None else len(ask.wanted.layers)
-    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares)
+    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares, _hides(ask.views))
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+
+
+def _hides(views: Sequence[View]) -> bool:
+    return any(view.hidden is not None for view in views)
 
 
 def _pieces_of(picture: Picture) -> list[Piece]:
@@ -401,14 +415,19 @@ def decode(data: Data) -> Message:
 def _ask(data: Data) -> Ask:
     values = _ASK.unpack_from(data, _HEAD.size)
     number, sent_ns, time_ns, head_ns, received, token, width, height, eyes = values[:9]
-    colour, depth, quality, anew, layers, shares, rate_hz, mbit, step = values[9:]
+    colour, depth, quality, anew, layers, shares, hides, rate_hz, mbit, step = values[9:]
     at = _HEAD.size + _ASK.size
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(sent_ns, time_ns, head_ns)
     bounds.LAYERS.check(layers)
     wanted_at = at + _POSE.size + eyes * _EYE.size
-    _check_length(data, wanted_at + parts.wanted_bytes(layers, eyes))
+    hidden_at = wanted_at + parts.wanted_bytes(layers, eyes)
+    _check_length(data, hidden_at + (eyes * seen_columns.BYTES if hides else 0))
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
+    if hides:
+        views = tuple(
+            seen_columns.with_area(view, data, hidden_at + eye * seen_columns.BYTES) for eye, view in enumerate(views)
+        )
     wanted = parts.wanted_from(data, wanted_at, layers, eyes)
     wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
@@ -425,7 +444,7 @@ def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: f
 
 def _frame(data: Data) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
-    width, height, eyes, colour, depth, begins, place, count = form
+    width, height, eyes, colour, depth, begins, place, count, takes_hidden = form
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
@@ -453,7 +472,7 @@ def _frame(data: Data) -> FrameMessage:
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
-    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest)
+    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, takes_hidden=takes_hidden != 0)
 
 
 def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:

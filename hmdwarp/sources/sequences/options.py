@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -11,6 +12,7 @@ from ...options import DISPLAY, Declared, Number, names_in, one_of, option, opti
 from .. import sequences
 
 HOLE, FAR = "hole", "far"  # what a pixel without depth is
+MASK = "hidden.png"
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
@@ -94,6 +96,13 @@ class SequenceOptions(Declared):
         kind=int,
         unit="px",
         valid=Number(),
+        study=DISPLAY,
+    )
+
+    hidden: Path | None = option(
+        None,
+        f"Picture of what a lens hides of recorded frames: black there; by default {MASK} beside them.",
+        kind=Path,
         study=DISPLAY,
     )
 

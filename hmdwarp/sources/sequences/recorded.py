@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 
 from ...colour import srgb8_from_linear
 from ...errors import InputError
-from ...geometry import Fov, Pose, View
+from ...geometry import Fov, Hidden, Pose, View
+from ...gpu import flip_rows
 from ...poses import PoseTrack
 from ...poses.assumptions import Assumption, By
 from ..repairs import RepairChain
 from .options import FAR
+from .picture_files import read_colour
 
 _JPEG = 8  # of 255: as far as a JPEG is off in a plain area next to an edge
 # Facts that every recording has, as its assumptions name them.
@@ -47,11 +49,13 @@ class RecordedFrame:
     _read: Callable[[], Pictures] = attrs.field(repr=False)
     # Reads depth as its file has it, in its own unit; None where nothing else does than `read`.
     raw_depth: Callable[[], NDArray[Any]] | None = attrs.field(default=None, repr=False)
+    # What a lens hides of it, None for nothing.
+    hidden: Hidden | None = None
 
     @property
     def view(self) -> View:
         """Pose and field of view."""
-        return View(self.pose, self.fov)
+        return View(self.pose, self.fov, hidden=self.hidden)
 
     def read(self) -> Pictures:
         """Return colour and depth_m, read from the file. Errors: InputError."""
@@ -150,6 +154,22 @@ class Sequence:
             return self
         note = f"The depth of late frames is mended by {repair.text}; the truth is what was recorded."
         return attrs.evolve(self, repair=repair, notes=(*self.notes, note))
+
+    def masked(self, mask: Path) -> Sequence:
+        """Return the sequence without what a lens hides: black pixels of a picture of its size.
+
+        Of each column the pixels from the first to the last other one are seen. Errors: InputError.
+        """
+        seen = flip_rows(read_colour(mask)[..., :3].max(axis=2) > 0)
+        wide, high = self.frames[0].size
+        if seen.shape != (high, wide) or not seen.any():
+            found = "all black" if seen.shape == (high, wide) else f"{seen.shape[1]}x{seen.shape[0]} pixels"
+            raise InputError(f"{mask}: {found}; expected {wide}x{high}, as the frames, black where a lens hides them")
+        ends = np.stack([seen.argmax(axis=0), high - flip_rows(seen).argmax(axis=0)], axis=1)
+        rows = np.where(np.asarray(seen.any(axis=0))[:, None], ends, 0) / high
+        hidden = Hidden.of_rows(rows, self.frames[0].fov)
+        frames = tuple(attrs.evolve(frame, hidden=hidden) for frame in self.frames)
+        return attrs.evolve(self, frames=frames, right=self.right and self.right.masked(mask))
 
     def cropped(self, pixels: int) -> Sequence:
         """Return the sequence without the outermost pixels of its frames. Errors: InputError."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import attrs
 import moderngl
 
 from ...errors import InputError, unknown_name
@@ -184,7 +185,7 @@ class Server(Renderer):
         views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
         shown picture, which some layers follow.
         """
-        seen = [view.within(fov) for view, fov in zip(views, shown, strict=True)]
+        seen = [attrs.evolve(view, fov=fov, hidden=None) for view, fov in zip(views, shown, strict=True)]
         drawings = [Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched) for view in seen]
         return self._draw_all(views, size, drawings, pictures=True)
 

@@ -244,12 +244,9 @@ class ScenePasses:
 
     def _hide(self, view: View, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the hidden area in front of everything."""
-        program = self._gpu.shaders.draw(
-            "server/hidden.vert", "server/hidden.frag", **({"COLOUR": 1} if self._colour else {})
-        )
         framebuffer.viewport = (0, 0, *framebuffer.size)
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
-            self._gpu.seen_rows.corners(view, framebuffer.size, program).render(moderngl.TRIANGLES)
+            self._gpu.seen_rows.cover(view, framebuffer.size, -1.0, **({"COLOUR": 1} if self._colour else {}))
 
     def draw_into(
         self,

@@ -15,6 +15,7 @@ import attrs
 import numpy as np
 import pytest
 
+from hmdwarp.geometry import Hidden
 from hmdwarp.sources.feed import listener as listening
 from hmdwarp.sources.feed import sockets
 from hmdwarp.sources.feed.caller import Caller
@@ -122,7 +123,8 @@ def test_a_message_that_is_too_long_ends_the_connection(listener):
 def test_the_longest_request_is_taken_and_one_byte_more_is_not(listener):
     # Sixteen layers are the most.
     wanted = Wanted(tuple(("a" * count, 1) for count in range(1, 17)), (4, 3), tuple(view.fov for view in ASK.views))
-    longest = encode(attrs.evolve(ASK, wanted=wanted))
+    views = tuple(attrs.evolve(view, hidden=Hidden((((-1, -1), (0, -1), (-1, 0)),), view.fov)) for view in ASK.views)
+    longest = encode(attrs.evolve(ASK, views=views, wanted=wanted))
     assert len(longest) == LARGEST_ASK
     with raw(listener) as one:
         one.sendall(b"\x02" + struct.pack(">Q", LARGEST_ASK) + longest)

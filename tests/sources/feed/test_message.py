@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.geometry import Fov, Hidden, Pose, View
 from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (
     DEPTH_CODES,
@@ -88,6 +88,31 @@ def test_a_request_comes_back_bit_for_bit():
     plain = ("number", "sent_ns", "time_ns", "head_ns", "received", "size", "token")
     assert [getattr(back, name) for name in plain] == [getattr(ASK, name) for name in plain]
     assert all(map(same_view, back.views, VIEWS))
+
+
+def test_a_hidden_area_comes_back_and_hides_nothing_that_is_seen():
+    wide, size = VIEWS[0].fov.guarded(1.2, (640, 400))
+    circle = [(0.6 * np.cos(a), 0.5 * np.sin(a)) for a in np.linspace(0, 2 * np.pi, 90)]
+    around = tuple((3 * x, 3 * y) for x, y in circle) + tuple(reversed(circle))
+    view = View(HEAD, VIEWS[0].fov, hidden=Hidden((around,), VIEWS[0].fov)).within(wide)
+    asked = attrs.evolve(ASK, views=(view, VIEWS[1]))
+    back = decode(encode(asked))
+    wanted, found = view.seen(size), back.views[0].seen(size)
+    assert 0.3 < wanted.mean() < 0.9 and found[wanted].all()
+    # A column of 64 has the rows that any part of it sees, to a 255th.
+    assert found.mean() < wanted.mean() + 0.04
+    assert back.views[1].hidden is None
+    # The rows of an area are found once.
+    assert decode(encode(attrs.evolve(asked, number=8))).views[0].hidden is back.views[0].hidden
+    assert len(encode(asked)) == len(encode(ASK)) + 256 and decode(encode(ASK)).views[0].hidden is None
+
+
+@pytest.mark.parametrize("rows", [(0, 0), (200, 100)])
+def test_a_hidden_area_that_leaves_nothing_is_refused(rows):
+    view = attrs.evolve(VIEWS[0], hidden=Hidden((((-1, -1), (0, -1), (-1, 0)),), VIEWS[0].fov))
+    data = encode(attrs.evolve(ASK, views=(view, view)))
+    with pytest.raises(BadRequest, match="leaves nothing to see"):
+        decode(data[:-128] + bytes(rows) * 64)
 
 
 def test_a_frame_comes_back_bit_for_bit():

@@ -19,7 +19,7 @@ from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.feed_coding import arrays_of
 from hmdwarp.pipeline.remote import Remote
-from hmdwarp.pipeline.remote_source import RemoteRenderer
+from hmdwarp.pipeline.remote_source import RemoteFrames, RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.frame_rows import ReplayLog
@@ -84,6 +84,24 @@ def test_shown_pictures_equal_an_offline_replay_of_the_same_ages_bit_for_bit(
         monkeypatch,
         {"start_s": 0.4, "warp": "iterative", "fill": fill, "guard": 1.25, "rate_hz": 10.0, "coding": coding},
     )
+
+
+def test_what_the_lens_hides_is_not_drawn_elsewhere_either(serving, tmp_path, monkeypatch):
+    drawn = []
+    made = RemoteFrames.made
+
+    def looked_at(frames, pending, arrival):
+        frame = made(frames, pending, arrival)
+        drawn.append([(eye.view, download(eye.colour)[..., 3] > 0) for eye in frame.eyes])
+        return frame
+
+    monkeypatch.setattr(RemoteFrames, "made", looked_at)
+    options = small(tmp_path, feed=FeedOptions(connect=serving.address), headset="index", rate_hz=10.0, guard=1.25)
+    _, summary = pictures(monkeypatch, options)
+    assert summary["hidden"]["share"] == pytest.approx(0.25, abs=0.02) and len(drawn) > 1
+    for view, covered in drawn[-1]:
+        seen = view.seen(covered.shape[::-1])
+        assert seen.mean() < 0.9 and covered[seen].all() and covered.mean() < seen.mean() + 0.04
 
 
 @pytest.mark.parametrize("coding", [Coding(), Coding("h264", depth="exact")], ids=["raw", "h264"])

@@ -12,7 +12,7 @@ from ....errors import InputError
 from ....options.named_files import enter
 from ....registry import Registry
 from ..camera import read_json
-from ..options import SequenceOptions
+from ..options import MASK, SequenceOptions
 from ..recorded import Sequence
 from ._base import CAMERA, SequenceReader
 
@@ -56,6 +56,9 @@ def _read(reader: SequenceReader, place: Path, options: SequenceOptions) -> Sequ
     sequence = attrs.evolve(reader.read(place, options), noise_floor_db=_noise_floor(place))
     if (place / RIGHT).is_dir():
         sequence = attrs.evolve(sequence, right=_right(sequence, reader.read(place / RIGHT, options)))
+    mask = options.hidden or place / MASK
+    if options.hidden or mask.is_file():
+        sequence = sequence.masked(mask)
     return sequence.cropped(options.crop).with_no_depth(options.no_depth)
 
 

@@ -20,7 +20,7 @@ from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
 from ..camera import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
-from ..options import RATE_HZ, SequenceOptions
+from ..options import MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import (
     DEPTH_SCALE,
@@ -394,7 +394,11 @@ def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
     """Return the pictures of a folder in the order of the numbers in their names."""
     if not folder.is_dir():
         return []
-    found = [path for path in folder.iterdir() if path.suffix.lower() in endings and not path.name.startswith(".")]
+    found = [
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in endings and not path.name.startswith(".") and path.name != MASK
+    ]
     return sorted(
         found,
         key=lambda path: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.stem)],
