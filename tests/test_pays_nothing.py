@@ -23,6 +23,7 @@ CALLING = [name for name in SCENES if scenes.get(name).effects]
 # All that a plain scene may compile for warp `forward:path=portable` and fill `interpolate`. The
 # path is named because GPUs with 64-bit atomics would take the other.
 BASE_SHADERS = {
+    "server/resolve.comp",
     "server/scene.vert", "server/scene.frag", "server/background.vert", "server/background.frag", "warps/forward.comp",
     "warps/forward_clear.comp", "fills/interpolate.comp",
 }  # fmt: skip
@@ -44,10 +45,10 @@ def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(scene)
     assert costs.sent == 2 * 96 * 80 * 12
     # Frames under way: 50 ms at 60 Hz are 3 refreshes, one more is shown, one is being drawn; each
     # has colour and depth for two eyes. The client has a canvas for the warp and one for the fill,
-    # for each eye.
+    # for each eye. The server draws all eyes into one of several samples.
     colour, depth = ((96, 80), 4, "f2"), ((96, 80), 1, "f4")
     assert {kind: count for kind, count in costs.textures.items() if kind[0] == (96, 80)} == {
-        colour: 2 * 5 + 2 * 2,
+        colour: 2 * 5 + 2 * 2 + 1,
         depth: 2 * 5,
     }
 

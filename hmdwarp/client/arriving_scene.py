@@ -14,7 +14,7 @@ from ..geometry import View
 from ..scenes import Mesh, Pieces, Scene, pieces_of
 from ..sources.server import ArrivingLight, SceneBuffers, Server, Target
 from .client_scene import ClientScene, Store, receiver_of
-from .drawn_scenes import weight_of
+from .drawn_scenes import server_of, weight_of
 from .inputs import ShownPicture
 
 
@@ -36,7 +36,7 @@ class ArrivingScene(Store):
         self._light: ArrivingLight | None = None
         if pieces.light is not None:
             self._light = ArrivingLight(gpu, blank, pieces.light, pieces.most_blockers)
-        self._renderer = Server(gpu, blank, lighting=self._light, changes=True)
+        self._renderer = server_of(client.server, blank, self._light, changes=True)
         self._first = set(pieces.first)
         self._here: set[int] = set()  # the meshes that have come
         self._scale_of = dict.fromkeys((texture for texture, _ in pieces.levels), 0.0)

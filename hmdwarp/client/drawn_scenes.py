@@ -154,7 +154,7 @@ class WholeScene(Store):
         self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit, folder=client.cache)
         self._is_own = self.scene is not client.scene
         server = client.server
-        self._renderer = server if not self._is_own else _another(server, self.scene)
+        self._renderer = server if not self._is_own else server_of(server, self.scene)
 
     def draw(self, view: View, into: ShownPicture, time_ns: int) -> None:
         """Draw the whole picture."""
@@ -169,8 +169,14 @@ class WholeScene(Store):
             self._renderer.close()
 
 
-def _another(server: Renderer, scene: Scene) -> Server:
-    return server.of_another(scene) if isinstance(server, Server) else Server(server.gpu, scene)
+def server_of(server: Renderer, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
+    """Return a server of another scene, which draws as `server` does where that draws.
+
+    changes: whether its textures will.
+    """
+    if isinstance(server, Server):
+        return server.of_another(scene, lighting, changes=changes)
+    return Server(server.gpu, scene, lighting=lighting, changes=changes)
 
 
 def weight_of(scene: Scene) -> dict[str, int]:

@@ -213,9 +213,9 @@ class PipelineOptions(Declared):
         heading=RENDERING,
     )
     samples: int = option(
-        1,
-        "Samples of each pixel of a scene's surfaces, in pictures and truth: colour is their mean in linear light. 1 "
-        "draws jagged edges, 4 is what engines send.",
+        4,
+        "Samples of each pixel of a scene's surfaces, in pictures and truth: colour is their mean in linear light. 4 "
+        "is what engines send, 1 draws jagged edges.",
         valid=Number(least=1, most=MOST_SAMPLES),
         study=PICTURE,
         heading=RENDERING,
@@ -333,7 +333,7 @@ class PipelineOptions(Declared):
             if self.repair != "none":
                 raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
         if self.sample_depth != CENTRE and self.samples == 1:
-            raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; say --samples 4 too")
+            raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; leave --samples 1 out")
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()
@@ -451,7 +451,6 @@ class PipelineOptions(Declared):
             "proxy": ("--proxy", self.proxy.on),
             "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
             "warp": (f"--warp {self.warp}", self.warp == AUTO),
-            "samples": (f"--samples {self.samples}", self.samples != 1),
         }
         refuse_with_frames(asked)
 

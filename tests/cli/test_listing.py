@@ -285,12 +285,12 @@ def test_plan_counts_bytes_and_frames(command):
         ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
         ("--samples", "0", "--samples 0"),
         ("--sample-depth", "mean", "--sample-depth 'mean': expected centre or nearest"),
-        ("--sample-depth", "nearest", "a pixel has one sample; say --samples 4 too"),
+        ("--sample-depth", "nearest --samples 1", "a pixel has one sample; leave --samples 1 out"),
         ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )
 def test_plan_refuses_what_replay_refuses(option, value, told, command):
-    command("plan", "--scene", "planes", option, value).refused(told)
+    command("plan", "--scene", "planes", option, *value.split()).refused(told)
 
 
 def test_plan_starts_no_gl():

@@ -93,7 +93,11 @@ def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
 
 @pytest.mark.parametrize("codec", ["none", "h264"])
 def test_a_replay_sends_the_atlas_alone(tmp_path, codec):
-    """Coded, the atlas errs by a code's error; colour and depth cross in neither case."""
-    summary = run(tmp_path, scene="lantern", warp="irradiance", coding=Coding(codec), latency_ms=100.0).summary
+    """Coded, the atlas errs by a code's error; colour and depth cross in neither case.
+
+    One sample a pixel, as the client draws.
+    """
+    asked = {"scene": "lantern", "warp": "irradiance", "samples": 1}
+    summary = run(tmp_path, **asked, coding=Coding(codec), latency_ms=100.0).summary
     assert set(summary["link"]["layers_mbit_s"]) == {"irradiance"}
     assert summary["quality"]["psnr_db"]["mean"] > 35

@@ -79,7 +79,7 @@ def _sequences(folder: Path | None) -> Iterator[Path]:
 
 def _recorded(options: BenchOptions, folder: Path) -> BenchOptions:
     """Return the options of a bench of a sequence, with at most as many pixels as the suite has."""
-    recorded = attrs.evolve(options, frames=folder, recordings=("",), guard=_GUARD, samples=1)
+    recorded = attrs.evolve(options, frames=folder, recordings=("",), guard=_GUARD)
     source = source_of(recorded, "")
     (wide, high), (w, h) = source.headset.eye_size_px, options.sizes[0]
     scale = min(1.0, math.sqrt(w * h / (wide * high)))

@@ -127,7 +127,8 @@ class RecordedOptions(ExperimentOptions):
         values = super().values_of(said)
         if values.get("frames") is None:
             return values
-        for decided in (option_of(field) for field in attrs.fields(cls) if field.name in cls.with_frames):
+        taken = (*cls.with_frames, "samples", "sample_depth")
+        for decided in (option_of(field) for field in attrs.fields(cls) if field.name in taken):
             if said.get(decided.name) not in (None, decided.default):
                 raise InputError(f"{decided.flag} with --frames: {cls.why_not}; leave it out")
         return {**values, "recordings": (OWN_HEAD,)}

@@ -176,6 +176,7 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
         headset=HEADSET,
         size=(width, height),
         rate_hz=RATE_HZ,
+        samples=1,  # the thesis mentions no antialiasing
         guard=run.guard,
         against="",
     )
@@ -307,6 +308,7 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
             headset=HEADSET,
             size=(width, height),
             rate_hz=RATE_HZ,
+            samples=1,
             start_s=2.0,
             seconds=seconds,
             coding=Coding(run.codec, depth=run.depth),

@@ -53,7 +53,7 @@ class Server(Renderer):
         nearest: bool = False,
         changes: bool = False,
     ) -> None:
-        self._several = Multisampled(gpu, samples) if samples > 1 else None
+        self._several = Multisampled(gpu, samples, numbers=nearest) if samples > 1 else None
         self._nearest = nearest
         self._framebuffers = Framebuffers(gpu.gl)
         super().__init__(gpu, scene, self._framebuffers.forget)
@@ -79,10 +79,10 @@ class Server(Renderer):
             self._several if nearest else None,
         )
 
-    def of_another(self, scene: Scene) -> Server:
+    def of_another(self, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
         """Return a server of another scene that draws as this one does; who makes it closes it."""
         samples = self._several.count if self._several else 1
-        return Server(self.gpu, scene, samples=samples, nearest=self._nearest)
+        return Server(self.gpu, scene, lighting=lighting, samples=samples, nearest=self._nearest, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
@@ -107,7 +107,7 @@ class Server(Renderer):
             return
         drawn = self._several.over(target.size, COLOUR)
         passes.draw(view, drawn, time_ns)
-        self._several.mean(drawn, self._framebuffers.over(target.colour))
+        self._several.mean(drawn, target.colour)
         # Parts of the picture compare depth at the centres of pixels, and test against its buffer.
         self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns)
         if self._nearest:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import attrs
@@ -366,11 +366,12 @@ class Framebuffers:
 class Multisampled:
     """Framebuffers with several samples a pixel, and what a pixel gets of them.
 
-    Errors: MachineError for more samples than the GPU has.
+    numbers: whether integers are drawn too. Errors: MachineError for more samples than the GPU has.
     """
 
-    def __init__(self, gpu: Gpu, count: int) -> None:
-        most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in ("", "COLOR_TEXTURE_", "INTEGER_"))
+    def __init__(self, gpu: Gpu, count: int, *, numbers: bool = True) -> None:
+        kinds = ("", "COLOR_TEXTURE_", "INTEGER_") if numbers else ("", "COLOR_TEXTURE_")
+        most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in kinds)
         if count > most:
             raise MachineError(f"--samples {count}: {gpu.renderer} draws at most {most} a pixel; use as many or fewer")
         self._gpu, self.count = gpu, count
@@ -386,18 +387,22 @@ class Multisampled:
         textures = [gl.texture(size, components, dtype=dtype, samples=self.count) for components, dtype in kinds]
         return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=self.count))
 
-    def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Framebuffer) -> None:
-        """Write the mean of the samples of linear light; both have one colour texture."""
-        self._gpu.gl.copy_framebuffer(into, drawn)
+    def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Texture) -> None:
+        """Write the mean of each pixel's samples; llvmpipe's own takes twice the time."""
+        self._resolve(drawn, into, {"MEAN": 1})
 
     def one(self, drawn: moderngl.Framebuffer, into: moderngl.Texture, **uniforms: object) -> None:
-        """Write one sample of each pixel, see shaders/server/one_sample.comp.
+        """Write one sample of each pixel, see shaders/server/resolve.comp.
 
         into: inverse depth of the pixels' centres, or numbers or velocities, which are overwritten.
         """
         kind = (into.components, into.dtype)
-        define = {NUMBER: {"NUMBER": 1}, COLOUR: {"VELOCITY": 1}}.get(kind, {})
-        program = self._gpu.shaders.compute("server/one_sample.comp", **define)
+        self._resolve(drawn, into, {NUMBER: {"NUMBER": 1}, COLOUR: {"VELOCITY": 1}}.get(kind, {}), **uniforms)
+
+    def _resolve(
+        self, drawn: moderngl.Framebuffer, into: moderngl.Texture, define: Mapping[str, int], **uniforms: object
+    ) -> None:
+        program = self._gpu.shaders.compute("server/resolve.comp", **define)
         _textures_of(drawn)[0].use(0)
         into.bind_to_image(0, read=not define, write=True)
         program.uniforms.set(samples=0, resolved=0, count=self.count, **uniforms)
