@@ -7,6 +7,7 @@ Exit status: 0 ready; 3 the machine lacks something (the message holds the line 
 internal error.
 """
 
+import base64
 import contextlib
 import ctypes
 import fcntl
@@ -34,6 +35,7 @@ VERSION = f"{sys.version_info.major}.{sys.version_info.minor}"
 TOO_LARGE = {"jod"}
 MESA = ["libegl1", "libgl1", "libgl1-mesa-dri"]
 TOOLS = ROOT / ".ci" / "tools.toml"
+NPM = ROOT / "build" / "npm"  # packages as npm packs them
 GL_PROBE = "import moderngl; moderngl.create_context(standalone=True, backend='egl', require=430)"
 NETWORK_TROUBLE = re.compile(
     r"NewConnectionError|NameResolutionError|Temporary failure in name resolution|ConnectTimeout|ReadTimeout"
@@ -195,6 +197,21 @@ def install_for_tests() -> None:
     left = missing_tools()
     if left:
         say(f"going on without {', '.join(left)}; the tests say at their end what they left out")
+    fetch_from_npm()
+
+
+def fetch_from_npm() -> None:
+    """Bring what tests give to a browser; those that lack it are skipped."""
+    for name, (version, digest) in tomllib.loads(TOOLS.read_text(encoding="utf-8")).get("npm", {}).items():
+        file = NPM / f"{name}-{version}.tgz"
+        if not file.exists():
+            NPM.mkdir(parents=True, exist_ok=True)
+            run(["npm", "pack", f"{name}@{version}", "--pack-destination", NPM, "--fetch-retries=0"])
+        found = base64.b64encode(hashlib.sha512(file.read_bytes()).digest()).decode() if file.exists() else ""
+        if f"sha512-{found}" != digest:
+            file.unlink(missing_ok=True)
+            why = "it is not the pinned one" if found else "npm, or its registry, is not there"
+            say(f"going on without {name} {version}: {why}")
 
 
 # --- the virtual environment -------------------------------------------------------------------

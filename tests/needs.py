@@ -44,6 +44,16 @@ def _without(names: Iterable[str]) -> str | None:
     return lacking and missing(lacking, APT + TOOLS["packages"][lacking])
 
 
+def packed(name: str) -> Path:
+    """Return the package of npm that .ci/setup.py brings."""
+    return Path(__file__).parents[1] / "build" / "npm" / f"{name}-{TOOLS['npm'][name][0]}.tgz"
+
+
+def from_npm(name: str) -> pytest.MarkDecorator:
+    """Mark what needs a package of npm."""
+    return pytest.mark.skipif(not packed(name).exists(), reason=missing(name, "npm, then make test"))
+
+
 def left_out(skipped: Iterable[tuple[str, str]]) -> str | None:
     """Return one line that names what a run left out, for lack of what, and the remedy.
 

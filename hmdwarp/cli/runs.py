@@ -82,4 +82,4 @@ def serve(said: Said) -> None:
     """
     from ..run import serve as go
 
-    go(ServeOptions.of(said), sayer(said["quiet"]))
+    go(ServeOptions.of(said, command=command_line()), sayer(said["quiet"]))

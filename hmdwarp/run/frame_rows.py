@@ -6,7 +6,7 @@ import functools
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import attrs
 import numpy as np
@@ -30,7 +30,18 @@ def speeds_at(track: PoseTrack, time_ns: int) -> Speeds:
     return float(np.degrees(turned) / seconds), float(np.linalg.norm(after.position_m - before.position_m) / seconds)
 
 
-def speeds_between(before: Refresh | None, now: Refresh) -> Speeds:
+class Shown(Protocol):
+    """What figures over time need of a refresh."""
+
+    @property
+    def shown_ns(self) -> int: ...
+    @property
+    def head(self) -> PoseSample: ...
+    @property
+    def transit(self) -> TransitStats: ...
+
+
+def speeds_between(before: Shown | None, now: Shown) -> Speeds:
     """Return both speeds over the time between two pictures.
 
     None for the first picture and after a break.
@@ -65,7 +76,7 @@ class Timeline:
     def __init__(self) -> None:
         self._kept: deque[_Shown] = deque(maxlen=MOST_FRAMES)
 
-    def add(self, refresh: Refresh) -> None:
+    def add(self, refresh: Shown) -> None:
         """Add a refresh; it may show the frame of the one before."""
         if self._kept and self._kept[-1].transit is refresh.transit:
             self._kept[-1].last_ns = refresh.shown_ns

@@ -401,8 +401,14 @@ class ServeOptions(Declared):
     certificate: Path | None = option(
         None, "PEM file with the private key and certificate of --web, for https.", kind=Path
     )
+    out: Path | None = out_field(
+        None, "With --web: folder for what browsers report of their sessions, each as a live run; by default none."
+    )
+    command: str = ""
 
     def __attrs_post_init__(self) -> None:
+        if self.out is not None and not self.web:
+            raise InputError(f"--out {self.out}: browsers' sessions come by --web; name its address, or leave it out")
         if self.certificate is not None and not self.web:
             raise InputError(f"--certificate {self.certificate}: it is for --web; name its address, or leave it out")
 

@@ -6,7 +6,7 @@ import functools
 import time
 import traceback
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, closing, nullcontext
+from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from pathlib import Path
 
 import attrs
@@ -30,6 +30,7 @@ from ..sources.feed.listener import Asked, Listener
 from ..sources.feed.message import ANY, BYTES, DEPTH_CODES, NONE, RGBA8, Ask, DepthCodes, FrameMessage, Picture
 from ..sources.feed.options import secret_in
 from ..sources.server import Server
+from .browser_log import BrowserLogs
 from .options import ServeOptions
 from .replay_setup import placed
 
@@ -74,18 +75,24 @@ def serve(
 
 def _door(
     options: ServeOptions, feed: str, scene: Scene, secret: str, pair: KeyPair | None, say: Callable[[str], None]
-) -> AbstractContextManager[web.Door]:
+) -> AbstractContextManager[object]:
     import_extra("aiohttp", "aiohttp", "web")
     start = scene.viewpoint
     viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
     about = {"scene": scene.name, "viewpoint": viewpoint, "traces": recording_names()}
     traces = {f"traces/{name}.json": functools.partial(_samples, name, scene) for name in recording_names()}
     lock = web.Lock(secret, pair)
-    door = web.Door(
-        options.web, feed, about, traces, lock=lock, certificate=options.certificate, is_open=options.open, say=say
-    )
-    say(f"for a browser: open {door.address}")
-    return closing(door)
+    with ExitStack() as opened:
+        logs = None
+        if options.out is not None:
+            logs = opened.enter_context(closing(BrowserLogs(options.out, scene.name, say, options.command)))
+        door = web.Door(
+            options.web, feed, about | {"reports": logs is not None}, traces, lock=lock,
+            certificate=options.certificate, is_open=options.open, log=None if logs is None else logs.begin, say=say,
+        )  # fmt: skip
+        opened.enter_context(closing(door))
+        say(f"for a browser: open {door.address}")
+        return opened.pop_all()
 
 
 def _samples(name: str, scene: Scene) -> dict[str, list[list[float]]]:

@@ -15,11 +15,10 @@ import secrets
 import socket
 import ssl
 import threading
-from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import attrs
 import zmq
@@ -33,9 +32,10 @@ from ..sources.feed.sockets import is_local, set_options
 from .es_shaders import PAGE, shaders
 
 _TOKEN_BYTES = 16
-_MOST_BROWSERS = 64  # cookies that count; the oldest goes
 _TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1, "HEARTBEAT_IVL": 500}
+_REPORT = b"HWLG"  # before rows of a report
+MOST_REPORT = 1 << 17  # bytes of one message
 _HEADERS = {
     "X-Frame-Options": "DENY",
     "X-Content-Type-Options": "nosniff",
@@ -54,12 +54,19 @@ class Lock:
     pair: KeyPair | None = None
 
 
+class Log(Protocol):
+    """What takes a page's reports: text and bytes, after which it is closed."""
+
+    def take(self, data: str | bytes) -> None: ...
+    def close(self) -> None: ...
+
+
 class Door:
     """Serve the page at HOST:PORT, and pass browsers' messages on to a server of the feed.
 
     feed: its address, as the server says it. about: what the page is told, by key. files: by path,
     what makes JSON, such as a trace. certificate: a PEM file with key and certificate, None for
-    plain HTTP.
+    plain HTTP. log: makes what takes the reports of a connection.
     Errors: InputError for an address that cannot be listened at, and for one beyond this machine
     without a certificate unless is_open.
     """
@@ -74,6 +81,7 @@ class Door:
         lock: Lock | None = None,
         certificate: Path | None = None,
         is_open: bool = False,
+        log: Callable[[], Log] | None = None,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
         if not (is_local(_checked(address)) or certificate or is_open):
@@ -82,6 +90,7 @@ class Door:
                 "no VR; or give --open to send pictures and cookies unencrypted"
             )
         self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
+        self._log = log
         self._tls = _tls(certificate)
         self._files = {"/session.json": _as_json(about), "/shaders.json": _as_json(shaders())}
         self._made = {f"/{name}": make for name, make in files.items()}
@@ -89,7 +98,9 @@ class Door:
             if path.suffix in (".html", ".css", ".js"):
                 self._files[f"/{path.name}"] = _File(path.read_bytes(), mimetypes.guess_type(path.name)[0] or "")
         self._files["/"] = self._files.pop("/index.html")
-        self._token, self._cookies = secrets.token_urlsafe(_TOKEN_BYTES), deque[str](maxlen=_MOST_BROWSERS)
+        self._token = secrets.token_urlsafe(_TOKEN_BYTES)
+        # A secret of its own makes cookies that a server started anew knows again.
+        self._key = self._lock.secret.encode() or secrets.token_bytes(_TOKEN_BYTES)
         self._listener = _listener(address)
         host, port = self._listener.getsockname()[:2]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
@@ -148,15 +159,17 @@ class Door:
         )
 
     def _knows(self, cookie: str) -> bool:
-        return any(hmac.compare_digest(cookie.encode(), known.encode()) for known in self._cookies)
+        return hmac.compare_digest(cookie.encode(), self._signed(cookie.partition(".")[0]).encode())
+
+    def _signed(self, name: str) -> str:
+        return f"{name}.{hmac.digest(self._key, b'a cookie of hmdwarp ' + name.encode(), 'sha256').hex()}"
 
     def _let_in(self, request: Any, given: str) -> Any:
         if not hmac.compare_digest(given.encode(), self._token.encode()):
             text = "this token was used already, or is none: take the newest address that hmdwarp printed\n"
             return web.Response(status=403, text=text)
         self._token = secrets.token_urlsafe(_TOKEN_BYTES)
-        cookie = secrets.token_urlsafe(_TOKEN_BYTES)
-        self._cookies.append(cookie)
+        cookie = self._signed(secrets.token_urlsafe(_TOKEN_BYTES))
         self._say(f"a browser is here; for another one open {self.address}")
         rest = request.rel_url.without_query_params("token")
         response = web.Response(status=303, headers={**_HEADERS, "Location": str(rest)})
@@ -174,7 +187,7 @@ class Door:
 
     async def _pass(self, request: Any) -> Any:
         """Pass messages both ways until either end goes."""
-        browser = web.WebSocketResponse(max_msg_size=LARGEST_ASK + 1, heartbeat=5.0, compress=False)
+        browser = web.WebSocketResponse(max_msg_size=max(LARGEST_ASK, MOST_REPORT) + 1, heartbeat=5.0, compress=False)
         await browser.prepare(request)
         server = self._context.socket(zmq.DEALER)
         set_options(zmq, server, _FEED)
@@ -183,15 +196,22 @@ class Door:
             server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
         server.connect(self._feed)
         down = asyncio.ensure_future(self._pass_down(server, browser))
+        log = self._log() if self._log is not None else None
         try:
             async for message in browser:
-                if not isinstance(message.data, bytes) or len(message.data) < request_bytes(0):
+                if (report := _report_in(message.data)) is not None:
+                    if log is not None:
+                        await asyncio.to_thread(log.take, report)
+                elif not isinstance(message.data, bytes) or len(message.data) < request_bytes(0):
                     break
-                with suppress(zmq.Again):  # as many wait already; the page asks again
-                    await server.send(self._with_token(message.data), zmq.NOBLOCK)
+                else:
+                    with suppress(zmq.Again):  # as many wait already; the page asks again
+                        await server.send(self._with_token(message.data), zmq.NOBLOCK)
         finally:
             down.cancel()
             server.close(0)
+            if log is not None:  # whoever waited for it would slow down all others
+                self._loop.run_in_executor(None, log.close)
         await browser.close()
         return browser
 
@@ -210,6 +230,15 @@ class Door:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._context.destroy(0)
+
+
+def _report_in(data: Any) -> str | bytes | None:
+    """Return what a page reports; None for a request of the feed, and for what is neither."""
+    if isinstance(data, str):
+        return data
+    if isinstance(data, bytes) and data.startswith(_REPORT):
+        return data[len(_REPORT) :]
+    return None
 
 
 @attrs.frozen

@@ -2,6 +2,8 @@
 
 import { apply, matrixOf, relativeTo, times } from "./head.js";
 
+const TOLD = { size: [768, 192], half: [0.3, 0.075], ahead: { position: [0, 0, -2], orientation: [0, 0, 0, 1] }, letters: 40 };
+
 // As IterativeSettings and DEPTH_LIMITS of hmdwarp have them.
 const LIMITS = { depth_tolerance: 0.03, depth_floor: 0.02 }, SHEET = 1, CONVERGED = 0.75;
 const GRID = 64; // cells a side, as CloudXR.js draws
@@ -219,6 +221,39 @@ export class Chain {
     gl.bindFramebuffer(gl.FRAMEBUFFER, level.into);
     gl.readPixels(0, 0, ...shown.size, gl.RGBA, gl.FLOAT, found);
     return found;
+  }
+
+  /** The device's own name, where the browser tells it. */
+  renderer() {
+    const more = this.gl.getExtension("WEBGL_debug_renderer_info");
+    return String(this.gl.getParameter(more ? more.UNMASKED_RENDERER_WEBGL : this.gl.RENDERER));
+  }
+
+  /** Write a line for people over an eye's picture, 2 m ahead of the head. */
+  tell(text, { fov, size, head_from_eye }, target, corner) {
+    const gl = this.gl, [width, height] = TOLD.size;
+    if (this.told?.text !== text) {
+      const paper = (this.told?.paper ?? new OffscreenCanvas(width, height)), pen = paper.getContext("2d");
+      Object.assign(pen, { fillStyle: "#000c", font: "30px system-ui, sans-serif", textAlign: "center" });
+      pen.clearRect(0, 0, width, height);
+      pen.fillRect(0, 0, width, height);
+      pen.fillStyle = "#fff";
+      const rows = text.match(new RegExp(`.{1,${TOLD.letters}}(?: |$)`, "g")) ?? [text];
+      rows.forEach((row, k) => pen.fillText(row.trim(), width / 2, height / 2 + 10 + 36 * (k - (rows.length - 1) / 2), width));
+      const texture = this.told?.texture ?? this.texture(gl.RGBA8, TOLD.size, gl.LINEAR);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, paper);
+      this.told = { text, texture, paper };
+    }
+    const at = relativeTo(TOLD.ahead, head_from_eye).position, [left, right, down, up] = tangents(fov);
+    const scale = [size[0] / (right - left), size[1] / (up - down)];
+    const low = [left, down].map((edge, k) => corner[k] + Math.round((at[k] / -at[2] - TOLD.half[k] - edge) * scale[k]));
+    const extent = TOLD.half.map((half, k) => Math.max(1, Math.round(2 * half * scale[k])));
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    this.use(this.program("words.frag"), { words: this.told.texture, corner: low, extent });
+    this.draw(target, extent, 3, low);
+    gl.disable(gl.BLEND);
   }
 
   /** Wait until the device has drawn; the only way that every browser has. */

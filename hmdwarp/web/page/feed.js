@@ -90,6 +90,8 @@ export class Feed {
       this.asked.clear();
       if (this.closed) return;
       this.told("The server is not there: its last picture stays. Calling it again ..");
+      const strange = () => this.told("The server does not know this browser any more: open the address that it printed last.");
+      fetch("session.json").then((answer) => answer.status === 403 && strange(), () => {});
       setTimeout(() => this.open(), AGAIN_MS);
     };
   }

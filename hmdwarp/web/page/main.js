@@ -3,7 +3,8 @@
 import { Chain, CHAINS } from "./chain.js";
 import { VideoEye } from "./coded.js";
 import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
-import { ByHand, Recording, compose, inverse, relativeTo } from "./head.js";
+import { ByHand, Recording, compose, relativeTo } from "./head.js";
+import { Report } from "./report.js";
 
 const asked = new URLSearchParams(location.search);
 const number = (name, usual, least, most) => {
@@ -20,13 +21,15 @@ const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
 const LEAST_SHARE = 0.8, MOST_SLOW = 3; // of the display's refreshes; seconds below it
 const LEAST_SAVING = 0.75; // of a chain's time that a cheaper one takes at most
+const NAMES = Object.keys(CHAINS);
 const $ = (name) => document.getElementById(name);
 
 const even = (side) => Math.max(64, 2 * Math.round(side / 2));
 const lines = {}; // what is told, by who tells it
+let telling = ""; // all of them, also in a headset's view
 function told(text, by = "page") {
   lines[by] = text;
-  $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
+  telling = $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
 }
 const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, newest: 0 };
 
@@ -57,6 +60,7 @@ class Session {
     this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
     this.costs = {};
+    this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
   }
 
   time() {
@@ -93,7 +97,7 @@ class Session {
       }
     }
     figures.decode = performance.now() - begun;
-    this.kept.push({ ...frame, pictures });
+    this.kept.push({ ...frame, pictures, decoded: figures.decode });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
   }
@@ -121,7 +125,7 @@ class Session {
   choose(shown, interval) {
     this.interval = interval;
     if (this.chosen && this.costs[this.chosen] !== undefined) return;
-    for (const name of Object.keys(CHAINS)) {
+    for (const name of NAMES) {
       this.chain.show(0, shown, name); // compiles
       this.chain.finish();
       const begun = performance.now();
@@ -129,30 +133,30 @@ class Session {
       this.chain.finish();
       this.costs[name] = (performance.now() - begun) / TRIES;
     }
-    const eyes = this.shown.eyes.length, fits = Object.keys(CHAINS).filter((name) => eyes * this.costs[name] <= SHARE * interval);
+    const eyes = this.shown.eyes.length, fits = NAMES.filter((name) => eyes * this.costs[name] <= SHARE * interval);
     const cheapest = Math.min(...Object.values(this.costs)); // where none fits, the best of those that cost about as little
-    this.chosen ??= fits[0] ?? Object.keys(CHAINS).find((name) => this.costs[name] <= 1.5 * cheapest);
+    this.chosen ??= fits[0] ?? NAMES.find((name) => this.costs[name] <= 1.5 * cheapest);
     $("chain").value = this.chosen;
   }
 
   /** Take the next cheaper chain after seconds in a row with too few refreshes, unless somebody chose this one. */
   govern(refreshes) {
     this.slow = refreshes < LEAST_SHARE * (1000 / this.interval) ? (this.slow ?? 0) + 1 : 0;
-    const cheaper = Object.keys(CHAINS).filter((name) => this.costs[name] < LEAST_SAVING * this.costs[this.chosen]);
+    const cheaper = NAMES.filter((name) => this.costs[name] < LEAST_SAVING * this.costs[this.chosen]);
     if (this.isForced || this.slow < MOST_SLOW || !cheaper.length) return;
     [this.chosen, this.slow] = [cheaper[0], 0];
     $("chain").value = this.chosen;
   }
 
-  /** What the next refresh of a window shows: its views, its late eyes, and its pixels, the bottom row first. */
+  /** What the next refresh shows: its views, their late eyes, and the pixels of each, the bottom row first. */
   look() {
     return new Promise((look) => this.looks.push(look));
   }
 
-  seen(views) {
-    const gl = this.chain.gl, [width, height] = views[0].size, pixels = new Uint8Array(4 * width * height);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  seen(views, target, corners) {
+    const gl = this.chain.gl, [width, height] = views[0].size, bytes = 4 * width * height, pixels = new Uint8Array(bytes * views.length);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    views.forEach((_, k) => gl.readPixels(...corners[k], width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels.subarray(k * bytes, (k + 1) * bytes)));
     const { eyes, size, time, asked } = this.shown;
     return { views, pixels, late: eyes.map(({ world_from_eye, fov }) => ({ pose: world_from_eye, fov, size })), time, age: performance.now() - asked, chain: this.chosen };
   }
@@ -163,7 +167,31 @@ class Session {
     this.choose(views[0], interval);
     views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.chosen, target, corners[k]));
     figures.refreshes += 1;
-    this.looks.splice(0).forEach((look) => look(this.seen(views)));
+    this.looks.splice(0).forEach((look) => look(this.seen(views, target, corners)));
+    this.head = head;
+    if (this.report && `${eyes.length} ${eyes[0].size}` !== this.reported) {
+      this.report.changed(this.time());
+      [this.reported, this.eyes] = [`${eyes.length} ${eyes[0].size}`, eyes];
+    }
+  }
+
+  /** Note what a refresh took that began at `begun`. */
+  ended(begun) {
+    const took = performance.now() - begun;
+    figures.script += took;
+    if (!this.report || !this.head) return;
+    this.report.add(this.time(), this.shown, this.head, NAMES.indexOf(this.chosen), this.costs[this.chosen] ?? 0, took);
+    this.head = null;
+  }
+
+  /** What a report says of the display. */
+  display() {
+    const [{ size: [width, height], fov: [left, right, down, up] }] = this.eyes, [wide, high] = this.shown.size;
+    return {
+      browser: navigator.userAgent.slice(0, 300), renderer: this.chain.renderer().slice(0, 300), trace: this.xr ? "webxr" : $("head").value,
+      eyes: this.eyes.length, width, height, rendered_width: wide, rendered_height: high, left, right, down, up,
+      rate_hz: Math.min(Math.max(Math.round(1000 / this.interval), 1), 1000), latency_ms: Number($("latency").value), guard: GUARD, chains: NAMES,
+    };
   }
 }
 
@@ -198,31 +226,50 @@ async function headOf(name, about) {
   return new Recording((await (await fetch(`traces/${name}.json`)).json()).samples);
 }
 
+/** A headset's own place in the scene: where the scene is seen from, turned the same way, its floor at 0. */
+function placeOf({ position: [x, y, z], orientation: [, turnY, , turnW] }, hasFloor) {
+  const length = Math.hypot(turnY, turnW) || 1;
+  return { position: [x, hasFloor ? 0 : y, z], orientation: [0, turnY / length, 0, turnW / length] };
+}
+
+const UNSEEN = { hidden: "The headset shows something else: this goes on after it.", "visible-blurred": "The headset shows something in front." };
+
 async function enterVr(session, gl) {
-  const refused = (error) => told(`No VR: ${error.message}`);
+  const refused = (error) => told(`No VR: ${error.message}`, "xr");
   const xr = await navigator.xr.requestSession("immersive-vr", { optionalFeatures: ["local-floor"] }).catch(refused);
   if (!xr?.requestReferenceSpace) return;
   await gl.makeXRCompatible();
   const layer = new XRWebGLLayer(xr, gl, { antialias: false, depth: false });
   xr.updateRenderState({ baseLayer: layer });
-  const space = await xr.requestReferenceSpace("local-floor").catch(() => xr.requestReferenceSpace("local"));
-  xr.addEventListener("end", () => (session.xr = null));
+  const floor = await xr.requestReferenceSpace("local-floor").catch(() => null);
+  const space = floor ?? (await xr.requestReferenceSpace("local")), place = placeOf(session.about.viewpoint, floor !== null);
+  xr.addEventListener("visibilitychange", () => told(UNSEEN[xr.visibilityState] ?? "", "xr"));
+  xr.addEventListener("end", () => {
+    session.xr = null;
+    told("VR has ended; the window goes on.", "xr");
+    setTimeout(() => told("", "xr"), 5000);
+  });
+  told("", "xr");
   session.xr = xr;
-  let last = 0;
+  let last = 0, seen = null;
   const refresh = (now, frame) => {
     xr.requestAnimationFrame(refresh);
     const viewer = frame.getViewerPose(space), begun = performance.now();
-    if (!viewer) return; // taken off, or not tracked: the last picture stays
-    const head = poseOf(viewer.transform);
-    const eyes = viewer.views.map((view) => {
-      const { width, height } = layer.getViewport(view);
-      return { head_from_eye: relativeTo(poseOf(view.transform), head), fov: fovOf(view.projectionMatrix), size: [width, height] };
-    });
-    const corners = viewer.views.map((view) => [layer.getViewport(view).x, layer.getViewport(view).y]);
-    session.size = eyes[0].size;
-    session.ask(head, eyes);
-    session.show(head, eyes, layer.framebuffer, corners, xr.frameRate ? 1000 / xr.frameRate : Math.max(now - last, 8));
-    figures.script += performance.now() - begun;
+    if (viewer) {
+      const own = poseOf(viewer.transform), head = compose(place, own);
+      const ports = viewer.views.map((view) => layer.getViewport(view));
+      const eyes = viewer.views.map((view, k) => ({
+        head_from_eye: relativeTo(poseOf(view.transform), own), fov: fovOf(view.projectionMatrix), size: [ports[k].width, ports[k].height],
+      }));
+      seen = [head, eyes, layer.framebuffer, ports.map(({ x, y }) => [x, y])];
+      session.size = eyes[0].size;
+      session.ask(head, eyes);
+    }
+    if (!seen || gl.isContextLost()) return;
+    told(viewer ? "" : "The headset does not know where it is: the picture stays.", "tracking");
+    session.show(...seen, xr.frameRate ? 1000 / xr.frameRate : Math.max(now - last, 8));
+    if (telling) seen[1].forEach((eye, k) => session.chain.tell(telling, eye, layer.framebuffer, seen[3][k]));
+    session.ended(begun);
     last = now;
   };
   xr.requestAnimationFrame(refresh);
@@ -234,18 +281,24 @@ async function begin() {
   const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/feed`;
   const session = new Session(about, chain, (frame) => new Feed(address, { frame, told: (text) => told(text, "feed") }));
   $("scene").textContent = about.scene;
-  $("chain").append(...Object.keys(CHAINS).map((name) => new Option(name)));
+  $("chain").append(...NAMES.map((name) => new Option(name)));
   $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true });
   $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
   $("latency").value = number("latency", 200, 0, 800);
   const tellLatency = () => ($("latency-told").textContent = `${$("latency").value} ms`);
-  $("latency").oninput = tellLatency;
+  $("latency").oninput = () => {
+    tellLatency();
+    session.report?.changed(session.time());
+  };
   tellLatency();
   const wanted = asked.get("trace");
   if (wanted !== null && !about.traces.includes(wanted)) told(`There is no trace ${wanted}: ${about.traces.join(", ")}`);
   $("head").value = about.traces.includes(wanted) ? wanted : "hand";
   let head = await headOf($("head").value, about);
-  $("head").onchange = async () => (head = await headOf($("head").value, about));
+  $("head").onchange = async () => {
+    head = await headOf($("head").value, about);
+    session.report?.changed(session.time());
+  };
   $("more").onclick = () => {
     $("figures").hidden = !$("figures").hidden;
     $("more").setAttribute("aria-expanded", String(!$("figures").hidden));
@@ -260,6 +313,8 @@ async function begin() {
     event.preventDefault();
     told("The graphics were taken away (another program, or too little memory): waiting for them ..");
   });
+  const tellHidden = () => told(document.hidden ? "This page is hidden: it goes on when it is seen." : "", "seen");
+  document.addEventListener("visibilitychange", tellHidden);
   canvas.addEventListener("webglcontextrestored", () => location.reload());
   setInterval(() => tellFigures(session), 1000);
   let last = 0, interval = 1000 / 60;
@@ -274,7 +329,7 @@ async function begin() {
     const eyes = windowEyes(size), pose = head.at(session.time());
     session.ask(pose, eyes);
     session.show(pose, eyes, null, [[0, 0]], Math.max(interval, 4));
-    figures.script += performance.now() - begun;
+    session.ended(begun);
   };
   requestAnimationFrame(refresh);
   globalThis.hmdwarp = { session, chain, figures };

@@ -1,0 +1,78 @@
+"""What the page showed, and the same by hmdwarp's own warp."""
+
+from __future__ import annotations
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from hmdwarp import Fov, Pose, View, Warper
+from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.gpu import download
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources.server import Server
+from hmdwarp.web.es_shaders import STEPS
+
+from .browser import PACKED
+
+_LOOK = "const { pixels, ...rest } = await hmdwarp.session.look(); const found = "
+LOOK = f"(async () => {{ {_LOOK} {{...rest, pixels: ({PACKED})(pixels)}}; return found; }})()"
+
+
+def looks(count: int) -> str:
+    """Return a script for what so many refreshes in a row showed."""
+    return (
+        f"(async () => {{ const all = []; for (let k = 0; k < {count}; k += 1) {{ {_LOOK} {{...rest, pixels}}; "
+        f"all.push(found); }} const packed = {PACKED}; "
+        "return all.map(({ pixels, ...rest }) => ({...rest, pixels: packed(pixels)})); })()"
+    )
+
+
+def view_of(told: dict[str, Any]) -> View:
+    return View(Pose(told["pose"]["position"], told["pose"]["orientation"]), Fov(*told["fov"]))
+
+
+def pictures_of(looked: dict[str, Any]) -> list[np.ndarray]:
+    """(h, w, 3) sRGB of each eye from the top, as the canvas had it."""
+    (width, height), pixels = looked["views"][0]["size"], np.frombuffer(base64.b64decode(looked["pixels"]), np.uint8)
+    return [eye[::-1, :, :3] for eye in pixels.reshape(-1, height, width, 4)]
+
+
+class Own:
+    """hmdwarp's own warp of what the server drew for the views sent. Use it in a `with`."""
+
+    def __init__(self, gpu, scene: str = "room") -> None:
+        self._gpu, self._server, self._warpers = gpu, Server(gpu, load_scene(scene)), {}
+        self._drawn: dict[str, list] = {}
+
+    def _late(self, looked: dict[str, Any]) -> list:
+        key = repr(looked["late"])
+        if key not in self._drawn:
+            views = tuple(map(view_of, looked["late"]))
+            frame = self._server.draw_frame(views, round(looked["time"] * 1e6), tuple(looked["late"][0]["size"]))
+            self._drawn[key] = []
+            for eye in frame.eyes:
+                light, depth = (download(texture) for texture in (eye.colour, eye.inverse_depth))
+                colour = np.dstack([srgb8_from_linear(light[..., :3]), np.where(light[..., 3] > 0, 255, 0)])
+                with np.errstate(divide="ignore"):
+                    self._drawn[key].append((colour.astype(np.uint8), np.where(depth < 0, np.nan, 1 / depth)))
+            self._server.recycle(frame)
+        return self._drawn[key]
+
+    def warped(self, looked: dict[str, Any], eye: int = 0):
+        """Return what Warper returns for an eye of a refresh."""
+        late, shown = looked["late"][eye], looked["views"][eye]
+        colour, metres = self._late(looked)[eye]
+        warp = f"iterative:seed=rotation,steps={STEPS}"
+        sizes = tuple(shown["size"]), tuple(late["size"])
+        if sizes not in self._warpers:
+            self._warpers[sizes] = Warper(sizes[0], rendered_size=sizes[1], warp=warp, fill="none", gpu=self._gpu)
+        return self._warpers[sizes].warp(colour, metres, view_of(late), view_of(shown), result="srgb8")
+
+    def __enter__(self) -> Own:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for one in (*self._warpers.values(), self._server):
+            one.close()

@@ -1,0 +1,155 @@
+"""What a page reports: written as a live run's results, replayed, and refused where it is wrong."""
+
+from __future__ import annotations
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import needs
+import numpy as np
+import pytest
+from serving import Serving
+
+from hmdwarp.errors import InputError
+from hmdwarp.run import ServeOptions
+from hmdwarp.run.browser_log import COLUMNS, MOST_TEXT, BrowserLogs
+
+from .browser import Browser
+
+DISPLAY = {
+    "browser": "a browser", "renderer": "a GPU", "trace": "walk", "eyes": 2, "width": 120, "height": 130,
+    "rendered_width": 150, "rendered_height": 162, "left": -0.7, "right": 0.7, "down": -0.7, "up": 0.7,
+    "rate_hz": 90, "latency_ms": 100, "guard": 1.25, "chains": ["iterative", "mesh:grid=64", "rotation"],
+}  # fmt: skip
+
+
+def rows(count: int = 200, **changed) -> np.ndarray:
+    """Refreshes of a head that stands; each frame is shown three times, from 100 ms on."""
+    table = np.zeros((count, len(COLUMNS)))
+    columns = {name: table[:, k] for k, name in enumerate(COLUMNS)}
+    frame = np.arange(count) // 3
+    columns["shown_ms"][:] = 1000 + np.arange(count) * 1000 / 90
+    columns["asked_ms"][:] = 900 + 3 * frame * 1000 / 90
+    columns["frame"][:] = frame
+    columns["warp_ms"][:], columns["render_ms"][:], columns["round_ms"][:] = 2, 5, 60
+    columns["shown_qw"][:] = columns["drawn_qw"][:] = 1
+    for name, value in changed.items():
+        columns[name][-1] = value
+    return table
+
+
+@pytest.fixture
+def logs(tmp_path):
+    said: list[str] = []
+    with_logs = BrowserLogs(tmp_path / "out", "room", said.append)
+    with_logs.said = said
+    yield with_logs
+    with_logs.close()
+
+
+def test_a_session_is_written_as_a_live_run(logs, tmp_path):
+    log = logs.begin()
+    log.take(json.dumps(DISPLAY))
+    log.take(rows().tobytes())
+    later = rows()
+    later[:, :2] += 5000  # nothing for 2.8 s
+    log.take(later.tobytes())
+    log.close()
+    folder = tmp_path / "out" / "session-0001"
+    assert logs.said == [f"a browser's session, 400 refreshes: {folder}"]
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert (summary["frames"], summary["warp"], summary["size"]) == (400, "iterative", [120, 130])
+    assert summary["time_ms"]["warp"]["median"] == 2 and summary["live"]["source"] == "browser"
+    assert 100 <= summary["live"]["age_ms"]["median"] <= 123 and summary["live"]["missed"] == 250
+    parts = summary["link"]["response_ms"]
+    assert (parts["render_ms"], parts["round_trip_ms"]) == (5, 55) and parts["total_ms"] == pytest.approx(104)
+    assert len((folder / "delays.csv").read_text(encoding="utf-8").split()) == 1 + 2 * 67
+    assert "Frame age at display" in (folder / "report.html").read_text(encoding="utf-8")
+
+
+WRONG = {
+    "no JSON": "{",
+    "deep JSON": "[" * MOST_TEXT,
+    "other keys": json.dumps({"browser": "x"}),
+    "a list": "[]",
+    "not a number": json.dumps(DISPLAY | {"rate_hz": "90"}),
+    "no finite number": json.dumps(DISPLAY | {"rate_hz": float("nan")}),
+    "a size that is huge": json.dumps(DISPLAY | {"width": 1e9}),
+    "an empty view": json.dumps(DISPLAY | {"left": 0.7}),
+    "letters of a terminal": json.dumps(DISPLAY | {"browser": "\x1b[2J"}),
+    "a chain that is none": json.dumps(DISPLAY | {"chains": ["../../etc"]}),
+    "a list of lists": json.dumps(DISPLAY | {"chains": [[]]}),
+    "long": json.dumps(DISPLAY | {"browser": "x" * MOST_TEXT}),
+    "half a row": rows().tobytes()[:-3],
+    "no row": b"",
+    "NaN": rows(shown_x_m=np.nan).tobytes(),
+    "far": rows(shown_x_m=1e300).tobytes(),
+    "no unit quaternion": rows(drawn_qw=2).tobytes(),
+    "another chain": rows(chain=3).tobytes(),
+    "half a chain": rows(chain=0.5).tobytes(),
+    "the future": rows(asked_ms=1e8).tobytes(),
+    "back in time": rows(shown_ms=1).tobytes(),
+    "negative": rows(warp_ms=-1).tobytes(),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_no_page_says_is_refused_and_what_came_before_stays(logs, tmp_path, wrong):
+    log = logs.begin()
+    log.take(json.dumps(DISPLAY))
+    log.take(rows()[:50].tobytes())
+    log.take(WRONG[wrong])
+    log.take(rows()[50:].tobytes())  # it has no say any more
+    log.close()
+    refused, written = logs.said
+    assert refused.startswith("a browser's report is not taken") and refused.isprintable() and len(refused) < 400
+    assert "50 refreshes" in written
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["session-0001"]
+
+
+def test_refreshes_of_no_display_and_too_few_leave_nothing(logs, tmp_path):
+    first, second = logs.begin(), logs.begin()
+    first.take(rows().tobytes())
+    second.take(json.dumps(DISPLAY))
+    second.take(rows()[:1].tobytes())
+    second.close()
+    assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+
+
+def test_reports_come_by_the_door():
+    with pytest.raises(InputError, match="--web"):
+        ServeOptions(out="out")
+
+
+@needs.programs("chromium")
+def test_a_session_can_be_replayed(tmp_path):
+    """The replay's frames are drawn at even times, the browser's when it asked: ages may differ by
+    an interval of frames and a refresh.
+    """
+    with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
+        with Browser(tmp_path / "profile") as browser:
+            browser.open(server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96")
+            browser.until("hmdwarp.session.shown && hmdwarp.session.report.number > 40")
+            browser.until("hmdwarp.session.report.count === 0")
+        folder = Path(server.line("a browser's session").split()[-1])
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    with (folder / "frames.csv").open(encoding="utf-8") as file:
+        session = list(csv.DictReader(file))
+    frames, seconds = summary["link"]["frames"]["shown"], summary["live"]["seconds"]
+    rate, server_rate = len(session) / seconds, frames / seconds
+    width, height = summary["size"]
+    command = [
+        *(sys.executable, "-m", "hmdwarp", "replay", f"{folder}/trace.csv", "--scene", "room", "--against", ""),
+        *("--delay-trace", f"{folder}/delays.csv", "--rate", str(rate), "--server-rate", str(server_rate)),
+        *("--size", f"{width}x{height}", "--metrics-every", "1000", "--workers", "0", "--images", "0", "--quiet"),
+        *("--fill", "none", "--out", str(tmp_path / "replay")),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "replay" / "frames.csv").open(encoding="utf-8") as file:
+        replayed = [float(row["age_ms"]) for row in csv.DictReader(file)]
+    ages = [float(row["age_ms"]) for row in session]
+    assert abs(np.mean(replayed) - np.mean(ages)) <= 1e3 / rate + 1e3 / server_rate

@@ -1,0 +1,145 @@
+"""The page in a headset: WebXR by an emulated one, over a network that delays, stalls and cuts."""
+
+from __future__ import annotations
+
+import tarfile
+
+import needs
+import numpy as np
+import pytest
+from serving import Serving
+from sources.feed.relay import Relay
+
+from .browser import Browser
+from .looks import Own, looks, pictures_of
+
+pytestmark = [needs.programs("chromium"), needs.from_npm("iwer")]
+
+# Turned by up to 17 degrees and moved by up to 0.2 m, at up to 15 deg/s and 0.2 m/s: in the two
+# seconds that a busy machine may take for a frame, much of it stays in view.
+HEADSET = """
+globalThis.headset = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, visibilityMask: null });
+headset.ipd = 0.068;
+headset.installRuntime({ forceInstall: true });
+setInterval(() => {
+  const t = performance.now() / 1000, yaw = 0.15 * Math.sin(0.9 * t), pitch = 0.06 * Math.sin(1.1 * t);
+  headset.position.set(0.2 * Math.sin(0.8 * t), 1.6 + 0.05 * Math.sin(1.3 * t), 0.15 * Math.cos(0.7 * t));
+  headset.quaternion.set(Math.sin(pitch) * Math.cos(yaw), Math.sin(yaw) * Math.cos(pitch),
+    -Math.sin(yaw) * Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch));
+}, 4);
+"""
+TOLD = "document.getElementById('told').textContent"
+
+
+@pytest.fixture(scope="module")
+def runtime() -> str:
+    with tarfile.open(needs.packed("iwer")) as package:
+        return package.extractfile("package/build/iwer.min.js").read().decode() + HEADSET
+
+
+@pytest.fixture
+def worn(runtime, tmp_path):
+    """A function that opens a page and enters VR, in a headset of 2 x 120 x 130 pixels."""
+    opened = []
+
+    def enter(address: str) -> Browser:
+        browser = Browser(tmp_path / "profile").__enter__()
+        opened.append(browser)
+        browser.send("Emulation.setDeviceMetricsOverride", width=240, height=130, deviceScaleFactor=1, mobile=False)
+        browser.send("Page.addScriptToEvaluateOnNewDocument", source=runtime)
+        browser.open(address)
+        browser.until("hmdwarp.session.shown")
+        browser.until("!document.getElementById('enter').hidden")
+        browser.does("document.getElementById('enter').click()")
+        browser.until("hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2")
+        return browser
+
+    yield enter
+    for browser in opened:
+        browser.__exit__()
+
+
+@pytest.fixture
+def serving(tmp_path):
+    (tmp_path / "secret").write_text("a shared secret", encoding="utf-8")
+    with Serving("--scene", "room", "--web", "127.0.0.1:*", "--token-file", str(tmp_path / "secret")) as server:
+        yield server, server.line("for a browser").split()[-1]
+
+
+def through(relay: Relay, address: str) -> str:
+    """Return the page's address by way of a relay."""
+    return f"http://{relay.address}/{address.partition('/?')[1][1:]}{address.partition('/?')[2]}"
+
+
+def port_of(address: str) -> int:
+    return int(address.partition("/?")[0].rpartition(":")[2])
+
+
+def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(serving, worn, gpu):
+    """As tests/web/test_page.py has it for one refresh of a window; bytes by the same bound."""
+    server, address = serving
+    with Relay(port_of(address)) as relay, Own(gpu) as own:
+        relay.delay_s, relay.jitter_s = 0.04, 0.03
+        browser = worn(through(relay, address) + "&raw&latency=100&warp=iterative&size=128")
+        shown = browser.does(looks(60))
+        relay.is_stalled = True  # as a loss stops TCP
+        shown += browser.does(looks(10))
+        relay.is_stalled = False
+        relay.cut()
+        shown += browser.does(looks(30))
+        assert len({look["age"] for look in shown}) > 50 and min(look["age"] for look in shown) >= 100
+        assert len({look["time"] for look in shown}) > 3
+        known = []
+        for look in shown:
+            left, right = (view["pose"]["position"] for view in look["views"])
+            assert abs(np.linalg.norm(np.subtract(left, right)) - 0.068) < 1e-6
+            for eye, picture in enumerate(pictures_of(look)):
+                here = own.warped(look, eye)
+                seen = here.coverage > 0
+                off = np.abs(picture.astype(int) - here.colour).max(axis=-1)
+                assert np.mean(seen & (off > 2)) <= 0.01, look["age"]
+                known.append(seen.mean())
+        assert np.mean(known) > 0.5 and len(known) == 200
+
+
+def says(text: str) -> str:
+    return f"document.getElementById('told').textContent.includes('{text}')"
+
+
+GOES_ON = f"!{TOLD} && hmdwarp.session.shown.number > before"
+
+
+def test_what_stops_it_is_told_in_the_view_and_taken_up_again(serving, worn):
+    server, address = serving
+    with Relay(port_of(address)) as relay:
+        browser = worn(through(relay, address) + "&raw&size=128")
+
+        def goes_on_after(text: str, mend) -> None:
+            browser.until(f"{says(text)} && hmdwarp.chain.told.text.includes('{text}')")
+            mend()
+            browser.does("globalThis.before = hmdwarp.session.shown.number")
+            browser.until(GOES_ON)
+
+        browser.does("headset.updateVisibilityState('visible-blurred')")
+        goes_on_after("something in front", lambda: browser.does("headset.updateVisibilityState('visible')"))
+        relay.is_down = True
+        relay.cut()
+        goes_on_after("not there", lambda: setattr(relay, "is_down", False))
+        browser.does("hmdwarp.session.xr.end()")
+        browser.until(says("VR has ended") + " && hmdwarp.session.shown.eyes.length === 1")
+        browser.does("document.getElementById('enter').click()")
+        browser.until("hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2")
+
+
+@pytest.mark.parametrize("keeps_its_secret", [True, False])
+def test_a_server_started_anew(worn, tmp_path, keeps_its_secret):
+    """With the same secret it knows the browser still; else the page says what to open."""
+    (tmp_path / "secret").write_text("a shared secret", encoding="utf-8")
+    options = ("--token-file", str(tmp_path / "secret")) if keeps_its_secret else ()
+    with Serving("--web", "127.0.0.1:*", *options) as server:
+        address = server.line("for a browser").split()[-1]
+        browser = worn(address + "&raw&size=128")
+    browser.until(says("not there"))
+    browser.does("globalThis.before = hmdwarp.session.shown.number")
+    with Serving("--web", f"127.0.0.1:{port_of(address)}", *options):
+        browser.until(GOES_ON if keeps_its_secret else says("does not know this browser any more"))
