@@ -225,17 +225,6 @@ def second_runs() -> str:
     return f"processor time with --cache: {'; '.join(found)}"
 
 
-def by_library() -> str:
-    """What commands take where the GPU measures, over the libraries that judge it in the tests."""
-    found = []
-    for command, *options in AGAIN:
-        with tempfile.TemporaryDirectory() as out:
-            run = ("-m", "hmdwarp", command, "look-around", *options, "--quiet", "--force", "--out", out)
-            ours, theirs = cpu_of(*run), cpu_of(*run, "--metrics-by", "library")
-        found.append(f"{command} {ours:.1f} s, {ours / theirs:.2f} times")
-    return f"processor time over that with --metrics-by library: {'; '.join(found)}"
-
-
 def starting(rounds: int) -> tuple[str, list[str]]:
     """Medians of what each start of the program costs; and which are too long."""
     how = {"import hmdwarp": ("-c", "import hmdwarp"), "hmdwarp --help": ("-m", "hmdwarp", "--help")}
@@ -248,7 +237,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=15)
     parser.add_argument("--time", type=float, default=3.0, help="seconds into look-around")
-    parser.add_argument("--seconds", type=float, default=5.0, help="of the whole replay; 0 leaves it out")
+    parser.add_argument("--seconds", type=float, default=5.0, help="of the whole replay; 0 leaves commands out")
     parser.add_argument("--sizes", type=int, default=len(RATIO_SIZES), help="leave out the sizes after so many")
     arguments = parser.parse_args()
     cv2.setNumThreads(2)
@@ -270,7 +259,7 @@ def main() -> None:
     ):
         console.print(line)
         missed += rendered
-    for line in (*map(over_memcpy, SIZES), second_runs(), by_library()):
+    for line in (*map(over_memcpy, SIZES), *([second_runs()] if arguments.seconds else [])):
         console.print(line)
     for line in missed:
         console.print(f"missed: {line}")

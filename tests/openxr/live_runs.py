@@ -108,7 +108,7 @@ class Program:
         self.recording = folder / "head.csv"
         size = f"{SMALL[0]}x{SMALL[1]}"
         command = [sys.executable, "-m", "hmdwarp", "live", "--source", "openxr", "--scene", "planes", "--size", size]
-        command += ["--latency", "60", "--fill", "none", "--record", str(self.recording), *options]
+        command += ["--latency", "60", "--fill", "none", "--samples", "1", "--record", str(self.recording), *options]
         self._process = subprocess.Popen(
             command,
             stdin=subprocess.DEVNULL,

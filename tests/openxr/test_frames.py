@@ -37,6 +37,7 @@ def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
     remote_head.put(HEAD)
     remote_head.put_eyes(UNLIKE)
     here, pictures, drawn = Here(monkeypatch), [], []
+    options = quick(scene="room", pictures=3)
 
     def after(number: int) -> None:
         if number < 3:
@@ -44,13 +45,13 @@ def test_each_eye_gets_its_own_view(remote_head, monkeypatch):
         pictures.extend(
             picture_from_linear(download(eye.panel.texture)).astype(int) for eye in here.watched.shown[-1].eyes
         )
-        server = Server(here.watched.gpu, load_scene("room"))
+        server = Server(here.watched.gpu, load_scene("room"), samples=options.samples)
         for (head_from_eye, fov), told in zip(UNLIKE, here.watched.shown[-1].inputs, strict=True):
             view = View(HEAD @ head_from_eye, fov, hidden=told.shown.hidden)
             drawn.append(picture_from_linear(download(server.draw(view, SMALL).colour)).astype(int))
         server.close()
 
-    here.run(quick(scene="room", pictures=3), after)
+    here.run(options, after)
     assert not np.array_equal(drawn[0], drawn[1])
     for picture, wanted in zip(pictures, drawn, strict=True):
         # The runtime's float32 moves edges by 1e-5 pixels: of 11,520 pixels a few may fall on their

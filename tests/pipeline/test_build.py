@@ -82,7 +82,8 @@ def shown_at(made, number: int):
 )
 @pytest.mark.parametrize("warp", ["none", "forward", "iterative"])
 def test_eyes_that_differ_are_drawn_and_shown_each_with_its_own_view(gpu, guard, warp):
-    with pipeline(gpu, UnequalEyes(), **guard, warp=warp, latency_ms=0) as made:
+    # Of one sample: a guard band of parts of a pixel makes other mixtures at edges.
+    with pipeline(gpu, UnequalEyes(), **guard, warp=warp, latency_ms=0, samples=1) as made:
         refresh = shown_at(made, 0)
         for inputs, eye in zip(refresh.inputs, refresh.eyes, strict=True):
             truth = made.server.draw(inputs.shown, SIZE)
