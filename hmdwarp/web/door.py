@@ -199,10 +199,9 @@ class Door:
         log = self._log() if self._log is not None else None
         try:
             async for message in browser:
-                if (report := _report_in(message.data)) is not None:
-                    if log is not None:
-                        await asyncio.to_thread(log.take, report)
-                elif not isinstance(message.data, bytes) or len(message.data) < request_bytes(0):
+                if log is not None and (report := _report_in(message.data)) is not None:
+                    await asyncio.to_thread(log.take, report)
+                elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
                     break
                 else:
                     with suppress(zmq.Again):  # as many wait already; the page asks again
