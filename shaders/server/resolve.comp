@@ -25,7 +25,8 @@ uniform int count;
 
 void main() {
     ivec2 p = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(p, imageSize(resolved)))) return;
+    ivec2 size = imageSize(resolved);
+    if (p.x >= size.x || p.y >= size.y) return;
 #ifdef NUMBER
     uint found = 0u;
     for (int i = 0; i < count; ++i) found = max(found, texelFetch(samples, p, i).r);

@@ -13,7 +13,7 @@ from reference.veil import lay_over
 from worlds import World, read
 
 from hmdwarp.client import ShownPicture
-from hmdwarp.client.effects import effects
+from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.effects.overlay import OverlayPass
 from hmdwarp.client.effects.transparency import NEARER, TransparencyPass
 from hmdwarp.client.warps.iterative import IterativeSettings
@@ -26,6 +26,7 @@ from hmdwarp.sources.server import Server
 
 SIZES = [((64, 48), (64, 48)), ((61, 43), (50, 37)), ((1, 1), (3, 2))]
 UNKNOWN = -1.0
+TOOLS = Tools(carry=None, pictures=0)  # nothing is carried or hidden
 
 
 class Veiled:
@@ -56,7 +57,7 @@ class Veiled:
         picture.inverse_depth.write(np.ascontiguousarray(depth, np.float32).tobytes(), alignment=1)
         veil = Surface(world.rendered.colour, world.rendered.inverse_depth)
         rendered = world.rendered.having(transparent=Transparent(veil, passing))
-        made = TransparencyPass(self.gpu, frozenset({"transparency"}), world.size, world.shown_size, None)
+        made = TransparencyPass(self.gpu, frozenset({"transparency"}), world.size, world.shown_size, TOOLS)
         found = []
         for _ in range(2):
             into = Canvas(gl, world.shown_size)
@@ -135,7 +136,7 @@ def test_the_overlay_lies_over_the_picture_and_fills_holes_where_nothing_passes(
     view = View(Pose(), Fov(-0.5, 0.5, -0.5, 0.5))
     world = World(gpu, 0, (8, 8))
     inputs = attrs.evolve(world.inputs(None), rendered=EyeImage(view, overlay, overlay, {"overlay": overlay}))
-    made = OverlayPass(gpu, frozenset({"overlay"}), (8, 8), size, None)
+    made = OverlayPass(gpu, frozenset({"overlay"}), (8, 8), size, TOOLS)
     made.run(inputs, ShownPicture(picture), into)
     gl.memory_barrier()
     found = read(into.texture)
@@ -168,7 +169,7 @@ def shown(gpu, scene: str, needs: Needs, run) -> tuple[np.ndarray, np.ndarray]:
 )
 def test_a_real_scene_taken_apart_and_put_together_is_the_same(gpu, scene, needs, made_by):
     def run(size, inputs, picture, into):
-        made = made_by(gpu, frozenset({"transparency", "overlay"}), size, size, None)
+        made = made_by(gpu, frozenset({"transparency", "overlay"}), size, size, TOOLS)
         made.run(inputs, picture, into)
         made.close()
 
@@ -188,4 +189,4 @@ def test_each_says_what_is_seen_without_it():
 
 def test_too_large_a_picture_is_refused_as_by_the_warp(gpu):
     with pytest.raises(InputError, match="rendered picture of"):
-        TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), None)
+        TransparencyPass(gpu, frozenset({"transparency"}), (16384, 16384), (8, 8), TOOLS)
