@@ -12,7 +12,19 @@ import numpy as np
 from .virtual_screen import PATIENCE_S, VirtualScreen, until
 
 ROOT = Path(__file__).resolve().parents[2]
-SMALL = ("--size", "96x120", "--scene", "spheres", "--latency", "50", "--warp", "forward", "--no-panel")
+SMALL = (
+    "--size",
+    "96x120",
+    "--scene",
+    "spheres",
+    "--latency",
+    "50",
+    "--warp",
+    "forward",
+    "--no-panel",
+    "--samples",
+    "1",
+)
 
 
 class Live:
