@@ -7,8 +7,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Pose, RigidState
-from hmdwarp.scenes import Background, Scene
-from hmdwarp.scenes.library._models import in_atlas, wall
+from hmdwarp.scenes import Background, Body, Lamp, Pendulum, Scene, Waving
+from hmdwarp.scenes.library._models import box, in_atlas, textures, wall
 
 GREY = (0.6, 0.6, 0.6)
 DARK = Background()
@@ -58,3 +58,28 @@ def cube(albedo=GREY):
     for quad in quads:
         assert quad.normal @ quad.centre < 0
     return quads
+
+
+def moving_room() -> Scene:
+    """A small room in which a lamp, a lit box and a flag move fast, each by itself."""
+    walls = [
+        wall((0, 0, 0), (2, 0, 0), (0, 0, -2), GREY, 1),
+        wall((0, 2.6, 0), (2, 0, 0), (0, 0, 2), GREY),
+        wall((0, 1.3, -2), (2, 0, 0), (0, 1.3, 0), (0.8, 0.7, 0.5)),
+        wall((0, 1.3, 2), (-2, 0, 0), (0, 1.3, 0), GREY),
+        wall((-2, 1.3, 0), (0, 0, -2), (0, 1.3, 0), (0.8, 0.2, 0.1)),
+        wall((2, 1.3, 0), (0, 0, 2), (0, 1.3, 0), (0.1, 0.2, 0.8)),
+    ]
+    meshes = in_atlas([*walls, *box((-0.3, -0.3, -0.2), (0.3, 0.3, 0.2), GREY, 1)], 1.1)
+    meshes = [attrs.evolve(mesh, body=int(number >= len(walls))) for number, mesh in enumerate(meshes)]
+    flag = wall((0.55, 1.9, -1.3), (0.35, 0, 0), (0, 0.3, 0), GREY, 1).mesh("flag")
+    flag = attrs.evolve(
+        flag,
+        deformation=Waving(
+            flag.positions, flag.positions[:, 0] - 0.2, (0, 0.4, 1), height_m=0.5, period_s=0.7, lag=0.2
+        ),
+    )
+    lamp = Lamp(Pendulum((0.2, 2.5, -0.4), 0.6, 0.9, 0.9), (1.6, 1.4, 1.2))
+    swing = Body("box", Pendulum((-0.3, 3.2, -1.0), 1.9, 0.35, 0.8))
+    bounds = ((-1.0, 0.8, -0.2), (1.0, 2.2, 1.2))
+    return Scene("moving", "for tests", [*meshes, flag], textures(), DARK, [swing], walk_bounds_m=bounds, lamps=[lamp])

@@ -210,7 +210,8 @@ def build_plan(
     if fused:
         _refuse_to_fuse(choice.entry, chain, chosen_lens)
     draft = _Draft()
-    passes = _effect_passes(declared, choice.entry, fused, named, forbidden, draft)
+    read = {*choice.entry.reads_for(choice.settings), *(name for each in chain for name in each.entry.reads)}
+    passes = _effect_passes(declared, choice.entry, read, fused, named, forbidden, draft)
     rendered, shown = (
         [planned for planned in passes if issubclass(planned.made_by, RenderedPass) is before]
         for before in (True, False)
@@ -277,6 +278,7 @@ class _Draft:
 def _effect_passes(
     declared: Collection[str],
     warp: type[Warp],
+    read: Collection[str],
     fused: bool,
     named: Collection[str],
     forbidden: Collection[str],
@@ -285,7 +287,7 @@ def _effect_passes(
     """Return the passes for the declared effects; leave out what this warp cannot do."""
     chosen: list[Effect] = []
     for effect in effects:
-        why_not = _why_not(effect, declared, warp, fused, named, forbidden)
+        why_not = _why_not(effect, declared, warp, read, fused, named, forbidden)
         if why_not:
             draft.leave_out(effect.name, why_not)
         else:
@@ -298,6 +300,7 @@ def _why_not(
     effect: Effect,
     declared: Collection[str],
     warp: type[Warp],
+    read: Collection[str],
     fused: bool,
     named: Collection[str],
     forbidden: Collection[str],
@@ -314,7 +317,12 @@ def _why_not(
         return f"it refines {effect.refines}, which is left out: {effect.without}"
     if fused and not issubclass(effect.made_by, RenderedPass):
         return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
-    return _why_not_beside(warp, effect, named)
+    return _why_not_beside(warp, effect, named) or _why_unread(effect, read)
+
+
+def _why_unread(effect: Effect, read: Collection[str]) -> str:
+    unread = issubclass(effect.made_by, RenderedPass) and not {*effect.made_by.writes} & {*read}
+    return f"nothing reads the picture that it would change: {effect.without}" if unread else ""
 
 
 def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) -> str:

@@ -13,6 +13,7 @@ from ..errors import HmdwarpError, InputError, SceneError
 from ..geometry import Pose
 from ..options.named_files import SCENE, opened
 from ._draft import Draft
+from ._gltf_lamps import lit_by
 from ._gltf_scene import GltfContent
 from ._mesh import Body, Texture
 from ._mesh_files import drafts_of, unreadable
@@ -115,17 +116,24 @@ def _scene(
     corners = world_from_file.transform(np.array([low, high]))
     origin = np.round(corners.mean(axis=0))  # whole metres, so that a scene near the origin keeps its own numbers
     meshes = [draft.mesh(world_from_file, origin, bodies) for draft in drafts]
+    lamps = content.lamps() if content is not None else []
+    if lamps:
+        looks = [(draft.look, draft.is_surface and draft.driven is None) for draft in drafts]
+        lit = [is_rigid and not look.unlit and not look.emission.any() for look, is_rigid in looks]
+        meshes, lamps = lit_by(lamps, meshes, lit, textures, origin, notes)
     return Scene(
         _name(path),
         f"{path.name}: {sum(len(mesh.triangles) for mesh in meshes)} triangles",
         meshes,
         textures,
-        SKY,
+        # Lamps are all the light that a file has.
+        Background() if lamps else SKY,
         bodies,
         origin_m=origin,
         viewpoint=Pose(STANDING),
         walk_bounds_m=STANDING + place.reach,
         notes=notes.lines(),
+        lamps=lamps,
     )
 
 

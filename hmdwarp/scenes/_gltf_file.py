@@ -268,6 +268,7 @@ DRACO, INSTANCING, LIGHTS, KTX2, VISIBILITY = (
 READ = {
     DRACO,
     INSTANCING,
+    LIGHTS,
     SPECULAR,
     VISIBILITY,
     "EXT_texture_webp",
@@ -277,8 +278,6 @@ READ = {
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 }
-# What a file may need and still be drawn, with a note of its own.
-NOTED = {LIGHTS}
 _COPY = "gltf-transform copy"
 _TOOLS = {
     DRACO: _COPY,
@@ -293,15 +292,12 @@ _SILENT = {"KHR_xmp", "KHR_xmp_json_ld"}
 def check_extensions(file: GltfFile, notes: Notes) -> None:
     """Note the extensions that are left out. Errors: SceneError for what the file needs in vain."""
     required, used = (_names(file, kind) for kind in ("extensionsRequired", "extensionsUsed"))
-    missing = [name for name in required if name not in READ | NOTED]
+    missing = [name for name in required if name not in READ]
     if DRACO in required and not _has_draco():
         missing.insert(0, DRACO)
     if missing:
         raise file.error("; ".join(_refusal(file, name) for name in missing))
-    lights = ((file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
-    if lights:
-        notes.add(f"{len(lights)} lights ({LIGHTS}) are left out: a plain light from above is used")
-    left = [name for name in used if name not in READ | NOTED | _SILENT and name not in _SPOKEN_OF_ELSEWHERE]
+    left = [name for name in used if name not in READ | _SILENT and name not in _SPOKEN_OF_ELSEWHERE]
     if left:
         notes.add(f"extensions are left out, and the file does not need them: {', '.join(left)}")
 

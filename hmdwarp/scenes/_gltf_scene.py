@@ -13,10 +13,12 @@ from numpy.typing import NDArray
 from ..geometry import Pose
 from ._draft import MOST_TRIANGLES, Draft, Look, normals_of
 from ._gltf_file import VISIBILITY, GltfFile, check_extensions, instances_of, unpack_draco
+from ._gltf_lamps import lamps_in
 from ._gltf_looks import Looks
 from ._gltf_nodes import NodeMotion, Nodes, driven_by_node, is_rigid, skinned
 from ._mesh import Body
 from ._notes import Notes
+from ._scene import Lamp
 from .options import numbered
 
 Array = NDArray[np.float64]
@@ -73,6 +75,10 @@ class GltfContent:
         matrix = self._nodes.at(self.cameras[index][1], 0)[0]
         ahead = -matrix[:3, 2]
         return (*matrix[:3, 3].tolist(), float(np.degrees(np.arctan2(-ahead[0], -ahead[2]))))
+
+    def lamps(self) -> list[Lamp]:
+        """Return the lamps that shine, where the scene is put. Errors: as lamps_in."""
+        return lamps_in(self._file, self._nodes, filter(self._is_visible, self._shown_nodes()))
 
     def move(self, world_from_file: Pose) -> None:
         """Let everything that moves do so where the scene is put."""

@@ -16,7 +16,7 @@ from ._scene import ATLAS, Background
 from .radiosity import OFF_M, Transport, cosine_ways, nearest_known, sky_light
 
 Array = NDArray[np.float64]
-Light = tuple[Array, tuple[float, float, float]]  # place and colour, as lamps_at() returns them
+Light = tuple[Array, tuple[float, float, float]]  # as lamps_at() returns them
 MOST_BOUNCES = 64
 _NUMBERS = 5  # that a path takes to start
 # Of the factors of kernels: parts of a radius, parts of a texel at most, rounds until they balance.
@@ -123,7 +123,8 @@ class PhotonTracer:
         if light is not None and light[0][3]:
             place, colour = light
             ways = _sphere(numbers)
-            powers = np.broadcast_to(4 * np.pi * np.array(colour) / count, ways.shape)
+            fades = np.clip(ways @ place[4:7] + place[7], 0, 1) ** 2
+            powers = fades[:, None] * (4 * np.pi * np.array(colour) / count)
             return np.broadcast_to(place[:3], ways.shape), ways, powers
         if light is not None:
             ways = np.broadcast_to(-light[0][:3] / np.linalg.norm(light[0][:3]), (len(numbers), 3))

@@ -28,11 +28,14 @@ class Lamp:
     colour: linear RGB that a white, matt surface shows which faces it: 1 m away from a point, at
     any distance from a sun. A point shines from its motion's place, a sun from infinitely far along
     the -z of its motion's pose.
+    cone: of a spot, radians about that -z: a point's whole light up to the first, none from the
+    second on.
     """
 
     motion: Motion
     colour: tuple[float, float, float]
     is_sun: bool = False
+    cone: tuple[float, float] | None = None
 
     def place(self, time_ns: int) -> NDArray[np.float64]:
         """Return (x, y, z, 1) of a point in the world, or (x, y, z, 0) towards a sun."""
@@ -40,6 +43,18 @@ class Lamp:
         if self.is_sun:
             return np.append(pose.rotation.apply((0.0, 0.0, 1.0)), 0.0)
         return np.append(pose.position_m, 1.0)
+
+    def fading(self, time_ns: int) -> NDArray[np.float64]:
+        """Return (x, y, z, w): along a unit way d a spot sends clamp(d . xyz + w, 0, 1)^2 of all.
+
+        (0, 0, 0, 1) for what shines all round. Source: Khronos 2018, KHR_lights_punctual.
+        """
+        if self.cone is None:
+            return np.array([0.0, 0.0, 0.0, 1.0])
+        inner, outer = np.cos(self.cone)
+        scale = 1 / max(1e-3, inner - outer)
+        ahead = self.motion.state(time_ns).pose.rotation.apply((0.0, 0.0, -scale))
+        return np.append(ahead, -outer * scale)
 
 
 def problem_with(meshes: Sequence[Mesh], lamps: Sequence[Lamp]) -> str:

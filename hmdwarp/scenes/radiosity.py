@@ -274,7 +274,7 @@ class Transport:
     def direct(self, lamps: Sequence[tuple[Array, tuple[float, float, float]]]) -> Array:
         """Return (n, 3) what lamps give each patch, with shadows, as the mean over LOOKED_AT.
 
-        lamps: (place, colour) of each, relative to the scene's origin, as of Lamp.
+        lamps: as lamps_at() returns them.
         """
         total = np.zeros((len(self.patches), 3))
         for across, up in LOOKED_AT:
@@ -341,9 +341,10 @@ def direct_light(
         square = np.maximum((ways**2).sum(axis=1), 1e-12)
         cosine = np.maximum((ways * normals).sum(axis=1) / np.sqrt(square), 0)
         falls = 1 / np.maximum(square, NEAREST_M**2) if place[3] else np.ones(len(points))
-        seen = cosine > 0
+        fades = np.clip(place[7] - ways @ place[4:7] / np.sqrt(square), 0, 1) ** 2
+        seen = (cosine > 0) & (fades > 0)
         seen[seen] = ~blockers.stop(points[seen], ways[seen], 1.0 if place[3] else np.inf)
-        total += (cosine * falls * seen)[:, None] * np.array(colour)
+        total += (cosine * falls * fades * seen)[:, None] * np.array(colour)
     return total
 
 
@@ -353,14 +354,17 @@ def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
 
 
 def lamps_at(scene: Scene, time_ns: int) -> list[tuple[Array, tuple[float, float, float]]]:
-    """Return place and colour of the scene's lamps at an instant, relative to its origin."""
+    """Return (place and fading, colour) of the scene's lamps at an instant, as Lamp has them.
+
+    Places are relative to the scene's origin.
+    """
     return [(_seen_from(lamp, scene.origin_m, scene.lit_ns(time_ns)), lamp.colour) for lamp in scene.lamps]
 
 
 def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
     place = lamp.place(time_ns)
     place[:3] -= place[3] * origin
-    return place
+    return np.append(place, lamp.fading(time_ns))
 
 
 def blockers_of(scene: Scene, meshes: Sequence[Mesh], time_ns: int = 0) -> Blockers:

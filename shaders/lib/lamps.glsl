@@ -5,6 +5,7 @@ uniform sampler2D blockers;  // a column for each triangle: three rows that take
 uniform int blocker_count;
 uniform int lamp_count;
 uniform vec4 lamp_place[4];  // a point's place in the scene, 1; or the way to a sun, 0
+uniform vec4 lamp_cone[4];   // a spot sends clamp(xyz . d + w, 0, 1)^2 along d; others 0, 0, 0, 1
 uniform vec4 lamp_colour[4]; // what a white surface shows 1 m away, or under the sun
 
 const float OFF_M = 1e-3;     // in front of the surface, so that it is not its own shadow
@@ -29,10 +30,11 @@ vec3 direct_light(vec3 place, vec3 normal) {
         vec3 way = lamp_place[i].xyz - from * lamp_place[i].w;
         float square = max(dot(way, way), 1e-12);
         float cosine = dot(way, normal) * inversesqrt(square);
-        if (cosine <= 0.0) continue;
+        float fades = clamp(lamp_cone[i].w - dot(lamp_cone[i].xyz, way) * inversesqrt(square), 0.0, 1.0);
+        if (cosine <= 0.0 || fades <= 0.0) continue;
         bool is_point = lamp_place[i].w != 0.0;
         if (blocked(vec4(from, 1.0), vec4(way, 0.0), is_point ? 1.0 : 3e38)) continue;
-        total += lamp_colour[i].rgb * (is_point ? cosine / max(square, NEAREST_M2) : cosine);
+        total += fades * fades * lamp_colour[i].rgb * (is_point ? cosine / max(square, NEAREST_M2) : cosine);
     }
     return total;
 }

@@ -85,8 +85,8 @@ def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path
     # it.
     assert 1.4 * 1.3 < -way[2] < 1.4 * 4 and abs(way[0]) < 1e-9 and abs(way[1]) < 1e-9
     speed = -np.diff(track.position_m[:, 2]) / (np.diff(track.time_ns) * 1e-9)
-    # Keys are looked at once a picture, poses are of when it will be seen: on a busy machine the two
-    # drift apart from picture to picture, and come together again.
+    # Keys are looked at once a picture, poses are of when it will be seen: on a busy machine the
+    # two drift apart from picture to picture, and come together again.
     assert np.median(speed[speed > 0]) <= 1.4 * 1.02
     assert grown(before, after) > 1
 

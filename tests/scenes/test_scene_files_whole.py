@@ -111,14 +111,12 @@ def test_instances_without_numbers_that_fit_are_refused(tmp_path):
 
 
 @pytest.mark.parametrize("required", [True, False])
-def test_lights_are_left_out_with_one_note(tmp_path, required):
+def test_lights_that_no_node_has_light_nothing(tmp_path, required):
     glb = needing("KHR_lights_punctual")
     if not required:
         del glb.header["extensionsRequired"]
     glb.header["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point"}, {"type": "spot"}]}}
-    assert glb.load(tmp_path).notes == (
-        "thing.glb: 2 lights (KHR_lights_punctual) are left out: a plain light from above is used",
-    )
+    assert glb.load(tmp_path).notes == glb.load(tmp_path).lamps == ()
 
 
 def test_extensions_that_a_file_can_do_without_are_one_note(tmp_path):

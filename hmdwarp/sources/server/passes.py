@@ -108,18 +108,19 @@ class Lighting:
             self._blockers.write(rows, viewport=(0, 0, 3, len(blocking)))
             self._written = rows
         lamps = lamps_at(self._scene, time_ns)
-        places, colours = np.zeros((MOST_LAMPS, 4), np.float32), np.zeros((MOST_LAMPS, 4), np.float32)
+        places, cones, colours = np.zeros((3, MOST_LAMPS, 4), np.float32)
         for number, (place, colour) in enumerate(lamps):
-            places[number], colours[number, :3] = place, colour
+            places[number], cones[number], colours[number, :3] = place[:4], place[4:], colour
         uniforms.set(
             lamp_place=places.ravel(),
+            lamp_cone=cones.ravel(),
             lamp_colour=colours.ravel(),
             lamp_count=len(lamps),
             blocker_count=len(blocking),
             blockers=BLOCKERS_UNIT,
         )
         self._blockers.use(BLOCKERS_UNIT)
-        return places.tobytes() + rows
+        return places.tobytes() + cones.tobytes() + rows
 
     def close(self) -> None:
         """Free its textures and buffers."""

@@ -19,7 +19,7 @@ from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
-from hmdwarp.experiments.bench import start_bytes, unfit
+from hmdwarp.experiments.bench import client_bytes, decoded_mpx_s, start_bytes, unfit
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, first_cases, render_compare_page
 
@@ -256,6 +256,29 @@ def test_a_scene_that_crosses_counts_packed_and_is_held_unpacked():
     assert start_bytes({"client_models": [held, {**held, **crossed}]}) == 1000 + 60
     assert start_bytes({"client_models": [{**held, **crossed, "first_picture_bytes": None}]}) == 400
     assert start_bytes({}) == 0
+
+
+def test_what_a_strategy_takes_is_counted_from_its_own_figures():
+    """By hand: `multi` reads colour (8 bytes a pixel) and depth (4) of two eyes, of this frame and
+    of two older ones.
+    """
+    sizes, pixels = EyeSizes((96, 60), (96, 60)), 2 * 96 * 60
+    plan = build_plan((), "multi", "none", "none", client_geometry=False)
+    models = [{"geometry_bytes": 7, "texture_bytes": 5}]
+    summary = {"link": {}, "server_rate_hz": 20.0, "rate_hz": 60.0, "client_models": models}
+    assert client_bytes(summary, plan, sizes) == 3 * 12 * pixels + 12
+    assert decoded_mpx_s(summary, plan, sizes) == pytest.approx(2 * pixels * 20e-6)
+    assert decoded_mpx_s({**summary, "link": {"proxy": {}}}, plan, sizes) == pytest.approx(2 * pixels * 60e-6)
+    assert decoded_mpx_s({**summary, "server_rate_hz": None}, plan, sizes) == pytest.approx(2 * pixels * 60e-6)
+
+
+def test_rows_have_the_figures_of_their_runs(data):
+    for row in data["rows"]:
+        link, parts = row["link"], row["link"]["response_ms"]
+        assert row["server_ms"] == parts["render_ms"] + parts["encode_ms"] > parts["encode_ms"] >= 0
+        assert (row["mbit_s"], row["up_mbit_s"]) == (link["mbit_s"], link["up_mbit_s"])
+        assert row["client_ms"] == row["time_ms"]["total"]["median"]
+        assert row["mbit_s"] == pytest.approx(sum(link["layers_mbit_s"].values()))
 
 
 def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):

@@ -50,6 +50,20 @@ def test_the_kinds_share_all_holes_and_the_border_is_that_of_the_metric(seed, x,
     assert kinds.border.mean() == pytest.approx(share, abs=1 / coverage.size)
 
 
+def test_holes_of_the_last_row_and_column_are_told_apart_too():
+    """And a ray that meets the very edge belongs to the border: pixels end there."""
+    depth, frame = np.full(shape(), 0.5), np.full(shape(), 0.5)
+    frame[0], frame[:, -1] = 2.0, 2.0
+    kinds = holes_of(np.zeros(shape()), depth, view(), view(), frame)
+    expected = np.zeros(shape(), bool)
+    expected[0] = expected[:, -1] = True
+    assert (kinds.disoccluded == expected).all() and (kinds.cracks == ~expected).all()
+    left, right, *_ = FOV.tangents
+    moved = view((right - left) / SIZE[0] * 2.5)  # 2.5 pixels of a surface at 2 m are 1.25
+    border = holes_of(np.zeros(shape()), depth, moved, view(), frame).border
+    assert border[:, -1:].all() and not border[:, :-1].any()
+
+
 def test_a_seam_is_the_false_step_between_filled_and_warped():
     truth = np.zeros((4, 6, 3), np.uint8)
     truth[:, 3:] = 100  # a true step, which is no seam

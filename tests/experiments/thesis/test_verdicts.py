@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.experiments.thesis import Finding, Rule, Verdict, settings_text, verdict_of
+from hmdwarp.experiments.thesis.run_kinds import number_of
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])
@@ -76,3 +77,34 @@ def test_settings_say_once_what_neighbours_share():
     assert settings_text(cells, True) == "sideways 0.25, 0.5 m/s (200 ms); rotate 30 deg/s"
     assert settings_text(cells, False) == "sideways 0.25, 0.5 m/s (400, 600 ms)"
     assert settings_text(cells, None) == ""
+
+
+RUNS = [
+    {"a": 2.0, "b": 0.5, "pixels": 100.0},
+    {"a": 6.0, "b": 0.2, "pixels": 400.0},
+    {"a": 5.0, "b": 0.1, "pixels": 900.0},
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "runs", "expected"),
+    [
+        ("only a", RUNS[:1], 2.0),
+        ("only a 4", RUNS[:1], 0.5),
+        ("change a", RUNS, 5.0 - 2.0),
+        ("ratio a", RUNS, 5.0 / 2.0),
+        ("ratio b a", RUNS, 0.1 / 2.0),
+        ("ratio a a 5", RUNS, 5.0 / 2.0 / 5),
+        ("least_growth a", RUNS, 5.0 / 6.0),
+        ("least_step a", RUNS, 5.0 - 6.0),
+        ("closed b a", RUNS, 1 - 0.1 / 5.0),
+        ("growth_exponent a", RUNS[:2], math.log(3) / math.log(4)),
+        ("none", RUNS, None),
+        *((f"{name} c", RUNS, None) for name in ("change", "ratio", "least_growth", "least_step", "growth_exponent")),
+        ("least_growth a", [{"a": 0.5e-4}, {"a": 0.2}], None),  # a few pixels
+        ("closed b a", [{"a": 0.5e-4, "b": 0.0}], None),
+        ("ratio a", [{"a": 0.0}, {"a": 1.0}], None),
+    ],
+)
+def test_numbers_are_those_of_the_figures(text, runs, expected):
+    assert number_of(text, runs) == (None if expected is None else pytest.approx(expected))

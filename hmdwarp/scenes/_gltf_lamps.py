@@ -1,0 +1,248 @@
+"""Lamps of a glTF file, and places in the light atlas for what they light.
+
+Source: Khronos 2018, KHR_lights_punctual.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ._gltf_file import LIGHTS, GltfFile
+from ._gltf_nodes import NodeMotion, Nodes
+from ._mesh import Mesh, Texture
+from ._notes import Notes
+from ._scene import ATLAS, MOST_LAMPS, Lamp
+from .motions import Still
+
+Array = NDArray[np.float64]
+BORDER = 1  # texels around each place, so that light never blends with another's
+TEXEL_M = 0.35  # of the finest light
+# A triangle by itself takes one texel with its border; the light of some scene takes the rays of
+# all patches against all triangles.
+MOST_TRIANGLES = 2 * (ATLAS[0] // 3) * (ATLAS[1] // 3)
+MOST_MEETINGS, MOST_PATCHES = 200_000, 1200
+MEAN_LIGHT = 0.5  # that a white surface shows: a file says no exposure
+SAME = 1e-3  # of two corners, as a share of the side between
+_DIRECTIONAL, _POINT, _SPOT = "directional", "point", "spot"
+
+
+def lamps_in(file: GltfFile, nodes: Nodes, shown: Iterable[int]) -> list[Lamp]:
+    """Return the lamps of these nodes, by candela and lux. Errors: SceneError for a damaged one."""
+    known = ((file.header.get("extensions") or {}).get(LIGHTS) or {}).get("lights", [])
+    found = []
+    for node in shown:
+        said = (file.items("nodes")[node].get("extensions") or {}).get(LIGHTS)
+        if said is None:
+            continue
+        index = said.get("light")
+        if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
+            raise file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
+        found.append(_lamp(file, nodes, node, known[index]))
+    return [lamp for lamp in found if max(lamp.colour) > 0]
+
+
+def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp:
+    kind, spot = said.get("type"), said.get("spot") or {}
+    cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
+    light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
+    sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
+    if kind not in (_DIRECTIONAL, _POINT, _SPOT) or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
+        raise file.error(
+            f"node {node}: light '{said.get('name', kind)}' of type {kind!r}, colour times intensity {light.tolist()}, "
+            f"cone {cone[0]:g} to {cone[1]:g} rad; expected point, spot or directional, finite light of 0 or more, "
+            "inner < outer <= 1.5708"
+        )
+    if abs(np.linalg.det(nodes.at(node, 0)[0][:3, :3])) < 1e-12:
+        raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
+    motion = NodeMotion(nodes, node)
+    placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
+    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None)
+
+
+def lit_by(
+    lamps: Sequence[Lamp],
+    meshes: list[Mesh],
+    lit: Sequence[bool],
+    textures: Sequence[Texture],
+    origin: Array,
+    notes: Notes,
+) -> tuple[list[Mesh], list[Lamp]]:
+    """Return the meshes with places in the light atlas, and the lamps as bright as is shown.
+
+    lit: of each mesh, whether lamps light it. Where they cannot, a note says why, and there are no
+    lamps. origin: of the scene, which meshes are relative to.
+    """
+    placed: list[Mesh] | str = _misfit(meshes, lit, lamps, textures)
+    if not placed:
+        placed = _in_atlas(meshes, lit)
+    if isinstance(placed, str):
+        notes.add(f"its lamps are left out, and a plain light from above is used: {placed}")
+        return meshes, []
+    shown, factor = _exposed(lamps, placed, origin)
+    notes.add(f"its candelas and lux are shown times {factor:.3g}: a white surface they light has {MEAN_LIGHT:g}")
+    return placed, shown
+
+
+def _misfit(meshes: Sequence[Mesh], lit: Sequence[bool], lamps: Sequence[Lamp], textures: Sequence[Texture]) -> str:
+    """Return why lamps cannot light the meshes, with the figure; "" if they can."""
+    triangles = sum(len(mesh.triangles) for mesh, is_one in zip(meshes, lit, strict=True) if is_one)
+    if len(lamps) > MOST_LAMPS:
+        return f"there are {len(lamps)}, expected at most {MOST_LAMPS}"
+    if any(mesh.material.reflectivity for mesh in meshes):
+        return "something mirrors, expected matt surfaces"
+    if any(texture.emission is not None for texture in textures):
+        return "a texture shines, expected none that does"
+    if not 0 < triangles <= MOST_TRIANGLES:
+        return (
+            f"{triangles:,} lit triangles, expected 1 to {MOST_TRIANGLES}: the light atlas has {ATLAS[0]}x{ATLAS[1]} "
+            "texels"
+        )
+    return ""
+
+
+@attrs.frozen(eq=False)
+class _Chart:
+    """A parallelogram of two triangles, or one triangle: what lies together in the atlas."""
+
+    mesh: int
+    # (k, 3) vertices, in which triangles are the same corners as in the file.
+    triangles: NDArray[np.int64]
+    # Of its parallelogram: a corner and the two beside it, and the corner across or -1.
+    corners: tuple[int, int, int, int]
+    sides_m: tuple[float, float]
+
+    def texels(self, texel_m: float) -> tuple[int, int]:
+        wide, high = (max(1, round(side / texel_m)) for side in self.sides_m)
+        return min(wide, ATLAS[0] - 2 * BORDER), min(high, ATLAS[1] - 2 * BORDER)
+
+    def places(self, low: Array, texels: tuple[int, int]) -> dict[int, Array]:
+        """Return the place of each vertex; a triangle's holds the centre of its first texel."""
+        more = 0.0 if self.corners[3] >= 0 else 0.5
+        right, up = np.array([texels[0] + more, 0.0]), np.array([0.0, texels[1] + more])
+        start, right_end, up_end, across = self.corners
+        at = {start: low, right_end: low + right, across: low + right + up, up_end: low + up}
+        return {vertex: place for vertex, place in at.items() if vertex >= 0}
+
+
+def _in_atlas(meshes: Sequence[Mesh], lit: Sequence[bool]) -> list[Mesh] | str:
+    """Return the meshes with places for those that are lit, or why they do not fit.
+
+    Light is as fine as the atlas and the time to solve it allow: TEXEL_M or coarser. A vertex of
+    two places is there twice.
+    """
+    charts = [chart for index, mesh in enumerate(meshes) if lit[index] for chart in _charts(index, mesh)]
+    triangles = sum(len(chart.triangles) for chart in charts)
+    for texel_m in TEXEL_M * 1.25 ** np.arange(40):
+        texels = [chart.texels(texel_m) for chart in charts]
+        patches = sum(wide * high for wide, high in texels)
+        least = patches == len(charts)
+        is_quick = patches <= MOST_PATCHES and patches * triangles <= MOST_MEETINGS
+        if (is_quick or least) and (lows := _packed(texels)) is not None:
+            return [
+                _cut(mesh, charts, lows, texels, index) if lit[index] else mesh for index, mesh in enumerate(meshes)
+            ]
+        if least:
+            break
+    return f"{len(charts):,} flat pieces, which do not fit the light atlas of {ATLAS[0]}x{ATLAS[1]} texels"
+
+
+def _packed(texels: Sequence[tuple[int, int]]) -> list[Array] | None:
+    """Return the lowest corner of each, tallest first in rows; None where they do not fit."""
+    lows: list[Array] = [np.zeros(2)] * len(texels)
+    column = row = tallest = 0
+    for index in sorted(range(len(texels)), key=lambda one: -texels[one][1]):
+        wide, high = (side + 2 * BORDER for side in texels[index])
+        if column + wide > ATLAS[0]:
+            column, row, tallest = 0, row + tallest, 0
+        if row + high > ATLAS[1]:
+            return None
+        lows[index] = np.array([column, row]) + float(BORDER)
+        column, tallest = column + wide, max(tallest, high)
+    return lows
+
+
+def _charts(index: int, mesh: Mesh) -> Iterator[_Chart]:
+    """Yield a mesh's charts: neighbours that make a parallelogram together, then the others."""
+    positions, faces = mesh.positions.astype(np.float64), mesh.triangles.astype(np.int64)
+    one, other = (positions[faces[:, corner]] - positions[faces[:, 0]] for corner in (1, 2))
+    faces = faces[np.linalg.norm(np.cross(one, other), axis=1) > 1e-9]  # without area nothing is lit
+    of_edge: dict[tuple[int, ...], list[int]] = {}
+    for number, face in enumerate(faces):
+        for k in range(3):
+            of_edge.setdefault(tuple(sorted((face[k], face[k - 1]))), []).append(number)
+    free = set(range(len(faces)))
+    for edge, both in of_edge.items():
+        if len(both) == 2 and free >= set(both):
+            first, second = ((set(faces[number].tolist()) - set(edge)).pop() for number in both)
+            across = positions[edge[0]] + positions[edge[1]] - positions[first] - positions[second]
+            long_m = float(np.linalg.norm(positions[edge[0]] - positions[edge[1]]))
+            if first != second and np.linalg.norm(across) <= SAME * long_m:
+                free -= set(both)
+                corners = first, edge[0], edge[1], second
+                yield _Chart(index, faces[both], corners, _sides(positions, corners))
+    for number in sorted(free):
+        a, b, c = map(int, faces[number])
+        corners = a, b, c, -1
+        yield _Chart(index, faces[[number]], corners, _sides(positions, corners))
+
+
+def _sides(positions: Array, corners: Sequence[int]) -> tuple[float, float]:
+    start = positions[corners[0]]
+    return float(np.linalg.norm(positions[corners[1]] - start)), float(np.linalg.norm(positions[corners[2]] - start))
+
+
+def _cut(
+    mesh: Mesh, charts: Sequence[_Chart], lows: Sequence[Array], texels: Sequence[tuple[int, int]], index: int
+) -> Mesh:
+    """Return a mesh whose vertices have places in the atlas: those of each chart by themselves."""
+    vertices: list[int] = []
+    places: list[Array] = []
+    faces: list[Array] = []
+    for chart, low, size in zip(charts, lows, texels, strict=True):
+        if chart.mesh != index:
+            continue
+        at = chart.places(low, size)
+        new = {vertex: len(vertices) + k for k, vertex in enumerate(at)}
+        vertices += at
+        places += at.values()
+        faces += [np.array([new[int(vertex)] for vertex in face]) for face in chart.triangles]
+    kept, albedo = np.array(vertices, int), mesh.albedo if mesh.albedo is not None else mesh.light
+    rows = {name: getattr(mesh, name)[kept] for name in ("positions", "normals", "uv")}
+    triangles, light_uv = np.array(faces, int).reshape(-1, 3), np.array(places).reshape(-1, 2)
+    return attrs.evolve(mesh, **rows, light=albedo[kept], albedo=albedo[kept], triangles=triangles, light_uv=light_uv)
+
+
+def _scaled(colour: tuple[float, float, float], factor: float) -> tuple[float, float, float]:
+    red, green, blue = colour
+    return factor * red, factor * green, factor * blue
+
+
+def _exposed(lamps: Sequence[Lamp], meshes: Sequence[Mesh], origin: Array) -> tuple[list[Lamp], float]:
+    """Return the lamps so scaled that white surfaces show MEAN_LIGHT on average, and the factor.
+
+    Over what stands still and faces a lamp at time 0, whatever lies between.
+    """
+    total, area = 0.0, 0.0
+    for mesh in meshes:
+        if mesh.light_uv is None or mesh.body:
+            continue
+        corners = mesh.positions[mesh.triangles].astype(np.float64) + origin
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        size = np.linalg.norm(across, axis=1)
+        light = np.zeros(len(size))
+        for lamp in lamps:
+            place, fading = lamp.place(0), lamp.fading(0)
+            ways = place[:3] - corners.mean(axis=1) * place[3]
+            far = np.maximum(np.linalg.norm(ways, axis=1), 1e-3)
+            fades = np.clip(fading[3] - ways @ fading[:3] / far, 0, 1) ** 2
+            cosine = np.maximum((ways * across).sum(axis=1) / far / size, 0)
+            light += max(lamp.colour) * fades * cosine / (far**2 if place[3] else 1)
+        total, area = total + float(size @ light), area + float(size[light > 0].sum())
+    factor = MEAN_LIGHT * area / total if total > 0 else 1.0
+    scaled = [attrs.evolve(lamp, colour=_scaled(lamp.colour, factor)) for lamp in lamps]
+    return scaled, factor
