@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._scene import ATLAS, Background
-from .radiosity import OFF_M, Transport, cosine_ways, nearest_known, sky_light
+from .radiosity import OFF_M, Transport, cosine_ways, faded, nearest_known, sky_light
 
 Array = NDArray[np.float64]
 Light = tuple[Array, tuple[float, float, float]]  # as lamps_at() returns them
@@ -123,8 +123,7 @@ class PhotonTracer:
         if light is not None and light[0][3]:
             place, colour = light
             ways = _sphere(numbers)
-            fades = np.clip(ways @ place[4:7] + place[7], 0, 1) ** 2
-            powers = fades[:, None] * (4 * np.pi * np.array(colour) / count)
+            powers = faded(place, ways)[:, None] * (4 * np.pi * np.array(colour) / count)
             return np.broadcast_to(place[:3], ways.shape), ways, powers
         if light is not None:
             ways = np.broadcast_to(-light[0][:3] / np.linalg.norm(light[0][:3]), (len(numbers), 3))

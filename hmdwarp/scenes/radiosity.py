@@ -341,11 +341,21 @@ def direct_light(
         square = np.maximum((ways**2).sum(axis=1), 1e-12)
         cosine = np.maximum((ways * normals).sum(axis=1) / np.sqrt(square), 0)
         falls = 1 / np.maximum(square, NEAREST_M**2) if place[3] else np.ones(len(points))
-        fades = np.clip(place[7] - ways @ place[4:7] / np.sqrt(square), 0, 1) ** 2
+        fades = faded(place, -ways / np.sqrt(square)[:, None])
         seen = (cosine > 0) & (fades > 0)
         seen[seen] = ~blockers.stop(points[seen], ways[seen], 1.0 if place[3] else np.inf)
         total += (cosine * falls * fades * seen)[:, None] * np.array(colour)
     return total
+
+
+def faded(place: Array, ways: Array) -> Array:
+    """Return (n,) the share of a lamp's light along (n, 3) unit ways.
+
+    place: as of lamps_at(); of four numbers alone, it shines all round.
+    """
+    if len(place) == 4:
+        return np.ones(len(ways))
+    return np.asarray(np.clip(ways @ place[4:7] + place[7], 0, 1) ** 2)
 
 
 def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
