@@ -65,7 +65,10 @@ class PoseMessages:
     def channel(self, topic: str, name: str, properties: dict[str, Any]) -> int:
         """Return the number of a new topic of JSON messages, as put() takes it."""
         text = json.dumps({"title": name, **of_object(**properties)}).encode()
-        return self._writer.register_channel(topic, "json", self._writer.register_schema(name, "jsonschema", text))
+        number: int = self._writer.register_channel(
+            topic, "json", self._writer.register_schema(name, "jsonschema", text)
+        )
+        return number
 
     def add(self, time_ns: int, position: dict[str, float], orientation: dict[str, float]) -> None:
         """Add the head. time_ns: 0 or later."""
