@@ -14,6 +14,7 @@ from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
+from .effect_passes.expand import ExpandPass
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
 from .plan import SHOWN_DEPTH, Plan
@@ -129,6 +130,9 @@ class Compensator:
             for fill in plan.fills
         ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides)
+        self._expand = (
+            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.foveated else None
+        )
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
             for planned in plan.effect_passes
@@ -159,6 +163,9 @@ class Compensator:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made = self._eyes[inputs.eye]
         inputs = inputs if self.plan.scanout else inputs.at_once()
+        if self._expand is not None:
+            with self._stage("effects"):
+                inputs = self._expand.run(inputs)
         for taker in self._takers:
             with self._stage("effects"):
                 inputs = taker.take_out(inputs)
@@ -247,7 +254,8 @@ class Compensator:
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
-        for owner in (self._any_lens, self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
+        several = (*self._fills, *self._rendered, *self._shown)
+        for owner in (self._any_lens, self._expand, self._warp, self._depth, *several):
             if owner is not None:
                 owner.close()
         for made in self._eyes:

@@ -19,7 +19,7 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, View
+from ..geometry import Eyes, Guard, GuardBand, View, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link import scaled_size
@@ -121,7 +121,7 @@ class ServerFrames:
         """Draw all eyes for that head."""
         asked, timer = self.requested, self.server.gpu.timer
         with timer.stage("render"):
-            views, (size, guard) = self.eyes.views(head.pose), self._resolution(scale)
+            views, (size, guard) = looking(self.eyes.views(head.pose), head.gaze), self._resolution(scale)
             frame = self.server.draw_frame(
                 views,
                 now_ns,

@@ -21,6 +21,9 @@ UNIT_WITHIN = 1e-2  # a file's quaternion whose length is off by more is no rota
 _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
 
 
+Gaze = tuple[float, float, float]
+
+
 class Origin(enum.IntEnum):
     """How a pose was obtained; vectorised sampling stores the integers."""
 
@@ -41,6 +44,8 @@ class PoseSample:
     # How often the space of a live source's poses has changed, by a recentre for instance. No head
     # moves from one to the next.
     space: int = 0
+    # Unit direction in the head's axes in which the eyes look; None where that is not known.
+    gaze: Gaze | None = None
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
