@@ -363,6 +363,10 @@ class PipelineOptions(Declared):
         for name in ("rim", "gaze"):
             if self.fovea_deg is None and (found := getattr(self, name)) != getattr(fields, name).default:
                 raise InputError(f"--{name} {found}: frames are as sharp everywhere; it is for --fovea")
+        if self.fovea_deg is not None and self.network.send == CHANGES:
+            raise InputError(
+                f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out"
+            )
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()

@@ -24,6 +24,7 @@ from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.codec import Coding
+from hmdwarp.poses import foreseen_gaze, synthesise, write_synthetic
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
@@ -214,6 +215,27 @@ def test_an_unmoved_head_sees_the_sharp_part_bit_for_bit(warp):
     for before, after in zip(sum(whole, []), sum(coarser, []), strict=True):
         sharp = np.s_[81 - y - h : 81 - y, x : x + w]
         assert np.array_equal(before[sharp], after[sharp]) and not np.array_equal(before, after)
+
+
+@pytest.mark.parametrize("how", ["held", "predicted"])
+def test_the_sharp_part_follows_the_gaze_as_late_as_the_head(tmp_path, how):
+    made = synthesise("look-around", seconds=3, gaze=True)
+    with (tmp_path / "looking.csv").open("w", encoding="utf-8") as file:
+        write_synthetic(made, file)
+    options = {"trace": str(tmp_path / "looking.csv"), "latency_ms": 50.0, "seconds": 1.5, "fovea_deg": 20.0}
+    places, apart = [], []
+
+    def look(setup, number, refresh):
+        drawn_ns = refresh.frame.drawn_ns
+        known = foreseen_gaze(setup.track, drawn_ns, 50_000_000 if how == "predicted" else 0)
+        eye = refresh.frame.eyes[1]
+        assert eye.view.gaze == pytest.approx(known, abs=2e-3 if how == "predicted" else 1e-12)
+        assert eye["foveated"].grid == Fovea(20.0).grid(eye.view, eye.size)
+        places.append(eye["foveated"].grid.before)
+        apart.append(known != foreseen_gaze(setup.track, drawn_ns))
+
+    each_refresh(small(**options, gaze=how), look)
+    assert len(set(places)) > 5 and any(apart) == (how == "predicted")
 
 
 @pytest.mark.parametrize("codec", ["none", "h264"])

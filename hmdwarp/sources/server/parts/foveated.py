@@ -15,7 +15,7 @@ _KINDS = {"foveated": COLOUR, "foveated_depth": SCALAR}
 
 @parts.register
 class Foveated(Part):
-    """Made when the picture is complete, of colour and of inverse depth as far as each is needed."""
+    """Made when the picture is complete, of colour and of inverse depth where each is needed."""
 
     name = "foveated"
     order = 195
