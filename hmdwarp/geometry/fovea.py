@@ -112,7 +112,8 @@ class FoveaGrid:
     def uniforms(self) -> dict[str, object]:
         """The uniforms of shaders/lib/fovea.glsl."""
         x, y, w, h = self.sharp
-        return {"picture_size": self.size, "sharp_from": (x, y), "sharp": (w, h), "rim": self.rim}
+        named = {"picture_size": self.size, "small_size": self.small, "before": self.before, "rim": self.rim}
+        return {**named, "sharp_from": (x, y), "sharp": (w, h), "of_rim": 1 / self.rim}
 
     def numbers(self) -> NDArray[np.float64]:
         """Return the grid as a row of numbers."""

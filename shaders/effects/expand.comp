@@ -21,26 +21,24 @@ void main() {
     vec4 held = imageLoad(foveated, own);
     // From the holder's centre, in half pixels; 0 in the sharp rectangle.
     ivec2 away = 2 * (p - first_of(own)) + 1 - count_of(own);
-    ivec2 other = clamp(own + sign(away), ivec2(0), small_size() - 1);
+    ivec2 other = clamp(own + sign(away), ivec2(0), small_size - 1);
     vec2 part = vec2(abs(away)) / vec2(count_of(own) + count_of(other)); // of the way between both centres
     part = vec2(other.x == own.x ? 0.0 : part.x, other.y == own.y ? 0.0 : part.y);
-    vec4 sum = vec4(0.0);
-    float weights = 0.0;
-    for (int k = 0; k < 4; ++k) {
-        bvec2 takes = bvec2((k & 1) != 0, (k & 2) != 0);
-        vec4 there = imageLoad(foveated, ivec2(takes.x ? other.x : own.x, takes.y ? other.y : own.y));
-        float weight = (takes.x ? part.x : 1.0 - part.x) * (takes.y ? part.y : 1.0 - part.y);
+    vec4 there[4] = vec4[4](
+        held,
+        imageLoad(foveated, ivec2(other.x, own.y)),
+        imageLoad(foveated, ivec2(own.x, other.y)),
+        imageLoad(foveated, other)
+    );
+    vec2 rest = 1.0 - part;
+    vec4 weight = vec4(rest.x * rest.y, part.x * rest.y, rest.x * part.y, part.x * part.y);
 #if DEPTH
-        weight = there.r >= 0.0 && one_surface(there.r, held.r) ? weight : 0.0;
+    for (int k = 1; k < 4; ++k) weight[k] = there[k].r >= 0.0 && one_surface(there[k].r, held.r) ? weight[k] : 0.0;
+    bool is_hole = held.r < 0.0;
 #else
-        weight = there.a > 0.0 ? weight : 0.0;
+    for (int k = 1; k < 4; ++k) weight[k] = there[k].a > 0.0 ? weight[k] : 0.0;
+    bool is_hole = held.a <= 0.0;
 #endif
-        sum += weight * there;
-        weights += weight;
-    }
-#if DEPTH
-    imageStore(picture, p, held.r < 0.0 || part == vec2(0.0) ? held : sum / weights);
-#else
-    imageStore(picture, p, held.a <= 0.0 || part == vec2(0.0) ? held : sum / weights);
-#endif
+    vec4 sum = weight.x * there[0] + weight.y * there[1] + weight.z * there[2] + weight.w * there[3];
+    imageStore(picture, p, is_hole || weight.x == 1.0 ? held : sum / dot(weight, vec4(1.0)));
 }

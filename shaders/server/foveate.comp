@@ -15,8 +15,8 @@ layout(rgba16f) writeonly uniform image2D foveated;
 #endif
 
 void main() {
-    ivec2 own = ivec2(gl_GlobalInvocationID.xy), size = small_size();
-    if (own.x >= size.x || own.y >= size.y) return;
+    ivec2 own = ivec2(gl_GlobalInvocationID.xy);
+    if (own.x >= small_size.x || own.y >= small_size.y) return;
     ivec2 first = first_of(own), end = first + count_of(own);
 #if DEPTH
     float nearest = -1.0, sum = 0.0, count = 0.0;
