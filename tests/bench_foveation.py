@@ -116,8 +116,8 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=15)
-    parser.add_argument("--side", type=int, default=360, help="pixels of a picture's side")
-    parser.add_argument("--seconds", type=float, default=2.0)
+    parser.add_argument("--side", type=int, default=240, help="pixels of a picture's side")
+    parser.add_argument("--seconds", type=float, default=1.0)
     parser.add_argument("--scale", type=float, default=0.4, help="of the headset's own size, for the price")
     arguments = parser.parse_args()
     with Gpu() as gpu:

@@ -254,8 +254,9 @@ class Compensator:
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
-        several = (*self._fills, *self._rendered, *self._shown)
-        for owner in (self._any_lens, self._expand, self._warp, self._depth, *several):
+        if self._expand is not None:
+            self._expand.close()
+        for owner in (self._any_lens, self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
             if owner is not None:
                 owner.close()
         for made in self._eyes:

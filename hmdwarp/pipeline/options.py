@@ -295,7 +295,7 @@ class PipelineOptions(Declared):
     rim: int = option(
         4,
         "Pixels on each axis that one holds beyond --fovea.",
-        valid=Number(least=2, most=geometry.MOST_RIM),
+        valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
         heading=RENDERING,
     )
     gaze: str = option(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import moderngl
 
@@ -45,7 +47,9 @@ class ExpandPass(RenderedPass):
     def _expanded(self, image: EyeImage, number: int) -> EyeImage:
         """Return the image with its whole picture; the same object where it came whole."""
         found = {layer: image[layer] for layer in self._programs if layer in image}
-        pictures = {_PICTURES[layer][0]: self._expand(layer, one, number) for layer, one in found.items()}
+        pictures: dict[str, Any] = {
+            _PICTURES[layer][0]: self._expand(layer, one, number) for layer, one in found.items()
+        }
         if not found:
             return image
         self.gpu.barrier()
