@@ -109,7 +109,11 @@ class Compensator:
             lens = plan.lens(gpu, headset, shown_size)
         self._lens, self._any_lens = None if plan.fused else lens, lens
         output = Output(
-            lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice, hides
+            lens if plan.fused else None,
+            plan.scanout,
+            plan.makes_shown_depth and not plan.warps_twice,
+            hides,
+            bool(plan.foveated) and not plan.expands,
         )
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
@@ -131,7 +135,7 @@ class Compensator:
         ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides)
         self._expand = (
-            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.foveated else None
+            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
         )
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)

@@ -114,6 +114,11 @@ class Plan:
         return reduce(or_, (*of_fills, *of_effects, self.lit, self.foveated), self.warp_needs)
 
     @property
+    def expands(self) -> bool:
+        """Whether foveated pictures are expanded; else the warp samples them where they lie."""
+        return any(step.name == ExpandPass.name for step in self.steps)
+
+    @property
     def draws_scene(self) -> bool:
         """Whether the client draws something of the scene itself: its own, or points that came."""
         read = {name for step in self.steps for name in step.reads}
@@ -249,7 +254,7 @@ def build_plan(
         draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
         draft.leave_out("lens", f"lens 'none': {chosen_lens.summary}")
-    foveated = _plan_foveated(fovea, draft)
+    foveated = _plan_foveated(fovea, choice, samples_grid=not passes, draft=draft)
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
     compensated = effects.ordered(effect.name for planned in passes for effect in planned.effects)
     return Plan(
@@ -360,8 +365,12 @@ def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Cho
             )
 
 
-def _plan_foveated(fovea: Fovea | None, draft: _Draft) -> Needs:
-    """Let the pictures that steps read come foveated, and be expanded before all of them."""
+def _plan_foveated(fovea: Fovea | None, choice: Choice[Warp], *, samples_grid: bool, draft: _Draft) -> Needs:
+    """Let the pictures that steps read come foveated, and be expanded before all of them.
+
+    samples_grid: whether nothing warps other pictures along. A warp that alone reads the colour
+    then samples it where it lies, if it can.
+    """
     read = {name for step in draft.steps for name in step.reads}
     found = [name for name, picture in EXPANDED.items() if picture in read]
     if fovea is None or not found:
@@ -369,6 +378,20 @@ def _plan_foveated(fovea: Fovea | None, draft: _Draft) -> Needs:
             draft.leave_out(ExpandPass.name, "nothing reads the picture that would come foveated")
         return Needs()
     writes = tuple(EXPANDED[name] for name in found)
+    (warp,) = (number for number, step in enumerate(draft.steps) if step.stage == "warp")
+    readers = [step for step in draft.steps if {*writes} & {*step.reads}]
+    plain = getattr(choice.settings, "resample", "bilinear") == "bilinear"
+    if (
+        samples_grid
+        and plain
+        and choice.entry.samples_grid
+        and readers == [draft.steps[warp]]
+        and found == ["foveated"]
+    ):
+        reads = tuple(readable("foveated") if name in writes else name for name in readers[0].reads)
+        told = f"{readers[0].reason}; samples frames that come coarser away from where the eye looks ({fovea})"
+        draft.steps[warp] = attrs.evolve(readers[0], reads=reads, reason=told)
+        return Needs(foveated=fovea)
     reason = f"asked for: frames come coarser away from where the eye looks ({fovea})"
     draft.steps.insert(0, Step("effects", ExpandPass.name, reason, tuple(map(readable, found)), writes))
     return Needs(**dict.fromkeys(found, fovea))

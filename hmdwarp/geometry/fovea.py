@@ -49,7 +49,8 @@ class Fovea:
         across = 2 * math.tan(math.radians(self.degrees) / 2)
         # 1e-6: a field of view with a guard band is as dense but for its last bits.
         sharp = (round(across * drawn[0] / (right - left) - 1e-6), round(across * drawn[1] / (up - down) - 1e-6))
-        return max(size[0] - sharp[0], 0) // self.rim, max(size[1] - sharp[1], 0) // self.rim
+        columns, rows = (max(side - max(least, 1), 0) // self.rim for side, least in zip(size, sharp, strict=True))
+        return columns, rows
 
     def small(self, fov: Fov, drawn: Size, size: Size) -> Size:
         """Return (w, h) of what is sent. fov, drawn, size: as of coarse."""
@@ -118,6 +119,11 @@ class FoveaGrid:
     def numbers(self) -> NDArray[np.float64]:
         """Return the grid as a row of numbers."""
         return np.array([[*self.size, self.rim, *self.before, *self.after]], np.float64)
+
+    @classmethod
+    def whole(cls, size: Size) -> FoveaGrid:
+        """Return the grid of a picture that is sharp everywhere."""
+        return cls(size, 2, (0, 0), (0, 0))
 
     @classmethod
     def of_numbers(cls, numbers: NDArray[np.float64], small: Size) -> FoveaGrid:

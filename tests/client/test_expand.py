@@ -12,16 +12,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reference import foveated as twin
 from replays import each_refresh, run, small
+from scipy.spatial.transform import Rotation
 from worlds import pixels
 
-from hmdwarp.client import PassInputs, build_plan
+from hmdwarp.client import PassInputs, build_plan, parse_warp
 from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import Tools
+from hmdwarp.client.warps import Output
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers.foveated import FoveatedPicture
-from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View
-from hmdwarp.gpu import COLOUR, SCALAR, allocate, download
+from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View, WarpMap
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.codec import Coding
 from hmdwarp.poses import foreseen_gaze, synthesise, write_synthetic
@@ -177,6 +179,41 @@ def test_a_grid_that_does_not_fit_is_refused(numbers):
         FoveaGrid.of_numbers(np.array(numbers, float), (2, 2))
 
 
+# --- sampled where it lies ----------------------------------------------------------------------
+
+
+@on_grids
+def test_a_turned_head_samples_between_the_same_centres(gpu, grid, seed):
+    """As its place among the centres of columns and rows says; bit for bit at the sharp ones."""
+    colour, depth = picture(seed, grid.size, holes=0.0)
+    texture, into = allocate(gpu.gl, grid.small, COLOUR), Canvas(gpu.gl, grid.size)
+    small_colour = sent_and_expanded(gpu, colour, depth, grid)[0]
+    texture.write(np.ascontiguousarray(small_colour, np.float16), alignment=1)
+    warp = parse_warp("rotation").entry(gpu, grid.size, grid.size, None, Output(foveated=True))
+    rendered = EyeImage(View(Pose(), FOV), texture, texture, {"foveated": FoveatedPicture(texture, grid)})
+    for degrees in (0.0, 3.0):
+        turned = View(Pose((0, 0, 0), Rotation.from_euler("yxz", [degrees] * 3, degrees=True).as_quat()), FOV)
+        warp.run(PassInputs(rendered, turned), into)
+        found = pixels(into.texture)
+        to_rendered = WarpMap.between(turned, grid.size, rendered.view, grid.size)
+        centres = np.stack(np.meshgrid(*(np.arange(side) + 0.5 for side in grid.size)), axis=-1)
+        place = to_rendered.apply(centres, np.zeros(centres.shape[:2]))[0]
+        covered = ((place >= 0) & (place < grid.size)).all(axis=-1)
+        expected = twin.sampled(small_colour, grid, place)
+        # The map's error in float32, 3e-7 of a picture's side, over a change of at most 2 from pixel
+        # to pixel, on each axis; beside the border either may be.
+        sure = np.abs(np.minimum(place, np.array(grid.size) - place)).min(axis=-1) > 1e-4
+        assert (found[sure][:, 3] == covered[sure]).all()
+        both = sure & covered
+        assert np.allclose(found[both], expected[both], rtol=HALF, atol=2 * 2 * 3e-7 * max(grid.size) + 2.0**-24)
+        x, y, w, h = grid.sharp
+        sharp = np.s_[y : y + h, x : x + w]
+        assert degrees or np.array_equal(found[sharp], colour[sharp])
+    warp.close()
+    into.release()
+    texture.release()
+
+
 # --- frames and runs ----------------------------------------------------------------------------
 
 
@@ -252,11 +289,14 @@ def test_frames_weigh_and_are_coded_as_the_smaller_picture(tmp_path, codec):
 
 def test_a_warp_that_reads_no_depth_gets_none_and_one_without_pictures_nothing(gpu):
     known = {"client_geometry": True, "fovea": FOVEA}
-    assert build_plan((), "rotation", "none", "none", **known).layers == ("rendered.foveated",)
+    for warp, expands in (("rotation", False), ("rotation:resample=catmull-rom", True)):
+        plan = build_plan((), warp, "none", "none", **known)
+        assert plan.layers == ("rendered.foveated",) and plan.expands == expands
+    assert build_plan((), "rotation", "pyramid", "none", **known).expands, "the fill reads depth"
     model = build_plan((), "model", "none", "none", **known)
     assert not model.foveated and ("expand", "nothing reads the picture that would come foveated") in model.left_out
     with pytest.raises(PlanError, match="expand needs layer 'foveated' from the server"):
-        build_plan((), "rotation", "none", "none", brings=("rendered.colour",), **known)
+        build_plan((), "planar", "none", "none", brings=("rendered.colour",), **known)
 
 
 def test_nothing_is_paid_where_all_is_sharp():

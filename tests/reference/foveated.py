@@ -90,6 +90,20 @@ def expanded_depth(depth: Array, grid: FoveaGrid) -> Array:
     return np.where(own >= 0, mixed, own)
 
 
+def sampled(picture: Array, grid: FoveaGrid, place: Array) -> Array:
+    """(h, w, 4) at places (.., 2) in pixels of the whole picture: linear between centres."""
+    found = []
+    for axis, held in enumerate(counts(grid)):
+        edges = np.concatenate([[0], np.cumsum(held)])
+        found.append(np.interp(place[..., axis], (edges[:-1] + edges[1:]) / 2, np.arange(len(held))))
+    low = [np.floor(each).astype(int) for each in found]
+    high = [np.minimum(each + 1, len(held) - 1) for each, held in zip(low, counts(grid), strict=True)]
+    across, up = ((each - first)[..., None] for each, first in zip(found, low, strict=True))
+    below = (1 - across) * picture[low[1], low[0]] + across * picture[low[1], high[0]]
+    above = (1 - across) * picture[high[1], low[0]] + across * picture[high[1], high[0]]
+    return (1 - up) * below + up * above
+
+
 def within(values: Array, grid: FoveaGrid, covered: NDArray[np.bool_]) -> tuple[Array, Array]:
     """The least and the most, (h, w, ..), of the covered pixels that a pixel is made of.
 

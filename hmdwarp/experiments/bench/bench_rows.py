@@ -180,7 +180,7 @@ def passes_of(
     if plan.fills:
         moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
     effects: list[type[EffectPass]] = [
-        *([ExpandPass] if plan.foveated else []),
+        *([ExpandPass] if plan.expands else []),
         *(each.made_by for each in plan.effect_passes),
     ]
     if effects:
