@@ -200,7 +200,7 @@ def test_a_turned_head_samples_between_the_same_centres(gpu, grid, seed):
         place = to_rendered.apply(centres, np.zeros(centres.shape[:2]))[0]
         covered = ((place >= 0) & (place < grid.size)).all(axis=-1)
         expected = twin.sampled(small_colour, grid, place)
-        # The map's error in float32, 3e-7 of a picture's side, over a change of at most 2 from pixel
+        # The map is off by 3e-7 of a side in float32, over a change of at most 2 from pixel
         # to pixel, on each axis; beside the border either may be.
         sure = np.abs(np.minimum(place, np.array(grid.size) - place)).min(axis=-1) > 1e-4
         assert (found[sure][:, 3] == covered[sure]).all()
