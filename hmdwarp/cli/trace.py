@@ -116,6 +116,7 @@ class SynthOptions(Declared):
         None, "How far these go before they come back (m, by default 0.8), and rotate (degrees, 180).", kind=float
     )
     rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
+    gaze: bool = option(False, "With where the eyes look: fixations, pursuits, and leaps between them.")
 
 
 @app.command()
@@ -137,6 +138,7 @@ def synth(said: Said) -> None:
         options.rate_hz,
         speed=options.speed,
         amplitude=options.amplitude,
+        gaze=options.gaze,
     )
     write_stream(options.out, lambda stream: poses.write_synthetic(track, stream))
     samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"
@@ -169,6 +171,7 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
         "clock": f"{loaded.time_unit}, starting at {loaded.track.epoch_ns / 1e9:.9g} s" if loaded.time_unit else "",
         "gaps": gaps,
         "jumps": str(figures.jumps or "none"),
+        "gaze": str(figures.gaze or "none"),
     }
     for name, value in rows.items():
         table.add_row(name, Text(value))

@@ -14,6 +14,7 @@ from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
+from .effect_passes.expand import ExpandPass
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
 from .plan import SHOWN_DEPTH, Plan
@@ -108,7 +109,11 @@ class Compensator:
             lens = plan.lens(gpu, headset, shown_size)
         self._lens, self._any_lens = None if plan.fused else lens, lens
         output = Output(
-            lens if plan.fused else None, plan.scanout, plan.makes_shown_depth and not plan.warps_twice, hides
+            lens if plan.fused else None,
+            plan.scanout,
+            plan.makes_shown_depth and not plan.warps_twice,
+            hides,
+            bool(plan.foveated) and not plan.expands,
         )
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
@@ -129,6 +134,9 @@ class Compensator:
             for fill in plan.fills
         ]
         tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides)
+        self._expand = (
+            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
+        )
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
             for planned in plan.effect_passes
@@ -159,6 +167,9 @@ class Compensator:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made = self._eyes[inputs.eye]
         inputs = inputs if self.plan.scanout else inputs.at_once()
+        if self._expand is not None:
+            with self._stage("effects"):
+                inputs = self._expand.run(inputs)
         for taker in self._takers:
             with self._stage("effects"):
                 inputs = taker.take_out(inputs)
@@ -247,6 +258,8 @@ class Compensator:
 
     def close(self) -> None:
         """Free every texture and buffer of the plan."""
+        if self._expand is not None:
+            self._expand.close()
         for owner in (self._any_lens, self._warp, self._depth, *self._fills, *self._rendered, *self._shown):
             if owner is not None:
                 owner.close()

@@ -13,8 +13,10 @@ import attrs
 
 from ..errors import InputError, PlanError
 from ..frames import Needs
-from ..frames.layers import PICTURE, layers, readable_names
+from ..frames.layers import PICTURE, layers, readable, readable_names
+from ..geometry import Fovea
 from ..options import Choice
+from .effect_passes.expand import EXPANDED, ExpandPass
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
@@ -86,6 +88,8 @@ class Plan:
     hands_depth_on: bool = False
     # The layers that say how the server lights the pictures.
     lit: Needs = Needs()
+    # The layers that come in place of pictures, coarser away from where the eye looks.
+    foveated: Needs = Needs()
 
     @property
     def warp(self) -> type[Warp]:
@@ -107,7 +111,12 @@ class Plan:
         """Layers that frames must carry for this plan besides colour and inverse depth."""
         of_fills = (fill.entry.needs(fill.settings) for fill in self.fills)
         of_effects = (effect.needs for effect in self.effect_passes)
-        return reduce(or_, (*of_fills, *of_effects, self.lit), self.warp_needs)
+        return reduce(or_, (*of_fills, *of_effects, self.lit, self.foveated), self.warp_needs)
+
+    @property
+    def expands(self) -> bool:
+        """Whether foveated pictures are expanded; else the warp samples them where they lie."""
+        return any(step.name == ExpandPass.name for step in self.steps)
 
     @property
     def draws_scene(self) -> bool:
@@ -147,7 +156,7 @@ class Plan:
     @property
     def layers(self) -> tuple[str, ...]:
         """The layers that the passes read, by readable name, in the order they are first read."""
-        known = readable_names()
+        known = {*readable_names()} - {EXPANDED[name] for name in self.foveated}
         return tuple(dict.fromkeys(name for step in self.steps for name in step.reads if name in known))
 
 
@@ -183,6 +192,7 @@ def build_plan(
     distorts: str = "",
     takes_depth: str = "",
     indirect: str = CONVERGED,
+    fovea: Fovea | None = None,
 ) -> Plan:
     """Return the plan for the named passes.
 
@@ -196,7 +206,7 @@ def build_plan(
     though the scene lacks them, and not declared though it has them; used only in the stated
     reasons. distorts, takes_depth: names of the display parts that correct the lens after this
     plan, and that read the shown picture's depth; "" for none. indirect: as parse_indirect
-    takes it.
+    takes it. fovea: pictures come coarser away from where the eye looks; None for whole ones.
 
     Errors: UnknownNameError for an unregistered name; PlanError for a pass that reads a layer which
     no pass before it writes, and for passes that cannot be fused; InputError for a setting that the
@@ -244,6 +254,7 @@ def build_plan(
         draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
         draft.leave_out("lens", f"lens 'none': {chosen_lens.summary}")
+    foveated = _plan_foveated(fovea, choice, samples_grid=not passes, draft=draft)
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
     compensated = effects.ordered(effect.name for planned in passes for effect in planned.effects)
     return Plan(
@@ -258,6 +269,7 @@ def build_plan(
         tuple(draft.left_out),
         bool(takes_depth),
         Needs(voxels=parse_indirect(indirect)),
+        foveated,
     )
 
 
@@ -351,6 +363,38 @@ def _refuse_colour_in_light(passes: Sequence[PlannedEffect], chain: Sequence[Cho
                 f"--effects {each.effects[0].name} takes the light of what deforms out of colours, and with {light[0]} "
                 "pictures have none: leave one of them out"
             )
+
+
+def _plan_foveated(fovea: Fovea | None, choice: Choice[Warp], *, samples_grid: bool, draft: _Draft) -> Needs:
+    """Let the pictures that steps read come foveated, and be expanded before all of them.
+
+    samples_grid: whether nothing warps other pictures along. A warp that alone reads the colour
+    then samples it where it lies, if it can.
+    """
+    read = {name for step in draft.steps for name in step.reads}
+    found = [name for name, picture in EXPANDED.items() if picture in read]
+    if fovea is None or not found:
+        if fovea is not None:
+            draft.leave_out(ExpandPass.name, "nothing reads the picture that would come foveated")
+        return Needs()
+    writes = tuple(EXPANDED[name] for name in found)
+    (warp,) = (number for number, step in enumerate(draft.steps) if step.stage == "warp")
+    readers = [step for step in draft.steps if {*writes} & {*step.reads}]
+    plain = getattr(choice.settings, "resample", "bilinear") == "bilinear"
+    if (
+        samples_grid
+        and plain
+        and choice.entry.samples_grid
+        and readers == [draft.steps[warp]]
+        and found == ["foveated"]
+    ):
+        reads = tuple(readable("foveated") if name in writes else name for name in readers[0].reads)
+        told = f"{readers[0].reason}; samples frames that come coarser away from where the eye looks ({fovea})"
+        draft.steps[warp] = attrs.evolve(readers[0], reads=reads, reason=told)
+        return Needs(foveated=fovea)
+    reason = f"asked for: frames come coarser away from where the eye looks ({fovea})"
+    draft.steps.insert(0, Step("effects", ExpandPass.name, reason, tuple(map(readable, found)), writes))
+    return Needs(**dict.fromkeys(found, fovea))
 
 
 def _why(planned: PlannedEffect, forced: Collection[str]) -> str:

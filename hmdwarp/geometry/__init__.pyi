@@ -7,6 +7,10 @@ from .depth import DepthLayer as DepthLayer
 from .depth import inverse_depth_from_clip as inverse_depth_from_clip
 from .depth import inverse_depth_from_metres as inverse_depth_from_metres
 from .depth import metres_from_inverse_depth as metres_from_inverse_depth
+from .fovea import Fovea as Fovea
+from .fovea import FoveaGrid as FoveaGrid
+from .fovea import gaze_tangent as gaze_tangent
+from .fovea import looking as looking
 from .parallel import ParallelEyes as ParallelEyes
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState

@@ -313,6 +313,8 @@ class View:
     head_from_eye: Pose = attrs.field(factory=Pose)
     # what is neither drawn nor shown, None for nothing
     hidden: Hidden | None = None
+    # unit direction in the head's axes in which the eye looks, None where it is not known
+    gaze: tuple[float, float, float] | None = None
 
     def within(self, fov: Fov) -> View:
         """Return the view with a guard band, or without: its hidden area goes along."""

@@ -74,6 +74,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
     return "wide" if chosen == "none" else f"wide+{chosen}"
 
 
+HELD_GAZE, PREDICTED_GAZE = "held", "predicted"
 # Headings of options in help.
 AUTOMATIC, RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
 RECORDED = SequenceOptions.heading
@@ -280,6 +281,30 @@ class PipelineOptions(Declared):
         heading=RENDERING,
     )
     rendered_size: tuple[int, int] | None = rendered_size_field(RENDERING)
+    # None for frames that are as sharp everywhere.
+    fovea_deg: float | None = option(
+        None,
+        "Degrees across that frames have sharp where the eye looks, or straight ahead if the trace has no gaze; beyond "
+        "them they are coarser. By default all is sharp.",
+        kind=float,
+        unit="deg",
+        name="fovea",
+        valid=Number(above=True, most=179),
+        heading=RENDERING,
+    )
+    rim: int = option(
+        4,
+        "Pixels on each axis that one holds beyond --fovea.",
+        valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
+        heading=RENDERING,
+    )
+    gaze: str = option(
+        HELD_GAZE,
+        "Where --fovea is: at the gaze that the server knows when it draws, or at the one predicted for display.",
+        valid=one_of(HELD_GAZE, PREDICTED_GAZE),
+        limits=f"{HELD_GAZE} or {PREDICTED_GAZE}",
+        heading=RENDERING,
+    )
     fused: bool = option(
         False, "Warp and apply the lens in one resample; for gather warps, without fill.", heading=DISPLAYED
     )
@@ -334,6 +359,14 @@ class PipelineOptions(Declared):
                 raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
         if self.sample_depth != CENTRE and self.samples == 1:
             raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; leave --samples 1 out")
+        fields = attrs.fields(type(self))
+        for name in ("rim", "gaze"):
+            if self.fovea_deg is None and (found := getattr(self, name)) != getattr(fields, name).default:
+                raise InputError(f"--{name} {found}: frames are as sharp everywhere; it is for --fovea")
+        if self.fovea_deg is not None and self.network.send == CHANGES:
+            raise InputError(
+                f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out"
+            )
         self._check_strategy()
         if self.proxy.on:
             self._check_proxy()
@@ -360,6 +393,11 @@ class PipelineOptions(Declared):
         if "lens" in said and said["lens"] is None:
             values["lens"] = _own_lens(values.get("headset", attrs.fields(cls).headset.default))
         return values
+
+    @property
+    def fovea(self) -> geometry.Fovea | None:
+        """What frames have sharp, None for all of them."""
+        return None if self.fovea_deg is None else geometry.Fovea(self.fovea_deg, self.rim)
 
     @property
     def scene_key(self) -> SceneKey:
@@ -411,6 +449,11 @@ class PipelineOptions(Declared):
             )
         if self.light_note:
             found.append(self.light_note)
+        if self.fovea is not None:
+            found.append(
+                f"Frames are coarser away from the gaze that is {self.gaze} when they are drawn: {self.fovea}; it is "
+                "straight ahead where the head's motion has no gaze."
+            )
         if self.network.response is not None:
             found.append(
                 f"{told} the network's alone: rendering, encoding, queue, size over bandwidth and decoding come on top "

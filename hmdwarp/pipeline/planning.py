@@ -102,6 +102,7 @@ def _plan_of_all(
             distorts=distorts,
             takes_depth=takes_depth,
             indirect=options.indirect,
+            fovea=options.fovea,
         )
     except PlanError as error:
         if not kind.limits:
@@ -164,5 +165,6 @@ def plan_against(options: PipelineOptions, warp: str, fill: str) -> Plan:
     Errors: as build_plan.
     """
     kind = options.source_kind
-    light = CONVERGED if kind is PROXY else options.indirect
-    return build_plan((), warp, fill, "none", client_geometry=kind.has_geometry, brings=kind.layers, indirect=light)
+    light, fovea = (CONVERGED, None) if kind is PROXY else (options.indirect, options.fovea)
+    known: dict[str, Any] = {"client_geometry": kind.has_geometry, "brings": kind.layers, "indirect": light}
+    return build_plan((), warp, fill, "none", fovea=fovea, **known)

@@ -211,6 +211,7 @@ def _beside(trace: LoadedTrace, sequence: Sequence) -> LoadedTrace:
         axes=track.axes,
         epoch_ns=track.epoch_ns + track.start_ns,
         max_gap_ns=track.max_gap_ns,
+        gaze=None if track.gaze is None else track.gaze[kept],
     )
     return attrs.evolve(trace, track=moved)
 

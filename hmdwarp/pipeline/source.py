@@ -19,14 +19,14 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, View
+from ..geometry import Eyes, Guard, GuardBand, View, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link import scaled_size
 from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
-from ..poses.track import Moment
+from ..poses.track import Gaze, Moment
 from ..scenes import EXTRAPOLATED, FORESEEN, KNOWS, ArrivedState, Scene, as_arrived, load_scene, moves
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled
@@ -56,13 +56,18 @@ class PoseRequest:
     age_ns: int = 0
     # What is read of the eyes' pictures, by readable name; none are drawn where it is empty.
     pictures: frozenset[str] = frozenset(PICTURE)
+    # Where the eyes look as the server knows it at an instant, or will so long after it; None where
+    # frames are as sharp everywhere.
+    gaze: Callable[[int, int], Gaze | None] | None = None
 
     def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
         """Return the pose for a frame drawn now: the current or the predicted one.
 
         later_ns: how much later than a frame of this request it is seen.
         """
-        return self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, self.age_ns + later_ns)
+        ahead_ns = self.age_ns + later_ns
+        head = self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, ahead_ns)
+        return head if self.gaze is None else attrs.evolve(head, gaze=self.gaze(now_ns, ahead_ns))
 
     def for_display(self, shown_ns: int) -> PoseSample:
         """Return the head pose at the instant when the picture is seen."""
@@ -121,7 +126,7 @@ class ServerFrames:
         """Draw all eyes for that head."""
         asked, timer = self.requested, self.server.gpu.timer
         with timer.stage("render"):
-            views, (size, guard) = self.eyes.views(head.pose), self._resolution(scale)
+            views, (size, guard) = looking(self.eyes.views(head.pose), head.gaze), self._resolution(scale)
             frame = self.server.draw_frame(
                 views,
                 now_ns,

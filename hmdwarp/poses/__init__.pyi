@@ -1,4 +1,7 @@
 from .assumptions import Defect as Defect
+from .gaze import foreseen_gaze as foreseen_gaze
+from .gaze import gaze_facts as gaze_facts
+from .gaze import gaze_of as gaze_of
 from .glides import Glide as Glide
 from .load import load_trace as load_trace
 from .load import trace_path as trace_path

@@ -99,6 +99,8 @@ class Layout:
     euler: Euler | None = None
     nanoseconds: int | None = None  # column of whole nanoseconds in addition to one of whole seconds
     position: tuple[int, int, int] | None = None  # columns of x y z
+    # columns of x y z of a direction in the head's axes, or of x y z w of one's turn in the world
+    gaze: tuple[int, ...] = ()
     columns_by: By = By.FILE
     order_by: By = By.FILE  # of the numbers of an orientation
     unit: str | None = None  # a key of `times.UNITS_NS`, or None to guess

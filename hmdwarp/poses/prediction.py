@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from . import quaternions
 from .assumptions import assumption_rows
+from .gaze import GazeFacts, gaze_facts
 from .predictors import Predictor, predictors
 from .reading.cleaning import LoadedTrace
 from .track import Origin, PoseSample, PoseTrack
@@ -147,6 +148,7 @@ class Analysis:
     angular_speed_deg_s: tuple[float, ...]  # at SPEED_PERCENTILES
     linear_speed_m_s: tuple[float, ...]  # at SPEED_PERCENTILES
     errors: list[ErrorRow]  # one row per latency
+    gaze: GazeFacts | None = None  # None for a track without
 
 
 def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> Analysis:
@@ -167,6 +169,7 @@ def analyse(track: PoseTrack, latencies_ms: tuple[int, ...] = LATENCIES_MS) -> A
         angular_speed_deg_s=_percentiles(np.degrees(angular), SPEED_PERCENTILES),
         linear_speed_m_s=_percentiles(linear, SPEED_PERCENTILES),
         errors=[error_row(motion, latency) for latency in latencies_ms],
+        gaze=gaze_facts(track),
     )
 
 
@@ -244,6 +247,7 @@ def trace_as_json(loaded: LoadedTrace, figures: Analysis) -> dict[str, Any]:
         "clock_starts_s": loaded.track.epoch_ns / 1e9,
         "gaps": [{"start_s": gap.start_ns / 1e9, "length_s": gap.length_ns / 1e9} for gap in figures.gaps],
         "jumps": figures.jumps,
+        "gaze": None if figures.gaze is None else attrs.asdict(figures.gaze),
         "angular_speed_deg_s": _by_name(figures.angular_speed_deg_s, SPEED_PERCENTILES),
         "linear_speed_m_s": _by_name(figures.linear_speed_m_s, SPEED_PERCENTILES),
         "errors_deg": [

@@ -16,9 +16,15 @@ from ..geometry import Pose
 from . import quaternions
 
 _MS = 1_000_000
+# An eye that turns faster leaps: pursuit is slower (Meyer, Lasker and Robinson 1985, The upper
+# limit of human smooth pursuit velocity).
+SACCADE_DEG_S = 100.0
 SHORTEST_GAP_NS = 100 * _MS
 UNIT_WITHIN = 1e-2  # a file's quaternion whose length is off by more is no rotation
 _UNIT_AS_IS = 1e-15  # |q|^2 off by less than this is rounding: such quaternions stay bit for bit unchanged
+
+
+Gaze = tuple[float, float, float]
 
 
 class Origin(enum.IntEnum):
@@ -41,6 +47,8 @@ class PoseSample:
     # How often the space of a live source's poses has changed, by a recentre for instance. No head
     # moves from one to the next.
     space: int = 0
+    # Unit direction in the head's axes in which the eyes look; None where that is not known.
+    gaze: Gaze | None = None
 
 
 def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
@@ -104,6 +112,8 @@ class PoseTrack:
     max_gap_ns: int = attrs.field(default=attrs.Factory(lambda self: gap_limit_ns(self.time_ns), takes_self=True))
     # indices i with a teleport between samples i and i + 1
     jumps: tuple[int, ...] = attrs.field(default=(), converter=_jumps)
+    # (n, 3) unit directions in the head's axes in which the eyes look, NaN where that is not known
+    gaze: NDArray[np.float64] | None = attrs.field(default=None, converter=attrs.converters.optional(_floats))
     # (n - 1,) whether a gap or jump follows each sample
     broken: NDArray[np.bool_] = attrs.field(init=False, repr=False)
 
@@ -113,8 +123,10 @@ class PoseTrack:
         broken = np.diff(self.time_ns) > self.max_gap_ns
         broken[list(self.jumps)] = True
         object.__setattr__(self, "broken", broken)
-        for array in (self.time_ns, self.position_m, self.orientation_xyzw, self.broken):
-            array.flags.writeable = False
+        object.__setattr__(self, "gaze", _unit_gaze(self.gaze, len(self)))
+        for array in (self.time_ns, self.position_m, self.orientation_xyzw, self.broken, self.gaze):
+            if array is not None:
+                array.flags.writeable = False
 
     def _check(self) -> None:
         n = len(self.time_ns)
@@ -179,9 +191,33 @@ class PoseTrack:
 
         On a sample: MEASURED. Between two: INTERPOLATED. Before the first, after the last and
         within a gap or jump (unless across_gaps): HELD at the nearest end or at the last sample
-        before.
+        before. Its gaze is that of gaze_at.
         """
-        time_ns = operator.index(time_ns)
+        sample = self._at(operator.index(time_ns), across_gaps)
+        return sample if self.gaze is None else attrs.evolve(sample, gaze=self.gaze_at(time_ns))
+
+    def gaze_at(self, time_ns: int) -> Gaze | None:
+        """Return where the eyes look: linear between two samples, else the last known.
+
+        Held where the eyes leap or blink and within a gap or jump; None before the first known.
+        """
+        i = self.index_at(time_ns)
+        if self.gaze is None or i < 0:
+            return None
+        a, *b = self.gaze[i : i + 2]
+        if b and not self.broken[i] and np.isfinite(a + b[0]).all():
+            step = int(self.time_ns[i + 1] - self.time_ns[i])
+            if np.degrees(np.arccos(min(1.0, float(a @ b[0])))) <= SACCADE_DEG_S * step * 1e-9:
+                a = a + (time_ns - int(self.time_ns[i])) / step * (b[0] - a)
+        while not np.isfinite(a).all():
+            if not i:
+                return None
+            i -= 1
+            a = self.gaze[i]
+        x, y, z = (a / np.linalg.norm(a)).tolist()
+        return x, y, z
+
+    def _at(self, time_ns: int, across_gaps: bool) -> PoseSample:
         i = self.index_at(time_ns)
         if i < 0:
             return PoseSample(time_ns, self.pose(0), Origin.HELD)
@@ -237,9 +273,38 @@ class PoseTrack:
         )
 
     def evolve(self, **changes: Any) -> PoseTrack:
-        """Return a copy with changes; the gap limit follows new times unless passed too."""
-        fields = ("time_ns", "position_m", "orientation_xyzw", "name", "origin", "axes", "notes", "epoch_ns", "jumps")
+        """Return a copy with changes; the gap limit follows new times unless passed too.
+
+        Other samples have no gaze unless it is passed too.
+        """
+        if len(changes.get("time_ns", self.time_ns)) != len(self):
+            changes = {"gaze": None, **changes}
+        fields = (
+            "gaze",
+            "time_ns",
+            "position_m",
+            "orientation_xyzw",
+            "name",
+            "origin",
+            "axes",
+            "notes",
+            "epoch_ns",
+            "jumps",
+        )
         return PoseTrack(**{f: getattr(self, f) for f in fields} | changes)
+
+
+def _unit_gaze(gaze: NDArray[np.float64] | None, n: int) -> NDArray[np.float64] | None:
+    if gaze is None:
+        return None
+    if gaze.shape != (n, 3):
+        raise TraceError(f"{n} instants with gaze of shape {gaze.shape}: expected ({n}, 3)")
+    squared = np.einsum("ij,ij->i", gaze, gaze)
+    with np.errstate(invalid="ignore"):  # of length 0
+        found = np.where((np.abs(squared - 1) > _UNIT_AS_IS)[:, None], gaze / np.sqrt(squared)[:, None], gaze)
+    if not np.isfinite(found[np.isfinite(gaze).any(axis=1)]).all():
+        raise TraceError("a gaze that is no direction: expected three finite numbers, or NaN where it is not known")
+    return np.asarray(found)
 
 
 def _unit_and_continuous(q: NDArray[np.float64]) -> NDArray[np.float64]:

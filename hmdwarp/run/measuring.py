@@ -10,12 +10,14 @@ from ..client.compensator import Compensator, EyeResult
 from ..colour import picture_from_linear
 from ..frames import EyeImage
 from ..frames.layers import PICTURE
+from ..geometry import looking
 from ..gpu.textures import download
 from ..metrics import Compared, QualityJob, QualityPool, psnr_db
 from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
+from .near_gaze import NearGaze
 from .profile import COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
@@ -55,7 +57,7 @@ class Probe:
         # Of an eye whose frames were not sent, by refresh: the share of its pixels that the warp
         # left empty, and its PSNR where what it should see was recorded.
         self.second_eye: dict[str, dict[int, float]] = {"hole_share": {}, "psnr_db": {}}
-
+        self.near_gaze = NearGaze()
         if setup.options.scanout_ms:
             setup.notes.append(_about_scanout(setup))
 
@@ -104,6 +106,9 @@ class Probe:
                 for which, against in enumerate(self._against, 1)
             ]
             if job is not None:
+                if refresh.head.gaze is not None or self._setup.options.fovea is not None:
+                    (shown,) = looking([result.view], refresh.head.gaze)
+                    self.near_gaze.add(job.now, shown, rendered.view)
                 if self.viewer is not None:
                     self.viewer.add_pictures(eye, refresh, job)
                 compared = zip(self._setup.options.compared, others, strict=True)

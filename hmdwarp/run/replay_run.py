@@ -86,6 +86,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
         misses: list[list[Row]] = []
+        more |= probe.near_gaze.entry()
         if late is not None:
             more["miss"] = late.entry()
             setup.notes.append(about_misses(more["miss"]))

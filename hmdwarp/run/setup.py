@@ -21,14 +21,14 @@ from ..headsets import Headset
 from ..link import CHANGES
 from ..pipeline.build import Pipeline, build_pipeline
 from ..pipeline.frame_coder import Reads
-from ..pipeline.options import PipelineOptions
+from ..pipeline.options import PREDICTED_GAZE, PipelineOptions
 from ..pipeline.planning import plans_for
 from ..pipeline.recorded_renderer import MomentOf
 from ..pipeline.sizes import expected_age_ns, guarded_size, latency_ns, refreshes_of
 from ..pipeline.source import FirstRequest, PoseRequest, Source, Target
-from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, jumps_between
+from ..poses import LoadedTrace, PoseSample, PoseSource, PoseTrack, foreseen_gaze, gaze_of, jumps_between
 from ..poses.prediction import predict
-from ..poses.track import Moment
+from ..poses.track import Gaze, Moment
 from .options import RunOptions
 
 _DAY_S = 86_400.0
@@ -174,11 +174,15 @@ def pose_request(
     def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
         return predict(known(now_ns), now_ns, now_ns + ahead_ns, options.predict, options.horizon_ns)
 
+    def gaze(now_ns: int, ahead_ns: int) -> Gaze | None:
+        return foreseen_gaze(known(now_ns), now_ns, ahead_ns if options.gaze == PREDICTED_GAZE else 0)
+
     predicts = predicted if options.predict != "none" else None
     # What has moved since a frame was sent is known from its picture.
     pictures |= frozenset(PICTURE if options.network.send == CHANGES else ())
     scanout_ns = round(options.scanout_ms * 1e6)
-    return PoseRequest(source, predicts, size, options.guard_band, needs, scanout_ns, age_ns, pictures)
+    looks = gaze if options.fovea is not None else None
+    return PoseRequest(source, predicts, size, options.guard_band, needs, scanout_ns, age_ns, pictures, looks)
 
 
 class RecentPoses:
@@ -218,6 +222,7 @@ class RecentPoses:
             position_m=np.array([pose.pose.position_m for pose in kept]),
             orientation_xyzw=np.array([pose.pose.orientation_xyzw for pose in kept]),
             jumps=jumps_between(kept),
+            gaze=gaze_of(kept),
         )
 
     def close(self) -> None:

@@ -55,9 +55,31 @@ vec4 sampled(vec2 p) {
     return catmull_rom(p, ivec2(rendered_extent));
 }
 #else
+#ifdef FOVEATED
+#include "lib/fovea.glsl"
+
+// Columns or rows of the rim over a distance from the centre of the outermost sharp pixel: the first
+// step is from there to the rim's first centre.
+vec2 rim_steps(vec2 away) {
+    float first = 0.5 * float(rim) + 0.5;
+    return min(away, first) / first + max(away - first, 0.0) * of_rim;
+}
+
+// Where a place lies in the coarser picture: linear between the centres of its pixels.
+vec2 grid_place(vec2 p) {
+    vec2 low = vec2(sharp_from) + 0.5, high = vec2(sharp_from + sharp) - 0.5;
+    vec2 inside = vec2(before) + clamp(p, low, high) - vec2(sharp_from);
+    return inside + rim_steps(max(p - high, 0.0)) - rim_steps(max(low - p, 0.0));
+}
+
+vec4 sampled(vec2 p) {
+    return bilinear(grid_place(p));
+}
+#else
 vec4 sampled(vec2 p) {
     return bilinear(p);
 }
+#endif
 #endif
 
 bool in_rendered(vec2 p) {

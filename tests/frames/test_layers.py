@@ -10,12 +10,13 @@ import typing
 import attrs
 import pytest
 
+from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import effects
 from hmdwarp.client.fills import fills
 from hmdwarp.client.warps import warps
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.frames import EyeImage, EyeSizes, Mirrored, Needs, Others, Surface, frame_bytes
-from hmdwarp.frames.layers import OWN, PIXEL_BYTES, RENDERED, SHOWN, layers
+from hmdwarp.frames.layers import OWN, PIXEL_BYTES, RENDERED, SHOWN, Layer, layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
@@ -66,12 +67,12 @@ def test_a_layer_says_what_it_is(name):
     sizes = EyeSizes((7, 5), (4, 3), (FOV,))
     expected = {RENDERED: sizes.rendered, SHOWN: sizes.shown, OWN: layer.size(sizes)}
     assert layer.size(sizes) == expected[layer.size_class]
-    assert (layer.size_class == OWN) == ("size" in vars(layer))
+    assert (layer.size_class == OWN) == (layer.size.__func__ is not Layer.size.__func__)
 
 
 def test_every_layer_is_read_by_some_pass():
     """By default, or with one of a warp's settings that is a word; but for what lights pictures."""
-    readers = [*warps, *fills, *(effect.made_by for effect in effects)]
+    readers = [*warps, *fills, *(effect.made_by for effect in effects), ExpandPass]
     read = {name for reader in readers for name in reader.reads}
     for warp in warps:
         for field in attrs.fields(warp.Settings):

@@ -18,6 +18,7 @@ from together import together
 from worlds import every_choice
 
 from hmdwarp.client import Carry, ShownDepth, every_fill, parse_fills, parse_warp
+from hmdwarp.client.effect_passes.expand import EXPANDED, ExpandPass
 from hmdwarp.client.effects import Tools, effects
 from hmdwarp.client.lens import GPU_DEFINES, SOFTWARE_DEFINES, LensPass, lenses
 from hmdwarp.client.warps import Output, warps
@@ -173,6 +174,8 @@ def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
 
 def _compile_effects(gpu: Gpu, tools: Tools) -> None:
     """Every pass with each set of the effects it may do."""
+    warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(foveated=True)).close()
+    ExpandPass(gpu, frozenset(EXPANDED), (9, 7), (8, 6), tools).close()
     for made_by in {effect.made_by for effect in effects}:
         names = [effect.name for effect in effects if effect.made_by is made_by]
         for count in range(1, len(names) + 1):

@@ -84,6 +84,7 @@ def test_info_for_programs_has_the_same_figures_and_no_nan(tmp_path):
             "clock_starts_s",
             "gaps",
             "jumps",
+            "gaze",
             "angular_speed_deg_s",
             "linear_speed_m_s",
             "errors_deg",

@@ -13,7 +13,8 @@ import moderngl
 import numpy as np
 
 from ...frames import EyeImage
-from ...geometry import View, WarpMap
+from ...frames.layers.foveated import FoveatedPicture
+from ...geometry import FoveaGrid, View, WarpMap
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
@@ -68,6 +69,8 @@ class GatherWarp(Warp):
             defines |= {"CATMULL_ROM": 1, **({"TEXELS": 1} if self.gpu.is_software else {})}
         if self.output.depth:
             defines |= {"WRITES_DEPTH": 1}
+        if self.output.foveated:
+            defines |= {"FOVEATED": 1, "TEXELS": 1}  # a sampler is not exact at centres
         return self.gpu.shaders.compute(
             path,
             OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl",
@@ -90,6 +93,9 @@ class GatherWarp(Warp):
             program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
         bind_texels(program, self.picture(inputs))
+        if self.output.foveated:
+            found = inputs.rendered.get("foveated")
+            program.uniforms.set(**(FoveaGrid.whole(inputs.rendered.size) if found is None else found.grid).uniforms)
         if self.output.lens is not None:
             program.uniforms.set(
                 panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
@@ -107,7 +113,8 @@ class GatherWarp(Warp):
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:
         """Return the texture that the shader samples."""
-        return inputs.rendered.colour
+        found: FoveatedPicture | None = inputs.rendered.get("foveated") if self.output.foveated else None
+        return inputs.rendered.colour if found is None else found.texture
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:
         """Bind that texture to the sampler."""
@@ -184,6 +191,7 @@ class HomographyWarp(GatherWarp):
     """A gather through a 3x3 matrix that does not depend on depth."""
 
     reads = ("rendered.colour",)
+    samples_grid = True
 
     @property
     def clamps(self) -> bool:

@@ -37,6 +37,8 @@ class Output:
     depth: bool = False
     # Whether lenses hide a part of the views.
     hides: bool = False
+    # Whether the warp samples a foveated picture through its grid; see Warp.samples_grid.
+    foveated: bool = False
 
     @property
     def hiding(self) -> dict[str, object]:
@@ -69,6 +71,8 @@ class Warp(ABC):
     fuses: ClassVar[bool] = False  # Whether it can write the panel in one resample.
     scans_out: ClassVar[bool] = False  # Whether it can give every row a view of its own.
     resamples: ClassVar[bool] = False  # Whether its result is a resample even for an unmoved head.
+    # Whether it can sample a foveated picture where it lies, without one that is expanded first.
+    samples_grid: ClassVar[bool] = False
     # Whether it scatters, sorts or shares between pixels. Without, each shown pixel looks something
     # up by itself, which clients without compute shaders can do too.
     needs_compute: ClassVar[bool] = True

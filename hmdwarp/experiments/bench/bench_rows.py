@@ -14,6 +14,8 @@ import numpy as np
 
 from ...client.capability import lacking
 from ...client.classes import Client
+from ...client.effect_passes.expand import ExpandPass
+from ...client.effects import EffectPass
 from ...client.plan import Plan
 from ...frames.layers import PIXEL_BYTES
 from ...metrics import (
@@ -177,8 +179,12 @@ def passes_of(
     moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)
     if plan.fills:
         moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
-    if plan.effect_passes:
-        moved["effects"] = sum(each.made_by.bytes_moved(rendered_pixels, shown_pixels) for each in plan.effect_passes)
+    effects: list[type[EffectPass]] = [
+        *([ExpandPass] if plan.expands else []),
+        *(each.made_by for each in plan.effect_passes),
+    ]
+    if effects:
+        moved["effects"] = sum(each.bytes_moved(rendered_pixels, shown_pixels) for each in effects)
     if plan.lens.is_pass and not plan.fused:
         moved["lens"] = plan.lens.bytes_moved(shown_pixels)
     passes = []

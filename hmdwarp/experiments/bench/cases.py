@@ -16,6 +16,7 @@ from ...client.variants import CONVERGED, every_baseline, every_warp, fill_text,
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
 from ...frames.layers import PICTURE, layers
+from ...geometry import Fovea
 from ...headsets import Headset
 from ...link import LinkOptions
 from ...options import guard_band
@@ -193,6 +194,7 @@ def plan_of(
     check_suited(scene, parse_warp(warp), indirect)
     recorded = options.frames is not None
     more: dict[str, Any] = {"brings": (*PICTURE, OTHERS) if recorded else None, "named": effects.forced(wanted)}
+    more["fovea"] = None if options.fovea_deg is None else Fovea(options.fovea_deg, options.rim)
     return build_plan(selected, warp, fill, lens, client_geometry=not recorded, fused=fused, indirect=indirect, **more)
 
 
@@ -201,7 +203,19 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
 
     Its first refresh does not depend on the latency, so that all latencies have the same head.
     """
-    same = ("effects", "start_s", "rendered_size", "predict", "horizon_ms", "metrics_by", "out", "command")
+    same = (
+        "effects",
+        "fovea_deg",
+        "rim",
+        "gaze",
+        "start_s",
+        "rendered_size",
+        "predict",
+        "horizon_ms",
+        "metrics_by",
+        "out",
+        "command",
+    )
     known: dict[str, Any] = options.of_run(*same) | {
         "trace": case.recording,
         "scene": case.scene,

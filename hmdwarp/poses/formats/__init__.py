@@ -187,10 +187,11 @@ def named_layout(head: Head, options: TraceOptions, **known: Any) -> Layout:
         "scale_by": By.FILE if found.length_m else By.NOBODY,
         "gravity_down": _mean_of(head, found.gravity),
     }
+    gaze = tuple(column for name in known.pop("gaze", ()) if (column := head.column(name)) is not None)
     turn = _turn(head, found, options, known)
     facts |= _direction([head.names[c] for c in turn["orientation"]])
     caveats = (*known.pop("caveats", ()), *turn.pop("caveats", ()))
-    return Layout(**(facts | turn | known), caveats=caveats)
+    return Layout(**(facts | turn | known), gaze=gaze if len(gaze) > 2 else (), caveats=caveats)
 
 
 def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, Any]) -> dict[str, Any]:
@@ -288,6 +289,7 @@ def _columns_read(head: Head, layout: Layout, device: str) -> str:
         "device": (layout.device,),
         "position": layout.position or (),
         "orientation": layout.orientation,
+        "gaze": layout.gaze,
     }
     words = {
         part: ", ".join(names[c] if c < len(names) else str(c + 1) for c in columns if c is not None)
@@ -371,6 +373,7 @@ def write_rows(
     stamp: Callable[[int], str],
     order: str,
     decimals: tuple[int, int] | None = None,
+    gaze: bool = False,
 ) -> None:
     """Write time, position and quaternion of every sample.
 
@@ -378,6 +381,7 @@ def write_rows(
     order: xyzw or wxyz.
     decimals: of positions and quaternions; None writes the shortest text that reads back as the
     same number.
+    gaze: where the eyes look, too, if the track has it; 0 0 0 where it is not known.
     """
     offset = clock_offset_ns(track)
     columns = ["xyzw".index(c) for c in order]
@@ -387,10 +391,13 @@ def write_rows(
             return separator.join(map(repr, numbers))
         return row % tuple(numbers)
 
-    row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * 4) if decimals is not None else ""
+    more = 0 if track.gaze is None or not gaze else 3
+    row = separator.join([f"%.{decimals[0]}f"] * 3 + [f"%.{decimals[1]}f"] * (4 + more)) if decimals is not None else ""
     for a in range(0, len(track), _BLOCK):
         part = slice(a, a + _BLOCK)
         position, orientation = track.position_m[part], track.orientation_xyzw[part][:, columns]
+        if track.gaze is not None and gaze:
+            orientation = np.hstack([orientation, np.nan_to_num(track.gaze[part])])
         if decimals is not None:  # + 0.0 turns a rounded -0.0 into 0.0
             position, orientation = np.round(position, decimals[0]) + 0.0, np.round(orientation, decimals[1]) + 0.0
         texts = [form(p + q) for p, q in zip(position.tolist(), orientation.tolist(), strict=True)]

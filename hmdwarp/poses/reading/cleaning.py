@@ -40,6 +40,7 @@ _LEAST_STEPS = 10
 _MEDIAN_NORM = 0.1
 _ZERO_NORM = 1e-6
 _LARGEST_NORM = 2.0
+_WIDEST_GAZE = 0.5  # cosine: eyes turn by 55 degrees at most (Guitton and Volle 1987)
 _SEGMENTS_LISTED = 1000  # a jittering clock can run backwards a million times
 
 
@@ -119,6 +120,7 @@ class Cleaner:
         self.join_pairs()
         self.normalise()
         self.turn_and_scale()
+        self.find_gaze()
         self.join_hemispheres()
         self.report_repeats()
         self.report_gaps()
@@ -135,6 +137,7 @@ class Cleaner:
             notes=[str(d) for d in self.defects],
             epoch_ns=self.epoch_ns,
             jumps=jumps,
+            gaze=self.rows.gaze,
         )
         wrap = (Assumption(WRAP, self.wrap, By.NOBODY),) if self.wrap else ()
         return LoadedTrace(
@@ -458,6 +461,28 @@ class Cleaner:
             self._note("no-position", "the file has no positions (rotation only)", "the head stays at (0, 0, 0)")
         elif scale != 1:
             self.rows.position *= scale
+
+    def find_gaze(self) -> None:
+        """Make the gaze a direction in the head's axes, NaN where the tracker had none."""
+        found = self.rows.gaze
+        if found is None:
+            return
+        length = np.linalg.norm(found, axis=1, keepdims=True)
+        if found.shape[1] == 4:
+            # Where the eyes are lost, trackers write no turn at all.
+            lost = (length[:, 0] < WORST_NORM) | ~found[:, :3].any(axis=1)
+            turns = np.where(lost[:, None], (0.0, 0.0, 0.0, 1.0), found / np.maximum(length, _ZERO_NORM))
+            self.judged.axes.apply(None, turns)
+            world = quaternions.rotate(turns, np.array([[0.0, 0.0, -1.0]]))
+            gaze = quaternions.rotate(self.rows.orientation * (-1, -1, -1, 1), world)
+        else:
+            lost, gaze = length[:, 0] < WORST_NORM, found @ self.judged.axes.head.T
+        lost |= gaze[:, 2] > -_WIDEST_GAZE
+        if lost.any():
+            what = f"the gaze is not known in {counted(int(lost.sum()), 'row')}, as while the eyes blink"
+            self._note("gaze-lost", what, "the gaze before is held", np.flatnonzero(lost))
+        gaze[lost] = np.nan
+        self.rows.gaze = None if lost.all() else gaze
 
     def join_hemispheres(self) -> None:
         """Make signs continuous: q and -q are one rotation, but interpolation needs one sign."""

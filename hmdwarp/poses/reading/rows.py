@@ -43,6 +43,7 @@ class Rows:
     position: NDArray[np.float64] | None  # (n, 3)
     device: NDArray[np.bytes_] | None  # (n)
     line: NDArray[np.int32]  # (n)
+    gaze: NDArray[np.float64] | None = None  # (n, 3 or 4)
 
     def __len__(self) -> int:
         return len(self.line)
@@ -55,6 +56,8 @@ class Rows:
             self.stamps = self.stamps[which]
         if self.position is not None:
             self.position = self.position[which]
+        if self.gaze is not None:
+            self.gaze = self.gaze[which]
         if self.device is not None:
             self.device = self.device[which]
 
@@ -78,7 +81,7 @@ class RowReader:
         self._repeated_headers: list[int] = []
         self._bad_rows = 0
         self._first_bad: tuple[int, TraceError] | None = None
-        self._columns = [*layout.orientation, *(layout.position or ())]
+        self._columns = [*layout.orientation, *(layout.position or ()), *layout.gaze]
         self._width = head.width
         names = head.names or []
         self._names = {c: names[c] if c < len(names) else f"column {c + 1}" for c in range(self._width)}
@@ -203,8 +206,9 @@ class RowReader:
         self, stamps: Stamps | None, values: Numbers, device: NDArray[np.bytes_] | None, line: NDArray[np.int32]
     ) -> Rows:
         turns = len(self.layout.orientation)
-        position = None if self.layout.position is None else values[:, turns:].copy()
-        return Rows(stamps, values[:, :turns].copy(), position, device, line)
+        position = None if self.layout.position is None else values[:, turns : turns + 3].copy()
+        gaze = values[:, -len(self.layout.gaze) :].copy() if self.layout.gaze else None
+        return Rows(stamps, values[:, :turns].copy(), position, device, line, gaze)
 
     def _regular(self, text: bytes, count: int) -> bool:
         """Return whether all lines have as many fields: loadtxt with usecols ignores more."""
@@ -309,7 +313,7 @@ class RowReader:
             stamps = Stamps(np.concatenate(whole), np.concatenate(billionths), any(s.clock for s in stamped))
             del stamped, whole, billionths
         columns: dict[str, Any] = {}
-        for name in ("stamps", "orientation", "position", "device", "line"):
+        for name in ("stamps", "orientation", "position", "device", "line", "gaze"):
             pieces = [getattr(p, name) for p in parts]
             for p in parts:  # free the pieces at once: the peak is the result and one column
                 setattr(p, name, None)

@@ -1,0 +1,73 @@
+"""Bring a foveated picture back to the pixels of the rendered one, for all passes after it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import attrs
+import moderngl
+
+from ...frames import EyeImage
+from ...frames.layers import readable
+from ...frames.layers.foveated import FoveatedPicture
+from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
+from ..effects import RenderedPass
+from ..inputs import PassInputs
+
+# By the layer: the picture that it stands for, and its kind of texture.
+_PICTURES = {"foveated": ("colour", COLOUR), "foveated_depth": ("inverse_depth", SCALAR)}
+EXPANDED = {layer: readable(picture) for layer, (picture, _) in _PICTURES.items()}
+
+
+class ExpandPass(RenderedPass):
+    """Expand each rendered picture that came foveated; parts: the layers that it comes in.
+
+    Warps, fills and effects read the result as if it had come whole, so that each works as it is.
+    """
+
+    name = "expand"
+    needs_compute = False
+    reads = ("rendered.foveated", "rendered.foveated_depth")
+
+    def prepare(self) -> None:
+        self._programs, self._pictures = {}, {}
+        for number, (layer, (_, kind)) in enumerate(_PICTURES.items()):
+            if layer in self.parts:
+                self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", DEPTH=number)
+                self._pictures[layer] = [
+                    allocate(self.gpu.gl, self.rendered_size, kind) for _ in range(self.tools.images)
+                ]
+
+    def run(self, inputs: PassInputs) -> PassInputs:
+        rendered, *others = (
+            self._expanded(image, number) for number, image in enumerate((inputs.rendered, *inputs.others))
+        )
+        return attrs.evolve(inputs, rendered=rendered, others=tuple(others))
+
+    def _expanded(self, image: EyeImage, number: int) -> EyeImage:
+        """Return the image with its whole picture; the same object where it came whole."""
+        found = {layer: image[layer] for layer in self._programs if layer in image}
+        pictures: dict[str, Any] = {
+            _PICTURES[layer][0]: self._expand(layer, one, number) for layer, one in found.items()
+        }
+        if not found:
+            return image
+        self.gpu.barrier()
+        came = {EXPANDED[layer] for layer in found}
+        return attrs.evolve(image, **pictures, left_out=image.left_out - came)
+
+    def _expand(self, layer: str, picture: FoveatedPicture, number: int) -> moderngl.Texture:
+        program, into = self._programs[layer], self._pictures[layer][number]
+        picture.texture.bind_to_image(0, read=True, write=False)
+        into.bind_to_image(1, read=False, write=True)
+        program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
+        program.run(*into.size)
+        return into
+
+    @classmethod
+    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
+        """Return the bytes that are written; what is read is a part of them."""
+        return rendered_pixels * (8 + 4)
+
+    def close(self) -> None:
+        release_all(*(texture for several in self._pictures.values() for texture in several))

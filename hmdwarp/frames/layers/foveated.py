@@ -1,0 +1,81 @@
+"""The picture, sharp where the eye looks and coarser beyond: what crosses in its place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import attrs
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry import Fovea, FoveaGrid
+from . import OWN, PIXEL_BYTES, EyeSizes, Layer, layers
+
+if TYPE_CHECKING:
+    import moderngl
+
+
+@attrs.frozen(eq=False)
+class FoveatedPicture:
+    """A picture on a coarser grid."""
+
+    # Of the layer's format, and of the grid's small size.
+    texture: moderngl.Texture
+    grid: FoveaGrid
+
+
+class FoveatedLayer(Layer):
+    """A FoveatedPicture. The amount is the Fovea."""
+
+    size_class = OWN
+    drawn_by = "foveated"
+    something = Fovea()
+
+    @classmethod
+    def size(cls, sizes: EyeSizes) -> tuple[int, int]:
+        return _small(cls.something, sizes)
+
+    @classmethod
+    def bytes(cls, amount: Fovea, sizes: EyeSizes) -> int:
+        width, height = _small(amount, sizes)
+        return PIXEL_BYTES[cls.formats[0]] * width * height
+
+    @classmethod
+    def pictures(cls, amount: Fovea) -> tuple[str, ...]:
+        return cls.formats
+
+    @classmethod
+    def textures(cls, data: FoveatedPicture) -> Iterable[moderngl.Texture]:
+        return (data.texture,)
+
+    @classmethod
+    def numbers(cls, data: FoveatedPicture) -> NDArray[Any]:
+        return data.grid.numbers()
+
+    @classmethod
+    def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
+        try:
+            FoveaGrid.of_numbers(numbers, pictures[0].shape[1::-1]) if numbers is not None else None
+        except InputError as error:
+            return str(error)
+        return "" if numbers is not None else "its grid is missing"
+
+    @classmethod
+    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> FoveatedPicture:
+        assert numbers is not None, "misfit() says so"
+        return FoveatedPicture(textures[0], FoveaGrid.of_numbers(numbers, textures[0].size))
+
+
+def _small(fovea: Fovea, sizes: EyeSizes) -> tuple[int, int]:
+    fov, drawn = sizes.drawn or (sizes.fovs[0], sizes.shown)
+    return fovea.small(fov, drawn, sizes.rendered)
+
+
+@layers.register
+class Foveated(FoveatedLayer):
+    """Its colour: the mean of the covered pixels that one of the rim holds."""
+
+    name = "foveated"
+    summary = "the rendered picture, coarser away from where the eye looks"
+    formats = ("rgba16f",)

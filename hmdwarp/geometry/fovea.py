@@ -1,0 +1,136 @@
+"""Pictures that are sharp in one rectangle and coarser beyond it, along each axis.
+
+The axis-aligned form that streamers encode: columns and rows beside the sharp rectangle hold
+several of the picture's. Source: Patney et al. 2016, Towards Foveated Rendering for Gaze-Tracked
+Virtual Reality (what is seen of a coarse rim); the piecewise-linear axes are those of Oculus'
+axis-aligned distorted transfer, which ALVR uses too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .view import Fov, Size, View
+
+MOST_RIM = 16
+
+
+@attrs.frozen(order=True)
+class Fovea:
+    """How large the sharp rectangle is, and how coarse the rim. Errors: InputError."""
+
+    # Angle across, as if seen around the view's axis.
+    degrees: float = 40.0
+    # Pixels of the picture on each axis that one of the rim holds.
+    rim: int = 4
+
+    def __attrs_post_init__(self) -> None:
+        if not 0 < self.degrees < 180:
+            raise InputError(f"a sharp region of {self.degrees:g} degrees: expected more than 0 and less than 180")
+        if not 2 <= self.rim <= MOST_RIM:
+            raise InputError(f"a rim of {self.rim} pixels in one: expected 2 to {MOST_RIM}")
+
+    def __str__(self) -> str:
+        return f"{self.degrees:g} degrees sharp, {self.rim} x {self.rim} pixels in one beyond"
+
+    def coarse(self, fov: Fov, drawn: Size, size: Size) -> tuple[int, int]:
+        """Return how many columns and rows of the rim there are, wherever the eye looks.
+
+        fov, drawn: a view, and (w, h) pixels of it. size: of the picture, as dense, that is made
+        coarser.
+        """
+        left, right, down, up = fov.tangents.tolist()
+        across = 2 * math.tan(math.radians(self.degrees) / 2)
+        # 1e-6: a field of view with a guard band is as dense but for its last bits.
+        sharp = (round(across * drawn[0] / (right - left) - 1e-6), round(across * drawn[1] / (up - down) - 1e-6))
+        columns, rows = (max(side - max(least, 1), 0) // self.rim for side, least in zip(size, sharp, strict=True))
+        return columns, rows
+
+    def small(self, fov: Fov, drawn: Size, size: Size) -> Size:
+        """Return (w, h) of what is sent. fov, drawn, size: as of coarse."""
+        columns, rows = self.coarse(fov, drawn, size)
+        return size[0] - columns * (self.rim - 1), size[1] - rows * (self.rim - 1)
+
+    def grid(self, view: View, size: Size) -> FoveaGrid:
+        """Return the grid whose sharp rectangle is around where the eye looks, within the picture.
+
+        view: of the picture of (w, h) pixels; its gaze, or straight ahead of the head.
+        """
+        coarse = self.coarse(view.fov, size, size)
+        x, y = view.fov.pixel_from_tangent(size)[:2] @ np.array([*gaze_tangent(view), 1.0])
+        before = []
+        for centre, side, count in zip((x, y), size, coarse, strict=True):
+            sharp = side - count * self.rim
+            before.append(min(max(round((centre - sharp / 2) / self.rim), 0), count))
+        return FoveaGrid(size, self.rim, (before[0], before[1]), (coarse[0] - before[0], coarse[1] - before[1]))
+
+
+_ASIDE = 1e-3  # a gaze nearly at a right angle to the view's axis, or behind it, is at its border
+
+
+def gaze_tangent(view: View) -> tuple[float, float]:
+    """Return the tangents of the view's gaze, or of straight ahead of the head."""
+    gaze = (0.0, 0.0, -1.0) if view.gaze is None else view.gaze
+    x, y, z = view.head_from_eye.rotation_matrix.T @ np.array(gaze)
+    return float(x / max(-z, _ASIDE)), float(y / max(-z, _ASIDE))
+
+
+def looking(views: Sequence[View], gaze: tuple[float, float, float] | None) -> Sequence[View]:
+    """Return the views of eyes that look that way, see View; the same ones for None."""
+    return views if gaze is None else tuple(attrs.evolve(view, gaze=gaze) for view in views)
+
+
+@attrs.frozen
+class FoveaGrid:
+    """Which columns and rows of a picture each column and row of the coarser one holds."""
+
+    # (w, h) of the picture.
+    size: Size
+    rim: int
+    # Columns of the rim at the left, rows below; and at the right, above.
+    before: tuple[int, int]
+    after: tuple[int, int]
+
+    @property
+    def sharp(self) -> tuple[int, int, int, int]:
+        """The sharp rectangle: first column, first row, columns, rows, from the bottom left."""
+        (w, h), (a, b), (c, d), rim = self.size, self.before, self.after, self.rim
+        return a * rim, b * rim, w - (a + c) * rim, h - (b + d) * rim
+
+    @property
+    def small(self) -> Size:
+        """(w, h) of the coarser picture."""
+        columns, rows = (a + b for a, b in zip(self.before, self.after, strict=True))
+        return self.size[0] - columns * (self.rim - 1), self.size[1] - rows * (self.rim - 1)
+
+    @property
+    def uniforms(self) -> dict[str, object]:
+        """The uniforms of shaders/lib/fovea.glsl."""
+        x, y, w, h = self.sharp
+        named = {"picture_size": self.size, "small_size": self.small, "before": self.before, "rim": self.rim}
+        return {**named, "sharp_from": (x, y), "sharp": (w, h), "of_rim": 1 / self.rim}
+
+    def numbers(self) -> NDArray[np.float64]:
+        """Return the grid as a row of numbers."""
+        return np.array([[*self.size, self.rim, *self.before, *self.after]], np.float64)
+
+    @classmethod
+    def whole(cls, size: Size) -> FoveaGrid:
+        """Return the grid of a picture that is sharp everywhere."""
+        return cls(size, 2, (0, 0), (0, 0))
+
+    @classmethod
+    def of_numbers(cls, numbers: NDArray[np.float64], small: Size) -> FoveaGrid:
+        """Return the grid of such a row. Errors: InputError for one that does not fit `small`."""
+        if numbers.shape == (1, 7) and (numbers == np.floor(numbers)).all() and (numbers >= 0).all():
+            w, h, rim, *beside = numbers[0].astype(int).tolist()
+            grid = cls((w, h), rim, (beside[0], beside[1]), (beside[2], beside[3]))
+            if 2 <= rim <= MOST_RIM and min(grid.sharp) >= 0 and grid.small == small:
+                return grid
+        raise InputError(f"a sharp rectangle of {numbers.tolist()} in a picture of {small[0]}x{small[1]} pixels")

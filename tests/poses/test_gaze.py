@@ -1,0 +1,189 @@
+"""Where the eyes look: read, written, held, predicted and made up."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import numpy as np
+import pytest
+from conftest import DEVELOPMENT_TRACES
+from scipy.spatial.transform import Rotation
+
+from hmdwarp.errors import TraceError
+from hmdwarp.poses import (
+    PoseTrack,
+    foreseen_gaze,
+    gaze_facts,
+    load_trace,
+    quaternions,
+    synthesise,
+    write_synthetic,
+)
+from hmdwarp.poses.formats import formats
+from hmdwarp.poses.synth_gaze import LEAP_BASE_S, LEAP_PER_DEG_S
+from hmdwarp.poses.track import SACCADE_DEG_S
+
+MS = 1_000_000
+NONE = (math.nan,) * 3
+
+
+def towards(yaw_deg: float, pitch_deg: float = 0.0) -> np.ndarray:
+    """A direction so far to the left and up."""
+    yaw, pitch = math.radians(yaw_deg), math.radians(pitch_deg)
+    return np.array([-math.sin(yaw) * math.cos(pitch), math.sin(pitch), -math.cos(yaw) * math.cos(pitch)])
+
+
+def track(gazes, step_ms: float = 10, **more) -> PoseTrack:
+    n = len(gazes)
+    times = np.rint(np.arange(n) * step_ms * MS).astype(np.int64)
+    turns = np.tile([0.0, 0, 0, 1], (n, 1))
+    return PoseTrack(times, np.zeros((n, 3)), turns, gaze=np.array(gazes, float), **more)
+
+
+def angle(gaze) -> float:
+    """Degrees to the left."""
+    return math.degrees(math.atan2(-gaze[0], -gaze[2]))
+
+
+# --- between samples ----------------------------------------------------------------------------
+
+
+def test_a_slow_eye_is_interpolated_and_a_leap_is_not():
+    looked = track([towards(0), towards(0.8), towards(9), towards(9.2)])  # 80 and 820 degrees a second
+    assert angle(looked.at(5 * MS).gaze) == pytest.approx(0.4, abs=1e-4)  # a chord's middle is the arc's
+    assert angle(looked.at(19 * MS).gaze) == pytest.approx(0.8)
+    assert angle(looked.at(20 * MS).gaze) == pytest.approx(9)
+    assert angle(looked.at(10_000 * MS).gaze) == pytest.approx(9.2)
+
+
+def test_a_blink_and_a_gap_hold_what_was_seen_before():
+    looked = track([NONE, towards(1), NONE, NONE, towards(1.5)])
+    assert looked.at(0).gaze is None and looked.at(-5).gaze is None
+    for ms in (10, 15, 25, 39):
+        assert angle(looked.at(ms * MS).gaze) == pytest.approx(1)
+    assert angle(track([towards(1), towards(1.1)], max_gap_ns=MS).at(5 * MS).gaze) == pytest.approx(1)
+
+
+def test_a_track_without_gaze_has_none_and_other_samples_lose_it():
+    plain = PoseTrack([0, 1], np.zeros((2, 3)), [[0, 0, 0, 1]] * 2)
+    assert plain.at(0).gaze is None and plain.gaze_at(1) is None and gaze_facts(plain) is None
+    looked = track([towards(0)] * 3)
+    assert looked.evolve(name="b").gaze is not None
+    assert looked.evolve(time_ns=[0], position_m=np.zeros((1, 3)), orientation_xyzw=[[0, 0, 0, 1]]).gaze is None
+
+
+@pytest.mark.parametrize("wrong", [[[0, 0, 0]], [[0, math.nan, 1]], [[1, 0]], [[0, 0, 1]] * 2])
+def test_what_is_no_direction_is_refused(wrong):
+    with pytest.raises(TraceError, match="gaze"):
+        PoseTrack([0], np.zeros((1, 3)), [[0, 0, 0, 1]], gaze=np.array(wrong, float))
+
+
+# --- prediction ---------------------------------------------------------------------------------
+
+
+def test_a_pursuit_goes_on_and_everything_else_is_held():
+    pursuit = track([towards(0.2 * n) for n in range(20)])  # 20 degrees a second
+    now = 100 * MS
+    assert angle(foreseen_gaze(pursuit, now)) == pytest.approx(2)
+    assert angle(foreseen_gaze(pursuit, now, 50 * MS)) == pytest.approx(3, abs=0.01)  # along a chord
+    assert foreseen_gaze(pursuit, now, 100 * MS) == foreseen_gaze(pursuit, now, 900 * MS), "100 ms at most"
+    leapt = track([towards(0)] * 8 + [towards(3)] * 12)  # 3 degrees in 10 ms
+    assert foreseen_gaze(leapt, now, 50 * MS) == leapt.gaze_at(now)
+    blinked = track([towards(0.2 * n) if n != 8 else NONE for n in range(20)])
+    assert foreseen_gaze(blinked, now, 50 * MS) == blinked.gaze_at(now)
+
+
+def test_nothing_after_now_is_known():
+    gazes = [towards(0.2 * n) for n in range(20)]
+    other = gazes[:11] + [towards(-30)] * 9
+    assert foreseen_gaze(track(gazes), 100 * MS, 50 * MS) == foreseen_gaze(track(other), 100 * MS, 50 * MS)
+
+
+# --- files --------------------------------------------------------------------------------------
+
+
+def test_a_native_file_has_it_bit_for_bit_and_0_where_it_is_not_known(tmp_path):
+    made = synthesise("look-around", seconds=2, gaze=True)
+    gaze = made.gaze.copy()
+    gaze[40:60] = np.nan
+    made, text = made.evolve(gaze=gaze), io.StringIO()
+    formats.get("native").write(made, text)
+    (tmp_path / "a.csv").write_text(text.getvalue(), encoding="utf-8")
+    loaded = load_trace(tmp_path / "a.csv")
+    assert np.array_equal(loaded.track.gaze, gaze, equal_nan=True)
+    assert [d.count for d in loaded.defects if d.kind == "gaze-lost"] == [20]
+    assert "gaze: gaze_x, gaze_y, gaze_z" in loaded.columns
+    formats.get("native").write(made.evolve(gaze=None), text := io.StringIO())
+    assert "gaze_x" not in text.getvalue()
+
+
+def test_eyenavgs_has_the_turn_of_the_gaze_in_the_world(tmp_path):
+    """In the head's axes it is what the head's own turn leaves; no turn at all is a lost eye."""
+    names = (
+        "ViewIndex,FOV1,FOV2,FOV3,FOV4,PositionX,PositionY,PositionZ,QuaternionX,QuaternionY,QuaternionZ,QuaternionW"
+    )
+    rows, heads, eyes = [], [], []
+    rng = np.random.default_rng(1)
+    for n in range(20):
+        head = Rotation.from_euler("yxz", [40 + 2 * n, 10, 5], degrees=True)
+        eye = Rotation.from_euler("yx", rng.uniform(-20, 20, 2), degrees=True)
+        turn = (head * eye).as_quat() if n != 7 else np.array([0.0, 0, 0, 1])
+        heads.append(head), eyes.append(eye.apply([0, 0, -1]))
+        numbers = [0, -1, 1, -1, 1, 0, 1.6, 0, *head.as_quat(), 0, 0, 0, *turn, 20 * n]
+        rows.append(",".join(map(repr, map(float, numbers))))
+    header = f"{names},GazePosX,GazePosY,GazePosZ,GazeQX,GazeQY,GazeQZ,GazeQW,Timestamp"
+    (tmp_path / "user1.csv").write_text("\n".join([header, *rows, ""]), encoding="utf-8")
+    found = load_trace(tmp_path / "user1.csv").track.gaze
+    known = np.arange(20) != 7
+    assert np.allclose(found[known], np.array(eyes)[known], atol=1e-12) and np.isnan(found[7]).all()
+
+
+@pytest.mark.parametrize("name", ["eyenavgs_rutgers/user116_drjohnson.csv", "eyenavgs_nthu/user21_trian.csv"])
+def test_real_eyes_turn_against_the_head_and_look_a_little_down(name):
+    """What the vestibulo-ocular reflex does: were an axis or a turn wrong, a sign would be."""
+    path = DEVELOPMENT_TRACES / name
+    if not path.exists():
+        pytest.skip("shared/traces is not here")
+    loaded = load_trace(path).track
+    seconds, q = np.diff(loaded.time_ns) * 1e-9, loaded.orientation_xyzw
+    turned = quaternions.rotate(quaternions.conjugate(q[:-1]), quaternions.vector_between(q[:-1], q[1:]))
+    left, up = np.arctan2(-loaded.gaze[:, 0], -loaded.gaze[:, 2]), np.arcsin(loaded.gaze[:, 1])
+    assert -25 < np.degrees(np.median(up)) < 0
+    for axis, angles in ((1, left), (0, up)):
+        head, eye = turned[:, axis] / seconds, np.diff(angles) / seconds
+        slow = (np.abs(eye) < math.radians(SACCADE_DEG_S)) & (np.abs(head) > math.radians(5))
+        assert np.corrcoef(head[slow], eye[slow])[0, 1] < -0.1
+
+
+# --- synthetic eyes -----------------------------------------------------------------------------
+
+
+def test_they_rest_in_the_world_follow_and_leap_along_the_main_sequence():
+    made = synthesise("look-around", seconds=30, rate_hz=1000, gaze=True)
+    world = quaternions.rotate(made.orientation_xyzw, made.gaze)
+    speed = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", world[1:], world[:-1]), -1, 1))) * 1000
+    assert 0.4 < np.mean(speed < 1) < 0.9, "they rest"
+    assert 0.03 < np.mean((speed >= 4) & (speed <= 31)) < 0.4, "they follow"
+    fast = np.flatnonzero(np.diff(np.concatenate([[0], speed > 40, [0]])))
+    amplitudes = []
+    for first, end in fast.reshape(-1, 2):
+        amplitude = math.degrees(math.acos(min(1.0, world[first] @ world[end])))
+        if amplitude > 4:
+            # The slow ends of a leap are missing, up to a third of its time; a sample on each side.
+            lasts = LEAP_BASE_S + LEAP_PER_DEG_S * amplitude
+            assert 0.6 * lasts <= (end - first) / 1000 <= lasts + 0.003
+        amplitudes.append(amplitude)
+    assert len(amplitudes) > 50 and np.median(amplitudes) < 15
+    aside = np.degrees(np.arccos(-made.gaze[:, 2]))
+    assert aside.max() < 55
+
+
+def test_the_head_is_the_same_with_eyes_and_the_same_seed_makes_the_same_bytes():
+    texts = []
+    for gaze in (True, True, False):
+        made = synthesise("walk", seconds=3, gaze=gaze)
+        write_synthetic(made, text := io.StringIO())
+        texts.append([line for line in text.getvalue().splitlines() if not line.startswith("#")])
+    assert texts[0] == texts[1]
+    assert [line.rsplit(",", 3)[0] for line in texts[0]] == texts[2]
