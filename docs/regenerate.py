@@ -42,6 +42,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "warper cost": ("tests/bench_warper.py", True),
     "speed": ("tests/bench_quick.py", False),
     "speed aims": ("tests/bench_aims.py", True),
+    "panels": ("tests/bench_panels.py", True),
     "hidden area": ("tests/bench_hidden.py", True),
     "held out": ("tests/held_out.py", True),
     "sweeps": ("tests/sweep_scale.py", True),

@@ -128,7 +128,7 @@ class Compensator:
             )  # fmt: skip
             for fill in plan.fills
         ]
-        tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides)
+        tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides, lens if plan.fused else None)
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
             for planned in plan.effect_passes
@@ -178,6 +178,9 @@ class Compensator:
             self._run_warp(inputs, made)
             self._hide(inputs.middle, inputs.eye, made)
         if made.warped is None:
+            for shown in self._shown:
+                with self._stage("effects"):
+                    shown.run_through_lens(inputs, made.panel)
             return EyeResult(inputs.middle, None, None, made.panel)
         return self._finish(inputs, made, made.warped)
 

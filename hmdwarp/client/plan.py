@@ -133,7 +133,7 @@ class Plan:
     def reads_depth_after(self, fill: Choice[Fill]) -> bool:
         """Return whether a pass after that fill, or the display, reads the shown depth."""
         later = self.fills[self.fills.index(fill) + 1 :]
-        passes = [planned.entry.reads for planned in later] + [planned.made_by.reads for planned in self.effect_passes]
+        passes = [planned.entry.reads for planned in later] + [planned.reads for planned in self.effect_passes]
         return self.hands_depth_on or any(SHOWN_DEPTH in reads for reads in passes)
 
     def writes(self, name: str) -> bool:
@@ -222,7 +222,7 @@ def build_plan(
         draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
     follows = scanout and choice.entry.scans_out
-    depth_for = _readers_of_depth([fill.entry for fill in chain], [planned.made_by for planned in shown], takes_depth)
+    depth_for = _readers_of_depth([fill.entry for fill in chain], shown, takes_depth)
     beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
     _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
     if scanout and not follows:
@@ -235,7 +235,11 @@ def build_plan(
     if not chain:
         draft.leave_out("fill", f"fill 'none': {fills.get('none').summary}")
     for planned in shown:
-        draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
+        reads, writes = (
+            tuple(PANEL if fused and name == SHOWN else name for name in names)
+            for names in (planned.reads, planned.made_by.writes)
+        )
+        draft.add("effects", planned.made_by.name, _why(planned, forced), reads, writes)
     if fused:
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
@@ -315,7 +319,7 @@ def _why_not(
             return f"{name} stands in for it"
     if effect.refines and effect.refines not in declared:
         return f"it refines {effect.refines}, which is left out: {effect.without}"
-    if fused and not issubclass(effect.made_by, RenderedPass):
+    if fused and not (effect.fuses or issubclass(effect.made_by, RenderedPass)):
         return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
     return _why_not_beside(warp, effect, named) or _why_unread(effect, read)
 
@@ -398,10 +402,10 @@ def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool,
         draft.add("warp", f"warp {choice} + lens {lens.name}", fused, reads, (PANEL,))
 
 
-def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str) -> str:
+def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[PlannedEffect], takes_depth: str) -> str:
     """Return which passes, or which display, read the shown depth, "" for none."""
     readers = [fill.name for fill in chain if SHOWN_DEPTH in fill.reads]
-    readers += [effect_pass.name for effect_pass in shown if SHOWN_DEPTH in effect_pass.reads]
+    readers += [planned.made_by.name for planned in shown if SHOWN_DEPTH in planned.reads]
     readers += [takes_depth] if takes_depth else []
     return " and ".join(dict.fromkeys(readers))
 

@@ -1,0 +1,101 @@
+"""Panels: places once, each picture once, and in every frame which of them is shown."""
+
+from __future__ import annotations
+
+import io
+import struct
+from collections.abc import Sequence
+from typing import Any
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry import Pose
+from ...scenes import Panel, Texture
+from . import Delivered, Update, layers
+
+
+@attrs.frozen(order=True)
+class PanelDelivery:
+    """Panels that are delivered picture by picture."""
+
+    # Bytes of each frame, at most, beside what says which pictures are shown.
+    budget: int = 20_000
+
+
+@layers.register
+class Panels(Delivered):
+    """An Update for each PanelDelivery. The amount is the frozenset of them."""
+
+    name = "panels"
+    summary = "text and menus: each picture once, when it is first shown; until it has come, the one before stays"
+    drawn_by = "panels"
+    apart = True
+    something = frozenset({PanelDelivery()})
+
+
+# When a frame was drawn, and how many numbers follow: of each panel, which picture it shows.
+_SHOWING = struct.Struct("<qH")
+# Thing 0 has one for each panel: place, turn, size; head-locked, occluded; how many pictures.
+_PLACE = struct.Struct("<9d2BH")
+
+
+def things_of(panels: Sequence[Panel]) -> list[bytes]:
+    """Return what crosses: the places of all, then their pictures as PNG files."""
+    places = b"".join(
+        _PLACE.pack(
+            *panel.pose.position_m,
+            *panel.pose.orientation_xyzw,
+            *panel.size_m,
+            panel.head_locked,
+            panel.occluded,
+            len(panel.pictures),
+        )
+        for panel in panels
+    )
+    return [places, *(_png(picture.image) for panel in panels for picture in panel.pictures)]
+
+
+def first_things(panels: Sequence[Panel]) -> list[int]:
+    """Return the number of the thing that is each panel's first picture."""
+    counts = [len(panel.pictures) for panel in panels]
+    return [1 + sum(counts[:index]) for index in range(len(counts))]
+
+
+def places_in(thing: bytes) -> list[tuple[Panel, int]]:
+    """Return the panels without their pictures, and how many each has."""
+    return [(_placed(*row), row[-1]) for row in _PLACE.iter_unpack(thing)]
+
+
+def _placed(*row: Any) -> Panel:
+    nothing = Texture("panel", lambda: np.zeros((1, 1, 4), np.uint8), repeat=False)
+    return Panel(nothing, Pose(row[:3], row[3:7]), row[7:9], bool(row[9]), bool(row[10]))
+
+
+def picture_in(thing: bytes) -> NDArray[np.uint8]:
+    """Return a picture, (h, w, 3 or 4)."""
+    from PIL import Image
+
+    return np.asarray(Image.open(io.BytesIO(thing), formats=["PNG"]))
+
+
+def _png(image: NDArray[np.uint8]) -> bytes:
+    from PIL import Image
+
+    file = io.BytesIO()
+    Image.fromarray(np.ascontiguousarray(image)).save(file, "PNG")
+    return file.getvalue()
+
+
+def with_showing(update: Update, time_ns: int, showing: Sequence[int]) -> Update:
+    """Return the update with what a frame drawn at that instant says before it."""
+    head = _SHOWING.pack(time_ns, len(showing)) + np.array(showing, "<u2").tobytes()
+    return attrs.evolve(update, content=np.concatenate([np.frombuffer(head, np.uint8), update.content]))
+
+
+def showing_in(content: NDArray[np.uint8]) -> tuple[int, list[int], NDArray[np.uint8]]:
+    """Return the instant, which picture each panel shows, and the update."""
+    time_ns, count = _SHOWING.unpack_from(content.tobytes())
+    end = _SHOWING.size + 2 * count
+    return time_ns, np.frombuffer(content[_SHOWING.size : end].tobytes(), "<u2").tolist(), content[end:]
