@@ -17,7 +17,7 @@ from ...frames.layers.panels import PanelDelivery, picture_in, places_in, showin
 from ...geometry import View
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
-from ...gpu.textures import COLOUR, Canvas, allocate, flip_rows
+from ...gpu.textures import COLOUR, Canvas, allocate, flip_rows, texture_bytes
 from ...scenes import Panel
 from ..client_scene import ClientScene, Store, receiver_of
 from ..effects import ShownPass
@@ -95,10 +95,10 @@ class KeptPanels(Store):
             first += count
 
     def weights(self) -> list[dict[str, Any]]:
-        held = sum(4 * texture.width * texture.height * 8 // 3 for texture in self._textures.values())
-        return [
-            {"texture_bytes": held, "geometry_bytes": 0, "arrived_bytes": self._inbox.bytes, "panels": len(self._held)}
-        ]
+        """Return what has come, and the room that the pictures take, with their mip levels."""
+        room = sum(texture_bytes(texture) * 4 // 3 for texture in self._textures.values())
+        come = {"start_up_bytes": 0, "arrived_bytes": self._inbox.bytes}
+        return [{"geometry_bytes": room, "texture_bytes": 0, **come, "panels": len(self._held)}]
 
     def close(self) -> None:
         for texture in self._textures.values():
