@@ -213,9 +213,10 @@ class _Panels(HeldLayer):
         panels = self.parts("panels", value, len(value) if isinstance(value, list | tuple) else 0)
         if not all(isinstance(panel, Panel) for panel in panels):
             raise InputError(f"layer 'panels': expected {self.expected}")
-        before, self._sent = self._sent, {}
-        for picture in {panel.pictures[0] for panel in panels}:
-            self._sent[picture] = before.pop(picture, None) or panel_texture(self._gpu, picture.image)
+        pictures, before = {panel.pictures[0] for panel in panels}, self._sent
+        self._sent = {picture: before.pop(picture) for picture in pictures if picture in before}
+        for picture in pictures - self._sent.keys():
+            self._sent[picture] = panel_texture(self._gpu, picture.image)
         release_all(*before.values())
         return tuple(HeldPanel(panel, self._sent[panel.pictures[0]]) for panel in panels)
 

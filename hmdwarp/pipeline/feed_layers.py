@@ -18,7 +18,7 @@ from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed import bounds
 from ..sources.feed.message import FrameMessage
-from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
+from ..sources.feed.parts import BadPart, Layers, Packed, Part, Wanted, packed, unpacked_bytes
 from ..sources.server import Renderer
 
 Array = NDArray[np.float64]
@@ -210,13 +210,7 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
     if not frame.layers:
         return frame
     try:
-        found = tuple(
-            {
-                name: [part.numbers() if isinstance(part, Packed) else part for part in parts]
-                for name, parts in of_eye.items()
-            }
-            for of_eye in frame.layers
-        )
+        found = tuple({name: [*map(numbers_of, parts)] for name, parts in of_eye.items()} for of_eye in frame.layers)
         for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
             if len(of_eye.get(VELOCITY, ())) > 1:
                 if isinstance(frame.inverse_depths[eye], bytes):
@@ -244,6 +238,11 @@ def wanted_alone(frame: FrameMessage, wanted: Wanted | None) -> FrameMessage:
     return attrs.evolve(frame, layers=found)
 
 
+def numbers_of(part: Part) -> NDArray[Any]:
+    """Return the numbers of a part, which `unpacked` has unpacked. Errors: BadPart."""
+    return part.numbers() if isinstance(part, Packed) else part
+
+
 def _is_own_size(layer: type[Layer]) -> bool:
     return layer.size_class == OWN or issubclass(layer, Delivered)
 
@@ -259,7 +258,9 @@ def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
                 return f"the server sends no layer '{name}'"
             layer, parts = layers.get(name), list(of_eye[name])
             is_bytes = issubclass(layer, Delivered)
-            wrong = layer.misfit(parts, None) if is_bytes else _misfit_of(layer, number, parts, sizes)
+            wrong = (
+                layer.misfit([*map(numbers_of, parts)], None) if is_bytes else _misfit_of(layer, number, parts, sizes)
+            )
             if wrong:
                 return f"layer '{name}' of the server: {wrong}"
     return ""

@@ -29,7 +29,7 @@ from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
 from .feed_coding import FeedDecoder, codec_of, left_out, raw_form, reading
-from .feed_layers import misfit, wanted_alone, wanted_of
+from .feed_layers import misfit, numbers_of, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -244,7 +244,7 @@ class Remote:
                 self._leave_out(wrong, "")
                 continue
             for part in decoded.layers[0].get("panels", ()) if decoded.layers else ():
-                self._panels.take(part)
+                self._panels.take(numbers_of(part))
             self._raw = raw_form(arrival.frame, self._raw)
             self._compare(pending.views, decoded.views)
             took_ns = arrival.heard_ns - pending.sent_ns

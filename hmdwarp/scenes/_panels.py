@@ -12,6 +12,8 @@ from ..geometry import Pose, View
 from ._mesh import Texture
 from .shapes import Quad
 
+MOST_PANELS = 15  # a headset's runtime composes 16 layers at least, of which one is the picture
+
 
 def _pictures(value: Any) -> tuple[Texture, ...]:
     found = value if isinstance(value, tuple | list) else (value,)

@@ -15,7 +15,7 @@ from ..geometry import Mirror, Pose
 from ..geometry.view import MOST_MIRRORS
 from ..registry import Registry
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Mesh, Motion, Texture
-from ._panels import Panel
+from ._panels import MOST_PANELS, Panel
 
 MOST_LAMPS = 4
 ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
@@ -241,6 +241,8 @@ class Scene:
         shining = next((texture.name for texture in self.textures if texture.emission is not None), None)
         if self.lamps and shining is not None:
             raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
+        if len(self.panels) > MOST_PANELS:
+            raise SceneError(f"{len(self.panels)} panels: expected at most {MOST_PANELS}")
         if problem := problem_with(self.meshes, self.lamps):
             raise SceneError(problem)
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)

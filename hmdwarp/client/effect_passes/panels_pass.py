@@ -59,7 +59,7 @@ def _shares(count: int, fewer: int) -> NDArray[np.float32]:
     """Return (fewer, count): the share of each texel in each of the equal parts of all."""
     ends, texels = np.linspace(0, count, fewer + 1), np.arange(count)
     overlap = np.minimum(ends[1:, None], texels + 1) - np.maximum(ends[:-1, None], texels)
-    return (np.maximum(overlap, 0) * (fewer / count)).astype(np.float32)
+    return np.asarray(np.maximum(overlap, 0) * (fewer / count), np.float32)
 
 
 @receiver_of("panels")
@@ -152,6 +152,17 @@ def _before_the_eye(corners: Array) -> Array:
     return np.array([place for place in kept if place[2] > 0]).reshape(-1, 3)
 
 
+def held_panels(inputs: PassInputs, client: ClientScene | None) -> Sequence[HeldPanel]:
+    """Return the panels of a frame, the farthest first. client: who keeps what frames bring."""
+    data = inputs.rendered.get("panels")
+    if data is None:
+        raise PlanError("panels are laid over the picture, but this frame has none; frames from a scene have them")
+    if isinstance(data, Mapping):
+        assert client is not None, "a plan that reads what arrives is for a client that keeps it"
+        data = [held for wanted in data for held in client.store(KeptPanels, wanted).held]
+    return sorted(data, key=lambda one: -one.panel.away_m(inputs.middle))
+
+
 class PanelsPass(ShownPass):
     """Lay the panels over the shown picture, the farthest first; each pays for what it covers.
 
@@ -198,15 +209,6 @@ class PanelsPass(ShownPass):
                 program.run(*panel.size)
                 self.gpu.barrier()
 
-    def _held(self, inputs: PassInputs) -> Sequence[HeldPanel]:
-        data = inputs.rendered.get("panels")
-        if data is None:
-            raise PlanError("panels are laid over the picture, but this frame has none; frames from a scene have them")
-        if not isinstance(data, Mapping):
-            return tuple(data)
-        assert self.tools.geometry is not None, "a plan that reads what arrives is for a client that keeps it"
-        return [held for wanted in data for held in self.tools.geometry.store(KeptPanels, wanted).held]
-
     def _seen(self, inputs: PassInputs) -> Iterator[tuple[HeldPanel, list[Array]]]:
         """Yield panels whose front is seen, the farthest first, with their maps.
 
@@ -215,7 +217,9 @@ class PanelsPass(ShownPass):
         views = [inputs.shown]
         if inputs.shown_last is not None:
             views = [inputs.shown, inputs.middle, attrs.evolve(inputs.shown, pose=inputs.shown_last.pose)]
-        for held in sorted(self._held(inputs), key=lambda one: -one.panel.away_m(inputs.middle)):
+        for held in held_panels(inputs, self.tools.geometry):
+            if self.tools.hands_panels_on and not held.panel.occluded:
+                continue
             found = [panel_from_shown(held.panel, view, self.shown_size) for view in views]
             maps = [each for each in found if each is not None]
             if len(maps) == len(views):

@@ -46,6 +46,8 @@ class Effect:
     in_scene: Callable[[Scene], bool] = lambda _: False
     # Whether its pass can look through the lens too, after a warp that does.
     fuses: bool = False
+    # Whether a display that composes panels can do it.
+    for_display: bool = False
     # Whether only `--effects` asks for it: a way to draw frames, or another way to compensate
     # content. Requested in a scene without a mesh that has the effect, it is left out.
     by_name_only: bool = False
@@ -67,6 +69,8 @@ class Tools:
     hides: bool = False
     # The lens that the warp looks through; None where pictures are composited before it.
     lens: LensPass | None = None
+    # Whether the display composes panels that nothing hides.
+    hands_panels_on: bool = False
 
     @property
     def hiding(self) -> dict[str, object]:

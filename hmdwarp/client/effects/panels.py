@@ -19,6 +19,7 @@ effects.register(
         needs=Needs(panels=frozenset({PanelDelivery()})),
         without="text is resampled twice, blurred by the codec, and moves by the warp's errors",
         fuses=True,
+        for_display=True,
         source="OpenXR 1.0, XrCompositionLayerQuad; Heckbert 1989, Fundamentals of Texture Mapping and Image Warping",
     )
 )

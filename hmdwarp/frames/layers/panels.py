@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import HmdwarpError
 from ...geometry import Pose
-from ...scenes import Panel, Texture
+from ...scenes import MOST_PANELS, Panel, Texture
 from . import Delivered, Inbox, Update, bytes_of_part, layers
 
 if TYPE_CHECKING:
@@ -145,6 +145,8 @@ def _check(content: NDArray[np.uint8]) -> None:
     if not things:
         return
     counts = [count for _, count in places_in(things[0])]
+    if len(counts) > MOST_PANELS:
+        raise ValueError(f"{len(counts)} panels: expected {MOST_PANELS} at most")
     if len(counts) != len(showing) or not all(shown < count for shown, count in zip(showing, counts, strict=True)):
         raise ValueError(f"{len(showing)} panels that show pictures, of {len(counts)}")
     for number, thing in things.items():
