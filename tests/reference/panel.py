@@ -1,4 +1,4 @@
-"""Twin of the panels: rays that meet rectangles in the world, and means by running sums."""
+"""Twin of the panels: rays that meet rectangles in the world, and means by overlap."""
 
 from __future__ import annotations
 
@@ -51,24 +51,25 @@ def met(panel: Panel, view: View, size: tuple[int, int]) -> Met:
 
 
 def levels(image: Array) -> list[Array]:
-    """Return (h, w, 4) premultiplied light, bottom row first, then means of its areas."""
+    """Return (h, w, 4) premultiplied light, bottom row first, then means of halves."""
     share = image[..., :3] / 255
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     alpha = image[..., 3:] / 255 if image.shape[2] == 4 else np.ones((*image.shape[:2], 1))
     whole = np.concatenate([light * alpha, alpha], axis=2)[::-1]
-    found = []
+    found, mean = [], whole
     for level in range(max(whole.shape[:2]).bit_length()):
-        mean = whole
-        for axis in (0, 1):
-            count = max(1, whole.shape[axis] >> level)
-            sums = np.concatenate([np.zeros_like(mean.take([0], axis)), np.cumsum(mean, axis)], axis)
-            ends = np.linspace(0, whole.shape[axis], count + 1)
-            low = np.minimum(ends.astype(int), whole.shape[axis] - 1)
-            part = (ends - low).reshape([-1 if k == axis else 1 for k in range(3)])
-            at_ends = sums.take(low, axis) * (1 - part) + sums.take(low + 1, axis) * part
-            mean = np.diff(at_ends, axis=axis) * count / whole.shape[axis]
+        if level:
+            rows, columns = (shares(count, max(1, count // 2)) for count in mean.shape[:2])
+            mean = np.einsum("yr,xc,rcs->yxs", rows, columns, mean, optimize=True)
         found.append(mean.astype(np.float16).astype(np.float64))
     return found
+
+
+def shares(count: int, fewer: int) -> Array:
+    """Return (fewer, count): how much of each texel lies in each of the equal parts of all."""
+    ends, texels = np.linspace(0, count, fewer + 1), np.arange(count)
+    overlap = np.minimum(ends[1:, None], texels + 1) - np.maximum(ends[:-1, None], texels)
+    return np.maximum(overlap, 0) * (fewer / count)
 
 
 def looked_up(pyramid: list[Array], place: Array, level: Array) -> Array:

@@ -40,26 +40,31 @@ class HeldPanel:
 
 
 def panel_texture(gpu: Gpu, image: NDArray[np.uint8]) -> moderngl.Texture:
-    """Return premultiplied linear light with mip levels, each the mean of areas of the first."""
-    alpha = image[..., 3:] / 255 if image.shape[2] == 4 else np.ones((*image.shape[:2], 1))
-    light = np.concatenate([linear_from_srgb(image[..., :3]) * alpha, alpha], axis=2).astype(np.float32)
-    texture = allocate(gpu.gl, light.shape[1::-1], COLOUR)
+    """Return premultiplied linear light with mip levels, each of means of the one before."""
+    alpha = image[..., 3:] / np.float32(255) if image.shape[2] == 4 else np.ones((*image.shape[:2], 1), np.float32)
+    light = flip_rows(np.concatenate([linear_from_srgb(image[..., :3]) * alpha, alpha], axis=2).astype(np.float32))
+    texture = allocate(gpu.gl, (light.shape[1], light.shape[0]), COLOUR)
     texture.build_mipmaps()
     for level in range(max(texture.size).bit_length()):
-        high, wide = (max(1, side >> level) for side in light.shape[:2])
-        rows, columns = _shares(light.shape[0], high), _shares(light.shape[1], wide)
-        made = np.einsum("yr,rxc->yxc", rows, np.einsum("xs,rsc->rxc", columns, light, optimize=True), optimize=True)
-        made = made if level else light
-        texture.write(np.ascontiguousarray(flip_rows(made), np.float16), level=level, alignment=1)
+        light = _halved(_halved(light, 0), 1) if level else light
+        texture.write(np.ascontiguousarray(light, np.float16), level=level, alignment=1)
     texture.filter = moderngl.LINEAR_MIPMAP_NEAREST, moderngl.LINEAR
     return texture
 
 
-def _shares(count: int, fewer: int) -> NDArray[np.float32]:
-    """Return (fewer, count): the share of each texel in each of the equal parts of all."""
-    ends, texels = np.linspace(0, count, fewer + 1), np.arange(count)
-    overlap = np.minimum(ends[1:, None], texels + 1) - np.maximum(ends[:-1, None], texels)
-    return np.asarray(np.maximum(overlap, 0) * (fewer / count), np.float32)
+def _halved(light: NDArray[np.float32], axis: int) -> NDArray[np.float32]:
+    """Return the means of half as many equal parts along an axis, at least one."""
+    count = light.shape[axis]
+    half = max(1, count // 2)
+    if count % half == 0:
+        shape = (*light.shape[:axis], half, count // half, *light.shape[axis + 1 :])
+        return np.asarray(light.reshape(shape).mean(axis=axis + 1), np.float32)
+    sums = np.cumsum(light, axis=axis, dtype=np.float64)
+    ends = np.arange(1, half + 1) * count / half
+    last = np.ceil(ends).astype(int) - 1  # the texel in which each part ends, of which it has a share
+    beyond = (last + 1 - ends).reshape([-1 if each == axis else 1 for each in range(light.ndim)])
+    to_ends = sums.take(last, axis) - beyond * light.take(last, axis)
+    return np.asarray(np.diff(to_ends, axis=axis, prepend=0) * half / count, np.float32)
 
 
 @receiver_of("panels")
