@@ -166,6 +166,14 @@ def test_what_is_nearer_hides_panels_that_ask_for_it(gpu):
     )
 
 
+def test_what_the_lens_hides_stays_hidden(gpu):
+    behind = np.ones((48, 64, 4))
+    behind[:, :32] = (0, 0, 0, 2.0**-14)  # as SeenRows.hide leaves it
+    found = laid(gpu, [CASES["straight on"]], View(Pose(), FOV), behind)
+    assert np.array_equal(found[:, :32], behind[:, :32])
+    assert not np.array_equal(found[:, 32:], behind[:, 32:])
+
+
 def test_the_nearer_of_two_panels_is_in_front(gpu):
     white, black = (np.full((4, 4, 3), light, np.uint8) for light in (255, 0))
     near, far = Panel(white, Pose((0, 0, -1.0)), (0.2, 0.2)), Panel(black, Pose((0, 0, -2.0)), (2.0, 2.0))

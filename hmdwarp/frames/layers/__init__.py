@@ -100,6 +100,8 @@ class Layer:
     always: ClassVar[bool] = False
     # Whether the picture lacks what the layer shows.
     apart: ClassVar[bool] = False
+    # Whether the client lays it over whatever else it shows.
+    laid_over: ClassVar[bool] = False
     # Whether frames of other processes may have it, see docs/feed.md: its amount is a number then.
     fed: ClassVar[bool] = False
     # Whether what a frame has of it depends on the frames before: then none can be left out.

@@ -47,7 +47,7 @@ class Panels(Delivered):
     name = "panels"
     summary = "text and menus: each picture once, when it is first shown; until it has come, the one before stays"
     drawn_by = "panels"
-    apart = True
+    apart = laid_over = True
     fed = True
     something = frozenset({PanelDelivery()})
 

@@ -13,6 +13,7 @@ from hmdwarp.client.effect_passes import PanelsPass
 from hmdwarp.client.effect_passes.panels_pass import KeptPanels
 from hmdwarp.client.effects import Tools
 from hmdwarp.frames import Needs
+from hmdwarp.frames.layers import layers
 from hmdwarp.frames.layers.panels import PanelDelivery
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Canvas
@@ -145,3 +146,17 @@ def test_drawn_into_a_frame_a_panel_in_the_world_has_its_depth(gpu):
         assert read(drawn.colour)[40, 48, :3].min() > 0
         assert read(drawn.inverse_depth)[40, 48, 0] == pytest.approx(expected, rel=1e-5)
         server.close()
+
+
+@pytest.mark.parametrize("layer", ["wide", "views"])
+def test_no_other_picture_of_a_frame_shows_what_the_client_lays_over(gpu, layer):
+    scene = load_scene("reading")
+    amount = layers.get(layer).something
+    found = []
+    for one in (scene, attrs.evolve(scene, panels=())):
+        server = Server(gpu, one)
+        eye = server.draw_frame([VIEW], 0, SIZE, needs=needs() | Needs(**{layer: amount})).eyes[0]
+        pictures = eye[layer] if isinstance(eye[layer], tuple) else (eye[layer],)
+        found.append([read(picture.colour) for picture in pictures])
+        server.close()
+    assert all(np.array_equal(*both) for both in zip(*found, strict=True))
