@@ -515,6 +515,7 @@ class Warper:
         *,
         depth_as: str | DepthLayer = INVERSE,
         encoding: str = LINEAR,
+        panels: Sequence[Panel] | None = None,
         eye: int = 0,
     ) -> WarpedTextures:
         """Return the view `shown` as textures, from textures of the same context.
@@ -531,7 +532,8 @@ class Warper:
         _check_eye(eye)
         views = _checked_views(rendered, shown)
         self._check_needs(0, client_depth=False)
-        self._layers.check({}, f"{self._named} runs on arrays where it")
+        laid = with_panels({}, panels)
+        self._layers.check(laid, f"{self._named} runs on arrays where it")
         if isinstance(self._compensator, AutoCompensator):
             raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
         if self.repair.steps:
@@ -543,7 +545,7 @@ class Warper:
             # Read back once: it waits for the GPU.
             for note in self._unit_notes(lambda: _metres(download(pair[1])), views, "a scale of {:g}"):
                 warnings.warn(note, stacklevel=2)
-            image = EyeImage(views[0], *pair, drawn_ns=self._next())
+            image = EyeImage(views[0], *pair, self._layers.hold(laid), drawn_ns=self._next())
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hmdwarp import Fov, InputError, Panel, Pose, View, Warper, warp_image
+from hmdwarp.gpu import COLOUR, SCALAR, allocate, download, upload
 
 SIZE = (64, 48)
 VIEW = View(Pose((0.0, 1.6, 0.0)), Fov.from_tangents((-0.64, 0.64, -0.48, 0.48)))
@@ -72,3 +73,24 @@ def test_panels_without_their_effect_are_refused():
 def test_a_pose_that_is_no_number_is_refused():
     with pytest.raises((InputError, ValueError), match="finite|NaN|nan"):
         Panel(GREY, Pose((0.0, float("nan"), 0.0)), (1.0, 1.0))
+
+
+def test_textures_get_panels_too(gpu):
+    """The same picture as of arrays, in the caller's own context."""
+    colour, depth = np.full((48, 64, 3), 0.25, np.float32), np.full((48, 64), 2.0)
+    with Warper(SIZE, effects="panels", gpu=gpu) as warper:
+        here = warper.warp(colour, depth, VIEW, SHOWN, panels=[WHITE]).colour
+        textures = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
+        upload(textures[0], colour)
+        upload(textures[1], (1 / depth).astype(np.float32))
+        found = download(warper.warp_textures(*textures, VIEW, SHOWN, panels=[WHITE]).colour)
+        bare = download(warper.warp_textures(*textures, VIEW, SHOWN).colour)
+    assert np.array_equal(found[..., :3].astype(np.float32), here)
+    assert not np.array_equal(found, bare)
+
+
+def test_panels_are_laid_over_what_auto_chooses():
+    arguments = GREY, np.full((48, 64), 2.0), VIEW, SHOWN
+    assert np.array_equal(
+        warp_image(*arguments, "auto", panels=[WHITE], budget_ms=1e4).colour == 255, warped(WHITE) == 255
+    )
