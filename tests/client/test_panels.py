@@ -45,7 +45,7 @@ def behind_of(size, seed=1):
     return light.astype(np.float16).astype(float)
 
 
-def laid(gpu, panels, view, behind, *, depth=None, last=None):
+def laid(gpu, panels, view, behind, *, depth=None, last=None, tools=TOOLS):
     """The pass's picture, drawn twice to the same bits."""
     size, gl = behind.shape[1::-1], gpu.gl
     held = [HeldPanel(panel, panel_texture(gpu, panel.pictures[0].image)) for panel in panels]
@@ -57,7 +57,7 @@ def laid(gpu, panels, view, behind, *, depth=None, last=None):
     )
     empty = allocate(gl, (1, 1), COLOUR)
     inputs = PassInputs(EyeImage(view, empty, empty, {"panels": held}), view, shown_last=last)
-    made = PanelsPass(gpu, BOTH, (1, 1), size, TOOLS)
+    made = PanelsPass(gpu, BOTH, (1, 1), size, tools)
     found = []
     for _ in range(2):
         made.run(inputs, ShownPicture(canvas, shown_depth), into)
@@ -172,6 +172,14 @@ def test_what_the_lens_hides_stays_hidden(gpu):
     found = laid(gpu, [CASES["straight on"]], View(Pose(), FOV), behind)
     assert np.array_equal(found[:, :32], behind[:, :32])
     assert not np.array_equal(found[:, 32:], behind[:, 32:])
+
+
+def test_what_the_display_composes_the_pass_leaves_to_it(gpu):
+    behind, hidden = behind_of((64, 48)), attrs.evolve(CASES["turned"], occluded=True)
+    handing = attrs.evolve(TOOLS, hands_panels_on=True)
+    found = laid(gpu, [CASES["straight on"], hidden], View(Pose(), FOV), behind, tools=handing)
+    assert np.array_equal(found, laid(gpu, [hidden], View(Pose(), FOV), behind))
+    assert not np.array_equal(found, behind)
 
 
 def test_the_nearer_of_two_panels_is_in_front(gpu):

@@ -155,3 +155,16 @@ def test_an_unknown_effect_is_answered_with_the_nearest():
         effects.selected("transparancy", ())
     with pytest.raises(UnknownNameError, match="did you mean 'overlay'"):
         effects.selected("no-overlai", ())
+
+
+def test_a_display_that_composes_panels_is_handed_those_that_nothing_hides():
+    alone = plan_of(("panels",), takes_panels="the headset")
+    assert "panels" in alone.needs and alone.effects == ("panels",)
+    assert not alone.effect_passes and not [step for step in alone.steps if step.stage == "effects"]
+    assert dict(alone.left_out)["panels"] == "the headset composes them by itself, at its newest pose"
+    both = plan_of(("panels", "occluded_panels"), takes_panels="the headset")
+    (step,) = [step for step in both.steps if step.stage == "effects" and step.name == "panels"]
+    assert step.reason.endswith("; the headset composes those that nothing hides")
+    assert alone.hands_panels_on and both.hands_panels_on
+    assert not plan_of(("overlay",), takes_panels="the headset").hands_panels_on
+    assert not plan_of(("panels",)).hands_panels_on
