@@ -43,6 +43,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "speed": ("tests/bench_quick.py", False),
     "speed aims": ("tests/bench_aims.py", True),
     "foveation": ("tests/bench_foveation.py", True),
+    "panels": ("tests/bench_panels.py", True),
     "hidden area": ("tests/bench_hidden.py", True),
     "held out": ("tests/held_out.py", True),
     "sweeps": ("tests/sweep_scale.py", True),

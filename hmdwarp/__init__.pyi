@@ -20,4 +20,5 @@ from .poses import load_trace as load_trace
 from .resources import __version__ as __version__
 from .run import RunOptions as RunOptions
 from .run import replay as replay
+from .scenes import Panel as Panel
 from .sources import sequences as sequences

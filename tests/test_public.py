@@ -14,6 +14,7 @@ PUBLIC = {
     "DepthLayer",
     "Fov",
     "Hidden",
+    "Panel",
     "HmdwarpError",
     "InputError",
     "MachineError",

@@ -100,7 +100,7 @@ def _driver(source: str) -> tuple[type[PipelineOptions], dict[str, str]]:
     if source not in (REPLAY, OPENXR, DESKTOP):
         raise InputError(f"--source '{source}': expected {REPLAY}, {OPENXR} or {DESKTOP}")
     kind = PipelineOptions if source == REPLAY else LiveOptions
-    return kind, {"distorts": RUNTIME_LABEL, "takes_depth": RUNTIME_LABEL} if source == OPENXR else {}
+    return kind, dict.fromkeys(("distorts", "takes_depth", "takes_panels"), RUNTIME_LABEL) if source == OPENXR else {}
 
 
 def _assumed(source: str, headset: str) -> list[tuple[str, str]]:

@@ -15,6 +15,7 @@ from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
 from .effect_passes.expand import ExpandPass
+from .effect_passes.panels_pass import HeldPanel, PanelsPass, held_panels
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
 from .plan import SHOWN_DEPTH, Plan
@@ -43,6 +44,8 @@ class EyeResult:
     filled: tuple[tuple[str, Canvas], ...] = ()
     # r32f, of `shown`, -1 where it is unknown; None unless the plan makes it.
     inverse_depth: moderngl.Texture | None = None
+    # Those that the display composes, the farthest first.
+    panels: tuple[HeldPanel, ...] = ()
 
 
 @attrs.frozen(eq=False)
@@ -133,7 +136,15 @@ class Compensator:
             )  # fmt: skip
             for fill in plan.fills
         ]
-        tools = Tools(carry, pictures, images_read(plan.needs), geometry, hides)
+        tools = Tools(
+            carry,
+            pictures,
+            images_read(plan.needs),
+            geometry,
+            hides,
+            lens if plan.fused else None,
+            plan.hands_panels_on,
+        )
         self._expand = (
             ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
         )
@@ -188,9 +199,19 @@ class Compensator:
         with self._stage("warp"):
             self._run_warp(inputs, made)
             self._hide(inputs.middle, inputs.eye, made)
+        panels = self._panels(inputs) if self.plan.hands_panels_on else ()
         if made.warped is None:
+            for shown in self._shown:
+                with self._stage("effects"):
+                    shown.run_through_lens(inputs, made.panel)
             return EyeResult(inputs.middle, None, None, made.panel)
-        return self._finish(inputs, made, made.warped)
+        return self._finish(inputs, made, made.warped, panels)
+
+    def _panels(self, inputs: PassInputs) -> tuple[HeldPanel, ...]:
+        """Return the panels for the display: of those that ask to be hidden none, if a pass can."""
+        hides = any(isinstance(shown, PanelsPass) for shown in self._shown)
+        found = held_panels(inputs, self._geometry)
+        return tuple(each for each in found if not (hides and each.panel.occluded))
 
     def _hide(self, view: View, eye: int, made: _Canvases) -> None:
         """Blacken what the lens hides in the warped picture, and once in those that follow.
@@ -218,7 +239,9 @@ class Compensator:
         else:
             self._warp.run_with_depth(inputs, warped.colour, warped.inverse_depth)
 
-    def _finish(self, inputs: PassInputs, made: _Canvases, warped: ShownPicture) -> EyeResult:
+    def _finish(
+        self, inputs: PassInputs, made: _Canvases, warped: ShownPicture, panels: tuple[HeldPanel, ...]
+    ) -> EyeResult:
         """Run everything after the warp."""
         if self._depth is not None and warped.inverse_depth is not None:
             with self._stage(self._depth_stage):
@@ -238,7 +261,7 @@ class Compensator:
                 self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
         names = (fill.entry.name for fill in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
-        return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth)
+        return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth, panels)
 
     def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
         """Warp further pictures as the colour of the same inputs is; see Carry.along."""

@@ -58,6 +58,11 @@ class PlannedEffect:
         return reduce(or_, (effect.needs for effect in self.effects))
 
     @property
+    def is_for_display(self) -> bool:
+        """Whether a display can do all of it."""
+        return all(effect.for_display for effect in self.effects)
+
+    @property
     def reads(self) -> tuple[str, ...]:
         """Layers that the pass reads for the effects."""
         return self.made_by.reads_for(frozenset(effect.name for effect in self.effects))
@@ -86,6 +91,9 @@ class Plan:
     left_out: tuple[tuple[str, str], ...]
     # Whether the display reads the depth of what is shown.
     hands_depth_on: bool = False
+    # Whether the display composes panels, and what it compensates alone.
+    hands_panels_on: bool = False
+    handed_on: tuple[PlannedEffect, ...] = ()
     # The layers that say how the server lights the pictures.
     lit: Needs = Needs()
     # The layers that come in place of pictures, coarser away from where the eye looks.
@@ -110,7 +118,7 @@ class Plan:
     def needs(self) -> Needs:
         """Layers that frames must carry for this plan besides colour and inverse depth."""
         of_fills = (fill.entry.needs(fill.settings) for fill in self.fills)
-        of_effects = (effect.needs for effect in self.effect_passes)
+        of_effects = (effect.needs for effect in (*self.effect_passes, *self.handed_on))
         return reduce(or_, (*of_fills, *of_effects, self.lit, self.foveated), self.warp_needs)
 
     @property
@@ -142,7 +150,7 @@ class Plan:
     def reads_depth_after(self, fill: Choice[Fill]) -> bool:
         """Return whether a pass after that fill, or the display, reads the shown depth."""
         later = self.fills[self.fills.index(fill) + 1 :]
-        passes = [planned.entry.reads for planned in later] + [planned.made_by.reads for planned in self.effect_passes]
+        passes = [planned.entry.reads for planned in later] + [planned.reads for planned in self.effect_passes]
         return self.hands_depth_on or any(SHOWN_DEPTH in reads for reads in passes)
 
     def writes(self, name: str) -> bool:
@@ -191,6 +199,7 @@ def build_plan(
     forbidden: Collection[str] = (),
     distorts: str = "",
     takes_depth: str = "",
+    takes_panels: str = "",
     indirect: str = CONVERGED,
     fovea: Fovea | None = None,
 ) -> Plan:
@@ -204,9 +213,10 @@ def build_plan(
     rows as in the middle of the scan-out. named: names of declared effects that were asked for by
     name, which an imposter compensates too. forced, forbidden: names of effects that are declared
     though the scene lacks them, and not declared though it has them; used only in the stated
-    reasons. distorts, takes_depth: names of the display parts that correct the lens after this
-    plan, and that read the shown picture's depth; "" for none. indirect: as parse_indirect
-    takes it. fovea: pictures come coarser away from where the eye looks; None for whole ones.
+    reasons. distorts, takes_depth, takes_panels: names of the display parts that correct the lens
+    after this plan, that read the shown picture's depth, and that compose panels; "" for none.
+    indirect: as parse_indirect takes it. fovea: pictures come coarser away from where the eye
+    looks; None for whole ones.
 
     Errors: UnknownNameError for an unregistered name; PlanError for a pass that reads a layer which
     no pass before it writes, and for passes that cannot be fused; InputError for a setting that the
@@ -226,13 +236,14 @@ def build_plan(
         [planned for planned in passes if issubclass(planned.made_by, RenderedPass) is before]
         for before in (True, False)
     )
+    shown, handed = _handed_on(shown, takes_panels, draft)
     _refuse_colour_in_light(passes, chain)
     _plan_taken_out(shown, forced, draft)
     for planned in rendered:
         draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
     _plan_client_depth(choice.entry, client_geometry, CLIENT_DEPTH in (brings or ()), draft)
     follows = scanout and choice.entry.scans_out
-    depth_for = _readers_of_depth([fill.entry for fill in chain], [planned.made_by for planned in shown], takes_depth)
+    depth_for = _readers_of_depth([fill.entry for fill in chain], shown, takes_depth)
     beside = depth_for if choice.entry.depth_reads is not None and not fused else ""
     _plan_warp(choice, chosen_lens if fused else None, follows, beside, draft)
     if scanout and not follows:
@@ -244,8 +255,7 @@ def build_plan(
         draft.add("fill", f"fill {fill_choice}", f"asked for: {entry.summary}", entry.reads, entry.writes)
     if not chain:
         draft.leave_out("fill", f"fill 'none': {fills.get('none').summary}")
-    for planned in shown:
-        draft.add("effects", planned.made_by.name, _why(planned, forced), planned.reads, planned.made_by.writes)
+    _plan_shown(shown, forced, fused, takes_panels, draft)
     if fused:
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
@@ -268,6 +278,8 @@ def build_plan(
         tuple(draft.steps),
         tuple(draft.left_out),
         bool(takes_depth),
+        bool(takes_panels) and any(effect.for_display for planned in passes for effect in planned.effects),
+        tuple(handed),
         Needs(voxels=parse_indirect(indirect)),
         foveated,
     )
@@ -327,7 +339,7 @@ def _why_not(
             return f"{name} stands in for it"
     if effect.refines and effect.refines not in declared:
         return f"it refines {effect.refines}, which is left out: {effect.without}"
-    if fused and not issubclass(effect.made_by, RenderedPass):
+    if fused and not (effect.fuses or issubclass(effect.made_by, RenderedPass)):
         return f"the warp looks through the lens itself, so nothing can be composited between: {effect.without}"
     return _why_not_beside(warp, effect, named) or _why_unread(effect, read)
 
@@ -409,6 +421,31 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     )
 
 
+def _handed_on(
+    shown: Sequence[PlannedEffect], takes_panels: str, draft: _Draft
+) -> tuple[list[PlannedEffect], list[PlannedEffect]]:
+    """Return the passes that run, and those whose work the display does."""
+    handed = [planned for planned in shown if takes_panels and planned.is_for_display]
+    for effect in (effect for planned in handed for effect in planned.effects):
+        draft.leave_out(effect.name, f"{takes_panels} composes them by itself, at its newest pose")
+    return [planned for planned in shown if planned not in handed], handed
+
+
+def _plan_shown(
+    shown: Sequence[PlannedEffect], forced: Collection[str], fused: bool, takes_panels: str, draft: _Draft
+) -> None:
+    """Add the passes after the fills; after a fused warp they work on the display's picture."""
+    for planned in shown:
+        made_by, reason = planned.made_by, _why(planned, forced)
+        if takes_panels and any(effect.for_display for effect in planned.effects):
+            reason += f"; {takes_panels} composes those that nothing hides"
+        reads, writes = (
+            tuple(PANEL if fused and name == SHOWN else name for name in names)
+            for names in (planned.reads, made_by.writes)
+        )
+        draft.add("effects", made_by.name, reason, reads, writes)
+
+
 def _plan_taken_out(shown: Sequence[PlannedEffect], forced: Collection[str], draft: _Draft) -> None:
     """Add what passes after the fills take out of the rendered pictures first."""
     for planned in shown:
@@ -442,10 +479,10 @@ def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool,
         draft.add("warp", f"warp {choice} + lens {lens.name}", fused, reads, (PANEL,))
 
 
-def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[type[EffectPass]], takes_depth: str) -> str:
+def _readers_of_depth(chain: Sequence[type[Fill]], shown: Sequence[PlannedEffect], takes_depth: str) -> str:
     """Return which passes, or which display, read the shown depth, "" for none."""
     readers = [fill.name for fill in chain if SHOWN_DEPTH in fill.reads]
-    readers += [effect_pass.name for effect_pass in shown if SHOWN_DEPTH in effect_pass.reads]
+    readers += [planned.made_by.name for planned in shown if SHOWN_DEPTH in planned.reads]
     readers += [takes_depth] if takes_depth else []
     return " and ".join(dict.fromkeys(readers))
 

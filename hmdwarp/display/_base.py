@@ -16,6 +16,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import Canvas
 from ..headsets import Headset
 from ..poses import PoseSource, PoseTrack
+from ..scenes import Panel
 from .controls import CONTROLS, Command, Control, Status
 
 if TYPE_CHECKING:
@@ -63,6 +64,16 @@ class TextPanel(Hashable, Protocol):
 Label = str | TextPanel  # shown over a picture; "" for nothing
 
 
+class ShownPanel(Protocol):
+    """A panel with the picture that it shows: premultiplied linear light, rgba16f."""
+
+    @property
+    def panel(self) -> Panel: ...
+
+    @property
+    def texture(self) -> moderngl.Texture: ...
+
+
 class EyePicture(Protocol):
     """The finished picture of one eye."""
 
@@ -77,6 +88,10 @@ class EyePicture(Protocol):
     @property
     def inverse_depth(self) -> moderngl.Texture | None:
         """Inverse depth in 1/m, r32f, -1 where unknown; None unless the display takes depth."""
+
+    @property
+    def panels(self) -> Sequence[ShownPanel]:
+        """Those that the display composes, the farthest first; () unless it takes panels."""
 
 
 class Picture(Protocol):
@@ -170,6 +185,10 @@ class Display(Protocol):
     @property
     def takes_depth(self) -> str:
         """What reads the picture's depth, by name as in build_plan; "" for nothing."""
+
+    @property
+    def takes_panels(self) -> str:
+        """What composes panels itself, by name as in build_plan; "" for nothing."""
 
     def now_ns(self) -> int:
         """Return the current time."""

@@ -10,6 +10,8 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..client.effect_passes.panels_pass import HeldPanel, panel_texture
+from ..client.effects import effects as every_effect
 from ..colour import linear_from_srgb
 from ..errors import InputError
 from ..frames import Needs, Surface
@@ -20,6 +22,7 @@ from ..frames.layers.transparent import Transparent
 from ..geometry import Mirror, RigidState
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, allocate, release_all, upload
+from ..scenes import Panel, Scene, Texture
 from .picture_arrays import NO_DEPTH, PictureArrays, checked_picture
 from .usable import LAYERS
 
@@ -38,6 +41,8 @@ class HeldLayer(ABC):
     has_amount: ClassVar[bool] = False
     # Whether it has the size of the result instead of the picture's.
     is_shown: ClassVar[bool] = False
+    # Whether a picture may lack it: it is empty then.
+    is_optional: ClassVar[bool] = False
 
     def __init__(self, gpu: Gpu, size: Size, amount: Any) -> None:
         self._size, self._amount = size, amount if self.has_amount else 1
@@ -194,7 +199,33 @@ class _Reflection(HeldLayer):
         return found
 
 
-_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent, _Reflection)
+class _Panels(HeldLayer):
+    expected = "[hmdwarp.Panel(picture, pose, size_m), ..]"
+    kinds = ()
+    is_optional = True
+
+    def __init__(self, gpu: Gpu, size: Size, amount: Any) -> None:
+        super().__init__(gpu, size, amount)
+        self._gpu, self._sent = gpu, dict[Texture, moderngl.Texture]()
+
+    def hold(self, value: Any) -> tuple[HeldPanel, ...]:
+        """Take panels over; pictures that those of the call before had too stay where they are."""
+        panels = self.parts("panels", value, len(value) if isinstance(value, list | tuple) else 0)
+        if not all(isinstance(panel, Panel) for panel in panels):
+            raise InputError(f"layer 'panels': expected {self.expected}")
+        pictures, before = {panel.pictures[0] for panel in panels}, self._sent
+        self._sent = {picture: before.pop(picture) for picture in pictures if picture in before}
+        for picture in pictures - self._sent.keys():
+            self._sent[picture] = panel_texture(self._gpu, picture.image)
+        release_all(*before.values())
+        return tuple(HeldPanel(panel, self._sent[panel.pictures[0]]) for panel in panels)
+
+    def close(self) -> None:
+        release_all(*self._sent.values())
+        super().close()
+
+
+_KINDS: tuple[type[HeldLayer], ...] = (_Velocity, _Ids, _Overlay, _Peeled, _Transparent, _Reflection, _Panels)
 KNOWN = dict(zip(LAYERS, _KINDS, strict=True))
 
 
@@ -219,14 +250,29 @@ class CallerLayers:
             if name not in self._held:
                 raise InputError(f"layer '{name}': {who} does not read it; leave it out, or name an effect that does")
         for name, held in self._held.items():
-            if name not in passed:
+            if name not in passed and not held.is_optional:
                 raise InputError(f"{who} reads layer '{name}': give layers={{'{name}': ..}}, {held.expected}")
 
     def hold(self, passed: Mapping[str, Any]) -> dict[str, Any]:
         """Return what passes read, by name. Errors: InputError."""
-        return {name: held.hold(passed[name]) for name, held in self._held.items()}
+        return {name: held.hold(passed.get(name, ())) for name, held in self._held.items()}
 
     def close(self) -> None:
         """Free all textures."""
         for held in self._held.values():
             held.close()
+
+
+def with_panels(passed: Mapping[str, Any], panels: Any) -> Mapping[str, Any]:
+    """Return the layers with the panels of a call, if it has any."""
+    return (
+        passed if panels is None or (isinstance(panels, list | tuple) and not panels) else {**passed, "panels": panels}
+    )
+
+
+def with_panel_effects(effects: str, panels: Any) -> str:
+    """Return the effects with those that lay the panels of a call over its picture."""
+    if not isinstance(panels, list | tuple) or not all(isinstance(panel, Panel) for panel in panels):
+        return effects
+    called_for = every_effect.of(Scene("panels", "", (), panels=panels))
+    return ",".join([*(effects.split(",") if effects != "none" else []), *called_for]) or effects

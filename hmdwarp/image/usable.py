@@ -11,7 +11,7 @@ from ..frames.layers import PICTURE, readable
 from ..options import AUTO
 
 # What a caller can pass: pictures with depth, the depth of what is to be shown, and some layers.
-LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent", "reflection")
+LAYERS = ("velocity", "ids", "overlay", "peeled", "transparent", "reflection", "panels")
 AVAILABLE = (*PICTURE, OTHERS, CLIENT_DEPTH, *map(readable, LAYERS))
 
 

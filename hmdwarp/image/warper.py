@@ -34,11 +34,12 @@ from ..gpu.textures import SCALAR, Canvas, allocate, check_size, download, uploa
 from ..gpu.timers import Lap
 from ..options import AUTO
 from ..pipeline.governor import Change
+from ..scenes import Panel
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, Found, GiveOut, PixelBuffers, TakeIn
 from ..sources.repairs import parse_repairs
 from ..sources.sequences import about_largest, about_unit
 from .auto import AutoCompensator, plans_of_levels
-from .layer_arrays import CallerLayers
+from .layer_arrays import CallerLayers, with_panel_effects, with_panels
 from .picture_arrays import (
     RawPicture,
     about_corners,
@@ -281,6 +282,7 @@ class Warper:
         others: Sequence[Other] = (),
         client_depth_m: ArrayLike | None = None,
         layers: Mapping[str, Any] = MappingProxyType({}),
+        panels: Sequence[Panel] | None = None,
         age_s: float = 0.0,
         depth_scale: float | None = None,
         encoding: str | None = None,
@@ -290,14 +292,16 @@ class Warper:
     ) -> WarpedImage:
         """Return the view `shown`, warped from a picture with depth drawn for `rendered`.
 
-        Arguments and errors: as warp_image. eye: 0 or 1; a fill that remembers keeps the two apart.
-        out: arrays of yours for the result by name (colour, coverage, depth_m), of any strides:
-        uint8, or floats of any width; what it lacks is allocated.
+        Arguments and errors: as warp_image; panels are for a Warper with effects="panels" (or, to
+        be hidden by what is nearer, "panels,occluded_panels"). eye: 0 or 1; a fill that remembers
+        keeps the two apart. out: arrays of yours for the result by name (colour, coverage,
+        depth_m), of any strides: uint8, or floats of any width; what it lacks is allocated.
         """
         with self._gpu() as gpu:
             gpu.timer.collect()
+            laid = with_panels(layers, panels)
             asked = _request(
-                colour, depth_m, rendered, shown, others, client_depth_m, layers, age_s, depth_scale, encoding, result,
+                colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding, result,
                 eye, out,
             )  # fmt: skip
             return self._ended(gpu, self._begun(gpu, asked))
@@ -312,6 +316,7 @@ class Warper:
         others: Sequence[Other] = (),
         client_depth_m: ArrayLike | None = None,
         layers: Mapping[str, Any] = MappingProxyType({}),
+        panels: Sequence[Panel] | None = None,
         age_s: float = 0.0,
         depth_scale: float | None = None,
         encoding: str | None = None,
@@ -333,8 +338,9 @@ class Warper:
                 # Passes that the wall clock times for "auto" are waited for.
                 is_timed = isinstance(self._compensator, AutoCompensator) and gpu.timer.clock == "wall"
                 with nullcontext() if is_timed else gpu.timer.without_waiting():
+                    laid = with_panels(layers, panels)
                     asked = _request(
-                        colour, depth_m, rendered, shown, others, client_depth_m, layers, age_s, depth_scale, encoding,
+                        colour, depth_m, rendered, shown, others, client_depth_m, laid, age_s, depth_scale, encoding,
                         result, eye, out,
                     )  # fmt: skip
                     flight = self._begun(gpu, asked)
@@ -509,6 +515,7 @@ class Warper:
         *,
         depth_as: str | DepthLayer = INVERSE,
         encoding: str = LINEAR,
+        panels: Sequence[Panel] | None = None,
         eye: int = 0,
     ) -> WarpedTextures:
         """Return the view `shown` as textures, from textures of the same context.
@@ -525,7 +532,8 @@ class Warper:
         _check_eye(eye)
         views = _checked_views(rendered, shown)
         self._check_needs(0, client_depth=False)
-        self._layers.check({}, f"{self._named} runs on arrays where it")
+        laid = with_panels({}, panels)
+        self._layers.check(laid, f"{self._named} runs on arrays where it")
         if isinstance(self._compensator, AutoCompensator):
             raise InputError("warp 'auto' times pictures of warp() and submit(): name a warp for textures")
         if self.repair.steps:
@@ -537,7 +545,7 @@ class Warper:
             # Read back once: it waits for the GPU.
             for note in self._unit_notes(lambda: _metres(download(pair[1])), views, "a scale of {:g}"):
                 warnings.warn(note, stacklevel=2)
-            image = EyeImage(views[0], *pair, drawn_ns=self._next())
+            image = EyeImage(views[0], *pair, self._layers.hold(laid), drawn_ns=self._next())
             made = self._compensator.run(self._inputs([image], views[1], eye))
             gpu.check_not_lost()
             assert made.shown is not None, "only a fused plan lacks it"
@@ -770,6 +778,7 @@ def warp_image(
     others: Sequence[Other] = (),
     client_depth_m: ArrayLike | None = None,
     layers: Mapping[str, Any] = MappingProxyType({}),
+    panels: Sequence[Panel] | None = None,
     age_s: float = 0.0,
     depth_scale: float | None = None,
     encoding: str | None = None,
@@ -794,7 +803,9 @@ def warp_image(
     read them: the other eye's, then older ones, newest first. client_depth_m: (h, w)
     metres in the shown view, for warps that read it. layers: further layers by name, for effects
     and warps that read them: velocity, ids, overlay, peeled, transparent; docs/rgbd.md says what
-    each holds. age_s: seconds from drawing the picture to showing it, for what moves.
+    each holds. panels: text and menus, laid over the result at its own pose; the first picture of
+    each is shown, and is uploaded once for all panels that attrs.evolve makes of one. age_s:
+    seconds from drawing the picture to showing it, for what moves.
     depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres; the
     largest of their type, such as 65535, is a hole. Warns of those, and of depth that is hardly in
     metres: over 40 m everywhere, while the eye moves by less than a tenth of that.
@@ -812,6 +823,7 @@ def warp_image(
     views = _checked_views(rendered, shown)
     picture = raw_picture(without_hidden(colour, views[0]), depth_m, depth_scale, encoding)
     shown_size = picture.size if size is None else checked_size(size)
+    effects, layers = with_panel_effects(effects, panels), with_panels(layers, panels)
     options: dict[str, Any] = {"warp": warp, "fill": fill, "effects": effects, "repair": repair, "depth": depth}
     options |= {"budget_ms": budget_ms, "bench": bench}
     with Warper(shown_size, rendered_size=picture.size, gpu=gpu, **options) as warper, warper._gpu() as current:

@@ -73,7 +73,8 @@ class Changes:
         if self._sent is None or len(views) != len(self._sent.eyes):
             return math.inf
         then_ns = self._sent.drawn_ns
-        if self._content(then_ns) != self._content(now_ns) or self.light_at(then_ns) != self.light_at(now_ns):
+        seen = (self._content, self.light_at, lambda time_ns: [each.showing(time_ns) for each in self._scene.panels])
+        if any(at(then_ns) != at(now_ns) for at in seen):
             return math.inf
         return max(
             _by_head(eye, view, nearest) + self._by_movers(eye, view, then_ns, now_ns)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import enum
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import attrs
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..frames import EyeImage, EyeSizes, Needs
-from ..frames.layers import OWN, Layer, layers
+from ..frames.layers import OWN, Delivered, Layer, layers, part_of_bytes
 from ..geometry import Fov, Pose, View
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed import bounds
 from ..sources.feed.message import FrameMessage
-from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
+from ..sources.feed.parts import BadPart, Layers, Packed, Part, Wanted, packed, unpacked_bytes
 from ..sources.server import Renderer
 
 Array = NDArray[np.float64]
@@ -156,14 +156,12 @@ def fed(needs: Needs) -> list[str]:
     return [name for name in needs if layers.get(name).fed]
 
 
-def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) -> Wanted | None:
-    """Return what to ask a server for. views: as shown."""
-    amounts = tuple((name, _number_of(needs[name])) for name in fed(needs))
+def wanted_of(
+    needs: Needs, views: Sequence[View], shown_size: tuple[int, int], numbers: Mapping[str, int] = MappingProxyType({})
+) -> Wanted | None:
+    """Return what to ask a server for. views: as shown. numbers: in place of some layers' own."""
+    amounts = tuple((name, numbers.get(name) or layers.get(name).number_of(needs[name])) for name in fed(needs))
     return Wanted(amounts, shown_size, tuple(view.fov for view in views)) if amounts else None
-
-
-def _number_of(amount: Any) -> int:
-    return amount.value if isinstance(amount, enum.Flag) else int(amount)
 
 
 def needs_of_client(wanted: Wanted | None) -> Needs:
@@ -173,10 +171,10 @@ def needs_of_client(wanted: Wanted | None) -> Needs:
         if name not in layers.names() or not layers.get(name).fed:
             raise InputError(f"there is no layer '{name}' here")
         try:
-            found[name] = type(layers.get(name).something)(number)
+            found[name] = layers.get(name).amount_of(number)
         except ValueError:  # its text has several lines
-            found[name] = 0
-        if _number_of(found[name]) != number:
+            found[name] = None
+        if found[name] is None or layers.get(name).number_of(found[name]) != number:
             raise InputError(f"there is no {number} of layer '{name}': docs/feed.md says how much there is")
     return Needs(**found)
 
@@ -186,12 +184,18 @@ def sizes_of(wanted: Wanted, size: tuple[int, int]) -> EyeSizes:
     return EyeSizes(size, wanted.size, wanted.fovs)
 
 
-def parts_of(eye: EyeImage, needs: Needs, *, packs: bool) -> Layers:
-    """Return the needed layers of one eye as arrays. packs: without loss, for a slow network."""
+def parts_of(eye: EyeImage, needs: Needs, *, packs: bool, is_first: bool = True) -> Layers:
+    """Return the needed layers of one eye as arrays. packs: without loss, for a slow network.
+
+    is_first: whether what both eyes share is in this one; it is empty in the other.
+    """
     found: dict[str, list[NDArray[Any] | Packed]] = {}
     for name in needs:
         layer, numbers = layers.get(name), layers.get(name).numbers(eye[name])
-        drawn = [picture if isinstance(picture, np.ndarray) else download(picture) for picture in layer.sent(eye[name])]
+        drawn = [
+            part_of_bytes(content[: None if is_first else 0]) if isinstance(content, np.ndarray) else download(content)
+            for content in layer.sent(eye[name])
+        ]
         found[name] = [packed(picture) for picture in drawn] if packs else [*drawn]
         if numbers is not None:
             found[name].append(numbers)
@@ -206,13 +210,7 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
     if not frame.layers:
         return frame
     try:
-        found = tuple(
-            {
-                name: [part.numbers() if isinstance(part, Packed) else part for part in parts]
-                for name, parts in of_eye.items()
-            }
-            for of_eye in frame.layers
-        )
+        found = tuple({name: [*map(numbers_of, parts)] for name, parts in of_eye.items()} for of_eye in frame.layers)
         for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
             if len(of_eye.get(VELOCITY, ())) > 1:
                 if isinstance(frame.inverse_depths[eye], bytes):
@@ -234,10 +232,19 @@ def wanted_alone(frame: FrameMessage, wanted: Wanted | None) -> FrameMessage:
         for name, parts in of_eye.items():
             assert wanted is not None
             layer, sizes = layers.get(name), sizes_of(wanted, frame.size)
-            most = bounds.most_beside(frame.size) if layer.size_class == OWN else layer.bytes(names[name], sizes)
+            most = bounds.most_beside(frame.size) if _is_own_size(layer) else layer.bytes(names[name], sizes)
             if unpacked_bytes([{name: parts}]) > most + _MOST_TABLE:
                 raise Undecodable(f"layer '{name}' claims to be larger than requested")
     return attrs.evolve(frame, layers=found)
+
+
+def numbers_of(part: Part) -> NDArray[Any]:
+    """Return the numbers of a part, which `unpacked` has unpacked. Errors: BadPart."""
+    return part.numbers() if isinstance(part, Packed) else part
+
+
+def _is_own_size(layer: type[Layer]) -> bool:
+    return layer.size_class == OWN or issubclass(layer, Delivered)
 
 
 def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
@@ -249,7 +256,11 @@ def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
         for name, number in wanted.layers:
             if name not in of_eye:
                 return f"the server sends no layer '{name}'"
-            wrong = _misfit_of(layers.get(name), number, list(of_eye[name]), sizes)
+            layer, parts = layers.get(name), list(of_eye[name])
+            is_bytes = issubclass(layer, Delivered)
+            wrong = (
+                layer.misfit([*map(numbers_of, parts)], None) if is_bytes else _misfit_of(layer, number, parts, sizes)
+            )
             if wrong:
                 return f"layer '{name}' of the server: {wrong}"
     return ""
@@ -285,6 +296,8 @@ def _of(wanted: Wanted | None) -> tuple[tuple[str, int], ...]:
 
 
 def _made(server: Renderer, layer: type[Layer], number: int, parts: Sequence[Any]) -> Any:
+    if issubclass(layer, Delivered):
+        return layer.made([], parts[0])
     formats, textures = layer.pictures(number), []
     for one, form in zip(parts, formats, strict=False):
         textures.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)

@@ -44,12 +44,13 @@ def build_plan_for(
     shares_frames: bool = False,
     distorts: str = "",
     takes_depth: str = "",
+    takes_panels: str = "",
 ) -> Plan:
     """Return the plan of a run. Without a scene, only the names are checked.
 
     headset: the one whose lens is corrected, or None. shares_frames: other warps take turns on the
     same frames, which therefore have no whole picture for an imposter: it compensates what they do.
-    distorts, takes_depth: as in build_plan.
+    distorts, takes_depth, takes_panels: as in build_plan.
     Errors: as build_plan; PlanError for a plan that the client cannot run, and for a warp that is
     not for the scene; InputError for a lens correction on a headset without a lens.
     """
@@ -60,7 +61,14 @@ def build_plan_for(
     plan = (
         _plan_behind_proxy(options, scene, distorts)
         if options.source_kind is PROXY
-        else _plan_of_all(options, scene, shares_frames=shares_frames, distorts=distorts, takes_depth=takes_depth)
+        else _plan_of_all(
+            options,
+            scene,
+            shares_frames=shares_frames,
+            distorts=distorts,
+            takes_depth=takes_depth,
+            takes_panels=takes_panels,
+        )
     )
     check_suited(scene, plan.choice, options.indirect)
     if options.client_name:
@@ -79,10 +87,8 @@ def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None
         raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
 
 
-def _plan_of_all(
-    options: PipelineOptions, scene: Scene | None, *, shares_frames: bool, distorts: str, takes_depth: str
-) -> Plan:
-    """Return the plan of who gets the server's frames."""
+def _plan_of_all(options: PipelineOptions, scene: Scene | None, *, shares_frames: bool, **beyond: str) -> Plan:
+    """Return the plan of who gets the server's frames. beyond: as in build_plan."""
     called_for, kind = effects.of(scene) if scene is not None else (), options.source_kind
     # What recorded frames show is not known, so that what is forced is never without content.
     selected = effects.selected(options.effects, called_for, scene if kind is not RECORDING else None)
@@ -99,10 +105,9 @@ def _plan_of_all(
             named=selected if shares_frames else effects.forced(options.effects),
             forced={*selected} - {*called_for},
             forbidden={*called_for} - {*selected},
-            distorts=distorts,
-            takes_depth=takes_depth,
             indirect=options.indirect,
             fovea=options.fovea,
+            **beyond,
         )
     except PlanError as error:
         if not kind.limits:

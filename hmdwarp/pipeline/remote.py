@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import InputError, MachineError
 from ..frames import Needs
 from ..frames.layers import PICTURE
+from ..frames.layers.panels import PanelRequests
 from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
@@ -28,7 +29,7 @@ from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
 from .feed_coding import FeedDecoder, codec_of, left_out, raw_form, reading
-from .feed_layers import misfit, wanted_alone, wanted_of
+from .feed_layers import misfit, numbers_of, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -91,7 +92,7 @@ class Remote:
         # What was wrong with the layers of the last frame that was left out, and what was said.
         self._misfit = ""
         self._told: set[str] = set()
-        self._apart = ViewsApart()
+        self._apart, self._panels = ViewsApart(), PanelRequests()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
         # Types of the numbers of the frames that came last, and the largest error of their depth.
@@ -126,7 +127,10 @@ class Remote:
         anew = self._decoder.wants_anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        wanted = wanted_of(needs, views, size) if needs is not None else None
+        wanted = None
+        if needs is not None:
+            own = {"panels": self._panels.number(self._number, self._pending)} if "panels" in needs else {}
+            wanted = wanted_of(needs, views, size, own)
         times = (self._number, 0, now_ns, head.time_ns, 0)
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(ask)
@@ -155,6 +159,7 @@ class Remote:
     def forget(self) -> None:
         """Leave out the answers to all requests so far: they are for another loop."""
         self._pending.clear()
+        self._panels = PanelRequests()
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
@@ -238,6 +243,8 @@ class Remote:
                 self._misfit = wrong
                 self._leave_out(wrong, "")
                 continue
+            for part in decoded.layers[0].get("panels", ()) if decoded.layers else ():
+                self._panels.take(numbers_of(part))
             self._raw = raw_form(arrival.frame, self._raw)
             self._compare(pending.views, decoded.views)
             took_ns = arrival.heard_ns - pending.sent_ns

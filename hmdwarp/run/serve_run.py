@@ -147,7 +147,8 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     server.gpu.wait()
     pictures = list(_pictures(server, frame, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
-    further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
+    sent = (parts_of(eye, needs, packs=packs, is_first=eye is frame.eyes[0]) for eye in frame.eyes)
+    further = tuple(sent) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)

@@ -242,6 +242,7 @@ class EmulatedScreen:
     # As of build_plan.
     distorts: ClassVar[str] = ""
     takes_depth: ClassVar[str] = ""
+    takes_panels: ClassVar[str] = ""
 
     @property
     def size(self) -> tuple[int, int]:
@@ -277,7 +278,7 @@ class RunSetup(Generic[Options]):
         Errors: InputError.
         """
         options = attrs.evolve(options, size=options.size or screen.size)
-        beyond = {"distorts": screen.distorts, "takes_depth": screen.takes_depth}
+        beyond = {name: getattr(screen, name) for name in ("distorts", "takes_depth", "takes_panels")}
         plans = plans_for(options, screen.headset, source.scene, **beyond)
         run = cls(options, source, screen, plans, needs_of(plans) | (also or Needs()))
         source.check(plans, run.needs)

@@ -12,6 +12,8 @@ from ._mesh import Mesh as Mesh
 from ._mesh import Motion as Motion
 from ._mesh import Texture as Texture
 from ._mesh import chunks_of as chunks_of
+from ._panels import MOST_PANELS as MOST_PANELS
+from ._panels import Panel as Panel
 from ._photons import Light as Light
 from ._photons import Photons as Photons
 from ._photons import PhotonTracer as PhotonTracer

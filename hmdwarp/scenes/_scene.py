@@ -15,6 +15,7 @@ from ..geometry import Mirror, Pose
 from ..geometry.view import MOST_MIRRORS
 from ..registry import Registry
 from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Mesh, Motion, Texture
+from ._panels import MOST_PANELS, Panel
 
 MOST_LAMPS = 4
 ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
@@ -223,6 +224,7 @@ class Scene:
     notes: tuple[str, ...] = attrs.field(default=(), converter=_tuple)
     # Light that moves; without lamps all light is baked.
     lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_tuple)
+    panels: tuple[Panel, ...] = attrs.field(default=(), converter=_tuple)
     light_ns: int | None = None  # of which instant the lamps' light is, whatever moves; None for that which is drawn
 
     def __attrs_post_init__(self) -> None:
@@ -239,6 +241,8 @@ class Scene:
         shining = next((texture.name for texture in self.textures if texture.emission is not None), None)
         if self.lamps and shining is not None:
             raise SceneError(f"texture '{shining}' shines: in a scene with lamps, expected textures without emission")
+        if len(self.panels) > MOST_PANELS:
+            raise SceneError(f"{len(self.panels)} panels: expected at most {MOST_PANELS}")
         if problem := problem_with(self.meshes, self.lamps):
             raise SceneError(problem)
         self.mirrors  # noqa: B018 (raises at once if a mirror cannot be drawn)
@@ -261,7 +265,7 @@ class Scene:
     def is_still(self) -> bool:
         """Whether there is something, and all of it looks the same at all times from everywhere."""
         plain = (mesh.is_surface and mesh.stands_still and not mesh.material.reflectivity for mesh in self.meshes)
-        return bool(self.meshes) and not self.lamps and all(plain)
+        return bool(self.meshes) and not self.lamps and not self.panels and all(plain)
 
     @property
     def triangle_count(self) -> int:

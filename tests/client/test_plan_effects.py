@@ -73,17 +73,18 @@ def test_a_frame_weighs_what_the_effects_need_and_no_more(declared):
 def test_shown_depth_is_made_once_and_only_where_somebody_reads_it():
     for declared in SETS:
         plan = plan_of(declared)
-        readers = [pass_ for pass_ in plan.effect_passes if SHOWN_DEPTH in pass_.made_by.reads]
+        readers = [pass_ for pass_ in plan.effect_passes if SHOWN_DEPTH in pass_.reads]
         assert sum(SHOWN_DEPTH in step.writes for step in plan.steps) == bool(readers)
 
 
 @pytest.mark.parametrize("warp", [warp.name for warp in warps if warp.fuses])
 def test_fused_with_the_lens_nothing_is_composited(warp):
     plan = plan_of(EVERY_EFFECT, warp, lens="radial", fused=True, named=EVERY_EFFECT)
-    assert all(issubclass(pass_.made_by, RenderedPass) for pass_ in plan.effect_passes)
+    done = [effect for pass_ in plan.effect_passes for effect in pass_.effects]
+    assert all(effect.fuses or issubclass(effect.made_by, RenderedPass) for effect in done)
     assert not any(SHOWN in step.writes for step in plan.steps)
     for effect in map(effects.get, EVERY_EFFECT):
-        if not issubclass(effect.made_by, RenderedPass):
+        if not (effect.fuses or issubclass(effect.made_by, RenderedPass)):
             assert "nothing can be composited" in dict(plan.left_out)[effect.name]
 
 
@@ -154,3 +155,16 @@ def test_an_unknown_effect_is_answered_with_the_nearest():
         effects.selected("transparancy", ())
     with pytest.raises(UnknownNameError, match="did you mean 'overlay'"):
         effects.selected("no-overlai", ())
+
+
+def test_a_display_that_composes_panels_is_handed_those_that_nothing_hides():
+    alone = plan_of(("panels",), takes_panels="the headset")
+    assert "panels" in alone.needs and alone.effects == ("panels",)
+    assert not alone.effect_passes and not [step for step in alone.steps if step.stage == "effects"]
+    assert dict(alone.left_out)["panels"] == "the headset composes them by itself, at its newest pose"
+    both = plan_of(("panels", "occluded_panels"), takes_panels="the headset")
+    (step,) = [step for step in both.steps if step.stage == "effects" and step.name == "panels"]
+    assert step.reason.endswith("; the headset composes those that nothing hides")
+    assert alone.hands_panels_on and both.hands_panels_on
+    assert not plan_of(("overlay",), takes_panels="the headset").hands_panels_on
+    assert not plan_of(("panels",)).hands_panels_on

@@ -132,6 +132,7 @@ def has_what_a_run_asks_for(display: Display, backend: Stub) -> None:
     assert 1 < display.rate_hz < 1000
     assert display.headset is None or isinstance(display.headset, Headset)
     assert isinstance(display.distorts, str) and isinstance(display.takes_depth, str)
+    assert isinstance(display.takes_panels, str)
     assert display.headset is None or not display.distorts  # the lens is corrected once
 
 
@@ -185,6 +186,7 @@ class Eye:
     view: View
     panel: Canvas
     inverse_depth: moderngl.Texture | None
+    panels: tuple[()] = ()
 
 
 @attrs.frozen

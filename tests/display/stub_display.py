@@ -15,7 +15,7 @@ class StubDisplay:
     """A display.Display that shows nothing and counts its ticks as time."""
 
     name = "stub"
-    distorts = takes_depth = ""
+    distorts = takes_depth = takes_panels = ""
     rate_hz = 50.0
 
     def __init__(self, options: DisplayOptions) -> None:

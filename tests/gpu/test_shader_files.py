@@ -86,7 +86,10 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
                     choice.entry(gpu, (9, 7), (8, 6), choice.settings, ClientScene(gpu), depth_read=read).close()
         carry = Carry(warps.get("forward")(gpu, (9, 7), (8, 6)))
         ShownDepth(gpu, carry, 1, (9, 7), (8, 6)).close()
-        _compile_effects(gpu, Tools(carry, 1, geometry=ClientScene(gpu)))
+        tools = Tools(carry, 1, geometry=ClientScene(gpu))
+        _compile_effects(gpu, tools)
+        for effect, lens in product((one for one in effects if one.fuses), (*libraries, one_colour)):
+            effect.made_by(gpu, frozenset({effect.name}), (9, 7), (8, 6), attrs.evolve(tools, lens=lens)).close()
         server = Server(gpu, _shining(load_scene("planes")))
         server.draw(View(Pose(), Fov(-0.7, 0.7, -0.7, 0.7)), (8, 6))
         server = Server(gpu, load_scene("planes"))

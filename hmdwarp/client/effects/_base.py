@@ -18,6 +18,7 @@ from ...scenes import Mesh, Scene
 from ..carry import Carry
 from ..client_scene import ClientScene
 from ..inputs import PassInputs, ShownPicture
+from ..lens import LensPass
 
 
 @attrs.frozen
@@ -41,6 +42,12 @@ class Effect:
     refines: str = ""
     # Names of the effects that it stands in for: they are left out where it is used.
     instead_of: tuple[str, ...] = ()
+    # Whether the scene has it beside its meshes.
+    in_scene: Callable[[Scene], bool] = lambda _: False
+    # Whether its pass can look through the lens too, after a warp that does.
+    fuses: bool = False
+    # Whether a display that composes panels can do it.
+    for_display: bool = False
     # Whether only `--effects` asks for it: a way to draw frames, or another way to compensate
     # content. Requested in a scene without a mesh that has the effect, it is left out.
     by_name_only: bool = False
@@ -60,6 +67,10 @@ class Tools:
     geometry: ClientScene | None = None
     # As an Output's.
     hides: bool = False
+    # The lens that the warp looks through; None where pictures are composited before it.
+    lens: LensPass | None = None
+    # Whether the display composes panels that nothing hides.
+    hands_panels_on: bool = False
 
     @property
     def hiding(self) -> dict[str, object]:
@@ -140,6 +151,10 @@ class ShownPass(EffectPass):
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         """Write the whole shown picture with the effect into `into`."""
 
+    def run_through_lens(self, inputs: PassInputs, panel: Canvas) -> None:
+        """Composite in the display's picture; called in place of run() where tools.lens is one."""
+        raise NotImplementedError(f"{self.name} cannot look through the lens")
+
 
 AUTO, NONE, FORBID = "auto", "none", "no-"
 
@@ -190,4 +205,4 @@ class EffectRegistry(Registry[Effect]):
 
 def _occurs(effect: Effect, scene: Scene | None) -> bool:
     """Return whether some mesh has the effect; True where the scene is not known."""
-    return scene is None or any(effect.applies(scene, mesh) for mesh in scene.meshes)
+    return scene is None or effect.in_scene(scene) or any(effect.applies(scene, mesh) for mesh in scene.meshes)

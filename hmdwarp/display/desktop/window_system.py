@@ -274,7 +274,7 @@ class SwitchableView:
     hmdwarp corrects the lens. size: (w, h) of one eye's picture; None for what suits the view.
     """
 
-    distorts = takes_depth = ""
+    distorts = takes_depth = takes_panels = ""
 
     def __init__(self, headset: Headset, size: Size | None, view: str) -> None:
         self._emulated, self._wanted_size = headset, size

@@ -106,6 +106,15 @@ class Connection:
         depths = [self._swapchain(calls, graphics, size, deep) for _ in range(COUNT)] if with_depth and deep else []
         self._pictures = Pictures(colours, depths, Projection(self.spaces.world, colours, depths))
 
+    def before_closing(self, callback: Callable[[], None]) -> None:
+        """Call this before the session ends."""
+        self._cleanup.callback(callback)
+
+    @property
+    def colour_format(self) -> int:
+        """The format of all colour that the runtime gets."""
+        return colour_format(self._formats)
+
     def pictures(self) -> Pictures:
         """Return the swapchains that make_pictures() created."""
         if self._pictures is None:
@@ -246,6 +255,12 @@ class Swapchain:
         self._calls("xrAcquireSwapchainImage", self.handle, None, self._index_pointer)
         self._calls("xrWaitSwapchainImage", self.handle, self._wait)
         return self._framebuffers[self._index.value]
+
+    def write(self, pixels: bytes) -> None:
+        """Write the next image and release it. pixels: as its format has them. Errors: Lost."""
+        self.acquire()
+        self._textures[self._index.value].write(pixels)
+        self.release()
 
     def release(self) -> None:
         """Release the image to the runtime. Errors: Lost."""

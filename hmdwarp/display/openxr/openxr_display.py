@@ -22,6 +22,7 @@ from ..present import Notice, Presenter
 from .connection import IDLE_S, NEAR_M, READY_S, Connected, Connection, Swapchain, connect
 from .diagnosis import RUNTIME_LABEL
 from .graphics import Graphics, open_graphics
+from .quads import Quads
 from .runtime import (
     HEADLESS_EXTENSION,
     RATE_EXTENSION,
@@ -62,14 +63,15 @@ class OpenXrDisplay(Connected):
     Errors: MachineError naming which of loader, runtime, service, headset or extension is missing.
     """
 
-    # Thirteen attributes, seven of them members of Display.
+    # Fifteen attributes, eight of them members of Display.
     name = "openxr"
     headset = None  # the runtime knows its lens, and corrects it
-    distorts = RUNTIME_LABEL
+    distorts = takes_panels = RUNTIME_LABEL
 
     def __init__(self, options: DisplayOptions) -> None:
         self._options, self._calls = options, Calls(options.watching)
         self.eyes, self.source = RuntimeEyes(), HeadTracker()
+        self._quads: Quads | None = None  # None before the first connection
         self._drawing: Drawing | None = None  # None before the first connection and after close()
         try:
             self._open()
@@ -88,6 +90,8 @@ class OpenXrDisplay(Connected):
         self._calls.stage = "running"
         made.settle(self._calls, self.eyes)
         made.make_pictures(self._calls, graphics, self.size, bool(self.takes_depth))
+        self._quads = Quads(self._calls, graphics.gpu, made.session.handle, made.spaces, made.colour_format)
+        made.before_closing(self._quads.close)
         self._period_ns: int = made.frames.state.predicted_display_period
         self.rate_hz = 1e9 / self._period_ns
         self._last_shown_ns = 0
@@ -150,7 +154,9 @@ class OpenXrDisplay(Connected):
         """Submit as Display.show; returns when xrEndFrame has returned."""
         frames, presenter = self._connected().frames, self._opened().presenter
         if frames.state.should_render and (refresh is not None or label):
-            frames.end(self._draw(refresh, label))
+            picture = self._draw(refresh, label)
+            panels = refresh.eyes[0].panels if refresh is not None and self._quads is not None else ()
+            frames.end(picture, *(self._quads.layers(panels) if self._quads is not None and panels else ()))
         else:
             frames.end()
         submitted_ns = time.monotonic_ns()

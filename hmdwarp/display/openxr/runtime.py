@@ -16,6 +16,7 @@ from xr import raw_functions
 
 from ...errors import HmdwarpError, MachineError
 from ...resources import __version__
+from ...scenes import MOST_PANELS
 from .. import Closed, Lost
 from .diagnosis import (
     CLOCK_EXTENSION,
@@ -278,6 +279,8 @@ class Session:
 
 
 _LAYER = ctypes.POINTER(xr.CompositionLayerBaseHeader)
+# Every runtime composes as many (XR_MIN_COMPOSITION_LAYERS_SUPPORTED): the picture, and panels.
+MOST_LAYERS = 1 + MOST_PANELS
 
 
 def hidden_triangles(
@@ -327,7 +330,7 @@ class FrameCalls:
         self.state = xr.FrameState()
         self._state_pointer = ctypes.byref(self.state)
         self._waited = self._open = False
-        self._layers = (_LAYER * 1)()
+        self._layers = (_LAYER * MOST_LAYERS)()
         self._end = xr.FrameEndInfo(environment_blend_mode=xr.EnvironmentBlendMode(blend_mode))
         self._end_pointer = ctypes.byref(self._end)
 
@@ -339,13 +342,14 @@ class FrameCalls:
         self._calls("xrBeginFrame", self._session, None)
         self._waited = False
 
-    def end(self, layer: ctypes.Structure | None = None) -> None:
-        """Submit the frame, with this layer or with none. Errors: Lost."""
+    def end(self, *layers: ctypes.Structure) -> None:
+        """Submit the frame, with these layers, the first behind the others. Errors: Lost."""
         end = self._end
-        end.display_time, end.layer_count = self.state.predicted_display_time, 0
-        if layer is not None:
-            self._layers[0] = ctypes.cast(ctypes.pointer(layer), _LAYER)
-            end.layer_count, end._layers = 1, self._layers
+        end.display_time, end.layer_count = self.state.predicted_display_time, len(layers)
+        for number, layer in enumerate(layers):
+            self._layers[number] = ctypes.cast(ctypes.pointer(layer), _LAYER)
+        if layers:
+            end._layers = self._layers
         self._calls("xrEndFrame", self._session, self._end_pointer)
         self._open = False
 

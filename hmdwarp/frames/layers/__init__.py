@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 import heapq
 import struct
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -99,6 +100,8 @@ class Layer:
     always: ClassVar[bool] = False
     # Whether the picture lacks what the layer shows.
     apart: ClassVar[bool] = False
+    # Whether the client lays it over whatever else it shows.
+    laid_over: ClassVar[bool] = False
     # Whether frames of other processes may have it, see docs/feed.md: its amount is a number then.
     fed: ClassVar[bool] = False
     # Whether what a frame has of it depends on the frames before: then none can be left out.
@@ -131,6 +134,16 @@ class Layer:
     def pictures(cls, amount: Any) -> tuple[str, ...]:
         """Return the format of each texture of `amount` of it, in the order of `sent`."""
         return int(amount) * cls.formats
+
+    @classmethod
+    def number_of(cls, amount: Any) -> int:
+        """Return the number that stands for an amount in requests to another process."""
+        return amount.value if isinstance(amount, enum.Flag) else int(amount)
+
+    @classmethod
+    def amount_of(cls, number: int) -> Any:
+        """Return the amount that a number stands for. Errors: ValueError."""
+        return type(cls.something)(number)
 
     @classmethod
     def numbers(cls, data: Any) -> NDArray[Any] | None:
@@ -363,6 +376,11 @@ class Inbox:
         """How many things are whole."""
         return len(self._whole)
 
+    @property
+    def begun(self) -> int:
+        """Of how many things a part has come."""
+        return len(self._begun)
+
     def take(self, content: NDArray[np.uint8]) -> Iterator[tuple[int, bytes]]:
         """Take an update's content; yield the number and bytes of each thing that is now whole."""
         data, at = content.tobytes(), 0
@@ -382,3 +400,26 @@ class Inbox:
 
 def _fragments(thing: bytes) -> int:
     return max(1, -(-len(thing) // FRAGMENT_BYTES))
+
+
+# Between processes bytes are a picture of 16-bit numbers: how many there are in the first two, then
+# two a number.
+_PART_COLUMNS = 4096
+
+
+def part_of_bytes(content: NDArray[np.uint8]) -> NDArray[np.uint16]:
+    """Return bytes as a picture for the feed, whose rows are full."""
+    data = struct.pack("<I", len(content)) + content.tobytes()
+    row = 2 * min(_PART_COLUMNS, -(-len(data) // 2))
+    return np.frombuffer(data.ljust(-(-len(data) // row) * row, b"\0"), "<u2").reshape(-1, row // 2)
+
+
+def bytes_of_part(part: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return the bytes of such a picture. Errors: ValueError for another one."""
+    if part.dtype != np.uint16 or part.ndim != 2:
+        raise ValueError(f"{part.dtype} of shape {part.shape}: expected a picture of u16")
+    data = np.ascontiguousarray(part, "<u2").tobytes()
+    (count,) = struct.unpack_from("<I", data)
+    if count > len(data) - 4:
+        raise ValueError(f"{count} bytes in {len(data) - 4}")
+    return np.frombuffer(data, np.uint8, count, 4)

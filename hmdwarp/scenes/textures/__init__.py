@@ -23,10 +23,14 @@ _PAINTERS: dict[str, Callable[[], Image]] = {
     "foliage": _surfaces.foliage,
     "grass": _surfaces.grass,
     "hud": _pictures.head_up,
+    "label-1": partial(_pictures.label, "PAGE 1 OF 2"),
+    "label-2": partial(_pictures.label, "PAGE 2 OF 2"),
     "leaded": _pictures.leaded_glass,
     "map": _surfaces.globe,
     "marble": _pictures.marble,
     "mesh": _surfaces.perforated,
+    "page-1": _pictures.page,
+    "page-2": partial(_pictures.page, seed=981),
     "paintings": _pictures.paintings,
     "pane": partial(_pictures.dusty_glass, ("WARP", "AND", "FIELD")),
     "pane-plain": partial(_pictures.dusty_glass, (), seed=810),
@@ -39,7 +43,7 @@ _PAINTERS: dict[str, Callable[[], Image]] = {
     "wallpaper": _surfaces.wallpaper,
     "wood": _surfaces.wood,
 }
-_CLAMPED = {"flag", "hud", "paintings"}
+_CLAMPED = {"flag", "hud", "label-1", "label-2", "page-1", "page-2", "paintings"}
 _LINEAR = {"floor-normals"}
 
 

@@ -251,6 +251,22 @@ def head_up(size: int = 768) -> Image:
     return with_alpha((0.42, 1.0, 0.55), np.maximum(0.95 * lit, glow * (np.maximum(np.abs(x), np.abs(y)) < 0.97)))
 
 
+def page(lines: int = 22, width: int = 1024, seed: int = 980) -> Image:
+    """Paint a page of text, dark on bright, below a title: small letters are 7 texels high."""
+    image, rng = np.full((60 + 2 * 12 * lines, width, 3), 0.94), np.random.default_rng(seed)
+    stamp(image, lettering("A LATE FRAME AND THE NEWEST POSE", 4), 14, 24, (0.10, 0.14, 0.32))
+    for line in range(lines):
+        words = " ".join(rng.choice(_WORDS.split(), 1 + width // 84))
+        stamp(image, lettering(words, 2)[:, : width - 48], 56 + 24 * line, 24, (0.12, 0.12, 0.14))
+    return to_image(image)
+
+
+def label(text: str) -> Image:
+    """Paint a line of bright text on a dark ground that half of the light passes."""
+    mask = np.pad(lettering(text, 4), 10)
+    return with_alpha(np.where(mask[..., None], (0.95, 0.97, 1.0), (0.04, 0.05, 0.08)), np.where(mask, 1.0, 0.5))
+
+
 COLUMNS, ROWS = 4, 2  # of the paintings in their picture
 PALETTES = (
     ((0.06, 0.10, 0.26), (0.95, 0.78, 0.36), (0.75, 0.25, 0.18)),

@@ -25,7 +25,7 @@ from .test_motion_vectors import told
 
 SIZE, SHOWN = (24, 20), (16, 12)
 VIEWS = [View(Pose((x, 1.6, 1.0)), Fov.symmetric(1.0, 0.8)) for x in (-0.03, 0.03)]
-FED = [layer.name for layer in layers if layer.fed]
+FED = [layer.name for layer in layers if layer.fed and layer.formats]
 TURNED = Pose((1, 2, 3), (0.1, 0.2, 0.3, 0.9))
 MIRRORS = (Mirror((0, 1, 2), (1, 0, 0), (0, 1, 0), 0.0, 0.3), Mirror((4, 5, 6), radius_m=1.5))
 

@@ -42,8 +42,12 @@ class Drawing:
     age_ns: int = 0
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
-        """Return another picture at the same instant, lit in the same way, without layers."""
-        needs = Needs(**{name: amount for name, amount in self.needs.items() if layers.get(name).lights})
+        """Return another picture at the same instant, lit in the same way, without layers.
+
+        What the client lays over the whole is in none of its pictures.
+        """
+        kept = {name for name in self.needs if layers.get(name).lights or layers.get(name).laid_over}
+        needs = Needs(**{name: amount for name, amount in self.needs.items() if name in kept})
         return Drawing(view, size, self.time_ns, needs)
 
 

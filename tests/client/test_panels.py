@@ -1,0 +1,318 @@
+"""Panels on the client: against rays in float64, as sharp as drawn, hidden by what is nearer."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+from reference.fused import looked_at
+from reference.panel import levels, looked_up, met
+from reference.panel import panel as twin
+from scipy.spatial.transform import Rotation
+from worlds import read
+
+from hmdwarp.client import PassInputs, ShownPicture
+from hmdwarp.client.effect_passes import PanelsPass
+from hmdwarp.client.effect_passes.panels_pass import NEARER, HeldPanel, box_of, panel_from_shown, panel_texture
+from hmdwarp.client.effects import Tools
+from hmdwarp.client.lens import lenses
+from hmdwarp.errors import SceneError
+from hmdwarp.frames import EyeImage
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
+from hmdwarp.headsets import COLOURS, load_headset
+from hmdwarp.scenes import Panel, Scene
+from hmdwarp.sources.server import Server
+
+FOV = Fov(-0.6, 0.7, -0.5, 0.55)
+TOOLS = Tools(carry=None, pictures=0)
+BOTH = frozenset({"panels", "occluded_panels"})
+SIZES = [(64, 48), (61, 43), (3, 2), (1, 1)]
+
+
+def picture(size=(40, 30), channels=4, seed=0):
+    return np.random.default_rng(seed).integers(0, 256, (size[1], size[0], channels), dtype=np.uint8)
+
+
+def turned(yaw=0.0, pitch=0.0, roll=0.0):
+    return Rotation.from_euler("yxz", (yaw, pitch, roll)).as_quat()
+
+
+def behind_of(size, seed=1):
+    rng = np.random.default_rng(seed)
+    light = np.concatenate([rng.uniform(0, 2, (*size[::-1], 3)), np.ones((*size[::-1], 1))], axis=2)
+    light[rng.uniform(size=size[::-1]) < 0.2] = 0
+    return light.astype(np.float16).astype(float)
+
+
+def laid(gpu, panels, view, behind, *, depth=None, last=None, tools=TOOLS):
+    """The pass's picture, drawn twice to the same bits."""
+    size, gl = behind.shape[1::-1], gpu.gl
+    held = [HeldPanel(panel, panel_texture(gpu, panel.pictures[0].image)) for panel in panels]
+    canvas, into = Canvas(gl, size), Canvas(gl, size)
+    canvas.texture.write(behind.astype(np.float16).tobytes(), alignment=1)
+    shown_depth = allocate(gl, size, SCALAR)
+    shown_depth.write(
+        np.ascontiguousarray(np.broadcast_to(-1.0 if depth is None else depth, size[::-1]), "f4").tobytes()
+    )
+    empty = allocate(gl, (1, 1), COLOUR)
+    inputs = PassInputs(EyeImage(view, empty, empty, {"panels": held}), view, shown_last=last)
+    made = PanelsPass(gpu, BOTH, (1, 1), size, tools)
+    found = []
+    for _ in range(2):
+        made.run(inputs, ShownPicture(canvas, shown_depth), into)
+        gl.memory_barrier()
+        found.append(read(into.texture))
+    assert np.array_equal(*found), "two runs differ"
+    return found[0]
+
+
+def allowed(panel, view, size, texels):
+    """How far float32 and the sampler may be off: light changes by 1 from texel to texel at most.
+
+    q has three products of numbers rounded once, each rounded again twice: 4 units of 2^-24 of
+    their sum. The sampler adds 1/512 texel on each axis; at the border the coverage moves by as
+    much of a pixel. The logarithm, and all else, is good to 1e-4, and the result is a half float.
+    """
+    matrix = panel_from_shown(panel, view, size)
+    if matrix is None:
+        return np.zeros((*size[::-1], 1))
+    x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
+    pixel = np.stack([x, y, np.ones_like(x)], axis=-1)
+    found = met(panel, view, size)
+    off = 4 * 2.0**-24 * (np.abs(pixel) @ np.abs(matrix).T)
+    place = (off[..., :2] + np.abs(found.place) * off[..., 2:]) / np.maximum(np.abs(found.inverse_depth), 1e-9)[
+        ..., None
+    ]
+    wide = np.hypot(found.by_x, found.by_y)
+    return ((place * texels + 1 / 512).sum(axis=-1) + 2 * (place / wide).sum(axis=-1) + 2e-4)[..., None]
+
+
+CASES = {
+    "straight on": Panel(picture(), Pose((0.0, 0.0, -1.0)), (0.8, 0.6)),
+    "opaque": Panel(picture(channels=3), Pose((0.1, 0.05, -1.0)), (0.5, 0.4)),
+    "turned": Panel(picture(), Pose((0.1, -0.05, -1.2), turned(0.9, 0.3, 0.4)), (0.9, 0.7)),
+    "grazing": Panel(picture(), Pose((0.1, -0.2, -1.0), turned(0.2, -1.45)), (0.9, 1.7)),
+    "small": Panel(picture(), Pose((0.03, 0.02, -9.0)), (0.05, 0.05)),
+    "near": Panel(picture((7, 5)), Pose((0.01, 0.0, -0.08)), (0.3, 0.2)),
+    "large": Panel(picture((300, 200)), Pose((0.0, 0.0, -2.0), turned(0.3)), (3.0, 2.0)),
+    "through the eye's plane": Panel(picture(), Pose((0.3, 0.0, 0.1), turned(-1.4)), (2.0, 0.6)),
+}
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("name", CASES)
+def test_a_panel_is_what_rays_see_of_it(gpu, name, size):
+    panel, view, behind = CASES[name], View(Pose(), FOV), behind_of(size)
+    image = panel.pictures[0].image
+    found = laid(gpu, [panel], view, behind)
+    expected, doubtful = twin(panel, image, view, behind)
+    slack = allowed(panel, view, size, image.shape[1::-1])
+    agrees = (np.abs(found - expected) <= slack + 2.0**-10 * expected).all(axis=-1)
+    assert (agrees | doubtful).all()
+    assert doubtful.mean() < 0.1 or size[0] < 10
+    assert not np.array_equal(found, behind) or size[0] < 10
+
+
+def test_panels_are_seen_from_the_front_alone(gpu):
+    behind = behind_of((64, 48))
+    for pose in (
+        Pose((0, 0, -1.0), turned(np.pi)),
+        Pose((0, 0, 1.0)),
+        Pose((0, 0, 1.0), turned(np.pi)),
+        Pose((0.0, 0, 0)),
+    ):
+        assert np.array_equal(laid(gpu, [Panel(picture(), pose, (0.8, 0.6))], View(Pose(), FOV), behind), behind)
+    edge_on = Pose((0.0, 0.0, -1.0), turned(np.pi / 2))
+    assert np.array_equal(laid(gpu, [Panel(picture(), edge_on, (0.8, 0.6))], View(Pose(), FOV), behind), behind)
+
+
+def test_a_million_metres_away_a_panel_is_the_same(gpu):
+    """Steps of a quarter of a metre are exact in float64 there, so not a bit changes."""
+    behind, here = behind_of((64, 48)), Pose((0.25, 1.5, 0.5), turned(0.2))
+    far, panel = (1e6, 0.0, -1e6), attrs.evolve(CASES["turned"], pose=Pose((0.5, 1.5, -0.75), turned(0.3, 0.1)))
+    moved = [attrs.evolve(pose, position_m=np.add(pose.position_m, far)) for pose in (here, panel.pose)]
+    found = laid(gpu, [panel], View(here, FOV), behind)
+    assert np.array_equal(laid(gpu, [attrs.evolve(panel, pose=moved[1])], View(moved[0], FOV), behind), found)
+    assert not np.array_equal(found, behind)
+
+
+def test_head_locked_panels_ignore_the_head_and_follow_canted_eyes(gpu):
+    behind, panel = behind_of((64, 48)), attrs.evolve(CASES["straight on"], head_locked=True)
+    head_from_eye = Pose((-0.03, 0.0, 0.0), turned(0.2))
+    heads = [Pose((0.0, 1.6, 0.0)), Pose((3.0, 1.2, -5.0), turned(1.0, 0.3, -0.2))]
+    views = [View(head @ head_from_eye, FOV, head_from_eye) for head in heads]
+    found = [laid(gpu, [panel], view, behind) for view in views]
+    assert np.array_equal(*found)
+    expected, doubtful = twin(panel, panel.pictures[0].image, views[1], behind)
+    slack = allowed(panel, views[1], (64, 48), (40, 30))
+    assert ((np.abs(found[1] - expected) <= slack + 2.0**-10 * expected).all(axis=-1) | doubtful).all()
+
+
+def test_what_is_nearer_hides_panels_that_ask_for_it(gpu):
+    size, view = (64, 48), View(Pose(), FOV)
+    behind = np.ones((48, 64, 4))
+    depth = np.where(np.arange(64) < 32, 1 / 0.9, 1 / 1.1)
+    depth[20:24] = -1.0  # unknown hides nothing
+    for panel, hides in ((attrs.evolve(CASES["turned"], occluded=True), True), (CASES["turned"], False)):
+        found = laid(gpu, [panel], view, behind, depth=depth)
+        known = np.broadcast_to(depth, size[::-1]) if hides else None
+        expected, doubtful = twin(panel, panel.pictures[0].image, view, behind, known, NEARER)
+        slack = allowed(panel, view, size, (40, 30))
+        assert ((np.abs(found - expected) <= slack + 2.0**-10 * expected).all(axis=-1) | doubtful).all()
+    on_wall = attrs.evolve(CASES["straight on"], occluded=True)
+    assert np.array_equal(
+        laid(gpu, [on_wall], view, behind, depth=1.0), laid(gpu, [CASES["straight on"]], view, behind)
+    )
+
+
+def test_what_the_lens_hides_stays_hidden(gpu):
+    behind = np.ones((48, 64, 4))
+    behind[:, :32] = (0, 0, 0, 2.0**-14)  # as SeenRows.hide leaves it
+    found = laid(gpu, [CASES["straight on"]], View(Pose(), FOV), behind)
+    assert np.array_equal(found[:, :32], behind[:, :32])
+    assert not np.array_equal(found[:, 32:], behind[:, 32:])
+
+
+def test_what_the_display_composes_the_pass_leaves_to_it(gpu):
+    behind, hidden = behind_of((64, 48)), attrs.evolve(CASES["turned"], occluded=True)
+    handing = attrs.evolve(TOOLS, hands_panels_on=True)
+    found = laid(gpu, [CASES["straight on"], hidden], View(Pose(), FOV), behind, tools=handing)
+    assert np.array_equal(found, laid(gpu, [hidden], View(Pose(), FOV), behind))
+    assert not np.array_equal(found, behind)
+
+
+def test_the_nearer_of_two_panels_is_in_front(gpu):
+    white, black = (np.full((4, 4, 3), light, np.uint8) for light in (255, 0))
+    near, far = Panel(white, Pose((0, 0, -1.0)), (0.2, 0.2)), Panel(black, Pose((0, 0, -2.0)), (2.0, 2.0))
+    for panels in ([near, far], [far, near]):
+        found = laid(gpu, panels, View(Pose(), FOV), np.full((48, 64, 4), 0.5))
+        assert found[21, 29, 0] == pytest.approx(1, abs=1e-3)
+        assert found[21, 12, 0] < 1e-6
+
+
+def test_a_scan_out_that_stands_still_is_no_scan_out(gpu):
+    behind, view = behind_of((64, 48)), View(Pose(), FOV)
+    found = laid(gpu, [CASES["turned"]], view, behind, last=view)
+    assert np.array_equal(found, laid(gpu, [CASES["turned"]], view, behind))
+
+
+def test_each_row_of_a_scan_out_has_the_pose_of_its_instant(gpu):
+    """Each row is that of a whole picture with the view of its instant."""
+    size, behind = (64, 48), np.ones((48, 64, 4))
+    first, last = View(Pose(), FOV), View(Pose((0, 0, 0), turned(0.05)), FOV)
+    found = laid(gpu, [CASES["straight on"]], first, behind, last=last)
+    for row in (1, 23, 46):
+        share = 1 - (row + 0.5) / size[1]
+        view = attrs.evolve(first, pose=first.pose.towards(last.pose, share))
+        alone = laid(gpu, [CASES["straight on"]], view, behind)
+        # The parabola is off by 0.05^3 / (72 sqrt 3) rad, 1e-6: 5e-5 pixels, so texels.
+        assert np.abs(found[row] - alone[row]).max() < 2e-3
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_box_holds_all_that_is_seen(name):
+    panel, size = CASES[name], (64, 48)
+    view = View(Pose(), FOV)
+    found, box = met(panel, view, size), box_of([panel_from_shown(panel, view, size)], size)
+    reach = np.hypot(found.by_x, found.by_y) / 2
+    inside = ((found.place > -reach) & (found.place < 1 + reach)).all(axis=-1) & found.is_whole
+    rows, columns = np.nonzero(inside)
+    assert len(rows)
+    assert box[0] <= columns.min() and box[1] <= rows.min()
+    assert columns.max() < box[2] and rows.max() < box[3]
+
+
+def stripes(period, wide=128, high=96):
+    """Columns of white and black, each half a period wide."""
+    bright = (np.arange(wide) // (period // 2)) % 2
+    return np.repeat(np.broadcast_to(255 * bright, (high, wide)).astype(np.uint8)[..., None], 3, axis=2)
+
+
+def contrast(light):
+    return float(np.std(light[24:-24, 32:-32, 0]))
+
+
+@pytest.mark.parametrize("period", [2, 4])
+@pytest.mark.parametrize(
+    "pose", [Pose(), Pose((0.002, 0.001, 0.0), turned(0.02, 0.01)), Pose((0, 0, 0), turned(0, 0, 0.03))]
+)
+def test_text_is_as_sharp_as_drawn_at_the_newest_pose(gpu, period, pose):
+    """Stripes of one pixel (half of the pixel grid's frequency) and of two."""
+    size, view = (128, 96), View(pose, Fov.from_tangents((-0.64, 0.64, -0.48, 0.48)))
+    panel = Panel(stripes(period), Pose((0, 0, -1.0)), (1.28, 0.96))
+    server = Server(gpu, Scene("panel", "", (), panels=[panel]))
+    drawn = read(server.draw(view, size).colour)
+    server.close()
+    found = laid(gpu, [panel], view, np.ones((96, 128, 4)))
+    assert contrast(found) == pytest.approx(contrast(drawn), rel=0.05)
+    assert contrast(drawn) > 0.1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"size_m": (0.0, 1.0)}, "a panel is 0 x 1 m: expected finite lengths above 0"),
+        ({"size_m": (1.0, float("nan"))}, "a panel is 1 x nan m"),
+        ({"size_m": 3}, "a panel's size is 3: expected width and height in metres"),
+        ({"pictures": np.zeros((4, 4), np.uint8)}, "expected .h, w, 3 or 4. uint8, found"),
+        ({"pictures": np.zeros((4, 4, 3))}, "expected .h, w, 3 or 4. uint8, found"),
+        ({"pictures": ()}, "a panel of 0 pictures for 1 s each"),
+        ({"seconds": 0.0}, "a panel of 1 pictures for 0 s each"),
+    ],
+)
+def test_panels_that_cannot_be_are_refused_in_one_line(arguments, message):
+    with pytest.raises(SceneError, match=message) as caught:
+        Panel(**{"pictures": picture(), "pose": Pose(), "size_m": (1, 1), **arguments})
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["rift-dk1", "cardboard-v2"])
+@pytest.mark.parametrize("eye", [0, 1])
+def test_through_the_lens_each_colour_is_sampled_where_the_lens_shows_it(gpu, name, eye):
+    """A panel that fills the view, magnified: each colour is one bilinear sample of its place."""
+    chosen, shown_size, size = load_headset(name), (67, 53), (61, 83)
+    view = chosen.views(Pose((0.0, 1.6, 0.0)))[eye]
+    panel = Panel(picture((24, 20), 3), Pose(view.pose.position_m + (0.0, 0.0, -0.5)), (2.4, 2.0))
+    found = through_lens(gpu, panel, view, chosen, eye, shown_size, size)
+    matrix, pyramid = panel_from_shown(panel, view, shown_size), levels(panel.pictures[0].image)
+    for channel, colour in enumerate(COLOURS):
+        asked = attrs.make_class("Asked", ["shown", "shown_size"])(view, shown_size)
+        pixels, off = looked_at(chosen, eye, size, asked, colour)
+        q = np.concatenate([pixels, np.ones((*pixels.shape[:2], 1))], axis=-1) @ matrix.T
+        place = q[..., :2] / q[..., 2:]
+        inside = ((pixels > 1) & (pixels < np.array(shown_size) - 1)).all(axis=-1)
+        inside &= ((place > 0.05) & (place < 0.95)).all(axis=-1)
+        expected = looked_up(pyramid, place, np.zeros(place.shape[:2]))[..., channel]
+        # A pixel is 0.6 texels at most here, so 1; the sampler adds 1/512, on both axes.
+        slack = 2 * (off + 1 / 512) + 2.0**-10
+        assert inside.mean() > 0.2
+        assert (np.abs(found[..., channel] - expected) <= slack)[inside].all()
+
+
+def through_lens(gpu, panel, view, headset, eye, shown_size, size):
+    """The pass's picture over a grey display."""
+    gl, lens = gpu.gl, lenses.get(headset.lens.model)(gpu, headset, size)
+    made = PanelsPass(gpu, frozenset({"panels"}), (1, 1), shown_size, attrs.evolve(TOOLS, lens=lens))
+    canvas, empty = Canvas(gl, size), allocate(gl, (1, 1), COLOUR)
+    canvas.texture.write(np.full((*size[::-1], 4), 1, np.float16).tobytes(), alignment=1)
+    held = HeldPanel(panel, panel_texture(gpu, panel.pictures[0].image))
+    made.run_through_lens(PassInputs(EyeImage(view, empty, empty, {"panels": [held]}), view, eye), canvas)
+    gl.memory_barrier()
+    return read(canvas.texture)
+
+
+def test_through_the_lens_text_is_sharper_than_resampled(gpu):
+    """Stripes of one shown pixel, half of one off, keep more contrast in one sample."""
+    chosen, shown_size, size = load_headset("rift-dk1"), (320, 400), (320, 400)
+    view = chosen.views(Pose())[0]
+    left, right, down, up = view.fov.tangents
+    place = (view.pose.position_m[0] + (left + right) / 2 + 0.5 * (right - left) / 320, (down + up) / 2, -1.0)
+    panel = Panel(stripes(2, 320, 400), Pose(place), (right - left, up - down))
+    fused = through_lens(gpu, panel, view, chosen, 0, shown_size, size)
+    shown, display = Canvas(gpu.gl, shown_size), Canvas(gpu.gl, size)
+    shown.texture.write(laid(gpu, [panel], view, np.ones((400, 320, 4))).astype(np.float16).tobytes(), alignment=1)
+    lenses.get(chosen.lens.model)(gpu, chosen, size).run(shown, view.fov, 0, display)
+    gpu.gl.memory_barrier()
+    middle = (slice(150, 250), slice(120, 200), 1)
+    assert np.std(fused[middle]) > 1.05 * np.std(read(display.texture)[middle])

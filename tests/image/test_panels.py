@@ -1,0 +1,96 @@
+"""Panels over a caller's own picture."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import pytest
+
+from hmdwarp import Fov, InputError, Panel, Pose, View, Warper, warp_image
+from hmdwarp.gpu import COLOUR, SCALAR, allocate, download, upload
+
+SIZE = (64, 48)
+VIEW = View(Pose((0.0, 1.6, 0.0)), Fov.from_tangents((-0.64, 0.64, -0.48, 0.48)))
+SHOWN = attrs.evolve(VIEW, pose=Pose((0.1, 1.6, 0.0)))
+GREY = np.full((48, 64, 3), 99, np.uint8)
+# 2 m away; a post in front of the left half of what is shown
+DEPTH = np.where(np.arange(64) < 32, 0.8, 2.0) * np.ones((48, 1))
+WHITE = Panel(np.full((8, 8, 3), 255, np.uint8), Pose((0.1, 1.6, -1.0)), (0.4, 0.4))
+
+
+def warped(*panels, **options):
+    return warp_image(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, panels=panels, **options).colour
+
+
+def test_a_panel_stands_where_the_newest_eye_sees_it():
+    """0.4 m in 1 m are 20 pixels of 0.02, around the middle: the eye is before it."""
+    found = warped(WHITE)
+    expected = np.zeros((48, 64), bool)
+    expected[14:34, 22:42] = True
+    assert np.array_equal((found == 255).all(axis=2), expected)
+    assert np.array_equal(found[~expected], warped()[~expected])
+
+
+def test_what_is_nearer_hides_a_panel_that_asks_for_it():
+    still = {"rendered": VIEW, "shown": VIEW, "colour": GREY, "depth_m": DEPTH}
+    panel = attrs.evolve(WHITE, pose=Pose((0.0, 1.6, -1.0)), occluded=True)
+    hidden = warp_image(panels=[panel], **still).colour == 255
+    assert not hidden[:, :32].any()
+    assert hidden[14:34, 33:42].all()
+    assert (warp_image(panels=[attrs.evolve(panel, occluded=False)], **still).colour == 255)[14:34, 22:42].all()
+
+
+def test_a_warper_takes_other_panels_for_each_picture():
+    arguments = GREY, np.full((48, 64), 2.0), VIEW, SHOWN
+    with Warper(SIZE, effects="panels") as warper:
+        bare, one = warper.warp(*arguments), warper.warp(*arguments, panels=[WHITE])
+        beside = warper.warp(*arguments, panels=[attrs.evolve(WHITE, pose=Pose((0.3, 1.6, -1.0))), WHITE])
+        late = warper.submit(*arguments, panels=[WHITE]).result()
+        again = warper.warp(*arguments)
+    assert np.array_equal(one.colour, warped(WHITE))
+    assert np.array_equal(one.colour, late.colour)
+    assert np.array_equal(bare.colour, again.colour)
+    assert (beside.colour == 255).all(axis=2).sum() == 20 * 30
+
+
+@pytest.mark.parametrize(
+    ("panels", "message"),
+    [
+        ([GREY], "layer 'panels': expected .hmdwarp.Panel.picture, pose, size_m"),
+        (WHITE, "layer 'panels' is a Panel: expected .hmdwarp.Panel"),
+    ],
+)
+def test_what_is_no_panel_is_refused(panels, message):
+    with Warper(SIZE, effects="panels") as warper, pytest.raises(InputError, match=message):
+        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, panels=panels)
+
+
+def test_panels_without_their_effect_are_refused():
+    with Warper(SIZE) as warper, pytest.raises(InputError, match="does not read it; leave it out, or name an effect"):
+        warper.warp(GREY, np.full((48, 64), 2.0), VIEW, SHOWN, panels=[WHITE])
+
+
+def test_a_pose_that_is_no_number_is_refused():
+    with pytest.raises((InputError, ValueError), match="finite|NaN|nan"):
+        Panel(GREY, Pose((0.0, float("nan"), 0.0)), (1.0, 1.0))
+
+
+def test_textures_get_panels_too(gpu):
+    """The same picture as of arrays, in the caller's own context."""
+    colour, depth = np.full((48, 64, 3), 0.25, np.float32), np.full((48, 64), 2.0)
+    with Warper(SIZE, effects="panels", gpu=gpu) as warper:
+        here = warper.warp(colour, depth, VIEW, SHOWN, panels=[WHITE]).colour
+        textures = allocate(gpu.gl, SIZE, COLOUR), allocate(gpu.gl, SIZE, SCALAR)
+        upload(textures[0], colour)
+        upload(textures[1], (1 / depth).astype(np.float32))
+        found = download(warper.warp_textures(*textures, VIEW, SHOWN, panels=[WHITE]).colour)
+        bare = download(warper.warp_textures(*textures, VIEW, SHOWN).colour)
+    assert np.array_equal(found[..., :3].astype(np.float32), here)
+    assert not np.array_equal(found, bare)
+
+
+def test_panels_are_laid_over_what_auto_chooses():
+    arguments = GREY, np.full((48, 64), 2.0), VIEW, SHOWN
+    assert np.array_equal(
+        warp_image(*arguments, "auto", panels=[WHITE], budget_ms=1e4).colour == 255, warped(WHITE) == 255
+    )
