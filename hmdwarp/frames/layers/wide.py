@@ -53,4 +53,4 @@ class Wide(Layer):
     @classmethod
     def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> EyeImage:
         assert numbers is not None, "misfit() says so"
-        return EyeImage(view_of_row(numbers[0]), *sent, drawn_ns=eye.drawn_ns)
+        return EyeImage(view_of_row(numbers[0]), sent[0], sent[1], drawn_ns=eye.drawn_ns)
