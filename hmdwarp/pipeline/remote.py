@@ -119,6 +119,8 @@ class Remote:
         self.age_ns, self.only_changes = 0, False
         # Requests of this session to which nothing had changed.
         self.unchanged = 0
+        # The scene's clock at an instant of the loop's.
+        self.scene_ns: Callable[[int], int] = lambda now_ns: now_ns
         # Whether the link knows of a frame that is missing.
         self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
@@ -144,7 +146,7 @@ class Remote:
         if anew:
             self._anew_number = self._number
         wanted = wanted_of(needs, views, size) if needs is not None else None
-        times = (self._number, 0, now_ns, head.time_ns, 0)
+        times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = self._session_at(now_ns) if self._takes_session else None
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
         sent_ns = self._caller.ask(attrs.evolve(ask, session=session))

@@ -43,9 +43,9 @@ from ..sources.feed.message import (
     Session,
 )
 from ..sources.feed.options import secret_in
-from ..sources.server import Server
+from ..sources.server import Renderer, Server
 from .browser_log import BrowserLogs
-from .options import ServeOptions
+from .options import ListenOptions, ServeOptions
 from .replay_setup import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
@@ -65,12 +65,7 @@ def serve(
     say: called with each line for the log, first with the address.
     Errors: InputError for wrong options, MachineError for missing hardware or software.
     """
-    secret, pair = secret_in(options.token_file), None
-    if options.key_pair is not None:
-        pair, is_new = key_pair(options.key_pair)
-        if is_new:
-            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
-    listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
+    listener, secret, pair = listening(options, say)
     with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
         nearest = options.sample_depth == NEAREST
@@ -79,14 +74,35 @@ def serve(
             closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
         ):
             say(f"listening at {listener.address}: scene '{scene.name}'")
-            coders, sessions = _Coders(listener), _Sessions(listener, server)
             with _door(options, listener.address, scene, secret, pair, say) if options.web else nullcontext():
-                while goes_on():
-                    asked = listener.next(_WAIT_MS)
-                    if asked is not None:
-                        _answer_or_refuse(sessions, coders, asked)
-                        server.take_back()
-                        server.trim()
+                answering(listener, server, functools.partial(_drawn, server), goes_on)
+
+
+def listening(options: ListenOptions, say: Callable[[str], None]) -> tuple[Listener, str, KeyPair | None]:
+    """Return what listens, the shared secret and the key pair. Errors: as Listener."""
+    secret, pair = secret_in(options.token_file), None
+    if options.key_pair is not None:
+        pair, is_new = key_pair(options.key_pair)
+        if is_new:
+            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
+    how = options.open, options.per_address
+    found = Listener(options.listen, secret, pair, is_open=how[0], per_address=how[1], say=say)
+    return found, secret, pair
+
+
+# Returns the frame for a request that needs these layers.
+Draw = Callable[[Asked, Needs], Frame]
+
+
+def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callable[[], bool]) -> None:
+    """Answer requests until goes_on() says no."""
+    coders, sessions = _Coders(listener), _Sessions(listener, server, draw)
+    while goes_on():
+        asked = listener.next(_WAIT_MS)
+        if asked is not None:
+            _answer_or_refuse(sessions, coders, asked)
+            server.take_back()
+            server.trim()
 
 
 def _door(
@@ -154,8 +170,8 @@ class _Session:
 class _Sessions:
     """The sessions of the clients, as long as they are connected."""
 
-    def __init__(self, listener: Listener, server: Server) -> None:
-        self.listener, self.server = listener, server
+    def __init__(self, listener: Listener, server: Renderer, draw: Draw) -> None:
+        self.listener, self.server, self.draw = listener, server, draw
         self._of: dict[bytes, _Session] = {}
 
     def of(self, asked: Asked) -> _Session:
@@ -221,7 +237,7 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     if sessions.is_unchanged(asked, session):
         listener.leave_out(asked)
         return
-    frame = _drawn(server, asked, needs)
+    frame = sessions.draw(asked, needs)
     sessions.drawn(asked, session, frame)
     server.gpu.wait()
     pictures = list(_pictures(server, frame, ask))
@@ -261,11 +277,11 @@ def _drawn(server: Server, asked: Asked, needs: Needs) -> Frame:
     if ask.wanted is None:
         return server.draw_frame(ask.views, ask.time_ns, ask.size, pictures=reads)
     age_ns = ask.session.age_ns if ask.session is not None else 0
-    format_ = (ask.size, needs, ask.wanted.fovs, ask.wanted.size)
-    return server.draw_guarded(ask.views, ask.time_ns, *format_, age_ns=age_ns, client=asked.client, pictures=reads)
+    form = (ask.size, needs, ask.wanted.fovs, ask.wanted.size)
+    return server.draw_guarded(ask.views, ask.time_ns, *form, age_ns=age_ns, client=asked.client, pictures=reads)
 
 
-def _pictures(server: Server, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
+def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
         half = server.give_codes(eye) if colour in BYTES or depth == DEPTH_CODES else None

@@ -58,6 +58,4 @@ class Views(Layer):
     ) -> tuple[EyeImage, ...]:
         assert numbers is not None, "misfit() says so"
         pairs = zip(numbers, sent[::2], sent[1::2], strict=True)
-        return tuple(
-            EyeImage(view_of_row(row), colour, depth, drawn_ns=eye.drawn_ns) for row, colour, depth in pairs
-        )
+        return tuple(EyeImage(view_of_row(row), colour, depth, drawn_ns=eye.drawn_ns) for row, colour, depth in pairs)
