@@ -12,12 +12,12 @@ import threading
 class Serving:
     """`hmdwarp serve` in a process of its own, at a port that was free."""
 
-    def __init__(self, *options: str, inside: tuple[str, ...] = ()) -> None:
+    def __init__(self, *options: str, inside: tuple[str, ...] = (), command: str = "serve") -> None:
         where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
-        scene = () if "--scene" in options else ("--scene", "planes")
-        command = [*inside, sys.executable, "-m", "hmdwarp", "serve", *scene, *where, *options]
+        scene = () if "--scene" in options or command != "serve" else ("--scene", "planes")
+        arguments = [*inside, sys.executable, "-m", "hmdwarp", command, *scene, *where, *options]
         self.process = subprocess.Popen(
-            command, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
+            arguments, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
         )
         self.lines: queue.Queue[str] = queue.Queue()
         self._reader = threading.Thread(target=self._read, daemon=True)

@@ -19,6 +19,7 @@ COMMANDS = {
     "live": ("runs", "live"),
     "record": ("runs", "record"),
     "serve": ("runs", "serve"),
+    "proxy": ("runs", "proxy"),
     "bench": ("experiments", "bench"),
     "bench merge": ("experiments", "merge"),
     "compare": ("experiments", "compare"),

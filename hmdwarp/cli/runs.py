@@ -7,7 +7,7 @@ from functools import partial
 import typer
 
 from .. import run
-from ..run.options import LiveOptions, RecordOptions, RunOptions, ServeOptions
+from ..run.options import LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
 from ..run.requirements import Baseline, Requirements, hold
 from ._options import QUIET, Said, command_line, takes
 from ._show import sayer
@@ -83,3 +83,15 @@ def serve(said: Said) -> None:
     from ..run import serve as go
 
     go(ServeOptions.of(said, command=command_line()), sayer(said["quiet"]))
+
+
+@takes(ProxyRunOptions, QUIET)
+def proxy(said: Said) -> None:
+    """Warp a server's frames for clients that only show or turn them, until Ctrl-C.
+
+    It stands between 'hmdwarp serve' and 'hmdwarp live --connect' or 'hmdwarp replay --connect'
+    with --warp none or rotation.
+    """
+    from ..run import proxy as go
+
+    go(ProxyRunOptions.of(said, command=command_line()), sayer(said["quiet"]))

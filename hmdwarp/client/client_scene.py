@@ -33,6 +33,11 @@ class Store:
     def receive(self, content: Any) -> None:
         """Take what a frame brought; frames may come in any order, and more than once."""
 
+    def begin_anew(self) -> None:
+        """Forget what has arrived: the sender begins with nothing."""
+        self.close()
+        type(self).__init__(self, self.client, self.wanted)
+
     def weights(self) -> list[dict[str, Any]]:
         """Return what it takes in memory and on the link, one dict for each row of the report.
 
@@ -74,6 +79,8 @@ class ClientScene:
         self.server, self.gpu, self.scene, self.cache = server, server.gpu, server.scene, cache
         self._arrived = arrived
         self._stores: dict[tuple[type[Store], Hashable], Store] = {}
+        # Of the newest frame that was received: what it built on, and when it was drawn.
+        self._newest: tuple[int, int] | None = None
 
     @property
     def is_still(self) -> bool:
@@ -95,9 +102,23 @@ class ClientScene:
         """Hand what a frame brings to the stores; call it with each frame that arrives."""
         if self._arrived is not None:
             self._arrived.take(frame.drawn_ns)
+        if not self._is_of_now(frame):
+            return
         for layer, kind in _receivers.items():
             for wanted, update in frame.eyes[0].get(layer, {}).items():
                 self.store(kind, wanted).receive(update.content)
+
+    def _is_of_now(self, frame: Frame) -> bool:
+        """Return whether a frame builds on what is here; a newer one that does not begins anew."""
+        began, drawn_ns = self._newest or (frame.began, frame.drawn_ns)
+        if frame.began != began:
+            if frame.drawn_ns < drawn_ns:
+                return False
+            for store in self._stores.values():
+                if store.layer:
+                    store.begin_anew()
+        self._newest = frame.began, max(drawn_ns, frame.drawn_ns)
+        return True
 
     def weights(self) -> list[dict[str, Any]]:
         """Return the weights of all stores as they were made, first of those that never crossed."""

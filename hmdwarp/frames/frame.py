@@ -98,6 +98,8 @@ class Frame:
     head: PoseSample | None = None
     # The GPU's work for it; read its time when that is done.
     drawing: Timed | None = None
+    # Tells apart what the sender began anew: what builds on the frames before begins with them.
+    began: int = 0
     # Milliseconds of work on its way, by name (render, encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
 

@@ -31,7 +31,8 @@ class Link(Generic[Payload]):
 
     receive: the decoder, called with each frame that arrives, in order of sending, because a
     decoder needs the earlier ones. A frame then waits for them, and a lost one counts as missing
-    from the instant it would have arrived. False means undecodable.
+    from the instant it would have arrived. False means undecodable. in_order: False where it needs
+    no other frames.
 
     decoding: how long, in ns, the decoder takes for a frame that it received; it decodes one after
     the other, in order of arrival.
@@ -60,7 +61,9 @@ class Link(Generic[Payload]):
         receive: Callable[[Payload], bool] | None = None,
         decoding: Callable[[Payload], int] = lambda frame: 0,
         settled: Callable[[Payload, bool, int], None] = lambda frame, arrived, heard_ns: None,
+        in_order: bool = True,
     ) -> None:
+        self._has_order = receive is not None and in_order
         self._delays, self._losses = delays, losses
         self._bottleneck = Bottleneck(bandwidth) if bandwidth is not None else None
         self._discard, self._wasted, self._receive = discard, wasted or discard, receive
@@ -174,7 +177,7 @@ class Link(Generic[Payload]):
 
     def _in_order(self, transit: TransitStats) -> TransitStats:
         """Add the wait for the frames before it, where a decoder needs them."""
-        if self._receive is None:
+        if not self._has_order:
             return transit
         hold_ns = max(0, self._last_ready_ns - transit.ready_ns) if transit.number else 0
         transit = attrs.evolve(transit, hold_ns=hold_ns)

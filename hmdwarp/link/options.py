@@ -228,6 +228,8 @@ class LinkOptions(Declared):
         receive: Callable[[Any], bool] | None = None,
         decoding: Callable[[Any], int] = lambda frame: 0,
         settled: Callable[[Any, bool, int], None] = lambda frame, arrived, heard_ns: None,
+        *,
+        in_order: bool = True,
     ) -> Link[Any]:
         """Return a new link through this network; see `Link` for the callbacks.
 
@@ -245,6 +247,7 @@ class LinkOptions(Declared):
             receive=receive,
             decoding=decoding,
             settled=settled,
+            in_order=in_order,
         )
 
 

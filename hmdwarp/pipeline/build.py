@@ -28,6 +28,7 @@ from .frame_coder import Reads
 from .governor import AdaptiveCompensator, Governor
 from .loop import Loop
 from .options import PipelineOptions
+from .proxy_options import REMOTE
 from .recorded_renderer import MomentOf
 from .sizes import check_held, drawn_for, expected_age_ns, eye_sizes
 from .source import PoseRequest, Source, Target, client_scene, settling
@@ -184,7 +185,11 @@ def build_pipeline(
             governor = Governor(options.levels, options.budget_ms)
             auto = AdaptiveCompensator(governor, dict(zip(options.levels, compensators, strict=True)))
         compensator: Compensator | AdaptiveCompensator = auto or compensators[0]
-        changes = Changes(source.scene, server.content) if options.network.send == CHANGES else None
+        changes = (
+            Changes(source.scene, server.content)
+            if options.network.send == CHANGES and options.source_kind is not REMOTE
+            else None
+        )
         loop = Loop(requested, frames, channel, history, compensator, target.eyes, changes)
         parts = (requested, sizes, options, source, target, server, geometry, channel, loop, auto)
         return Pipeline(compensator.plan, *parts, [compensator], stack.pop_all())

@@ -203,6 +203,7 @@ class Channel:
     def __init__(self, setup: ChannelSetup, recycle: Callable[[Frame], None]) -> None:
         network, coder, rate_hz = setup.network, setup.coder, setup.rate_hz
         self._coder, self._reads, self._beside = coder, setup.reads, Reads()
+        self._tell = setup.settled
         self.latency_ns = setup.latency_ns
         self._pacer = Pacer(network.server_rate_hz, rate_hz)
         self._stages = network.response
@@ -222,10 +223,20 @@ class Channel:
             setup.latency_ns,
             discard=lambda coded: setup.offer(coded.frame),
             wasted=lambda coded: recycle(coded.frame),
-            receive=coder.receive if coder is not None else None,
+            receive=self._receiver(),
             decoding=self._decoding,
-            settled=lambda coded, arrived, heard_ns: setup.settled(coded.frame, arrived, heard_ns),
+            settled=self._settled,
+            in_order=self._needs_earlier(),
         )
+
+    def _receiver(self) -> Callable[[Any], bool] | None:
+        return self._coder.receive if self._coder is not None else None
+
+    def _needs_earlier(self) -> bool:
+        return True
+
+    def _settled(self, coded: CodedFrame, arrived: bool, heard_ns: int) -> None:
+        self._tell(coded.frame, arrived, heard_ns)
 
     def retime(self, network: LinkOptions, latency_ns: int) -> None:
         """Set the latency of frames sent from now on; those in transit keep theirs.

@@ -137,6 +137,11 @@ def codec_of(colour: int) -> str:
     return _CODECS.get(colour, "none")
 
 
+def codes_video(form: int, *, of_depth: bool = False) -> bool:
+    """Return whether pictures of a format need those before them."""
+    return form in (_VIDEOS if of_depth else _CODECS)
+
+
 def check_work(ask: Ask) -> None:
     """Check what coding a frame will take. Errors: bounds.OutOfBounds."""
     bounds.CODED.check(_of_all_pixels(ask, _WORK))

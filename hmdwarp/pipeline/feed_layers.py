@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Any
 
 import attrs
@@ -11,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..frames import EyeImage, EyeSizes, Needs
-from ..frames.layers import OWN, Delivered, Layer, layers, part_of_bytes
+from ..frames import EyeImage, EyeSizes, Frame, Needs
+from ..frames.layers import BYTES, OWN, Layer, layers
 from ..geometry import Fov, Pose, View
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed import bounds
 from ..sources.feed.message import FrameMessage
-from ..sources.feed.parts import BadPart, Layers, Packed, Part, Wanted, packed, unpacked_bytes
+from ..sources.feed.parts import BadPart, Layers, Packed, Wanted, packed, unpacked_bytes
 from ..sources.server import Renderer
 
 Array = NDArray[np.float64]
@@ -145,38 +144,40 @@ def _spread(found: NDArray[np.float16], depth: Array, inverse_depth: NDArray[Any
 
 
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
+_NOTHING = np.zeros((0, 0))  # sent of a layer that adds nothing to a frame, so that it is told
 VELOCITY = "velocity"
 # In m, m/s and rad/s: what moves is multiplied by its age and stays a number.
 _LARGEST = 1e6
 _MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
 
 
-def fed(needs: Needs) -> list[str]:
-    """Return the needed layers that a server sends; others are the client's or absent."""
-    return [name for name in needs if layers.get(name).fed]
-
-
-def wanted_of(
-    needs: Needs, views: Sequence[View], shown_size: tuple[int, int], numbers: Mapping[str, int] = MappingProxyType({})
-) -> Wanted | None:
-    """Return what to ask a server for. views: as shown. numbers: in place of some layers' own."""
-    amounts = tuple((name, numbers.get(name) or layers.get(name).number_of(needs[name])) for name in fed(needs))
+def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) -> Wanted | None:
+    """Return what to ask a server for; other layers are the client's. views: as shown."""
+    of_server = [layer for layer in map(layers.get, needs) if not layer.of_client]
+    amounts = tuple((layer.name, layer.stated(needs[layer.name])) for layer in of_server)
     return Wanted(amounts, shown_size, tuple(view.fov for view in views)) if amounts else None
 
 
 def needs_of_client(wanted: Wanted | None) -> Needs:
     """Return what a client wants. Errors: InputError for a layer that frames cannot carry."""
     found: dict[str, Any] = {}
-    for name, number in wanted.layers if wanted is not None else ():
-        if name not in layers.names() or not layers.get(name).fed:
+    for name, stated in wanted.layers if wanted is not None else ():
+        if name not in layers.names() or layers.get(name).of_client or layers.get(name).always:
             raise InputError(f"there is no layer '{name}' here")
         try:
-            found[name] = layers.get(name).amount_of(number)
-        except ValueError:  # its text has several lines
-            found[name] = None
-        if found[name] is None or layers.get(name).number_of(found[name]) != number:
-            raise InputError(f"there is no {number} of layer '{name}': docs/feed.md says how much there is")
+            found[name] = layers.get(name).amount_of(stated)
+        except (TypeError, ValueError, OverflowError) as error:
+            why = str(error).partition("\n")[0]
+            raise InputError(
+                f"there is no {stated} of layer '{name}' ({why}): docs/feed.md says how much there is"
+            ) from error
     return Needs(**found)
+
+
+def _amounts(wanted: Wanted | None) -> dict[str, Any]:
+    """Return the amounts of the layers that were requested from here."""
+    stated = () if wanted is None else wanted.layers
+    return {name: layers.get(name).amount_of(how) for name, how in stated}
 
 
 def sizes_of(wanted: Wanted, size: tuple[int, int]) -> EyeSizes:
@@ -184,22 +185,26 @@ def sizes_of(wanted: Wanted, size: tuple[int, int]) -> EyeSizes:
     return EyeSizes(size, wanted.size, wanted.fovs)
 
 
-def parts_of(eye: EyeImage, needs: Needs, *, packs: bool, is_first: bool = True) -> Layers:
-    """Return the needed layers of one eye as arrays. packs: without loss, for a slow network.
+def parts_of(frame: Frame, needs: Needs, *, packs: bool) -> tuple[Layers, ...]:
+    """Return the needed layers of each eye as arrays; what both share is in the first one's.
 
-    is_first: whether what both eyes share is in this one; it is empty in the other.
+    packs: without loss, for a slow network.
     """
-    found: dict[str, list[NDArray[Any] | Packed]] = {}
-    for name in needs:
-        layer, numbers = layers.get(name), layers.get(name).numbers(eye[name])
-        drawn = [
-            part_of_bytes(content[: None if is_first else 0]) if isinstance(content, np.ndarray) else download(content)
-            for content in layer.sent(eye[name])
-        ]
-        found[name] = [packed(picture) for picture in drawn] if packs else [*drawn]
-        if numbers is not None:
-            found[name].append(numbers)
-    return found
+    return tuple(
+        {
+            name: _parts(layers.get(name), eye[name], packs=packs)
+            for name in needs
+            if not (number and layers.get(name).per_frame)
+        }
+        for number, eye in enumerate(frame.eyes)
+    )
+
+
+def _parts(layer: type[Layer], data: Any, *, packs: bool) -> list[NDArray[Any] | Packed]:
+    drawn = [one.reshape(1, -1) if isinstance(one, np.ndarray) else download(one) for one in layer.sent(data)]
+    numbers = layer.numbers(data)
+    found: list[NDArray[Any] | Packed] = [packed(picture) for picture in drawn] if packs else [*drawn]
+    return [*found, *([numbers] if numbers is not None else [] if drawn else [_NOTHING])]
 
 
 def unpacked(frame: FrameMessage) -> FrameMessage:
@@ -210,7 +215,13 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
     if not frame.layers:
         return frame
     try:
-        found = tuple({name: [*map(numbers_of, parts)] for name, parts in of_eye.items()} for of_eye in frame.layers)
+        found = tuple(
+            {
+                name: [part.numbers() if isinstance(part, Packed) else part for part in parts]
+                for name, parts in of_eye.items()
+            }
+            for of_eye in frame.layers
+        )
         for eye, (of_eye, view) in enumerate(zip(found, frame.views, strict=True)):
             if len(of_eye.get(VELOCITY, ())) > 1:
                 if isinstance(frame.inverse_depths[eye], bytes):
@@ -226,25 +237,16 @@ def wanted_alone(frame: FrameMessage, wanted: Wanted | None) -> FrameMessage:
 
     Errors: Undecodable where one claims to be larger than requested.
     """
-    names = {} if wanted is None else dict(wanted.layers)
+    names = _amounts(wanted)
     found = tuple({name: of_eye[name] for name in of_eye if name in names} for of_eye in frame.layers)
     for of_eye in found:
         for name, parts in of_eye.items():
             assert wanted is not None
             layer, sizes = layers.get(name), sizes_of(wanted, frame.size)
-            most = bounds.most_beside(frame.size) if _is_own_size(layer) else layer.bytes(names[name], sizes)
+            most = bounds.most_beside(frame.size) if layer.size_class == OWN else layer.bytes(names[name], sizes)
             if unpacked_bytes([{name: parts}]) > most + _MOST_TABLE:
                 raise Undecodable(f"layer '{name}' claims to be larger than requested")
     return attrs.evolve(frame, layers=found)
-
-
-def numbers_of(part: Part) -> NDArray[Any]:
-    """Return the numbers of a part, which `unpacked` has unpacked. Errors: BadPart."""
-    return part.numbers() if isinstance(part, Packed) else part
-
-
-def _is_own_size(layer: type[Layer]) -> bool:
-    return layer.size_class == OWN or issubclass(layer, Delivered)
 
 
 def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
@@ -252,54 +254,66 @@ def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
     if wanted is None:
         return ""
     sizes = sizes_of(wanted, frame.size)
-    for of_eye in frame.layers or ({},) * len(frame.views):
-        for name, number in wanted.layers:
+    for eye, of_eye in enumerate(frame.layers or ({},) * len(frame.views)):
+        for name, amount in _amounts(wanted).items():
+            layer = layers.get(name)
+            if eye and layer.per_frame:
+                continue
             if name not in of_eye:
                 return f"the server sends no layer '{name}'"
-            layer, parts = layers.get(name), list(of_eye[name])
-            is_bytes = issubclass(layer, Delivered)
-            wrong = (
-                layer.misfit([*map(numbers_of, parts)], None) if is_bytes else _misfit_of(layer, number, parts, sizes)
-            )
+            wrong = _misfit_of(layer, amount, list(of_eye[name]), sizes)
             if wrong:
                 return f"layer '{name}' of the server: {wrong}"
     return ""
 
 
-def _misfit_of(layer: type[Layer], number: int, parts: list[Any], sizes: EyeSizes) -> str:
-    formats = layer.pictures(number)
-    pictures, numbers = parts[: len(formats)], parts[len(formats) :]
+def _misfit_of(layer: type[Layer], amount: Any, parts: list[Any], sizes: EyeSizes) -> str:
+    formats = layer.pictures(amount)
+    pictures, numbers = parts[: len(formats)], [one for one in parts[len(formats) :] if one.shape[1:] != (0,)]
     if len(pictures) < len(formats) or len(numbers) > 1:
         return f"{len(parts)} parts: expected {len(formats)} pictures"
-    for one, form in zip(pictures, formats, strict=True):
-        channels, dtype = _KINDS[form]
-        wide, high = one.shape[1::-1] if layer.size_class == OWN else layer.size(sizes)
-        shape = (high, wide, channels) if channels > 1 else (high, wide)
-        if layer.size_class == OWN and one.nbytes > bounds.most_beside(sizes.rendered):
-            return f"{wide}x{high} pixels beside {sizes.rendered[0]}x{sizes.rendered[1]}: too many"
-        if one.shape != shape or one.dtype != np.dtype(dtype):
-            return f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
-        if one.dtype.kind == "f" and not np.isfinite(one).all():
-            return "numbers that are not finite"
+    pairs = zip(pictures, formats, strict=True)
+    if wrong := next(filter(None, (_misfit_of_one(layer, *pair, sizes) for pair in pairs)), ""):
+        return wrong
     if numbers and (numbers[0].dtype != np.float64 or not (np.abs(numbers[0]) <= _LARGEST).all()):
         return f"numbers beside its pictures: expected f64 of {_LARGEST:g} at most"
     return layer.misfit(pictures, numbers[0] if numbers else None)
 
 
-def made(server: Renderer, parts: Layers, wanted: Wanted | None) -> dict[str, Any]:
-    """Return the data of the wanted layers of one eye, in textures of the server's pools."""
-    return {name: _made(server, layers.get(name), number, parts[name]) for name, number in _of(wanted)}
+def _misfit_of_one(layer: type[Layer], one: NDArray[Any], form: str, sizes: EyeSizes) -> str:
+    if form == BYTES:
+        fits = one.dtype == np.uint8 and len(one) == 1
+        return "" if fits else f"{one.dtype} of shape {one.shape}: expected a row of bytes"
+    channels, dtype = _KINDS[form]
+    wide, high = one.shape[1::-1] if layer.size_class == OWN else layer.size(sizes)
+    shape = (high, wide, channels) if channels > 1 else (high, wide)
+    if layer.size_class == OWN and one.nbytes > bounds.most_beside(sizes.rendered):
+        return f"{wide}x{high} pixels beside {sizes.rendered[0]}x{sizes.rendered[1]}: too many"
+    if one.shape != shape or one.dtype != np.dtype(dtype):
+        return f"{one.dtype} of shape {one.shape}: expected {np.dtype(dtype)} of {shape}"
+    return "numbers that are not finite" if one.dtype.kind == "f" and not np.isfinite(one).all() else ""
 
 
-def _of(wanted: Wanted | None) -> tuple[tuple[str, int], ...]:
-    return () if wanted is None else wanted.layers
+def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wanted: Wanted | None) -> list[EyeImage]:
+    """Return the eyes with the wanted layers, in textures of the server's pools."""
+    amounts, shared, found = _amounts(wanted), dict[str, Any](), []
+    for eye, of_eye in zip(eyes, parts, strict=True):
+        data = {
+            name: _made(server, layers.get(name), amount, of_eye[name], eye)
+            for name, amount in amounts.items()
+            if name not in shared
+        }
+        shared |= {name: one for name, one in data.items() if layers.get(name).per_frame}
+        found.append(eye.having(**shared, **{name: one for name, one in data.items() if name not in shared}))
+    return found
 
 
-def _made(server: Renderer, layer: type[Layer], number: int, parts: Sequence[Any]) -> Any:
-    if issubclass(layer, Delivered):
-        return layer.made([], parts[0])
-    formats, textures = layer.pictures(number), []
+def _made(server: Renderer, layer: type[Layer], amount: Any, parts: Sequence[Any], eye: EyeImage) -> Any:
+    formats, sent = layer.pictures(amount), list[Any]()
     for one, form in zip(parts, formats, strict=False):
-        textures.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
-        upload(textures[-1], one)
-    return layer.made(textures, parts[-1] if len(parts) > len(formats) else None)
+        if form == BYTES:
+            sent.append(one.ravel())
+            continue
+        sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
+        upload(sent[-1], one)
+    return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, eye)

@@ -15,7 +15,7 @@ from ..client.strategies import options_of_strategy, with_strategy
 from ..errors import InputError
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
-from ..link.options import ALL, DROP
+from ..link.options import DROP
 from ..options import (
     AUTO,
     DEFAULT_GUARD,
@@ -502,14 +502,9 @@ class PipelineOptions(Declared):
             raise InputError(
                 "--connect with --frames: frames come from the server or the folder; leave one of them out"
             )
-        if not self.network.is_plain or self.network.overload != DROP:
+        if self.network.response is not None or self.network.overload != DROP:
             raise InputError(
-                "--connect with --jitter, --loss, --bandwidth, --delay-trace or --response: the link is the real one; "
-                "leave them out"
-            )
-        if self.network.send != ALL:
-            raise InputError(
-                f"--connect with --send {self.network.send}: the server sends what is asked for; leave it out"
+                "--connect with --response or --overload: the server's times are the real ones; leave them out"
             )
         if self.proxy.on or self.warp == AUTO:
             raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")

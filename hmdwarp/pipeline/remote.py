@@ -17,19 +17,18 @@ import numpy as np
 
 from ..errors import InputError, MachineError
 from ..frames import Needs
-from ..frames.layers import PICTURE
-from ..frames.layers.panels import PanelRequests
+from ..frames.layers import PICTURE, layers
 from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
 from ..sources.feed.caller import Arrival, Caller
 from ..sources.feed.key_pairs import public_key
-from ..sources.feed.message import ANY, Ask, FrameMessage, Wish, length_of
+from ..sources.feed.message import ANY, MOST_FATES, Ask, Fate, FrameMessage, Session, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
-from .feed_coding import FeedDecoder, codec_of, left_out, raw_form, reading
-from .feed_layers import misfit, numbers_of, wanted_alone, wanted_of
+from .feed_coding import FeedDecoder, codec_of, codes_video, left_out, raw_form, reading
+from .feed_layers import misfit, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -45,6 +44,7 @@ NO_PICTURE = (1, 1)  # asked for where nothing reads the eyes' pictures: a frame
 
 @attrs.frozen(eq=False)
 class Pending:
+    number: int
     head: PoseSample
     # On the loop's clock, and on this machine's.
     drawn_ns: int
@@ -55,15 +55,20 @@ class Pending:
 
 
 @attrs.frozen(eq=False)
-class _Answer:
+class Answer:
     """A request and its frame, and how long after the request the loop had it."""
 
     pending: Pending
-    # Decoded.
     arrival: Arrival
     took_ns: int
     # Bytes that crossed the feed, by layer.
     layer_bytes: Counter[str]
+
+    @property
+    def is_key(self) -> bool:
+        """Whether it can be decoded without those before it."""
+        frame = self.arrival.frame
+        return frame.begins or not (codes_video(frame.colour) or codes_video(frame.depth, of_depth=True))
 
 
 class Remote:
@@ -92,7 +97,7 @@ class Remote:
         # What was wrong with the layers of the last frame that was left out, and what was said.
         self._misfit = ""
         self._told: set[str] = set()
-        self._apart, self._panels = ViewsApart(), PanelRequests()
+        self._apart = ViewsApart()
         # How frames are to be coded; raw until it is set.
         self.wish, self._format = Wish(), ANY
         # Types of the numbers of the frames that came last, and the largest error of their depth.
@@ -107,6 +112,17 @@ class Remote:
         # Of each frame in the order of drawing, in ns: the instant it was drawn for, and its delay.
         # Where it keeps them.
         self.delays_ns: list[tuple[int, int]] = []
+        # The session, where the server takes one; what is told in it until a request that told it
+        # has been answered: each fate with the id of the first such request.
+        self._takes_session, self._session = False, 0
+        self._fates: dict[int, tuple[Fate, int | None]] = {}
+        self.age_ns, self.only_changes = 0, False
+        # Requests of this session to which nothing had changed.
+        self.unchanged = 0
+        # The scene's clock at an instant of the loop's.
+        self.scene_ns: Callable[[int], int] = lambda now_ns: now_ns
+        # Whether the link knows of a frame that is missing.
+        self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
     def ask(
         self,
@@ -118,26 +134,51 @@ class Remote:
         needs: Needs | None = None,
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
-        fovs, grown = guarded_eyes(views, guard, size if self.pictures else NO_PICTURE)
+        fovs, grown = guarded_eyes(views, guard, size)
+        grown = grown if self.pictures else NO_PICTURE
         wide = tuple(view.within(fov) for view, fov in zip(views, fovs, strict=True))
         if not self._takes_hidden:  # it draws all of it, or has not said yet
             wide = tuple(attrs.evolve(view, hidden=None) for view in wide)
         self._number += 1
         # Requested once, and again only if that request will have no answer.
-        anew = self._decoder.wants_anew and self._anew_number not in self._pending
+        anew = self._decoder.wants_anew or self.needs_key(now_ns)
+        anew = anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        wanted = None
-        if needs is not None:
-            own = {"panels": self._panels.number(self._number, self._pending)} if "panels" in needs else {}
-            wanted = wanted_of(needs, views, size, own)
-        times = (self._number, 0, now_ns, head.time_ns, 0)
+        wanted = wanted_of(needs, views, size) if needs is not None else None
+        times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
+        session = self._session_at(now_ns) if self._takes_session else None
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
-        sent_ns = self._caller.ask(ask)
-        self._pending[self._number] = Pending(head, now_ns, sent_ns, grown, wide, wanted)
+        sent_ns = self._caller.ask(attrs.evolve(ask, session=session))
+        self._pending[self._number] = Pending(self._number, head, now_ns, sent_ns, grown, wide, wanted)
         while len(self._pending) > _MOST_PENDING:
-            del self._pending[next(iter(self._pending))]
-            self.unanswered += 1
+            self._unanswer(next(iter(self._pending)))
+
+    def _session_at(self, now_ns: int) -> Session:
+        """Return the session of a request at that instant, with the fates heard of by then."""
+        due = [fate for fate, _ in self._fates.values() if fate.heard_ns <= now_ns][:MOST_FATES]
+        for fate in due:
+            told_in = self._fates[fate.number][1]
+            self._fates[fate.number] = fate, self._number if told_in is None else told_in
+        return Session(self._session, self.age_ns, self.only_changes, tuple(due))
+
+    def tell(self, pending: Pending, *, arrived: bool, heard_ns: int) -> None:
+        """Tell the server of a frame's fate, from that instant on, where layers build on it."""
+        if any(layers.get(name).builds_on_frames for name, _ in (pending.wanted.layers if pending.wanted else ())):
+            self._fates[pending.number] = Fate(pending.number, arrived, heard_ns), None
+
+    def _unanswer(self, number: int) -> None:
+        """Note that a request will not be answered by a frame."""
+        pending = self._pending.pop(number)
+        self.unanswered += 1
+        self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
+
+    def _answered(self, number: int) -> Pending:
+        """Take a request that was answered: what it told is known there."""
+        for fate, told_in in list(self._fates.values()):
+            if told_in is not None and told_in <= number:
+                del self._fates[fate.number]
+        return self._pending.pop(number)
 
     def measure(
         self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
@@ -157,9 +198,11 @@ class Remote:
         return max(took[1:])
 
     def forget(self) -> None:
-        """Leave out the answers to all requests so far: they are for another loop."""
+        """Leave out the answers to all requests so far, for another loop: a session begins."""
         self._pending.clear()
-        self._panels = PanelRequests()
+        self._fates.clear()
+        self._session += 1
+        self.unchanged = 0
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
@@ -174,7 +217,8 @@ class Remote:
                         raise InputError(f"--connect {line}")
                     self._say(line)
                 for answer in self._known():
-                    return answer.took_ns
+                    if self.decoded(answer) is not None:
+                        return answer.took_ns
                 if self._misfit:
                     raise InputError(
                         f"--connect {self._caller.address}: {self._misfit}: use --effects none, or another warp or fill"
@@ -196,7 +240,7 @@ class Remote:
                 clock_ns = due_ns
         self._paced = now_ns, clock_ns
 
-    def arrived(self, now_ns: int) -> list[_Answer]:
+    def arrived(self, now_ns: int) -> list[Answer]:
         """Return what has arrived since the last call, oldest first.
 
         Where the loop holds, what has not arrived when this returns arrives later than `now_ns`.
@@ -212,49 +256,62 @@ class Remote:
         self._tell()
         return found
 
-    def _known(self) -> list[_Answer]:
-        """Return the arrivals that answer a request.
+    def _known(self) -> list[Answer]:
+        """Return the arrivals that answer a request, not decoded yet.
 
         Frames come in order, so requests before one that is answered never will be.
         """
         found = []
+        for number in self._caller.take_unchanged():
+            if number in self._pending:
+                self._answered(number)
+                self._heard_ns = time.monotonic_ns()
+                self.unchanged += 1
         for arrival in self._caller.take():
             number = arrival.frame.number
             if number not in self._pending:
                 continue
             for older in [sent for sent in self._pending if sent < number]:
-                del self._pending[older]
-                self.unanswered += 1
-            pending = self._pending.pop(number)
+                self._unanswer(older)
+            pending = self._answered(number)
             if arrival.frame.size != pending.size or len(arrival.frame.views) != len(pending.views):
                 self.refused += 1
                 self._leave_out("another size or number of eyes than requested", "")
+                self.tell(pending, arrived=False, heard_ns=pending.drawn_ns)
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
-            self._takes_hidden = arrival.frame.takes_hidden
-            try:
-                decoded = self._decoder.decode(wanted_alone(arrival.frame, pending.wanted))
-            except Undecodable as error:
-                self.undecodable += 1
-                self._leave_out("they cannot be decoded", f" ({error})")
-                continue
-            if wrong := misfit(decoded, pending.wanted) or self._lacks(decoded):
-                self.refused += 1
-                self._misfit = wrong
-                self._leave_out(wrong, "")
-                continue
-            for part in decoded.layers[0].get("panels", ()) if decoded.layers else ():
-                self._panels.take(numbers_of(part))
-            self._raw = raw_form(arrival.frame, self._raw)
-            self._compare(pending.views, decoded.views)
+            self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
                 took_ns = max(took_ns, self._told_ns + 1 - pending.drawn_ns)
-            found.append(_Answer(pending, attrs.evolve(arrival, frame=decoded), took_ns, _bytes_of(arrival.frame)))
-            if self._keeps:
-                self.delays_ns.append((pending.drawn_ns, took_ns))
+            found.append(Answer(pending, arrival, took_ns, _bytes_of(arrival.frame)))
+            if found[-1].is_key:  # until it turns out that it is damaged
+                self._decoder.wants_anew = False
         return found
+
+    def keep(self, drawn_ns: int, delay_ns: int) -> None:
+        """Note the delay of a frame."""
+        if self._keeps:
+            self.delays_ns.append((drawn_ns, delay_ns))
+
+    def decoded(self, answer: Answer) -> FrameMessage | None:
+        """Return the frame of an answer, decoded; None for one that is none, which is counted."""
+        frame, pending = answer.arrival.frame, answer.pending
+        try:
+            decoded = self._decoder.decode(wanted_alone(frame, pending.wanted))
+        except Undecodable as error:
+            self.undecodable += 1
+            self._leave_out("they cannot be decoded", f" ({error})")
+            return None
+        if wrong := misfit(decoded, pending.wanted) or self._lacks(decoded):
+            self.refused += 1
+            self._misfit = wrong
+            self._leave_out(wrong, "")
+            return None
+        self._raw = raw_form(frame, self._raw)
+        self._compare(pending.views, decoded.views)
+        return decoded
 
     def _lacks(self, frame: FrameMessage) -> str:
         missing = sorted(name.removeprefix("rendered.") for name in self.pictures & left_out(frame, 0))
@@ -322,10 +379,10 @@ class Remote:
 
 def _bytes_of(frame: FrameMessage) -> Counter[str]:
     pictures = {"colour": frame.colours, "inverse_depth": frame.inverse_depths}
-    found = +Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
+    found = Counter({name: sum(map(length_of, both)) for name, both in pictures.items()})
     for of_eye in frame.layers:
         found.update({name: sum(map(part_bytes, parts)) for name, parts in of_eye.items()})
-    return found
+    return +found
 
 
 # Degrees, metres and share of the field of view that equal views may differ by: a renderer's single

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -12,27 +11,27 @@ import attrs
 from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
-from ..frames.layers import PICTURE, layers
+from ..frames.layers import PICTURE
 from ..geometry import Eyes, Pose, View, guarded_eyes
 from ..gpu.context import Gpu
+from ..link import CHANGES, TransitStats
 from ..link.codec import Coding
 from ..poses import PoseSample
 from ..poses.track import Moment
 from ..scenes import Scene
-from ..sources.feed.caller import Arrival
 from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import RAW, FrameMessage
 from ..sources.feed.options import FULL, FeedOptions, secret_in
 from ..sources.feed.viewer import Viewer
 from ..sources.server import Renderer, Target
 from .channel import Channel, ChannelSetup
-from .feed_coding import arrays_of, depth_error, left_out, wish_of
+from .feed_coding import arrays_of, codes_video, depth_error, left_out, wish_of
 from .feed_layers import made
 from .frame_coder import Coder
 from .options import PipelineOptions
 from .proxy_options import REMOTE, SERVER_SCENE
 from .recorded_renderer import MomentOf
-from .remote import Pending, Remote, ViewsApart
+from .remote import Answer, Pending, Remote, ViewsApart
 from .source import FirstRequest, Options, PoseRequest, Source, nothing
 from .source import Target as Shown
 
@@ -61,6 +60,11 @@ class RemoteSource(Source):
                 f"--raw {feed.raw} beside --codec {options.coding.codec}: coded frames are not raw; leave one out"
             )
         self.feed, self._draws_truth = feed, draws_truth
+        self._added_ns = round(feed.added_latency_ms * 1e6)
+        try:
+            options.network.check(self._added_ns)
+        except InputError as error:
+            raise InputError(f"--added-latency {feed.added_latency_ms:g} ms: {error}") from error
         self._remote: Remote | None = None
 
     @property
@@ -75,12 +79,6 @@ class RemoteSource(Source):
 
     def check(self, plans: Sequence[Plan], needs: Needs) -> None:
         """Check that plans get by with what frames of another process have. Errors: InputError."""
-        names = ", ".join(name for name in needs if name != "others" and not layers.get(name).fed)
-        if names:
-            raise InputError(
-                f"--connect: frames of another process have no {names}, which the passes need: use --effects none, or "
-                "another warp or fill"
-            )
         steps = [step for plan in plans for step in plan.steps]
         if not self._is_here and any(
             name.startswith("client.") for step in steps for name in (*step.reads, *step.writes)
@@ -103,6 +101,7 @@ class RemoteSource(Source):
         wanted = (RAW[self.feed.raw], options.coding, first.rate_hz, first.views, options.size)
         remote.wish = wish_of(*wanted, options.latency_ms * 1e-3)
         longest_ns = remote.measure(first.head, first.views, options.guard_band, options.size, first.needs)
+        longest_ns += self._added_ns
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
@@ -131,7 +130,8 @@ class RemoteSource(Source):
     ) -> RemoteFrames:
         """Return the frames that the server elsewhere draws."""
         self.remote.pictures = requested.pictures
-        return RemoteFrames(self.remote, server, requested, target.eyes)
+        self.remote.only_changes = options.network.send == CHANGES
+        return RemoteFrames(self.remote, server, requested, target.eyes, self._added_ns)
 
     def coder(self, coding: Coding, rate_hz: float, age_ns: int) -> Coder | None:
         """Return None: the server codes them."""
@@ -200,29 +200,32 @@ class RemoteFrames:
     server: Renderer
     requested: PoseRequest
     eyes: Eyes
+    # Emulated latency behind the real network's.
+    added_ns: int = 0
 
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> None:
         """Ask for a frame for that head."""
         asked = self.requested
+        self.remote.age_ns = asked.age_ns
         self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
 
-    def made(self, pending: Pending, arrival: Arrival) -> Frame:
-        """Return the frame that arrived."""
-        found, eyes = arrival.frame, []
+    def made(self, pending: Pending, found: FrameMessage) -> Frame:
+        """Return the frame that arrived, decoded."""
+        eyes = []
         for eye, view in enumerate(found.views):
             target = self.server.acquire(self._size(found, view))
             missing = left_out(found, eye) | frozenset(PICTURE).difference(self.requested.pictures)
             self.server.take_in(arrays_of(found, eye, target.size, missing), target)
             error = depth_error(found, self.remote.wish)
-            further = made(self.server, found.layers[eye], pending.wanted) if found.layers else {}
             textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
             asked = pending.views[eye]
             seen = attrs.evolve(view, hidden=asked.hidden) if view.fov == asked.fov else view
-            eyes.append(EyeImage(seen, *textures, further, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
+            eyes.append(EyeImage(seen, *textures, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
         if found.layers:  # a server may choose the size of some
+            eyes = made(self.server, eyes, found.layers, pending.wanted)
             self.server.trim()
         took_ms = {"render": found.render_ns / _MS}
-        return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms)
+        return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms, began=found.began)
 
     def _size(self, found: FrameMessage, view: View) -> tuple[int, int]:
         """Return the size of the eye's picture here: that of the request where none was sent."""
@@ -236,30 +239,65 @@ class RemoteFrames:
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Pass over: the server elsewhere hears of it with the next request."""
 
-    def recycle(self, frame: Frame) -> None:
-        """Return the frame's textures to the pools."""
-        self.server.recycle(frame)
+    def recycle(self, frame: Frame | None) -> None:
+        """Return the frame's textures to the pools; None for one that was never made."""
+        if frame is not None:
+            self.server.recycle(frame)
 
     def channel(self, setup: ChannelSetup) -> Channel:
         """Return the channel of what arrives by the feed."""
         return RemoteChannel(setup, self)
 
 
+@attrs.define(eq=False)
+class _Sent:
+    """A frame of the feed on the link: made once it has arrived there."""
+
+    answer: Answer
+    frame: Frame | None = None
+
+
 class RemoteChannel(Channel):
-    """The channel of frames that arrive by the feed: their delay is measured, not set."""
+    """The channel of frames that arrive by the feed: what was measured of it, then the link.
+
+    The link emulates what its options say, behind the real network: frames are decoded as they
+    arrive over both, and those that it loses never are.
+    """
 
     def __init__(self, setup: ChannelSetup, frames: RemoteFrames) -> None:
-        super().__init__(setup, frames.recycle)
         self._remote, self._frames_of = frames.remote, frames
-        self._measured_ns = self._render_ns = 0
-        self._sent: Counter[str] = Counter()
+        super().__init__(setup, frames.recycle)
+        self._measured_ns = self._sent_ns = 0
+        self._shown: _Sent | None = None
         self._unanswered = self._remote.unanswered
         self._remote.forget()
-        self.link.delay_by(self._delays())
+        self._remote.needs_key = self.link.needs_key
+        self.link.delay_by(self._delays(setup.network.delays(frames.added_ns)))
 
-    def _delays(self) -> Iterator[int]:
-        while True:
-            yield self._measured_ns
+    def _delays(self, added: Iterator[int]) -> Iterator[int]:
+        for added_ns in added:
+            self._remote.keep(self._sent_ns, self._measured_ns + added_ns)
+            yield self._measured_ns + added_ns
+
+    def _receiver(self) -> Callable[[Any], bool] | None:
+        return self._receive
+
+    def _needs_earlier(self) -> bool:
+        return codes_video(self._remote.wish.colour)
+
+    def _receive(self, sent: _Sent) -> bool:
+        decoded = self._remote.decoded(sent.answer)
+        if decoded is not None:
+            sent.frame = self._frames_of.made(sent.answer.pending, decoded)
+        return decoded is not None
+
+    def _settled(self, sent: Any, arrived: bool, heard_ns: int) -> None:
+        if arrived:
+            self._tell(sent.frame, arrived, heard_ns)
+        self._remote.tell(sent.answer.pending, arrived=arrived, heard_ns=heard_ns)
+
+    def _decoding(self, coded: Any) -> int:
+        return 0
 
     def due(self, now_ns: int) -> list[int]:
         """Return the instants at which a frame is requested, up to now."""
@@ -269,21 +307,32 @@ class RemoteChannel(Channel):
     def newest(self, now_ns: int) -> Frame | None:
         """Return the newest frame that has arrived by now, or None before the first."""
         for answer in self._remote.arrived(now_ns):
-            self._render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
-            self._measured_ns = answer.took_ns - self._render_ns
-            self._sent = answer.layer_bytes
-            self.send(self._frames_of.made(answer.pending, answer.arrival), answer.pending.drawn_ns)
-        return super().newest(now_ns)
+            self._enter(answer)
+        found: Any = self.link.newest(now_ns)
+        self._shown = found
+        return self._shown.frame if self._shown is not None else None
 
-    def _at_server(self, frame: Frame, now_ns: int) -> tuple[int, int]:
-        return self._render_ns, 0
+    @property
+    def transit(self) -> TransitStats | None:
+        """Transit statistics of the shown frame; the server's work is told from its delay."""
+        found = self.link.transit
+        if found is None or self._shown is None:
+            return None
+        answer = self._shown.answer
+        render_ns = min(answer.arrival.frame.render_ns, answer.took_ns)
+        return attrs.evolve(found, render_ns=render_ns, delay_ns=found.delay_ns - render_ns)
 
-    def _uncoded_bytes(self, frame: Frame) -> Counter[str]:
-        return self._sent
+    def _enter(self, answer: Answer) -> None:
+        self._frames, self._eyes = self._frames + 1, len(answer.pending.views)
+        self._bytes.update(answer.layer_bytes)
+        self._measured_ns, self._sent_ns = answer.took_ns, answer.pending.drawn_ns
+        sent: Any = _Sent(answer)
+        self.link.send(sent, self._sent_ns, answer.layer_bytes.total(), answer.is_key)
 
     def fates(self) -> dict[str, int]:
         """Return what became of every frame; skipped: requests that the server passed over."""
-        return {**super().fates(), "skipped": self._remote.unanswered - self._unanswered}
+        unanswered = self._remote.unanswered - self._unanswered
+        return {**super().fates(), "skipped": unanswered, "unchanged": self._remote.unchanged}
 
     def summary(self, rate_hz: float) -> dict[str, Any]:
         """Return the `link` of summary.json, with the connection."""

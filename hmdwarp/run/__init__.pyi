@@ -34,6 +34,7 @@ from .options import LiveOptions as LiveOptions
 from .options import RecordOptions as RecordOptions
 from .options import RunOptions as RunOptions
 from .options import ServeOptions as ServeOptions
+from .proxy_run import proxy as proxy
 from .recorder import Lines as Lines
 from .recorder import Recorder as Recorder
 from .recorder import origin_of as origin_of

@@ -11,6 +11,7 @@ import attrs
 
 from .. import poses
 from ..errors import InputError
+from ..link.codec import Coding
 from ..options import (
     AUTO,
     DISPLAY,
@@ -28,7 +29,7 @@ from ..options import (
     several,
 )
 from ..pipeline.options import DISPLAYED, PipelineOptions
-from ..pipeline.proxy_options import RECORDING, REMOTE, SourceKind
+from ..pipeline.proxy_options import RECORDING, REMOTE, ProxyOptions, SourceKind
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions
@@ -373,14 +374,9 @@ _PIPELINE = attrs.fields(PipelineOptions)
 
 
 @attrs.frozen(kw_only=True)
-class ServeOptions(Declared):
-    """A server for others. Errors: InputError for a value out of range."""
+class ListenOptions(Declared):
+    """Where clients are served, and who may be one."""
 
-    scene: str = same_as(_PIPELINE.scene)
-    scene_options: SceneOptions = group(SceneOptions)
-    mirrors: str = same_as(_PIPELINE.mirrors)
-    samples: int = same_as(_PIPELINE.samples)
-    sample_depth: str = same_as(_PIPELINE.sample_depth)
     listen: str = option(
         "127.0.0.1:5570",
         "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "
@@ -399,6 +395,47 @@ class ServeOptions(Declared):
         valid=Number(least=1),
     )
     open: bool = option(False, "Accept clients on other machines without authentication.")
+
+
+@attrs.frozen(kw_only=True)
+class ProxyRunOptions(ListenOptions):
+    """A proxy between a server and its clients. Errors: InputError for a value out of range."""
+
+    connect: str = same_as(attrs.fields(FeedOptions).connect)
+    server_key: Path | None = same_as(attrs.fields(FeedOptions).server_key)
+    warp: str = option(
+        "multi:views=1,frames=1,eye=own",
+        f"Warp on the proxy: {names_in('client/warps')}; by default between two reference views, as Yoo (2010) does.",
+    )
+    fill: str = option("memory+pyramid", f"Fill on the proxy: {names_in('client/fills')}, or several with +.")
+    guard: float = same_as(attrs.fields(ProxyOptions).guard)
+    codec: str = option("h264", f"Codec between server and proxy, at its own quality: {names_in('link/codec/codecs')}.")
+    command: str = ""
+
+    def __attrs_post_init__(self) -> None:
+        if not self.connect:
+            raise InputError("no server: name the one to warp for by --connect HOST:PORT")
+
+    @property
+    def coding(self) -> Coding:
+        """How frames are coded on their way to the proxy."""
+        return Coding(self.codec)
+
+    @property
+    def feed(self) -> FeedOptions:
+        """The server, as a client of it has it."""
+        return FeedOptions(connect=self.connect, server_key=self.server_key)
+
+
+@attrs.frozen(kw_only=True)
+class ServeOptions(ListenOptions):
+    """A server for others. Errors: InputError for a value out of range."""
+
+    scene: str = same_as(_PIPELINE.scene)
+    scene_options: SceneOptions = group(SceneOptions)
+    mirrors: str = same_as(_PIPELINE.mirrors)
+    samples: int = same_as(_PIPELINE.samples)
+    sample_depth: str = same_as(_PIPELINE.sample_depth)
     web: str = option(
         "",
         "Address of the page for browsers, HOST:PORT, * for a free port; prints what to open. A headset's browser "

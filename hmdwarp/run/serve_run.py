@@ -5,9 +5,10 @@ from __future__ import annotations
 import functools
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -15,9 +16,10 @@ import numpy as np
 from .. import web
 from ..errors import InputError, MachineError
 from ..frames import Frame, Needs
-from ..frames.layers import RENDERED, EyeSizes, layers
+from ..frames.layers import RENDERED, Delivered, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
+from ..pipeline.channel import SEEN_PX, Changes
 from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..pipeline.options import NEAREST
@@ -27,15 +29,29 @@ from ..scenes import Scene, load_scene
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import KeyPair, key_pair
 from ..sources.feed.listener import Asked, Listener
-from ..sources.feed.message import ANY, BYTES, DEPTH_CODES, NONE, RGBA8, Ask, DepthCodes, FrameMessage, Picture
+from ..sources.feed.message import (
+    ANY,
+    BYTES,
+    DEPTH_CODES,
+    MOST_FATES,
+    NONE,
+    RGBA8,
+    Ask,
+    DepthCodes,
+    FrameMessage,
+    Picture,
+    Session,
+)
 from ..sources.feed.options import secret_in
-from ..sources.server import Server
+from ..sources.server import Renderer, Server
 from .browser_log import BrowserLogs
-from .options import ServeOptions
+from .options import ListenOptions, ServeOptions
 from .replay_setup import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30
+_MOST_UNTOLD = 2 * MOST_FATES  # frames of a client that never tells
+_NO_CONTENT = np.zeros(0, np.uint8)
 _WAIT_MS = 200  # between looks at whether to stop
 
 
@@ -49,12 +65,7 @@ def serve(
     say: called with each line for the log, first with the address.
     Errors: InputError for wrong options, MachineError for missing hardware or software.
     """
-    secret, pair = secret_in(options.token_file), None
-    if options.key_pair is not None:
-        pair, is_new = key_pair(options.key_pair)
-        if is_new:
-            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
-    listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
+    listener, secret, pair = listening(options, say)
     with closing(listener):
         scene = load_scene(options.scene, options.scene_options)
         nearest = options.sample_depth == NEAREST
@@ -63,14 +74,35 @@ def serve(
             closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
         ):
             say(f"listening at {listener.address}: scene '{scene.name}'")
-            coders = _Coders(listener)
             with _door(options, listener.address, scene, secret, pair, say) if options.web else nullcontext():
-                while goes_on():
-                    asked = listener.next(_WAIT_MS)
-                    if asked is not None:
-                        _answer_or_refuse(server, listener, coders, asked)
-                        server.take_back()
-                        server.trim()
+                answering(listener, server, functools.partial(_drawn, server), goes_on)
+
+
+def listening(options: ListenOptions, say: Callable[[str], None]) -> tuple[Listener, str, KeyPair | None]:
+    """Return what listens, the shared secret and the key pair. Errors: as Listener."""
+    secret, pair = secret_in(options.token_file), None
+    if options.key_pair is not None:
+        pair, is_new = key_pair(options.key_pair)
+        if is_new:
+            say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
+    how = options.open, options.per_address
+    found = Listener(options.listen, secret, pair, is_open=how[0], per_address=how[1], say=say)
+    return found, secret, pair
+
+
+# Returns the frame for a request that needs these layers.
+Draw = Callable[[Asked, Needs], Frame]
+
+
+def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callable[[], bool]) -> None:
+    """Answer requests until goes_on() says no."""
+    coders, sessions = _Coders(listener), _Sessions(listener, server, draw)
+    while goes_on():
+        asked = listener.next(_WAIT_MS)
+        if asked is not None:
+            _answer_or_refuse(sessions, coders, asked)
+            server.take_back()
+            server.trim()
 
 
 def _door(
@@ -123,9 +155,66 @@ class _Coders:
         return coded
 
 
-def _answer_or_refuse(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
+@attrs.define(eq=False)
+class _Session:
+    """What a client has of layers that build on the frames before, as far as it has told."""
+
+    number: int
+    began: int
+    # None where every frame is sent.
+    changes: Changes | None
+    # What both ends remember of each frame whose fate is not told yet, by its id.
+    sent: dict[int, Mapping[str, Any]] = attrs.field(factory=dict)
+
+
+class _Sessions:
+    """The sessions of the clients, as long as they are connected."""
+
+    def __init__(self, listener: Listener, server: Renderer, draw: Draw) -> None:
+        self.listener, self.server, self.draw = listener, server, draw
+        self._of: dict[bytes, _Session] = {}
+
+    def of(self, asked: Asked) -> _Session:
+        """Return the session of a request, once what it tells of earlier frames is known."""
+        for gone in [who for who in self._of if who not in self.listener.clients]:
+            self.server.forget(gone)
+            del self._of[gone]
+        told, found = asked.ask.session or Session(0), self._of.get(asked.client)
+        if found is None or found.number != told.number:
+            self.server.forget(asked.client)
+            changes = Changes(self.server.scene, self.server.content) if told.only_changes else None
+            found = self._of[asked.client] = _Session(told.number, asked.ask.number, changes)
+        for fate in told.fates:
+            if fate.number in found.sent:
+                self.server.heard_of(asked.client, found.sent.pop(fate.number), fate.arrived, fate.heard_ns)
+        return found
+
+    def is_unchanged(self, asked: Asked, session: _Session) -> bool:
+        """Return whether a frame would show nothing new."""
+        ask, changes = asked.ask, session.changes
+        if changes is None or ask.anew or self.server.has_more(ask.time_ns, asked.client):
+            return False
+        return changes.moved_px(ask.views, ask.time_ns) <= SEEN_PX
+
+    def drawn(self, asked: Asked, session: _Session, frame: Frame) -> None:
+        """Remember a frame that is about to be sent."""
+        if session.changes is not None:
+            session.changes.sent(frame)
+        light = {
+            layer.name: {each: attrs.evolve(update, content=_NO_CONTENT) for each, update in data.items()}
+            for layer, data in frame.eyes[0].contents()
+            if issubclass(layer, Delivered)
+        }
+        if light:
+            session.sent[asked.ask.number] = light
+        while len(session.sent) > _MOST_UNTOLD:
+            del session.sent[next(iter(session.sent))]
+
+
+def _answer_or_refuse(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
+    listener = sessions.listener
     try:
-        _answer(server, listener, coders, asked)
+        _answer(sessions, coders, asked)
     except (InputError, MachineError, bounds.OutOfBounds) as error:
         listener.refuse(asked, str(error))
     except Exception as error:  # whatever it is, the next client has its turn
@@ -134,25 +223,31 @@ def _answer_or_refuse(server: Server, listener: Listener, coders: _Coders, asked
         listener.refuse(asked, f"an internal error, please report it ({type(error).__name__} at {where}: {error})")
 
 
-def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
+def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     """Draw and send. Errors: whatever drawing for this client alone may raise."""
-    ask, most = asked.ask, server.gpu.max_texture_size
+    server, listener, ask = sessions.server, sessions.listener, asked.ask
+    most = server.gpu.max_texture_size
     begun_ns = time.monotonic_ns()
     needs = needs_of_client(ask.wanted)
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
     check_work(ask)
-    frame = _drawn(server, ask, needs)
+    session = sessions.of(asked)
+    if sessions.is_unchanged(asked, session):
+        listener.leave_out(asked)
+        return
+    frame = sessions.draw(asked, needs)
+    sessions.drawn(asked, session, frame)
     server.gpu.wait()
     pictures = list(_pictures(server, frame, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
-    sent = (parts_of(eye, needs, packs=packs, is_first=eye is frame.eyes[0]) for eye in frame.eyes)
-    further = tuple(sent) if needs else ()
+    further = parts_of(frame, needs, packs=packs) if needs else ()
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
-    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further, takes_hidden=True)
+    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further)
+    drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
     coded = coders.coded(asked, drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
@@ -172,17 +267,21 @@ def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
                     f"a layer '{name}' of {count:.3g} bytes beside {ask.size[0]}x{ask.size[1]} pixels: expected at "
                     f"most {bounds.most_beside(ask.size):.3g}"
                 )
-            of_eye += count
+            of_eye += count + layer.kept_bytes(amount)
     (bounds.DRAWN_BY_CPU if is_software else bounds.UNPACKED).check(len(ask.views) * of_eye)
 
 
-def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
+def _drawn(server: Server, asked: Asked, needs: Needs) -> Frame:
+    ask = asked.ask
+    reads = {ask.wish.colour, ask.wish.depth} != {NONE} or any(not layers.get(name).per_frame for name in needs)
     if ask.wanted is None:
-        return server.draw_frame(ask.views, ask.time_ns, ask.size)
-    return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
+        return server.draw_frame(ask.views, ask.time_ns, ask.size, pictures=reads)
+    age_ns = ask.session.age_ns if ask.session is not None else 0
+    form = (ask.size, needs, ask.wanted.fovs, ask.wanted.size)
+    return server.draw_guarded(ask.views, ask.time_ns, *form, age_ns=age_ns, client=asked.client, pictures=reads)
 
 
-def _pictures(server: Server, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
+def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
         half = server.give_codes(eye) if colour in BYTES or depth == DEPTH_CODES else None

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb
-from ...errors import PlanError
+from ...errors import InputError, PlanError
 from ...frames.layers import Inbox
-from ...frames.layers.panels import PanelDelivery, picture_in, places_in, showing_in
+from ...frames.layers.panels import UNREADABLE, PanelDelivery, picture_in, places_in, showing_in
 from ...geometry import View
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
@@ -85,6 +85,12 @@ class KeptPanels(Store):
         return tuple(self._held.values())
 
     def receive(self, content: NDArray[np.uint8]) -> None:
+        try:
+            self._take(content)
+        except UNREADABLE as error:
+            raise InputError(f"panels that cannot be read ({' '.join(str(error).split())})") from error
+
+    def _take(self, content: NDArray[np.uint8]) -> None:
         time_ns, showing, update = showing_in(content)
         for number, thing in self._inbox.take(update):
             if number:

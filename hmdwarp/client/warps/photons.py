@@ -61,8 +61,12 @@ class KeptPhotons(Store):
             factors = kernel_factors(transport_of(scene), wanted.radius)
             self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
             self._factors.write(factors.tobytes())
-        self._room, self.cube, self.count = BundleRoom(), Cube(np.zeros(3), 1.0), 0
         self.photons = gpu.gl.buffer(reserve=PHOTON_BYTES * max(1, most_photons(scene, wanted)))
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget all photons; passes draw from the same buffer still."""
+        self._room, self.cube, self.count = BundleRoom(), Cube(np.zeros(3), 1.0), 0
         self.bytes = 0
         self.first_picture_bytes: int | None = None
 

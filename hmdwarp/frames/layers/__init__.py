@@ -13,17 +13,24 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry import Fov
+from ...errors import InputError
+from ...geometry import Fov, Pose, View
 from ...registry import Registry
 
 if TYPE_CHECKING:
     import moderngl
+
+    from ..frame import EyeImage
 
 
 Size = tuple[int, int]
 
 # Bytes of a pixel, by OpenGL's name of the texture format.
 PIXEL_BYTES = {"rgba16f": 8, "r32f": 4, "r16ui": 2}
+BYTES = "bytes"  # what is sent of a layer that is no texture
+MOST_BUDGET = 1 << 24  # bytes of a frame that may be asked for, of what comes little by little
+# Settings of what is needed, a row for each variant.
+Rows = tuple[tuple[float, ...], ...]
 
 # How a texture is coded on the link: by the video codec, with light beyond 1 clipped or kept, by
 # the codes of inverse depth or of vectors, which bound the error of each pixel, or packed without
@@ -76,9 +83,9 @@ class Layer:
     A layer is usually one texture for each eye; then `name`, `summary`, `formats` and `drawn_by`
     are enough, and `codings` where a texture holds neither light (rgba16f) nor inverse depth
     (r32f). A layer that is no picture (points, an atlas, photons) leaves `formats` empty and
-    overrides `bytes`, `textures`, `sent` and, where its data must be freed, `release`. One that
-    other processes may send says so by `fed`; where it is more than one texture it overrides `made`
-    too, and where it is more than textures, `numbers` and `misfit`.
+    overrides `bytes`, `textures`, `sent` and, where its data must be freed, `release`. Every layer
+    may come from another process: one of more than a texture overrides `made` too, and one of more
+    than textures `numbers` and `misfit`.
     """
 
     # The key in Needs and in EyeImage; passes read it as "rendered.<name>".
@@ -102,8 +109,8 @@ class Layer:
     apart: ClassVar[bool] = False
     # Whether the client lays it over whatever else it shows.
     laid_over: ClassVar[bool] = False
-    # Whether frames of other processes may have it, see docs/feed.md: its amount is a number then.
-    fed: ClassVar[bool] = False
+    # Whether the client makes it of the frames that it has: no server sends it.
+    of_client: ClassVar[bool] = False
     # Whether what a frame has of it depends on the frames before: then none can be left out.
     builds_on_frames: ClassVar[bool] = False
     # Whether it is made from the picture: that must be the one which its plan alone would get.
@@ -131,19 +138,43 @@ class Layer:
         return sum(PIXEL_BYTES[kind] for kind in cls.pictures(amount)) * width * height
 
     @classmethod
-    def pictures(cls, amount: Any) -> tuple[str, ...]:
-        """Return the format of each texture of `amount` of it, in the order of `sent`."""
-        return int(amount) * cls.formats
+    def kept_bytes(cls, amount: Any) -> int:
+        """Return the bytes that a server keeps for `amount` of it from frame to frame."""
+        return 0
 
     @classmethod
-    def number_of(cls, amount: Any) -> int:
-        """Return the number that stands for an amount in requests to another process."""
+    def pictures(cls, amount: Any) -> tuple[str, ...]:
+        """Return the format of each texture or array of `amount` of it, in the order of `sent`."""
+        return (len(amount) if isinstance(amount, frozenset) else int(amount)) * cls.formats
+
+    @classmethod
+    def stated(cls, amount: Any) -> int | Rows:
+        """Return an amount as messages state it: a number, or rows of settings."""
+        if isinstance(amount, frozenset):
+            return tuple(attrs.astuple(each) for each in sorted(amount))
+        if attrs.has(type(amount)):
+            return (attrs.astuple(amount),)
+        if isinstance(amount, float):
+            return ((amount,),)
         return amount.value if isinstance(amount, enum.Flag) else int(amount)
 
     @classmethod
-    def amount_of(cls, number: int) -> Any:
-        """Return the amount that a number stands for. Errors: ValueError."""
-        return type(cls.something)(number)
+    def amount_of(cls, stated: int | Rows) -> Any:
+        """Return the amount that is stated so. Errors: ValueError for one that cannot be."""
+        like = cls.something
+        several = isinstance(like, frozenset)
+        kind = type(next(iter(like)) if several else like)
+        found = None
+        if isinstance(stated, int):
+            found = None if several or attrs.has(kind) else kind(stated)
+        elif attrs.has(kind):
+            each = [_of_row(kind, row) for row in stated]
+            found = frozenset(each) if several else each[0] if len(each) == 1 else None
+        elif kind is float:
+            ((found,),) = stated
+        if found is None or cls.stated(found) != stated:
+            raise ValueError(f"{stated} is no amount of it")
+        return found
 
     @classmethod
     def numbers(cls, data: Any) -> NDArray[Any] | None:
@@ -156,10 +187,12 @@ class Layer:
         return "" if numbers is None else "there are numbers beside its pictures: expected none"
 
     @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Any:
-        """Return the data of textures, in the order of `sent`, and numbers that fit."""
-        (texture,) = textures
-        return texture
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> Any:
+        """Return the data of what was sent, in the order of `sent`, and numbers that fit.
+
+        eye: the picture that it belongs to.
+        """
+        return sent[0] if sent else amount
 
     @classmethod
     def merged(cls, amount: Any, other: Any) -> Any:
@@ -216,6 +249,61 @@ def _bytes_of(content: Any) -> int:
     return int(content.width * content.height * content.components * int(content.dtype[1:]))
 
 
+def _of_row(kind: type[Any], row: Sequence[float]) -> Any:
+    """Return the settings that have these numbers. Errors: ValueError."""
+    fields = attrs.fields(kind)
+    if len(row) != len(fields):
+        raise ValueError(f"{len(row)} settings: expected {len(fields)}")
+    return kind(*(type(field.default)(value) for field, value in zip(fields, row, strict=True)))
+
+
+def between(least: float, most: float) -> Any:
+    """Return an attrs validator of a number that other processes may state."""
+
+    def check(_: object, field: attrs.Attribute[Any], value: float) -> None:
+        if not least <= value <= most:
+            raise ValueError(f"{field.name} is {value:g}: expected {least:g} to {most:g}")
+
+    return check
+
+
+_VIEW_NUMBERS = 18
+
+
+def rows_of_views(views: Iterable[View]) -> NDArray[np.float64]:
+    """Return a row for each view: world_from_eye, head_from_eye, angles."""
+    rows = [
+        (*v.pose.position_m, *v.pose.orientation_xyzw, *v.head_from_eye.position_m, *v.head_from_eye.orientation_xyzw,
+         v.fov.left, v.fov.right, v.fov.down, v.fov.up)
+        for v in views
+    ]  # fmt: skip
+    return np.array(rows, np.float64).reshape(-1, _VIEW_NUMBERS)
+
+
+def view_of_row(row: NDArray[np.float64]) -> View:
+    """Return the view of a row. Errors: InputError for one that cannot be."""
+    return View(Pose(row[:3], row[3:7]), Fov(*row[14:18].tolist()), Pose(row[7:10], row[10:14]))
+
+
+def misfit_of_views(numbers: NDArray[Any] | None, count: int) -> str:
+    """Return why numbers are not those of so many views, "" if they are."""
+    if numbers is None or numbers.shape != (count, _VIEW_NUMBERS):
+        return f"its views are missing: expected {count} rows of {_VIEW_NUMBERS} numbers"
+    if (np.abs(np.linalg.norm(numbers[:, [3, 4, 5, 6]], axis=1) - 1) > _LENGTH_ERROR).any() or (
+        np.abs(np.linalg.norm(numbers[:, [10, 11, 12, 13]], axis=1) - 1) > _LENGTH_ERROR
+    ).any():
+        return "a view's quaternion is not of length 1"
+    try:
+        for row in numbers:
+            view_of_row(row)
+    except InputError as error:
+        return str(error)
+    return ""
+
+
+_LENGTH_ERROR = 1e-3
+
+
 class Wanted(Protocol):
     """What is delivered little by little; hashable and ordered."""
 
@@ -232,6 +320,13 @@ class Content(Protocol):
         """The bytes; the link writes what it has decoded over it."""
 
 
+@attrs.frozen(eq=False)
+class Received:
+    """What one frame of another process brings of it."""
+
+    content: NDArray[Any]
+
+
 class Delivered(Layer):
     """No picture but updates of what the client keeps: a Content for each Wanted.
 
@@ -245,6 +340,16 @@ class Delivered(Layer):
     @classmethod
     def bytes(cls, amount: frozenset[Wanted], sizes: EyeSizes) -> int:
         return sum(each.budget for each in amount)
+
+    @classmethod
+    def pictures(cls, amount: frozenset[Wanted]) -> tuple[str, ...]:
+        return (BYTES,) * len(amount)
+
+    @classmethod
+    def made(
+        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Any], eye: EyeImage
+    ) -> dict[Any, Received]:
+        return {each: Received(content) for each, content in zip(sorted(amount), sent, strict=True)}
 
     @classmethod
     def merged(cls, amount: frozenset[Wanted], other: frozenset[Wanted]) -> frozenset[Wanted]:
@@ -376,11 +481,6 @@ class Inbox:
         """How many things are whole."""
         return len(self._whole)
 
-    @property
-    def begun(self) -> int:
-        """Of how many things a part has come."""
-        return len(self._begun)
-
     def take(self, content: NDArray[np.uint8]) -> Iterator[tuple[int, bytes]]:
         """Take an update's content; yield the number and bytes of each thing that is now whole."""
         data, at = content.tobytes(), 0
@@ -400,26 +500,3 @@ class Inbox:
 
 def _fragments(thing: bytes) -> int:
     return max(1, -(-len(thing) // FRAGMENT_BYTES))
-
-
-# Between processes bytes are a picture of 16-bit numbers: how many there are in the first two, then
-# two a number.
-_PART_COLUMNS = 4096
-
-
-def part_of_bytes(content: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """Return bytes as a picture for the feed, whose rows are full."""
-    data = struct.pack("<I", len(content)) + content.tobytes()
-    row = 2 * min(_PART_COLUMNS, -(-len(data) // 2))
-    return np.frombuffer(data.ljust(-(-len(data) // row) * row, b"\0"), "<u2").reshape(-1, row // 2)
-
-
-def bytes_of_part(part: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return the bytes of such a picture. Errors: ValueError for another one."""
-    if part.dtype != np.uint16 or part.ndim != 2:
-        raise ValueError(f"{part.dtype} of shape {part.shape}: expected a picture of u16")
-    data = np.ascontiguousarray(part, "<u2").tobytes()
-    (count,) = struct.unpack_from("<I", data)
-    if count > len(data) - 4:
-        raise ValueError(f"{count} bytes in {len(data) - 4}")
-    return np.frombuffer(data, np.uint8, count, 4)

@@ -15,7 +15,6 @@ class Cube(Layer):
     formats = ("rgba16f",)
     size_class = OWN
     drawn_by = "cube"
-    fed = True
 
     @classmethod
     def size(cls, sizes: EyeSizes) -> tuple[int, int]:

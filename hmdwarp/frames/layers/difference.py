@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import attrs
+from numpy.typing import NDArray
 
-from . import PIXEL_BYTES, EyeSizes, Layer, layers
+from . import Layer, between, layers
 
 if TYPE_CHECKING:
     import moderngl
+
+    from ..frame import EyeImage
 
 
 @attrs.frozen(order=True)
@@ -18,8 +21,8 @@ class Simplified:
     """A simplified scene, as client and server draw it."""
 
     # Share of the triangles, scale of the textures, whether with light.
-    share: float = 0.2
-    texture: float = 1.0
+    share: float = attrs.field(default=0.2, validator=between(1e-6, 1))
+    texture: float = attrs.field(default=1.0, validator=between(1e-6, 1))
     lit: bool = True
 
 
@@ -40,11 +43,6 @@ class Difference(Layer):
     nothing, something = frozenset(), frozenset({Simplified()})
 
     @classmethod
-    def bytes(cls, amount: frozenset[Simplified], sizes: EyeSizes) -> int:
-        width, height = cls.size(sizes)
-        return len(amount) * PIXEL_BYTES[cls.formats[0]] * width * height
-
-    @classmethod
     def merged(cls, amount: frozenset[Simplified], other: frozenset[Simplified]) -> frozenset[Simplified]:
         return amount | other
 
@@ -62,3 +60,9 @@ class Difference(Layer):
     @classmethod
     def textures(cls, data: Mapping[Simplified, moderngl.Texture]) -> Iterable[moderngl.Texture]:
         return data.values()
+
+    @classmethod
+    def made(
+        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Simplified], eye: EyeImage
+    ) -> dict[Simplified, moderngl.Texture]:
+        return dict(zip(sorted(amount), sent, strict=True))

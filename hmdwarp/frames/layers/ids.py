@@ -15,6 +15,8 @@ from . import Layer, layers
 if TYPE_CHECKING:
     import moderngl
 
+    from ..frame import EyeImage
+
 _BODY_NUMBERS = 16
 
 
@@ -36,7 +38,6 @@ class Ids(Layer):
     summary = "the rigid body each pixel belongs to, and how the bodies move"
     formats = ("r16ui",)
     drawn_by = "motion"
-    fed = True
 
     @classmethod
     def textures(cls, data: BodyIds) -> Iterable[moderngl.Texture]:
@@ -71,7 +72,7 @@ class Ids(Layer):
         return ""
 
     @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> BodyIds:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> BodyIds:
         assert numbers is not None, "misfit() says so"
         bodies = [RigidState(Pose(row[:3], row[3:7]), row[7:10], row[10:13], row[13:]) for row in numbers]
-        return BodyIds(textures[0], tuple(bodies))
+        return BodyIds(sent[0], tuple(bodies))

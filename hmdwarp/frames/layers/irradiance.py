@@ -24,11 +24,12 @@ class Irradiance(Layer):
     per_frame = True
     # It is lit for the first frame of each update.
     builds_on_frames = True
+    something = 10.0
 
     @classmethod
     def size(cls, sizes: EyeSizes) -> tuple[int, int]:
         return ATLAS
 
     @classmethod
-    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
-        return super().bytes(1, sizes)
+    def pictures(cls, amount: Any) -> tuple[str, ...]:
+        return cls.formats

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from . import EyeSizes, Layer, layers
+from . import Layer, layers
 
 if TYPE_CHECKING:
     import moderngl
@@ -23,10 +23,6 @@ class Light(Layer):
     summary = "the picture holds light alone, as if every surface were white; it is sent instead of the colour"
     drawn_by = "light"
     apart = True
-
-    @classmethod
-    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
-        return 0
 
     @classmethod
     def textures(cls, data: Any) -> Iterable[moderngl.Texture]:

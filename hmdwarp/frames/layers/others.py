@@ -46,6 +46,7 @@ class OtherPictures(Layer):
 
     name = "others"
     summary = "the other eye's picture and older frames, which the client has already"
+    of_client = True
     nothing, something = Others(), Others(past=1, other_eye=True)
 
     @classmethod

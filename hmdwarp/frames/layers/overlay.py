@@ -14,5 +14,4 @@ class Overlay(Layer):
     formats = ("rgba16f",)
     size_class = SHOWN
     drawn_by = "overlay"
-    fed = True
     apart = True

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import io
 import struct
-from collections.abc import Container, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -14,10 +14,7 @@ from numpy.typing import NDArray
 from ...errors import HmdwarpError
 from ...geometry import Pose
 from ...scenes import MOST_PANELS, Panel, Texture
-from . import Delivered, Inbox, Update, bytes_of_part, layers
-
-if TYPE_CHECKING:
-    import moderngl
+from . import MOST_BUDGET, Delivered, Inbox, Update, between, layers
 
 
 @attrs.frozen(order=True)
@@ -25,58 +22,34 @@ class PanelDelivery:
     """Panels that are delivered picture by picture."""
 
     # Bytes of each frame, at most, beside what says which pictures are shown.
-    budget: int = 20_000
-    # Of requests that the client makes itself, frame by frame: SHOWING or PICTURES; 0 where the
-    # server knows what has arrived.
-    asked: int = 0
+    budget: int = attrs.field(default=20_000, validator=between(1, MOST_BUDGET))
 
 
-# Of a request: which picture each panel shows, or those pictures too.
-SHOWING, PICTURES = 1, 2
-_MOST_BYTES = 1 << 24  # of the pictures of a request
 _MOST_SIDE = 8192  # of a picture that came
 
 
 @layers.register
 class Panels(Delivered):
-    """An Update for each PanelDelivery. The amount is the frozenset of them.
-
-    Between processes the client asks for pictures until they have come, see PanelRequests.
-    """
+    """An Update for each PanelDelivery. The amount is the frozenset of them."""
 
     name = "panels"
     summary = "text and menus: each picture once, when it is first shown; until it has come, the one before stays"
     drawn_by = "panels"
     apart = laid_over = True
-    fed = True
     something = frozenset({PanelDelivery()})
 
     @classmethod
-    def number_of(cls, amount: frozenset[PanelDelivery]) -> int:
-        return max(each.asked for each in amount) or PICTURES
-
-    @classmethod
-    def amount_of(cls, number: int) -> frozenset[PanelDelivery]:
-        if number not in (SHOWING, PICTURES):
-            raise ValueError(f"{number}: expected {SHOWING} or {PICTURES}")
-        return frozenset({PanelDelivery(_MOST_BYTES if number == PICTURES else 0, number)})
-
-    @classmethod
     def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
-        if len(pictures) != 1:
-            return f"{len(pictures)} parts: expected one"
         try:
-            _check(bytes_of_part(pictures[0]))
-        except (ArithmeticError, HmdwarpError, LookupError, OSError, SyntaxError, ValueError, struct.error) as error:
+            for content in pictures:
+                _check(content.ravel())
+        except UNREADABLE as error:
             return f"panels that cannot be read ({' '.join(str(error).split())})"
-        return ""
-
-    @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Any:
-        assert numbers is not None
-        return {PanelDelivery(): Update(bytes_of_part(numbers))}
+        return super().misfit(pictures, numbers)
 
 
+# What reading bytes raises that are no panels.
+UNREADABLE = (ArithmeticError, HmdwarpError, LookupError, OSError, SyntaxError, ValueError, struct.error)
 # When a frame was drawn, and how many numbers follow: of each panel, which picture it shows.
 _SHOWING = struct.Struct("<qH")
 # Thing 0 has one for each panel: place, turn, size; head-locked, occluded; how many pictures.
@@ -122,7 +95,10 @@ def picture_in(thing: bytes) -> NDArray[np.uint8]:
     with Image.open(io.BytesIO(thing), formats=["PNG"]) as found:
         if max(found.size) > _MOST_SIDE:
             raise ValueError(f"a picture of {found.width}x{found.height}: expected {_MOST_SIDE} a side at most")
-        return np.asarray(found)
+        picture = np.asarray(found)
+    if picture.shape[2:] not in ((3,), (4,)):
+        raise ValueError("a picture without colours")
+    return picture
 
 
 def _png(image: NDArray[np.uint8]) -> bytes:
@@ -134,54 +110,17 @@ def _png(image: NDArray[np.uint8]) -> bytes:
 
 
 def _check(content: NDArray[np.uint8]) -> None:
-    """Check what another process sent: whole things, which fit. Errors: as of reading them."""
-    if not len(content):
-        return  # it is in the other eye's part
+    """Check what another process sent, as far as it is whole. Errors: as of reading it."""
     _, showing, update = showing_in(content)
-    inbox = Inbox()
-    things = dict(inbox.take(update))
-    if inbox.begun:
-        raise ValueError("a part of a picture")
-    if not things:
-        return
-    counts = [count for _, count in places_in(things[0])]
-    if len(counts) > MOST_PANELS:
-        raise ValueError(f"{len(counts)} panels: expected {MOST_PANELS} at most")
-    if len(counts) != len(showing) or not all(shown < count for shown, count in zip(showing, counts, strict=True)):
-        raise ValueError(f"{len(showing)} panels that show pictures, of {len(counts)}")
-    for number, thing in things.items():
-        if number > sum(counts):
-            raise ValueError(f"picture {number} of {sum(counts)}")
-        if number and picture_in(thing).shape[2:] not in ((3,), (4,)):
-            raise ValueError("a picture without colours")
-
-
-class PanelRequests:
-    """The client's side between processes: what it asks for until all that is shown has come."""
-
-    def __init__(self) -> None:
-        self._inbox, self._here = Inbox(), set[int]()
-        self._first: list[int] = []
-        self._lacks = True
-        self._asked: int | None = None
-
-    def number(self, request: int, pending: Container[int]) -> int:
-        """Return how much to ask for: pictures once, and again only if that has no answer."""
-        if not self._lacks or self._asked in pending:
-            return SHOWING
-        self._asked = request
-        return PICTURES
-
-    def take(self, part: NDArray[Any]) -> None:
-        """Take note of what came, which fits."""
-        _, showing, update = showing_in(bytes_of_part(part))
-        for number, thing in self._inbox.take(update):
-            self._here.add(number)
-            if number == 0:
-                counts = [count for _, count in places_in(thing)]
-                self._first = [1 + sum(counts[:index]) for index in range(len(counts))]
-        shown = {first + each for first, each in zip(self._first, showing, strict=False)}
-        self._lacks = len(self._first) != len(showing) or not shown <= self._here
+    for number, thing in Inbox().take(update):
+        if number:
+            picture_in(thing)
+            continue
+        counts = [count for _, count in places_in(thing)]
+        if len(counts) > MOST_PANELS:
+            raise ValueError(f"{len(counts)} panels: expected {MOST_PANELS} at most")
+        if len(counts) != len(showing) or not all(shown < count for shown, count in zip(showing, counts, strict=True)):
+            raise ValueError(f"{len(showing)} panels that show pictures, of {len(counts)}")
 
 
 def with_showing(update: Update, time_ns: int, showing: Sequence[int]) -> Update:

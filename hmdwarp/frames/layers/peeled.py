@@ -12,6 +12,8 @@ from . import Layer, Surface, layers
 if TYPE_CHECKING:
     import moderngl
 
+    from ..frame import EyeImage
+
 
 @layers.register
 class Peeled(Layer):
@@ -21,7 +23,6 @@ class Peeled(Layer):
     summary = "the surfaces behind the visible one, nearest first"
     formats = ("rgba16f", "r32f")
     drawn_by = "peeled"
-    fed = True
     something = 2
 
     @classmethod
@@ -34,5 +35,5 @@ class Peeled(Layer):
         return (texture for surface in data for texture in surface.textures())
 
     @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> tuple[Surface, ...]:
-        return tuple(Surface(*pair) for pair in zip(textures[::2], textures[1::2], strict=True))
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> tuple[Surface, ...]:
+        return tuple(Surface(*pair) for pair in zip(sent[::2], sent[1::2], strict=True))

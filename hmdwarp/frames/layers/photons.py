@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Delivered, layers
+from . import MOST_BUDGET, Delivered, between, layers
 
 
 @attrs.frozen(order=True)
@@ -18,11 +18,11 @@ class PhotonMap:
     """Photons that are delivered bundle by bundle, and replaced as the light changes."""
 
     # Bytes of each frame, at most, before they are packed.
-    budget: int = 60_000
+    budget: int = attrs.field(default=60_000, validator=between(1, MOST_BUDGET))
     # Paths that a lamp sends, rounded up to a power of 2; a sun and the sky send more.
-    paths: int = 1 << 13
+    paths: int = attrs.field(default=1 << 13, validator=between(1, 1 << 16))
     # Metres that a photon lights around it.
-    radius: float = 0.8
+    radius: float = attrs.field(default=0.8, validator=between(1e-3, 1e6))
 
     @property
     def paths_of_bundle(self) -> int:

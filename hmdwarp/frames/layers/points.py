@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from . import Delivered, layers
+from . import MOST_BUDGET, Delivered, between, layers
 
 
 @attrs.frozen(order=True)
@@ -19,11 +19,11 @@ class Cloud:
     """Points that are delivered little by little."""
 
     # Bytes of each frame, at most, before they are packed.
-    budget: int = 60_000
+    budget: int = attrs.field(default=60_000, validator=between(1, MOST_BUDGET))
     # Points that the client has room for.
-    room: int = 1 << 20
+    room: int = attrs.field(default=1 << 20, validator=between(1024, 1 << 26))
     # Distance of points in pixels of the shown picture, where all have arrived.
-    spacing: float = 1.0
+    spacing: float = attrs.field(default=1.0, validator=between(1e-3, 1e6))
 
 
 @layers.register

@@ -16,6 +16,8 @@ from . import BRIGHT_VIDEO, DEPTH, PIXEL_BYTES, VECTORS, Layer, Surface, layers
 if TYPE_CHECKING:
     import moderngl
 
+    from ..frame import EyeImage
+
 _MIRROR_NUMBERS = 11
 
 
@@ -55,7 +57,6 @@ class Reflections(Layer):
     # What is seen is shown by a share of its light, so light beyond 1 matters.
     codings = (BRIGHT_VIDEO, DEPTH, VECTORS)
     drawn_by = "reflections"
-    fed = True
     apart = True
     something = Mirrored.PLANE | Mirrored.CURVED
 
@@ -101,8 +102,8 @@ class Reflections(Layer):
         return ""
 
     @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Reflection:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> Reflection:
         assert numbers is not None, "misfit() says so"
-        colour, inverse_depth, surface = textures
+        colour, inverse_depth, surface = sent
         mirrors = tuple(Mirror(row[:3], row[3:6], row[6:9], *map(float, row[9:])) for row in numbers)
         return Reflection(Surface(colour, inverse_depth), surface, mirrors)

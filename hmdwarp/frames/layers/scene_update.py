@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import attrs
 
-from . import Delivered, layers
+from . import MOST_BUDGET, Delivered, between, layers
 
 
 @attrs.frozen(order=True)
@@ -12,11 +12,11 @@ class Delivery:
     """A scene that is delivered little by little."""
 
     # Share of the triangles, scale of the textures, whether with light.
-    share: float = 1.0
-    texture: float = 1.0
+    share: float = attrs.field(default=1.0, validator=between(1e-6, 1))
+    texture: float = attrs.field(default=1.0, validator=between(1e-6, 1))
     lit: bool = True
     # Bytes of each frame, at most.
-    budget: int = 20_000
+    budget: int = attrs.field(default=20_000, validator=between(1, MOST_BUDGET))
 
 
 @layers.register

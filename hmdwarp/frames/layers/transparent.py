@@ -13,6 +13,8 @@ from . import Layer, Surface, layers
 if TYPE_CHECKING:
     import moderngl
 
+    from ..frame import EyeImage
+
 
 @attrs.frozen(eq=False)
 class Transparent:
@@ -34,7 +36,6 @@ class Transparency(Layer):
     summary = "glass and the like as a veil with a depth of its own"
     formats = ("rgba16f", "r32f", "rgba16f")
     drawn_by = "transparency"
-    fed = True
     apart = True
 
     @classmethod
@@ -42,6 +43,6 @@ class Transparency(Layer):
         return (*data.veil.textures(), data.passing)
 
     @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> Transparent:
-        colour, inverse_depth, passing = textures
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> Transparent:
+        colour, inverse_depth, passing = sent
         return Transparent(Surface(colour, inverse_depth), passing)

@@ -14,4 +14,3 @@ class Velocity(Layer):
     formats = ("rgba16f",)
     codings = (VECTORS,)
     drawn_by = "motion"
-    fed = True

@@ -9,21 +9,13 @@ import attrs
 
 from ...errors import InputError
 from ...scenes import Scene
-from . import EyeSizes, Layer, layers
+from . import Layer, between, layers
 
 if TYPE_CHECKING:
     import moderngl
 
 SIZES = (8, 16, 32, 64, 128, 256)
 MOST_CONES = 32
-
-
-def _between(least: int, most: int) -> Any:
-    def check(_: object, field: attrs.Attribute[int], value: int) -> None:
-        if not least <= value <= most:
-            raise ValueError(f"{field.name} is {value}: expected {least} to {most}")
-
-    return check
 
 
 def _one_of(known: tuple[int, ...]) -> Any:
@@ -41,11 +33,11 @@ class VoxelLight:
     # Cells of the grid on each axis.
     size: int = attrs.field(default=64, validator=_one_of(SIZES))
     # Cones that look from each pixel, and from each cell at each bounce.
-    cones: int = attrs.field(default=6, validator=_between(4, MOST_CONES))
+    cones: int = attrs.field(default=6, validator=between(4, MOST_CONES))
     # How often light goes from cell to cell before pixels look.
-    bounces: int = attrs.field(default=4, validator=_between(0, 16))
+    bounces: int = attrs.field(default=4, validator=between(0, 16))
     # Times a second that the grid is lit anew, at most.
-    updates: float = attrs.field(default=10.0, validator=attrs.validators.gt(0))
+    updates: float = attrs.field(default=10.0, validator=between(1e-6, 1e6))
 
     @staticmethod
     def unsuited(scene: Scene) -> str:
@@ -73,8 +65,13 @@ class Voxels(Layer):
         return amount
 
     @classmethod
-    def bytes(cls, amount: Any, sizes: EyeSizes) -> int:
-        return 0
+    def pictures(cls, amount: VoxelLight) -> tuple[str, ...]:
+        return ()
+
+    @classmethod
+    def kept_bytes(cls, amount: VoxelLight) -> int:
+        """Return those of six grids of 8 bytes a cell, with all coarser levels."""
+        return 6 * 8 * amount.size**3 * 8 // 7
 
     @classmethod
     def textures(cls, data: Any) -> Iterable[moderngl.Texture]:

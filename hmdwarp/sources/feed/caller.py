@@ -12,7 +12,19 @@ from typing import Any
 import attrs
 
 from .alignment import Alignment, Exchange
-from .message import MOST_BYTES, Ask, FrameMessage, Malformed, Message, Refusal, Stub, decode, encode, token_of
+from .message import (
+    MOST_BYTES,
+    Ask,
+    FrameMessage,
+    Malformed,
+    Message,
+    Refusal,
+    Stub,
+    Unchanged,
+    decode,
+    encode,
+    token_of,
+)
 from .shared_frames import IS_ABLE, read
 from .sockets import (
     LINK,
@@ -66,6 +78,7 @@ class Caller:
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
+        self._unchanged: deque[int] = deque(maxlen=_MOST_FRAMES)
         self._held = 0
         # The newest requested frame, and the newest that has arrived.
         self._asked = self._newest = 0
@@ -89,6 +102,13 @@ class Caller:
         self._orders.send(encode(request))
         return now_ns
 
+    def take_unchanged(self) -> list[int]:
+        """Return the requests since the last call to which nothing had changed."""
+        with self._changed:
+            found = list(self._unchanged)
+            self._unchanged.clear()
+        return found
+
     def take(self) -> list[Arrival]:
         """Return the frames that have arrived since the last call, in order of arrival."""
         with self._changed:
@@ -100,7 +120,7 @@ class Caller:
         """Wait for an arrival until that instant; return whether there is one."""
         with self._changed:
             left_s = (instant_ns - time.monotonic_ns()) * 1e-9
-            if not self._arrived and left_s > 0:
+            if not (self._arrived or self._unchanged) and left_s > 0:
                 self._changed.wait(left_s)
             return bool(self._arrived)
 
@@ -197,7 +217,7 @@ class Caller:
                 message, heard_ns = self._shared(message), time.monotonic_ns()
             if isinstance(message, Ask | Stub):
                 raise Malformed("a message for servers: expected a frame")
-            if isinstance(message, FrameMessage) and message.number > self._asked:
+            if isinstance(message, FrameMessage | Unchanged) and message.number > self._asked:
                 raise Malformed(f"frame {message.number}: expected one of the {self._asked} that were requested")
         except Malformed as error:
             self.malformed += 1
@@ -209,6 +229,11 @@ class Caller:
             return
         if isinstance(message, Refusal):
             self._note(f"{self.address}: refused: {message.text}")
+            return
+        if isinstance(message, Unchanged):
+            with self._changed:
+                self._unchanged.append(message.number)
+                self._changed.notify_all()
             return
         if self.clock.add(Exchange(message.asked_ns, message.received_ns, message.sent_ns, heard_ns)):
             self._note(f"{self.address}: the clock there has jumped, it is aligned anew")

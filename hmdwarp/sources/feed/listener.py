@@ -22,6 +22,7 @@ from .message import (
     FrameMessage,
     Malformed,
     Refusal,
+    Unchanged,
     copied,
     decode,
     encode,
@@ -388,6 +389,10 @@ class Listener:
         if not sent:
             shared.take_back(who, frame.number)
         return sent
+
+    def leave_out(self, asked: Asked) -> None:
+        """Say that nothing has changed since the last frame."""
+        self._send(asked.client, encode(Unchanged(asked.ask.number)))
 
     def refuse(self, asked: Asked, why: str) -> None:
         """Say why there is no frame."""

@@ -24,7 +24,7 @@ from .parts import Layers, Part, Wanted
 
 VERSION = 3
 MAGIC = b"HWFD"
-ASK, FRAME, REFUSAL, STUB = 1, 2, 3, 4
+ASK, FRAME, REFUSAL, STUB, UNCHANGED = 1, 2, 3, 4, 5
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
 # Those that are made of sRGB bytes.
@@ -34,7 +34,7 @@ ANY = 0
 # Of a picture that is left out: neither wished nor sent.
 NONE = 255
 MOST_BYTES = int(bounds.MESSAGE.most)
-_KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", STUB: "frame in shared memory"}
+_KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", STUB: "frame in shared memory", UNCHANGED: "no change"}
 # Magic, version, kind, bytes of the whole message.
 _HEAD = struct.Struct("<4sHHI")
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
@@ -44,11 +44,19 @@ _HEAD = struct.Struct("<4sHHI")
 _ASK = struct.Struct("<QqqqQ32sIIBBBBBBBB3d")
 # Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
 # height, eyes, format of colour, format of depth, whether the stream begins here, place in it,
-# number of parts of further layers, whether requests may say what is hidden.
-_FRAME = struct.Struct("<QqqqqqIIBBBBIBB2x")
+# number of parts of further layers, what requests may have, where the session began.
+_FRAME = struct.Struct("<QqqqqqIIBBBBIBBH")
+# Bits of what requests have, and of what frames say that they may have.
+_HIDES, _SESSION = 1, 2
+# Number of the session, age of a frame when it is seen, whether to leave out what has not changed,
+# number of frames whose fate is told.
+_SESSION_HEAD = struct.Struct("<IqBxH")
+# Id of a frame, whether it arrived, the instant from which the server may know.
+_FATE = struct.Struct("<QBq")
 # Bytes of one eye's colour and depth.
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
+_ID = struct.Struct("<Q")
 # Id, bytes of the frame's message, name of the shared memory that it lies in.
 _STUB = struct.Struct("<QI64s")
 _POSE = struct.Struct("<7d")
@@ -85,6 +93,32 @@ class Wish:
 # The two forms that are not coded: 12 bytes a pixel as drawn, and 6.
 FULL, HALF = Wish(), Wish(RGBA8, DEPTH_CODES)
 RAW = {options.FULL: FULL, options.HALF: HALF}
+
+
+@attrs.frozen
+class Fate:
+    """Whether a frame arrived, and from which instant of the trace on the server may know."""
+
+    number: int
+    arrived: bool
+    heard_ns: int
+
+
+@attrs.frozen
+class Session:
+    """What a client has of layers that build on the frames before."""
+
+    # Of another number than in the request before, the server begins them anew.
+    number: int
+    # From drawing a frame to showing it, as far as that is known.
+    age_ns: int = 0
+    # Whether a frame in which nothing has moved is left out.
+    only_changes: bool = False
+    # Of frames of this session, each told until a later request has been answered.
+    fates: tuple[Fate, ...] = ()
+
+
+MOST_FATES = int(bounds.FATES.most)
 
 
 class Malformed(ValueError):
@@ -126,6 +160,8 @@ class Ask:
     wanted: Wanted | None = None
     # Whether the client reads frames from shared memory.
     shares: bool = False
+    # Only where the server's frames have said that they may have it.
+    session: Session | None = None
 
 
 @attrs.frozen(eq=False)
@@ -187,6 +223,9 @@ class FrameMessage:
     layers: tuple[Layers, ...] = ()
     # Whether the server leaves out what requests say is hidden of their views.
     takes_hidden: bool = False
+    # Whether requests may have a session, and the last 16 bits of the id that its began with.
+    takes_session: bool = False
+    began: int = 0
 
     @property
     def is_coded(self) -> bool:
@@ -255,7 +294,14 @@ class Stub:
     name: str
 
 
-Message = Ask | FrameMessage | Refusal | Stub
+@attrs.frozen
+class Unchanged:
+    """A request that is answered by no frame, as nothing has changed since the last one."""
+
+    number: int
+
+
+Message = Ask | FrameMessage | Refusal | Stub | Unchanged
 # Of a message: bytes, or an array whose bytes follow in the order of its indices.
 Piece = bytes | NDArray[Any]
 
@@ -268,8 +314,10 @@ def request_bytes(eyes: int) -> int:
 _MOST_EYES = int(bounds.EYES.most)
 LARGEST_ASK = (
     request_bytes(_MOST_EYES)
-    + parts.wanted_bytes(int(bounds.LAYERS.most), _MOST_EYES)
+    + parts.most_wanted_bytes(int(bounds.LAYERS.most), _MOST_EYES)
     + seen_columns.BYTES * _MOST_EYES
+    + _SESSION_HEAD.size
+    + _FATE.size * MOST_FATES
 )
 
 
@@ -330,19 +378,22 @@ def pieces_of(message: Message) -> list[Piece]:
         start = _ASK.pack(*stated, *one.size, len(one.views), *_packed_wish(one))
         wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
         areas = map(seen_columns.packed_area, one.views) if _hides(one.views) else ()
-        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas])
+        session = [] if one.session is None else _packed_session(one.session)
+        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session])
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
         colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
         heads, contents = parts.packed_layers(it.layers)
-        start = _FRAME.pack(
-            *numbers, *it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), it.takes_hidden
-        )
+        takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session
+        form = (*it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), takes, it.began)
+        start = _FRAME.pack(*numbers, *form)
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
         lengths = [_LENGTHS.pack(*map(length_of, pair)) for pair in pairs]
         pictures = [piece for pair in pairs for picture in pair for piece in _pieces_of(picture)]
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
+    if isinstance(message, Unchanged):
+        return _framed(UNCHANGED, [_ID.pack(message.number)])
     if isinstance(message, Stub):
         return _framed(STUB, [_STUB.pack(message.number, message.length, message.name.encode())])
     # Whole letters of it.
@@ -354,8 +405,25 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     wish = ask.wish
     quality = 0 if wish.crf is None else 1 + wish.crf
     layers = 0 if ask.wanted is None else len(ask.wanted.layers)
-    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares, _hides(ask.views))
+    has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None)
+    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares, has)
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
+
+
+def _packed_session(session: Session) -> list[bytes]:
+    head = (session.number, session.age_ns, session.only_changes, len(session.fates))
+    return [_SESSION_HEAD.pack(*head), *(_FATE.pack(one.number, one.arrived, one.heard_ns) for one in session.fates)]
+
+
+def _session(data: Data, at: int) -> tuple[Session, int]:
+    number, age_ns, only_changes, count = _SESSION_HEAD.unpack_from(data, at)
+    bounds.DRAWING.check(age_ns)
+    bounds.FATES.check(count)
+    at += _SESSION_HEAD.size
+    end = at + count * _FATE.size
+    fates = [Fate(of, arrived != 0, heard_ns) for of, arrived, heard_ns in _FATE.iter_unpack(data[at:end])]
+    bounds.INSTANT.check(*(one.heard_ns for one in fates))
+    return Session(number, age_ns, only_changes != 0, tuple(fates)), end
 
 
 def _hides(views: Sequence[View]) -> bool:
@@ -401,8 +469,9 @@ def decode(data: Data) -> Message:
     if version != VERSION and kind != REFUSAL:
         raise BadRequest(f"version {version}: take programs of the same version, here {VERSION}", data)
     readers: dict[int, Callable[[Data], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal, STUB: _stub}
+    readers[UNCHANGED] = _unchanged
     if kind not in readers:
-        raise Malformed(f"kind {kind}: expected {ASK} to {STUB}")
+        raise Malformed(f"kind {kind}: expected {ASK} to {UNCHANGED}")
     try:
         bounds.MESSAGE.check(length)
         _check_length(data, length)
@@ -415,23 +484,24 @@ def decode(data: Data) -> Message:
 def _ask(data: Data) -> Ask:
     values = _ASK.unpack_from(data, _HEAD.size)
     number, sent_ns, time_ns, head_ns, received, token, width, height, eyes = values[:9]
-    colour, depth, quality, anew, layers, shares, hides, rate_hz, mbit, step = values[9:]
+    colour, depth, quality, anew, layers, shares, has, rate_hz, mbit, step = values[9:]
     at = _HEAD.size + _ASK.size
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(sent_ns, time_ns, head_ns)
     bounds.LAYERS.check(layers)
-    wanted_at = at + _POSE.size + eyes * _EYE.size
-    hidden_at = wanted_at + parts.wanted_bytes(layers, eyes)
-    _check_length(data, hidden_at + (eyes * seen_columns.BYTES if hides else 0))
+    wanted, hidden_at = parts.wanted_from(data, at + _POSE.size + eyes * _EYE.size, layers, eyes)
+    hides = has & _HIDES
+    end = hidden_at + (eyes * seen_columns.BYTES if hides else 0)
+    session, end = _session(data, end) if has & _SESSION else (None, end)
+    _check_length(data, end)
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
     if hides:
         views = tuple(
             seen_columns.with_area(view, data, hidden_at + eye * seen_columns.BYTES) for eye, view in enumerate(views)
         )
-    wanted = parts.wanted_from(data, wanted_at, layers, eyes)
     wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    return Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0)
+    return Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0, session)
 
 
 def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: float, step: float) -> Wish:
@@ -444,7 +514,7 @@ def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: f
 
 def _frame(data: Data) -> FrameMessage:
     number, asked_ns, received_ns, sent_ns, render_ns, time_ns, *form = _FRAME.unpack_from(data, _HEAD.size)
-    width, height, eyes, colour, depth, begins, place, count, takes_hidden = form
+    width, height, eyes, colour, depth, begins, place, count, takes, began = form
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
@@ -472,7 +542,8 @@ def _frame(data: Data) -> FrameMessage:
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
-    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, takes_hidden=takes_hidden != 0)
+    says = (takes & _HIDES != 0, takes & _SESSION != 0, began)
+    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says)
 
 
 def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
@@ -503,6 +574,13 @@ def _refusal(data: Data) -> Refusal:
     text = bytes(data[at:]).decode()
     # A line of its own in a log, and no control of the terminal that shows it.
     return Refusal(number, "".join(character if character.isprintable() else " " for character in text))
+
+
+def _unchanged(data: Data) -> Unchanged:
+    _check_length(data, _HEAD.size + _ID.size)
+    (number,) = _ID.unpack_from(data, _HEAD.size)
+    bounds.NUMBER.check(number)
+    return Unchanged(number)
 
 
 def _stub(data: Data) -> Stub:

@@ -7,7 +7,7 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, one_of, option
+from ...options import Declared, Number, one_of, option
 from ...options.named_files import SECRET, text_in
 
 FULL, HALF = RAW_FORMS = ("full", "half")
@@ -48,7 +48,21 @@ class FeedOptions(Declared):
         study=_STUDY,
     )
 
+    added_latency_ms: float = option(
+        0.0,
+        "Milliseconds of emulated latency behind the network to the server at --connect; --jitter, --delay-trace, "
+        "--loss and --bandwidth are emulated there too.",
+        name="added_latency",
+        unit="ms",
+        valid=Number(),
+        study=_STUDY,
+    )
+
     def __attrs_post_init__(self) -> None:
+        if self.added_latency_ms and not self.connect:
+            raise InputError(
+                f"--added-latency {self.added_latency_ms:g} ms: it is for --connect; say --latency, or name the server"
+            )
         for name, path in (("--server-key", self.server_key), ("--token-file", self.token_file)):
             if path is not None and not self.connect:
                 raise InputError(f"{name} {path}: it is for --connect; name the server, or leave it out")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import struct
@@ -18,9 +19,13 @@ from . import bounds
 
 Size = tuple[int, int]
 Array = NDArray[Any]
+Rows = tuple[tuple[float, ...], ...]
 
 # Name of a layer, and how much of it.
 WANTED = struct.Struct("<16sI")
+# Rows and columns of settings; they follow the list, of each layer whose amount there is 0.
+SETTINGS = struct.Struct("<HH")
+_SETTING = struct.Struct("<d")
 # Name of a layer, eye, format, whether it is packed, width, height, bytes.
 HEAD = struct.Struct("<16sBBBxIII")
 # By number of the format: how numbers are stored, and how many there are a pixel, or in one place
@@ -30,8 +35,9 @@ FORMATS: dict[int, tuple[np.dtype, int]] = {
     2: (np.dtype("<f4"), 1),
     3: (np.dtype("<u2"), 1),
     4: (np.dtype("<f8"), 1),
+    5: (np.dtype("u1"), 1),
 }
-TABLE = 4
+TABLE, BYTES = 4, 5
 _NAME = re.compile(rb"([a-z_]{1,16})\0*")
 _LEVEL = 1
 
@@ -44,8 +50,8 @@ class BadPart(ValueError):
 class Wanted:
     """Which further layers a client reads, and the shown picture, whose size some of them have."""
 
-    # Name and amount of each.
-    layers: tuple[tuple[str, int], ...]
+    # Name of each, and how much of it: a number, or rows of settings.
+    layers: tuple[tuple[str, int | Rows], ...]
     # (w, h) of the shown picture, and the field of view of each eye's.
     size: Size
     fovs: tuple[Fov, ...]
@@ -107,30 +113,51 @@ def length_of(part: Part) -> int:
 def packed_wanted(wanted: Wanted) -> bytes:
     """Return the bytes of what a client reads."""
     shown = [struct.pack("<4d", fov.left, fov.right, fov.down, fov.up) for fov in wanted.fovs]
-    names = [WANTED.pack(_coded(name), amount) for name, amount in wanted.layers]
-    return b"".join([struct.pack("<II", *wanted.size), *shown, *names])
+    names = [WANTED.pack(_coded(name), 0 if isinstance(how, tuple) else how) for name, how in wanted.layers]
+    rows = [_packed_rows(how) for _, how in wanted.layers if isinstance(how, tuple)]
+    return b"".join([struct.pack("<II", *wanted.size), *shown, *names, *rows])
 
 
-def wanted_bytes(layers: int, eyes: int) -> int:
-    """Return how many bytes the wish for so many layers has."""
-    return 8 + 32 * eyes + WANTED.size * layers if layers else 0
+def _packed_rows(rows: Rows) -> bytes:
+    return SETTINGS.pack(len(rows), len(rows[0])) + b"".join(map(_SETTING.pack, itertools.chain(*rows)))
 
 
-def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> Wanted | None:
-    """Return what a client reads, None for nothing. Errors: ValueError; InputError for a view."""
+def most_wanted_bytes(layers: int, eyes: int) -> int:
+    """Return how many bytes the wish for so many layers has at most."""
+    settings = SETTINGS.size + _SETTING.size * int(bounds.SETTINGS.most) ** 2
+    return 8 + 32 * eyes + (WANTED.size + settings) * layers
+
+
+def wanted_from(data: bytes | memoryview, at: int, layers: int, eyes: int) -> tuple[Wanted | None, int]:
+    """Return what a client reads, None for nothing, and where the wish ends.
+
+    Errors: ValueError; InputError for a view.
+    """
     if not layers:
-        return None
+        return None, at
     width, height = struct.unpack_from("<II", data, at)
     bounds.SIDE.check(width, height)
     fovs = tuple(fov_of(*struct.unpack_from("<4d", data, at + 8 + 32 * eye)) for eye in range(eyes))
-    found: dict[str, int] = {}
-    for number in range(layers):
-        name, amount = WANTED.unpack_from(data, at + 8 + 32 * eyes + WANTED.size * number)
+    found: dict[str, int | Rows] = {}
+    at += 8 + 32 * eyes
+    for _ in range(layers):
+        name, amount = WANTED.unpack_from(data, at)
         bounds.AMOUNT.check(amount)
         found[_named(name)] = amount
+        at += WANTED.size
     if len(found) < layers:
         raise BadPart("a layer twice: expected each once")
-    return Wanted(tuple(found.items()), (width, height), fovs)
+    for name in [name for name, amount in found.items() if not amount]:
+        found[name], at = _rows_from(data, at)
+    return Wanted(tuple(found.items()), (width, height), fovs), at
+
+
+def _rows_from(data: bytes | memoryview, at: int) -> tuple[Rows, int]:
+    rows, columns = SETTINGS.unpack_from(data, at)
+    bounds.SETTINGS.check(rows, columns)
+    at, end = at + SETTINGS.size, at + SETTINGS.size + _SETTING.size * rows * columns
+    numbers = struct.unpack_from(f"<{rows * columns}d", data, at)
+    return tuple(numbers[row * columns : (row + 1) * columns] for row in range(rows)), end
 
 
 def fov_of(left: float, right: float, down: float, up: float) -> Fov:
@@ -165,8 +192,8 @@ def layers_from(
     """
     found: tuple[dict[str, list[Part]], ...] = tuple({} for _ in range(eyes))
     for name, (eye, form, is_packed, *size), length in _heads(data, heads_at, count):
-        is_empty = min(size) < 1 and form != TABLE
-        if eye >= eyes or form not in FORMATS or max(size) > bounds.SIDE.most or is_empty:
+        is_empty, most = min(size) < 1 and form not in (TABLE, BYTES), bounds.UNPACKED if form == BYTES else bounds.SIDE
+        if eye >= eyes or form not in FORMATS or max(size) > most.most or is_empty:
             raise BadPart(f"a part for eye {eye}, format {form}, {size[0]}x{size[1]}: out of range")
         kind, shape = _shape(form, (size[0], size[1]))
         numbers = math.prod(shape)

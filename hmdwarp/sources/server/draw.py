@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -21,6 +21,7 @@ from .targets import Framebuffers, Multisampled, Renderer, Target
 from .upload import SceneBuffers, SceneTextures, moving_parts
 
 Size = tuple[int, int]
+_MOST_CHOSEN = 256  # sets of parts, by what frames need
 MIRRORS = GEOMETRY, SCREEN = "geometry", "screen"
 
 
@@ -65,8 +66,9 @@ class Server(Renderer):
         self._moving = moving_parts(gpu, scene, self._textures)
         self._colour = ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, lighting=lighting)
         self._depth: ScenePasses | None = None
-        self._parts: dict[str, Part] = {}
-        self._chosen: dict[Needs, list[Part]] = {}
+        # By client and name; None for those that all share.
+        self._parts: dict[tuple[Hashable, str], Part] = {}
+        self._chosen: dict[tuple[Hashable, Needs], list[Part]] = {}
         self._context = DrawContext(
             gpu,
             scene,
@@ -98,7 +100,7 @@ class Server(Renderer):
         _check_same_size(target.size, size)
         self._draw_surfaces(self._passes_for(drawing), view, target, drawing.time_ns)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
-        for part in self._parts_for(drawing.needs):
+        for part in self._parts_for(drawing):
             eye = part.add(eye, drawing)
         return eye
 
@@ -127,26 +129,36 @@ class Server(Renderer):
 
     def _passes_for(self, drawing: Drawing) -> ScenePasses:
         """Return the passes of the plain surfaces, lit as the picture's layers say."""
-        found = (part.passes_for(drawing) for part in self._parts_for(drawing.needs))
+        found = (part.passes_for(drawing) for part in self._parts_for(drawing))
         return next((passes for passes in found if passes is not None), self._colour)
 
-    def _parts_for(self, needs: Needs) -> list[Part]:
-        """Return the parts that occur in the scene or draw a needed layer."""
-        if needs not in self._chosen:
+    def _parts_for(self, drawing: Drawing) -> list[Part]:
+        """Return the parts that occur in the scene or draw a needed layer, of its client."""
+        client, needs = drawing.client, drawing.needs
+        if len(self._chosen) > _MOST_CHOSEN:
+            self._chosen.clear()
+        if (client, needs) not in self._chosen:
             needed = {layers.get(name).drawn_by for name in needs}
             chosen = [part for part in parts if part.name in needed or part.in_scene(self.scene)]
             chosen.sort(key=lambda part: part.order)
-            for part in chosen:
-                if part.name not in self._parts:
-                    self._parts[part.name] = part(self._context)
-            self._chosen[needs] = [self._parts[part.name] for part in chosen]
-        return self._chosen[needs]
+            keys = [(client if part.of_client else None, part.name) for part in chosen]
+            for key, part in zip(keys, chosen, strict=True):
+                if key not in self._parts:
+                    self._parts[key] = part(self._context)
+            self._chosen[client, needs] = [self._parts[key] for key in keys]
+        return self._chosen[client, needs]
+
+    def forget(self, client: Hashable) -> None:
+        """Free what depends on the frames that were drawn for a client."""
+        for key in [key for key in self._parts if key[0] == client]:
+            self._parts.pop(key).close()
+        self._chosen = {key: chosen for key, chosen in self._chosen.items() if key[0] != client}
 
     def draw_depth(self, view: View, size: Size, into: moderngl.Texture, time_ns: int = 0) -> moderngl.Texture:
         """Draw inverse depth alone into an r32f texture, as a client with the geometry does."""
         _check_same_size(into.size, size)
         self._depth_passes().draw(view, self._framebuffers.over(into), time_ns)
-        for part in self._parts_for(Needs()):
+        for part in self._parts_for(Drawing(view, size, time_ns)):
             part.add_depth(view, time_ns, into)
         return into
 
@@ -184,20 +196,27 @@ class Server(Renderer):
         needs: Needs,
         shown: Sequence[Fov],
         shown_size: Size,
+        *,
+        age_ns: int = 0,
+        client: Hashable = None,
+        pictures: bool = True,
     ) -> Frame:
         """Draw all eyes where the caller has added the guard band; otherwise as draw_frame.
 
         views, size: with it. shown, shown_size: the fields of view without it, and (w, h) of the
-        shown picture, which some layers follow.
+        shown picture, which some layers follow. client: whose frames went before, where layers
+        build on them.
         """
         seen = [attrs.evolve(view, fov=fov, hidden=None) for view, fov in zip(views, shown, strict=True)]
-        drawings = [Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched) for view in seen]
-        return self._draw_all(views, size, drawings, pictures=True)
+        drawings = [
+            Drawing(view, shown_size, drawn_ns, needs, shown_size, self._marched, age_ns, client) for view in seen
+        ]
+        return self._draw_all(views, size, drawings, pictures=pictures)
 
     def _draw_all(self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool) -> Frame:
-        needs, drawn_ns = drawings[0].needs, drawings[0].time_ns
+        _needs, drawn_ns = drawings[0].needs, drawings[0].time_ns
         shared: dict[str, Any] = {}
-        for part in self._parts_for(needs):
+        for part in self._parts_for(drawings[0]):
             shared |= part.of_frame(views, drawings[0])
         if pictures:
             eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
@@ -217,12 +236,17 @@ class Server(Renderer):
 
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Take note of whether a frame arrived, which the server hears at that instant."""
-        for part in self._parts.values():
-            part.heard(frame, arrived, heard_ns)
+        self.heard_of(None, frame.eyes[0].carried, arrived, heard_ns)
 
-    def has_more(self, now_ns: int) -> bool:
+    def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
+        """Take note of whether a client's frame with these layers arrived."""
+        for (of_client, _), part in self._parts.items():
+            if of_client == client:
+                part.heard(carried, arrived, heard_ns)
+
+    def has_more(self, now_ns: int, client: Hashable = None) -> bool:
         """Return whether a part has something to send even if nothing has moved."""
-        return any(part.has_more(now_ns) for part in self._parts.values())
+        return any(part.has_more(now_ns) for (of_client, _), part in self._parts.items() if of_client == client)
 
     def surfaces(self) -> Iterator[SceneBuffers]:
         """Yield the buffers of all plain surfaces: those that stand still, then those that move."""

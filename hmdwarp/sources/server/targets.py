@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import attrs
@@ -259,7 +259,13 @@ class Renderer:
     def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
         """Take note of whether a frame arrived, which the server hears at that instant."""
 
-    def has_more(self, now_ns: int) -> bool:
+    def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
+        """Take note of whether a client's frame with these layers arrived."""
+
+    def forget(self, client: Hashable) -> None:
+        """Free what depends on the frames that were drawn for a client."""
+
+    def has_more(self, now_ns: int, client: Hashable = None) -> bool:
         """Return whether there is something to send even if nothing has moved."""
         return False
 

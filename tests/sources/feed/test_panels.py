@@ -1,7 +1,8 @@
-"""Panels between processes: pictures cross when asked for, once; what is none is refused."""
+"""Panels between processes: pictures cross once; what is none is refused."""
 
 from __future__ import annotations
 
+import contextlib
 import re
 import struct
 
@@ -12,11 +13,10 @@ from replays import small
 from serving import Serving
 
 from hmdwarp.client.effect_passes.panels_pass import KeptPanels
-from hmdwarp.frames import EyeImage, Needs
-from hmdwarp.frames.layers import bytes_of_part, part_of_bytes
-from hmdwarp.frames.layers.panels import PICTURES, SHOWING, PanelDelivery, PanelRequests, Panels, things_of
+from hmdwarp.errors import InputError
+from hmdwarp.frames import Frame, Needs
+from hmdwarp.frames.layers.panels import PanelDelivery, Panels, things_of
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.gpu import COLOUR, allocate
 from hmdwarp.pipeline.feed_layers import made, needs_of_client, parts_of, wanted_of
 from hmdwarp.scenes import Panel, Scene, load_scene
 from hmdwarp.sources.feed.options import FeedOptions
@@ -36,62 +36,37 @@ def server(gpu):
     one.close()
 
 
-def answered(server, number, time_ns):
-    """The parts of both eyes that a server sends to a request."""
-    wanted = wanted_of(NEEDS, VIEWS, SIZE, {"panels": number})
+def answered(server, time_ns, arrived=True):
+    """The eyes that a client makes of a frame, and the bytes of its panels."""
+    wanted = wanted_of(NEEDS, VIEWS, SIZE)
     needs = needs_of_client(wanted)
     frame = server.draw_guarded(VIEWS, time_ns, SIZE, needs, wanted.fovs, SIZE)
-    parts = [parts_of(eye, needs, packs=False, is_first=eye is frame.eyes[0]) for eye in frame.eyes]
-    server.recycle(frame)
-    assert [Panels.misfit(of_eye["panels"], None) for of_eye in parts] == ["", ""]
-    return wanted, parts
+    parts = parts_of(frame, needs, packs=False)
+    (content,) = parts[0]["panels"]
+    assert parts[1] == {}, "both eyes share it"
+    assert Panels.misfit([content], None) == ""
+    eyes = made(server, frame.eyes, parts, wanted)
+    server.heard(frame, arrived, time_ns + 1)
+    return Frame(tuple(eyes), time_ns), content.ravel()
 
 
-def test_pictures_are_asked_for_until_they_have_come_and_when_another_is_shown(gpu, server):
-    client, requests = ClientScene(gpu, server.scene), PanelRequests()
+def test_pictures_come_once_and_again_only_where_they_were_lost(gpu, server):
+    client = ClientScene(gpu, server.scene)
     kept = client.store(KeptPanels, PanelDelivery())
-    asked, held = [], []
-    # Request 1 has no answer; 2 is sent while it is on its way.
-    for number, time_ns, pending in (
-        (1, 0, {1}),
-        (2, 0, {1, 2}),
-        (3, 0, {3}),
-        (4, 0, {4}),
-        (5, SECOND, {5}),
-        (6, SECOND, {6}),
-        (7, 2 * SECOND, {7}),
-    ):
-        asked.append(requests.number(number, pending - {number}))
-        if number == 1:
-            continue
-        wanted, parts = answered(server, asked[-1], time_ns)
-        requests.take(parts[0]["panels"][0])
-        data = made(server, parts[0], wanted)
-        empty = allocate(gpu.gl, (1, 1), COLOUR)
-        client.receive(type("Arrived", (), {"drawn_ns": time_ns, "eyes": [EyeImage(VIEWS[0], empty, empty, data)]}))
+    held, sizes = [], []
+    for index, (time_ns, arrived) in enumerate(((0, False), (0, True), (0, True), (SECOND, True), (2 * SECOND, True))):
+        frame, content = answered(server, time_ns + index, arrived)
+        sizes.append(len(content))
+        if arrived:
+            client.receive(frame)
         held.append(kept.held[0].texture if kept.held else None)
-    assert asked == [PICTURES, SHOWING, PICTURES, SHOWING, SHOWING, PICTURES, SHOWING]
     # The first page stays until the other has come, and is still there when it is shown again.
     assert held[0] is None and held[1] is not None
-    assert held[1] is held[2] is held[3]
-    assert held[4] not in (None, held[1])
-    assert held[5] is held[1]
+    assert held[1] is held[2] is held[4]
+    assert held[3] not in (None, held[1])
+    assert min(sizes[0], sizes[1], sizes[3]) > 30 * 40 * 3 > 12 == sizes[2] == sizes[4]
     assert kept.held[0].panel.occluded
     client.close()
-
-
-def test_both_eyes_share_the_bytes(server):
-    _, parts = answered(server, PICTURES, 0)
-    assert parts[0]["panels"][0].nbytes > 30 * 40 * 4
-    assert len(bytes_of_part(parts[1]["panels"][0])) == 0
-
-
-@pytest.mark.parametrize("count", [0, 1, 2, 7, 8191, 8192, 20_001])
-def test_bytes_come_back_from_a_picture_of_numbers(count):
-    content = np.random.default_rng(count).integers(0, 256, count, dtype=np.uint8)
-    part = part_of_bytes(content)
-    assert max(part.shape) <= 8192
-    assert np.array_equal(bytes_of_part(part), content)
 
 
 def _change(at, to):
@@ -115,26 +90,22 @@ PLACE = THING + 9 * 8
         (lambda content: content[:-700], "cannot be read"),
         (_change(8, struct.pack("<H", 9)), "cannot be read"),
         (_change(10, struct.pack("<H", 7)), "panels that show pictures"),
-        (_change(HEAD + 8, struct.pack("<I", 2)), "a part of a picture"),
         (_change(THING, struct.pack("<d", float("nan"))), "cannot be read"),
         (_change(THING + 7 * 8, struct.pack("<d", -1.0)), "a panel is -1 x"),
         (_change(PLACE + 4 + 14, b"JUNK"), "cannot be read"),
         (_change(PLACE + 4 + 14 + 60, bytes(400)), "cannot be read"),
     ],
 )
-def test_what_is_no_panel_is_refused_in_one_line(server, change, message):
-    _, parts = answered(server, PICTURES, 0)
-    content = bytes_of_part(parts[0]["panels"][0])
-    wrong = Panels.misfit([part_of_bytes(change(content))], None)
+def test_what_is_no_panel_is_refused_in_one_line(gpu, server, change, message):
+    """Also by the client's store, which alone sees pictures that come in several frames."""
+    _, content = answered(server, 0)
+    wrong = Panels.misfit([change(content)[None]], None)
     assert "\n" not in wrong
     assert re.search(message, wrong), wrong
-
-
-def test_another_number_of_parts_or_kind_is_refused():
-    assert "expected one" in Panels.misfit([], None)
-    assert "expected a picture of u16" in Panels.misfit([np.zeros((2, 2), np.float32)], None)
-    with pytest.raises(Exception, match="there is no 3 of layer 'panels'"):
-        needs_of_client(wanted_of(NEEDS, VIEWS, SIZE, {"panels": 3}))
+    client = ClientScene(gpu, server.scene)
+    with contextlib.suppress(InputError):
+        client.store(KeptPanels, PanelDelivery()).receive(change(content))
+    client.close()
 
 
 def test_a_page_crosses_a_network_once_and_stays_sharp(tmp_path, monkeypatch):

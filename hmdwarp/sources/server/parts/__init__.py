@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any, ClassVar, Protocol
 
 import attrs
 import moderngl
 
-from ....frames import EyeImage, Frame, Needs
+from ....frames import EyeImage, Needs
 from ....frames.layers import layers
 from ....geometry import View
 from ....gpu.context import Gpu
@@ -40,6 +40,8 @@ class Drawing:
     marched: bool = False
     # How old the frame will be when it is seen.
     age_ns: int = 0
+    # For whom it is drawn, where that matters; None for the one that there is.
+    client: Hashable = None
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
         """Return another picture at the same instant, lit in the same way, without layers.
@@ -96,6 +98,8 @@ class Part(ABC):
 
     name: ClassVar[str]
     order: ClassVar[int]
+    # Whether what it draws depends on the frames before: each client has its own then.
+    of_client: ClassVar[bool] = False
 
     def __init__(self, context: DrawContext) -> None:
         self.context = context
@@ -131,8 +135,8 @@ class Part(ABC):
         """
         return {}
 
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most send nothing twice)
-        """Take note of whether a frame arrived, which the server hears at that instant."""
+    def heard(self, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:  # noqa: B027 (most do not)
+        """Take note of whether a frame with these layers arrived, heard of at that instant."""
 
     def has_more(self, now_ns: int) -> bool:
         """Return whether it has something to send even if nothing has moved."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections import deque
+from collections.abc import Mapping
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames import EyeImage, Frame
+from ....frames import EyeImage
 from ....geometry import View
 from ....scenes import Scene
 from ..visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
@@ -50,6 +51,8 @@ S = TypeVar("S", bound=Sender)
 class Sending(Part, Generic[Wanted, S]):
     """A part with one sender for each variant of its layer that frames need."""
 
+    of_client = True
+
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
         self._senders: dict[Wanted, S] = {}
@@ -71,8 +74,8 @@ class Sending(Part, Generic[Wanted, S]):
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         return eye
 
-    def heard(self, frame: Frame, arrived: bool, heard_ns: int) -> None:
-        for wanted, update in frame.eyes[0].get(self.name, {}).items():
+    def heard(self, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
+        for wanted, update in carried.get(self.name, {}).items():
             self._senders[wanted].book.heard(update, arrived, heard_ns)
 
     def has_more(self, now_ns: int) -> bool:

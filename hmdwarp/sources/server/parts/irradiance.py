@@ -23,6 +23,7 @@ class Irradiance(Part):
 
     name = "irradiance"
     order = 130
+    of_client = True
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)

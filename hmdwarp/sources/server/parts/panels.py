@@ -9,7 +9,7 @@ import attrs
 
 from ....frames import EyeImage
 from ....frames.layers import Outbox, Update
-from ....frames.layers.panels import SHOWING, PanelDelivery, first_things, things_of, with_showing
+from ....frames.layers.panels import PanelDelivery, first_things, things_of, with_showing
 from ....geometry import View
 from ....scenes import Material, Panel, Scene
 from ..passes import SAME_SURFACE
@@ -101,8 +101,7 @@ class _Sender:
     def __init__(self, panels: Sequence[Panel], wanted: PanelDelivery) -> None:
         self._panels, self._wanted = panels, wanted
         self._first = first_things(panels)
-        self._things = things_of(panels)
-        self.book = Outbox(self._things)
+        self.book = Outbox(things_of(panels))
 
     def _needed(self, now_ns: int) -> list[int]:
         shown = (first + each.showing(now_ns) for first, each in zip(self._first, self._panels, strict=True))
@@ -116,8 +115,5 @@ class _Sender:
     def update(self, now_ns: int) -> Update:
         """Return what a frame drawn now brings."""
         self.book.settle(now_ns)
-        # Who asks for pictures gets them, whatever was sent before.
-        book = Outbox(self._things) if self._wanted.asked else self.book
-        needed = () if self._wanted.asked == SHOWING else self._needed(now_ns)
-        update = book.update(needed, self._wanted.budget, now_ns)
+        update = self.book.update(self._needed(now_ns), self._wanted.budget, now_ns)
         return with_showing(update, now_ns, [each.showing(now_ns) for each in self._panels])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -48,12 +48,8 @@ class Points(Sending[Cloud, "_Sender"]):
         super().__init__(context)
         self._head = Head()
 
-    @cached_property
-    def _cells(self) -> PointCells:
-        return PointCells(self.context.scene)
-
     def make_sender(self, wanted: Cloud) -> _Sender:
-        return _Sender(self._cells, wanted)
+        return _Sender(_cells_of(self.context.scene), wanted)
 
     def of_frame(self, views: Sequence[View], drawing: Drawing) -> Mapping[str, Any]:
         needed = self.needed(drawing)
@@ -76,6 +72,10 @@ class Points(Sending[Cloud, "_Sender"]):
         self.context.colour.draw(view, self.context.framebuffers.over(hiding.colour, hiding.inverse_depth), time_ns)
         least: Array = minimum_filter(flip_rows(download(hiding.inverse_depth)), AROUND, mode="nearest")
         return least
+
+
+# One object for a scene: clients share what takes longest to make.
+_cells_of = lru_cache(maxsize=2)(PointCells)
 
 
 class _Sender:

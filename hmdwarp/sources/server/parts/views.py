@@ -47,6 +47,7 @@ class Views(Part):
 
     name = "views"
     order = 130
+    of_client = True
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)

@@ -1,0 +1,173 @@
+"""A proxy as a process of its own: it warps a server's frames for clients that only show them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Hashable
+from contextlib import ExitStack, closing
+from typing import Any
+
+import attrs
+
+from ..client.client_scene import ClientScene
+from ..client.compensator import Compensator
+from ..client.inputs import History
+from ..client.plan import Plan, build_plan
+from ..errors import InputError, MachineError
+from ..frames import Frame, Needs
+from ..frames.layers import PICTURE
+from ..geometry import Pose, View, guarded_eyes
+from ..gpu.context import Gpu
+from ..link import LinkOptions
+from ..pipeline.channel import ChannelSetup
+from ..pipeline.feed_coding import wish_of
+from ..pipeline.frame_coder import Reads
+from ..pipeline.loop import Loop
+from ..pipeline.proxy import KnownHead, Proxy
+from ..pipeline.remote import Remote
+from ..pipeline.remote_source import RemoteFrames
+from ..pipeline.source import PoseRequest, nothing, settling
+from ..poses import Origin, PoseSample
+from ..sources.feed.listener import Asked
+from ..sources.feed.message import RAW, Ask
+from ..sources.server import Renderer
+from .options import ProxyRunOptions
+from .serve_run import answering, listening
+
+# For the first frame, and between looks at whether it is there.
+_FIRST_NS, _LOOK_S = 30_000_000_000, 0.005
+
+
+def proxy(
+    options: ProxyRunOptions,
+    say: Callable[[str], None] = lambda text: None,
+    goes_on: Callable[[], bool] = lambda: True,
+) -> None:
+    """Warp for clients until interrupted, or until goes_on() says no.
+
+    say: called with each line for the log, first with the address.
+    Errors: InputError for wrong options, MachineError for missing hardware or software.
+    """
+    plan = build_plan((), options.warp, options.fill, "none", client_geometry=False)
+    listener, _, _ = listening(options, say)
+    with closing(listener), Gpu() as gpu, closing(_Warping(gpu, options, plan, say)) as server:
+        say(f"listening at {listener.address}: a proxy for {options.feed.connect}, {options.warp} + {options.fill}")
+        answering(listener, server, server.draw_asked, goes_on)
+
+
+@attrs.define(eq=False)
+class _AskedEyes:
+    """The views of the request that is answered."""
+
+    asked: tuple[View, ...]
+
+    def views(self, world_from_head: Pose) -> tuple[View, ...]:
+        """Return them, whatever the head: it is that of the request."""
+        return self.asked
+
+
+@attrs.define(eq=False)
+class _Client:
+    """The session with the server for one client, and what warps its frames."""
+
+    form: tuple[Any, ...]
+    eyes: _AskedEyes
+    remote: Remote
+    proxy: Proxy
+    made: ExitStack
+
+
+class _Warping(Renderer):
+    """Frames for clients: the server's newest, warped to the views that are asked for."""
+
+    def __init__(self, gpu: Gpu, options: ProxyRunOptions, plan: Plan, say: Callable[[str], None]) -> None:
+        super().__init__(gpu, nothing("proxy", f"what {options.feed.connect} draws"))
+        self._options, self._plan, self._say = options, plan, say
+        self._clients: dict[Hashable, _Client] = {}
+        self._out: dict[int, _Client] = {}
+
+    def draw_asked(self, asked: Asked, needs: Needs) -> Frame:
+        """Return the picture for a request. Errors: InputError, MachineError."""
+        ask = asked.ask
+        if needs:
+            raise InputError(
+                f"a proxy sends the finished picture, and no {', '.join(needs)}: show it by --warp none or rotation"
+            )
+        client = self._client(asked.client, ask)
+        head = ask.views[0].pose @ ask.views[0].head_from_eye.inverse()
+        client.eyes.asked = ask.views
+        until_ns = time.monotonic_ns() + _FIRST_NS
+        while (now_ns := time.monotonic_ns()) < until_ns:
+            shift_ns = ask.time_ns - now_ns
+            client.remote.scene_ns = lambda own_ns, shift_ns=shift_ns: own_ns + shift_ns  # type: ignore[misc]
+            frame = client.proxy.draw(PoseSample(now_ns, head, Origin.HELD), now_ns, 1.0)
+            if frame is not None:
+                self._out[id(frame)] = client
+                return frame
+            time.sleep(_LOOK_S)
+        raise MachineError(f"no frame from {self._options.feed.connect}")
+
+    def _client(self, who: Hashable, ask: Ask) -> _Client:
+        form = ask.size, tuple(view.fov for view in ask.views)
+        if who in self._clients and self._clients[who].form != form:
+            self.forget(who)
+        if who not in self._clients:
+            self._clients[who] = self._opened(form, ask)
+        return self._clients[who]
+
+    def _opened(self, form: tuple[Any, ...], ask: Ask) -> _Client:
+        options, plan, rate_hz = self._options, self._plan, ask.wish.rate_hz
+        if plan.needs.others.other_eye and len(ask.views) < 2:
+            raise InputError(
+                f"the proxy's warp {options.warp} looks into the other eye's picture, and there is one eye"
+            )
+        rendered = guarded_eyes(ask.views, options.guard, ask.size)[1]
+        pictures = frozenset(PICTURE) & frozenset(plan.layers)
+        with ExitStack() as stack:
+            remote = Remote(options.feed, holds=False, say=self._say)
+            stack.callback(remote.close)
+            remote.pictures = pictures
+            remote.wish = wish_of(RAW[options.feed.raw], options.coding, rate_hz, ask.views, ask.size, 1 / rate_hz)
+            now_ns = time.monotonic_ns()
+            remote.scene_ns = lambda own_ns: own_ns + ask.time_ns - now_ns
+            head = PoseSample(now_ns, ask.head, Origin.HELD)
+            latency_ns = remote.measure(head, ask.views, options.guard, ask.size, plan.needs)
+            eyes, known = _AskedEyes(ask.views), KnownHead()
+            history = History(plan.needs.others.past, plan.needs.others.spacing_ns, super().recycle)
+            stack.callback(history.close)
+            geometry = ClientScene(self)
+            stack.callback(geometry.close)
+            compensator = Compensator(self.gpu, plan, None, rendered, ask.size, geometry)
+            stack.callback(compensator.close)
+            request = PoseRequest(
+                known, None, ask.size, options.guard, plan.needs, age_ns=latency_ns, pictures=pictures
+            )
+            frames = RemoteFrames(remote, self, request, eyes)
+            ends = (None, Reads.of([plan]), history.offer, settling(frames, geometry))
+            channel = frames.channel(ChannelSetup(LinkOptions(), latency_ns, rate_hz, *ends))
+            stack.callback(channel.close)
+            loop = Loop(request, frames, channel, history, compensator, eyes)
+            made = Proxy(loop, known, channel, ask.size, {})
+            stack.callback(made.close)
+            return _Client(form, eyes, remote, made, stack.pop_all())
+
+    def recycle(self, frame: Frame) -> None:
+        """Take a picture back."""
+        if id(frame) in self._out:
+            self._out.pop(id(frame)).proxy.recycle(frame)
+        else:
+            super().recycle(frame)
+
+    def take_back(self) -> None:
+        """Do nothing: the links hold frames."""
+
+    def forget(self, client: Hashable) -> None:
+        """Hang up for a client that has gone."""
+        if client in self._clients:
+            self._clients.pop(client).made.close()
+
+    def close(self) -> None:
+        """Hang up, and free everything."""
+        for who in list(self._clients):
+            self.forget(who)
+        super().close()

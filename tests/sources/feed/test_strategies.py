@@ -1,0 +1,213 @@
+"""Every strategy as two processes: `hmdwarp serve` draws, and a client here shows.
+
+Each is compared with a replay whose frames are as old: the same instants, and the delays that were
+measured. Without a codec the pictures are equal to the last bit, and so are the bytes by layer.
+"""
+
+from __future__ import annotations
+
+import itertools
+import time
+from contextlib import ExitStack, contextmanager, nullcontext
+from pathlib import Path
+from unittest.mock import patch
+
+import attrs
+import numpy as np
+import pytest
+from replays import CHEAPER, SMALL, scene_for
+from serving import Serving
+
+from hmdwarp.client.strategies import strategies
+from hmdwarp.gpu import download
+from hmdwarp.pipeline.remote import Remote
+from hmdwarp.run import RunOptions, set_up_replay
+from hmdwarp.sources.feed.caller import Caller
+from hmdwarp.sources.feed.options import FeedOptions
+
+pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
+
+RATE_HZ, SECONDS = 20.0, 0.5
+# A proxy is a process of its own: tests/sources/feed/test_proxy_process.py.
+NAMES = [name for name in strategies.names() if name != "proxy"]
+TRIED = {
+    **{name: CHEAPER.get(name, name) for name in NAMES},
+    "difference": "difference:share=1,texture=0.25",
+    "irradiance": "irradiance:updates=5",
+    "in pieces": "model:arrives=progressive,budget=4000",
+    "points": "points:budget=6000,room=4096,spacing=2",
+}
+
+
+@pytest.fixture(scope="module")
+def serving_of(tmp_path_factory):
+    """Return the address of a server of a scene; each is started once."""
+    with ExitStack() as stack:
+        found: dict[str, Serving] = {}
+
+        def of(scene: str) -> str:
+            if scene not in found:
+                where = f"ipc://{tmp_path_factory.mktemp(scene)}/frames"
+                found[scene] = stack.enter_context(Serving("--scene", scene, "--listen", where, "--samples", "1"))
+            return found[scene].address
+
+        yield of
+
+
+@contextmanager
+def ready(gpu, strategy: str, **more):
+    """Set a run of a strategy up: no codec, no prediction."""
+    usual = {key: value for key, value in SMALL.items() if key not in ("warp", "fill", "guard")}
+    usual |= {"size": (48, 41), "rate_hz": RATE_HZ, "seconds": SECONDS, "start_s": 1.0, "samples": 1}
+    network = more.pop("network", {})
+    options = RunOptions.of({"strategy": strategy, **network}, **usual | {"out": Path("nowhere")} | more)
+    with (
+        patch("hmdwarp.run.replay_setup.Gpu", lambda: nullcontext(gpu)),
+        set_up_replay(options, alone=True) as setup,
+    ):
+        yield setup
+
+
+def patient(remote: Remote, now_ns: int) -> None:
+    """Ask only when all that was asked is answered, so that a busy machine skips nothing."""
+    until_ns = time.monotonic_ns() + 60_000_000_000
+    while remote._pending and not (remote._caller._arrived or remote._caller._unchanged):
+        assert time.monotonic_ns() < until_ns, "no answer"
+        remote._caller.wait_until(until_ns)
+
+
+def flown(setup, instants) -> tuple[dict, dict]:
+    """Return what was shown at each instant, frame by frame, and the summary of the link."""
+    found = {}
+    for number, instant_ns in instants:
+        setup.loop.draw(instant_ns)
+        refresh = setup.loop.show(instant_ns)
+        if refresh is not None and number >= 0:
+            found[instant_ns] = refresh.frame.drawn_ns, [download(eye.shown.texture) for eye in refresh.eyes]
+    return found, setup.channel.summary(RATE_HZ)
+
+
+def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monkeypatch, feed=None):
+    """Run a strategy over the feed, and again here at the same ages; return both summaries."""
+    with monkeypatch.context() as patched:
+        patched.setattr(Remote, "pace", patient)
+        options = {"feed": FeedOptions(connect=address, **feed or {}), "network": network or {}}
+        with ready(gpu, strategy, scene=scene, **options) as setup:
+            instants, age_ns = list(setup.schedule.numbered()), setup.pipeline.requested.age_ns
+            there, _ = flown(setup, instants)
+            patient(setup.source.remote, 0)
+            setup.channel.newest(instants[-1][1])  # the last frame is counted as well
+            told = setup.channel.summary(RATE_HZ)
+            delays, latency_ms = [delay for _, delay in setup.source.remote.delays_ns], setup.options.latency_ms
+    assert told["frames"]["skipped"] == told["feed"]["malformed"] == told["feed"]["undecodable"] == 0, told
+    with ready(gpu, strategy, scene=scene, latency_ms=latency_ms, network=network or {}) as setup:
+        setup.pipeline.requested.age_ns = age_ns
+        setup.channel.link.delay_by(iter(delays))
+        here, alone = flown(setup, instants)
+    assert len(there) >= 3 and there.keys() == here.keys()
+    for instant_ns, (drawn_ns, eyes) in there.items():
+        assert drawn_ns == here[instant_ns][0]
+        for ours, theirs in zip(eyes, here[instant_ns][1], strict=True):
+            np.testing.assert_array_equal(ours, theirs, err_msg=f"{strategy} at {instant_ns}")
+    return told, alone
+
+
+@pytest.mark.parametrize("name", TRIED)
+def test_it_is_its_replay_bit_for_bit_and_nothing_else_crosses(gpu, serving_of, monkeypatch, name):
+    scene = scene_for(TRIED[name])
+    told, alone = compared(gpu, serving_of(scene), TRIED[name], scene, monkeypatch=monkeypatch)
+    crossed, counted = ({k: v for k, v in one["layers_mbit_s"].items() if v} for one in (told, alone))
+    assert crossed.keys() == counted.keys()
+    # Beside its pictures a layer may have numbers: of bodies, mirrors and views.
+    assert crossed == pytest.approx(counted, rel=0.02)
+    assert told["frames"]["unchanged"] == alone["frames"]["unchanged"]
+
+
+# Half of the delays are beyond the time between two frames, so frames overtake each other; of seed
+# 4 a fifth is lost, and a bottleneck drops more of those that carry pictures.
+EMULATED = {"jitter": "uniform:90", "loss": "0.2", "bandwidth": "12", "queue": 20.0, "link_seed": 4}
+
+
+@pytest.mark.parametrize("name", TRIED)
+def test_over_an_emulated_network_too_with_loss_and_reorder(gpu, serving_of, monkeypatch, name):
+    """Behind the real one: what was lost comes again, and what is late overwrites nothing newer."""
+    scene = scene_for(TRIED[name])
+    feed = {"added_latency_ms": 100.0}
+    told, alone = compared(gpu, serving_of(scene), TRIED[name], scene, EMULATED, monkeypatch=monkeypatch, feed=feed)
+    for fate in ("drawn", "lost", "dropped", "shown", "late", "superseded", "unchanged"):
+        assert told["frames"][fate] == alone["frames"][fate], fate
+    if name != "views":  # which sends few
+        assert told["frames"]["lost"] + told["frames"]["dropped"] > 0
+    assert told["mbit_s"] == pytest.approx(alone["mbit_s"], rel=0.02)
+
+
+def unhurried(remote: Remote, now_ns: int) -> None:
+    """Ask ten times a second, whether or not there is an answer."""
+    remote._caller.wait_until(time.monotonic_ns() + 100_000_000)
+
+
+KEPT = ["in pieces", "points", "photons"]
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_a_server_that_was_started_again_begins_anew_and_so_does_the_client(gpu, tmp_path, monkeypatch, name):
+    """From its first frame on all is as for a client that comes then: nothing of before is left."""
+    scene, where = scene_for(TRIED[name]), f"ipc://{tmp_path}/frames"
+    command = ("--scene", scene, "--listen", where, "--samples", "1")
+    monkeypatch.setattr(Remote, "pace", patient)
+    with ExitStack() as stack:
+        with Serving(*command):
+            feed = FeedOptions(connect=where)
+            setup = stack.enter_context(ready(gpu, TRIED[name], scene=scene, seconds=60.0, feed=feed))
+            remote, numbered = setup.source.remote, setup.schedule.numbered()
+            _, instant_ns = flown(setup, itertools.islice(numbered, 12)), next(numbered)[1]
+            patient(remote, 0)
+            setup.channel.newest(instant_ns)
+        with Serving(*command):
+            monkeypatch.setattr(Remote, "pace", unhurried)
+            before = len(remote.delays_ns)
+            while len(remote.delays_ns) == before:
+                flown(setup, itertools.islice(numbered, 1))
+            first_ns = remote.delays_ns[before][0]
+            monkeypatch.setattr(Remote, "pace", patient)
+            instants, latency_ms = list(itertools.islice(numbered, 12)), setup.options.latency_ms
+            there, _ = flown(setup, instants)
+            patient(remote, 0)
+            setup.channel.newest(instants[-1][1])
+            delays = dict(remote.delays_ns)
+    with ready(gpu, TRIED[name], scene=scene, seconds=60.0, latency_ms=latency_ms) as setup:
+        drawn = [ns for ns in sorted(delays) if ns >= first_ns]
+        setup.channel.link.delay_by(iter([delays[ns] for ns in drawn]))
+        here, _ = flown(setup, [(0, ns) for ns in drawn])
+    again = {ns: eyes for ns, (drawn_ns, eyes) in there.items() if drawn_ns >= first_ns}
+    assert len(again) > 3 and again.keys() <= here.keys()
+    for instant_ns, eyes in again.items():
+        for ours, theirs in zip(eyes, here[instant_ns][1], strict=True):
+            np.testing.assert_array_equal(ours, theirs)
+
+
+def test_frames_that_are_of_no_use_are_told_and_what_they_brought_comes_again(gpu, serving_of, monkeypatch):
+    """In the end the picture is that of the whole scene, as for a client that lost nothing."""
+    monkeypatch.setattr(Remote, "pace", patient)
+    take, count, found = Caller.take, itertools.count(), []
+
+    def spoilt(caller) -> list:
+        """Return what has arrived, of every third frame another size than was asked for."""
+        return [
+            attrs.evolve(one, frame=attrs.evolve(one.frame, coded_size=(2, 2))) if next(count) % 3 == 2 else one
+            for one in take(caller)
+        ]
+
+    for loses in (False, True):
+        if loses:
+            monkeypatch.setattr(Caller, "take", spoilt)
+        feed = FeedOptions(connect=serving_of("planes"))
+        with ready(gpu, "model:arrives=progressive", seconds=4.0, feed=feed) as setup:
+            shown, told = flown(setup, setup.schedule.numbered())
+            assert (told["feed"]["malformed"] > 5) == loses
+            (weight,) = setup.pipeline.geometry.weights()
+            assert weight["arrived"] == weight["things"]
+            found.append(shown[max(shown)][1])
+    here, there = found
+    for ours, theirs in zip(here, there, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
