@@ -90,10 +90,11 @@ def run_block(block: str, folder: Path) -> None:
 def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show.
 
-    A suite says by itself what is run. A server listens at a port that is free here.
+    A suite says by itself what is run. Servers listen at ports that are free here.
     """
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        block = block.replace("127.0.0.1:5570", f"127.0.0.1:{free.getsockname()[1]}")
+    for port in ("5570", "5571"):
+        with socket.create_server(("127.0.0.1", 0)) as free:
+            block = block.replace(f"127.0.0.1:{port}", f"127.0.0.1:{free.getsockname()[1]}")
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     return "\n".join(
         line

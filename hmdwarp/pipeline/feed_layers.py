@@ -299,7 +299,7 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
     amounts, shared, found = _amounts(wanted), dict[str, Any](), []
     for eye, of_eye in zip(eyes, parts, strict=True):
         data = {
-            name: _made(server, layers.get(name), amount, of_eye[name], eye)
+            name: _made(server, layers.get(name), amount, of_eye[name], eye.drawn_ns)
             for name, amount in amounts.items()
             if name not in shared
         }
@@ -308,7 +308,7 @@ def made(server: Renderer, eyes: Sequence[EyeImage], parts: Sequence[Layers], wa
     return found
 
 
-def _made(server: Renderer, layer: type[Layer], amount: Any, parts: Sequence[Any], eye: EyeImage) -> Any:
+def _made(server: Renderer, layer: type[Layer], amount: Any, parts: Sequence[Any], drawn_ns: int) -> Any:
     formats, sent = layer.pictures(amount), list[Any]()
     for one, form in zip(parts, formats, strict=False):
         if form == BYTES:
@@ -316,4 +316,4 @@ def _made(server: Renderer, layer: type[Layer], amount: Any, parts: Sequence[Any
             continue
         sent.append(server.acquire(one.shape[1::-1], _KINDS[form], depth=False).colour)
         upload(sent[-1], one)
-    return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, eye)
+    return layer.made(sent, parts[-1] if len(parts) > len(formats) else None, amount, drawn_ns)

@@ -118,9 +118,7 @@ class _Warping(Renderer):
     def _opened(self, form: tuple[Any, ...], ask: Ask) -> _Client:
         options, plan, rate_hz = self._options, self._plan, ask.wish.rate_hz
         if plan.needs.others.other_eye and len(ask.views) < 2:
-            raise InputError(
-                f"the proxy's warp {options.warp} looks into the other eye's picture, and there is one eye"
-            )
+            raise InputError(f"the proxy's warp {options.warp} looks into the other eye's picture: there is one eye")
         rendered = guarded_eyes(ask.views, options.guard, ask.size)[1]
         pictures = frozenset(PICTURE) & frozenset(plan.layers)
         with ExitStack() as stack:

@@ -20,8 +20,6 @@ from ...registry import Registry
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frame import EyeImage
-
 
 Size = tuple[int, int]
 
@@ -187,10 +185,10 @@ class Layer:
         return "" if numbers is None else "there are numbers beside its pictures: expected none"
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> Any:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Any:
         """Return the data of what was sent, in the order of `sent`, and numbers that fit.
 
-        eye: the picture that it belongs to.
+        drawn_ns: when it was drawn.
         """
         return sent[0] if sent else amount
 
@@ -347,7 +345,7 @@ class Delivered(Layer):
 
     @classmethod
     def made(
-        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Any], eye: EyeImage
+        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Any], drawn_ns: int
     ) -> dict[Any, Received]:
         return {each: Received(content) for each, content in zip(sorted(amount), sent, strict=True)}
 

@@ -13,8 +13,6 @@ from . import Layer, between, layers
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frame import EyeImage
-
 
 @attrs.frozen(order=True)
 class Simplified:
@@ -63,6 +61,6 @@ class Difference(Layer):
 
     @classmethod
     def made(
-        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Simplified], eye: EyeImage
+        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: frozenset[Simplified], drawn_ns: int
     ) -> dict[Simplified, moderngl.Texture]:
         return dict(zip(sorted(amount), sent, strict=True))

@@ -62,9 +62,9 @@ class FoveatedLayer(Layer):
         return "" if numbers is not None else "its grid is missing"
 
     @classmethod
-    def made(cls, textures: Sequence[moderngl.Texture], numbers: NDArray[Any] | None) -> FoveatedPicture:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Fovea, drawn_ns: int) -> FoveatedPicture:
         assert numbers is not None, "misfit() says so"
-        return FoveatedPicture(textures[0], FoveaGrid.of_numbers(numbers, textures[0].size))
+        return FoveatedPicture(sent[0], FoveaGrid.of_numbers(numbers, sent[0].size))
 
 
 def _small(fovea: Fovea, sizes: EyeSizes) -> tuple[int, int]:

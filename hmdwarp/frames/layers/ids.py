@@ -15,8 +15,6 @@ from . import Layer, layers
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frame import EyeImage
-
 _BODY_NUMBERS = 16
 
 
@@ -72,7 +70,7 @@ class Ids(Layer):
         return ""
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> BodyIds:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> BodyIds:
         assert numbers is not None, "misfit() says so"
         bodies = [RigidState(Pose(row[:3], row[3:7]), row[7:10], row[10:13], row[13:]) for row in numbers]
         return BodyIds(sent[0], tuple(bodies))

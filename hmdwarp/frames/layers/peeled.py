@@ -12,8 +12,6 @@ from . import Layer, Surface, layers
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frame import EyeImage
-
 
 @layers.register
 class Peeled(Layer):
@@ -35,5 +33,5 @@ class Peeled(Layer):
         return (texture for surface in data for texture in surface.textures())
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> tuple[Surface, ...]:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> tuple[Surface, ...]:
         return tuple(Surface(*pair) for pair in zip(sent[::2], sent[1::2], strict=True))

@@ -16,8 +16,6 @@ from . import BRIGHT_VIDEO, DEPTH, PIXEL_BYTES, VECTORS, Layer, Surface, layers
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frame import EyeImage
-
 _MIRROR_NUMBERS = 11
 
 
@@ -102,7 +100,7 @@ class Reflections(Layer):
         return ""
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> Reflection:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Reflection:
         assert numbers is not None, "misfit() says so"
         colour, inverse_depth, surface = sent
         mirrors = tuple(Mirror(row[:3], row[3:6], row[6:9], *map(float, row[9:])) for row in numbers)

@@ -13,8 +13,6 @@ from . import Layer, Surface, layers
 if TYPE_CHECKING:
     import moderngl
 
-    from ..frame import EyeImage
-
 
 @attrs.frozen(eq=False)
 class Transparent:
@@ -43,6 +41,6 @@ class Transparency(Layer):
         return (*data.veil.textures(), data.passing)
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> Transparent:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> Transparent:
         colour, inverse_depth, passing = sent
         return Transparent(Surface(colour, inverse_depth), passing)

@@ -54,8 +54,8 @@ class Views(Layer):
 
     @classmethod
     def made(
-        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: int, eye: EyeImage
+        cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: int, drawn_ns: int
     ) -> tuple[EyeImage, ...]:
         assert numbers is not None, "misfit() says so"
         pairs = zip(numbers, sent[::2], sent[1::2], strict=True)
-        return tuple(EyeImage(view_of_row(row), colour, depth, drawn_ns=eye.drawn_ns) for row, colour, depth in pairs)
+        return tuple(EyeImage(view_of_row(row), colour, depth, drawn_ns=drawn_ns) for row, colour, depth in pairs)

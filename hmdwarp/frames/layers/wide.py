@@ -51,6 +51,6 @@ class Wide(Layer):
         return misfit_of_views(numbers, 1)
 
     @classmethod
-    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, eye: EyeImage) -> EyeImage:
+    def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Any, drawn_ns: int) -> EyeImage:
         assert numbers is not None, "misfit() says so"
-        return EyeImage(view_of_row(numbers[0]), sent[0], sent[1], drawn_ns=eye.drawn_ns)
+        return EyeImage(view_of_row(numbers[0]), sent[0], sent[1], drawn_ns=drawn_ns)
