@@ -480,12 +480,17 @@ class Inbox:
         return len(self._whole)
 
     def take(self, content: NDArray[np.uint8]) -> Iterator[tuple[int, bytes]]:
-        """Take an update's content; yield the number and bytes of each thing that is now whole."""
+        """Take an update's content; yield the number and bytes of each thing that is now whole.
+
+        Errors: struct.error and ValueError for bytes that are no fragments.
+        """
         data, at = content.tobytes(), 0
         self.bytes += len(data)
         while at < len(data):
             number, index, count, length = _HEAD.unpack_from(data, at)
             at += _HEAD.size + length
+            if at > len(data) or index >= count:
+                raise ValueError("a fragment that does not fit")
             if number in self._whole:
                 continue
             begun = self._begun.setdefault(number, {})
