@@ -494,6 +494,7 @@ class PipelineOptions(Declared):
             "proxy": ("--proxy", self.proxy.on),
             "scanout": (f"--scanout {self.scanout_ms:g} ms", self.scanout_ms > 0),
             "warp": (f"--warp {self.warp}", self.warp == AUTO),
+            "fovea": (f"--fovea {self.fovea_deg or 0:g}", self.fovea_deg is not None),
         }
         refuse_with_frames(asked)
 
@@ -506,6 +507,8 @@ class PipelineOptions(Declared):
             raise InputError(
                 "--connect with --response or --overload: the server's times are the real ones; leave them out"
             )
+        if self.fovea_deg is not None:
+            raise InputError(f"--connect with --fovea {self.fovea_deg:g}: requests say no gaze yet; leave it out")
         if self.proxy.on or self.warp == AUTO:
             raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
 

@@ -71,6 +71,7 @@ _WHY_NOT = {
     "guard": "a factor says how much of the recording is shown, such as 1.5",
     "samples": "its edges are as they were recorded",
     "sample_depth": "it has the depth that was recorded",
+    "fovea": "they came as sharp everywhere",
     "warp": "its benchmark draws a scene; name a warp",
 }
 _ONLY_SAID = ("scene", "headset", "rendered_size", "wide", "samples", "sample_depth")

@@ -19,7 +19,7 @@ from ..client.plan import Plan
 from ..errors import InputError
 from ..frames import Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Guard, GuardBand, View, looking
+from ..geometry import Eyes, Guard, GuardBand, Pose, View, looking
 from ..gpu.context import Gpu
 from ..headsets import Headset, load_headset
 from ..link import scaled_size
@@ -56,9 +56,9 @@ class PoseRequest:
     age_ns: int = 0
     # What is read of the eyes' pictures, by readable name; none are drawn where it is empty.
     pictures: frozenset[str] = frozenset(PICTURE)
-    # Where the eyes look as the server knows it at an instant, or will so long after it; None where
-    # frames are as sharp everywhere.
-    gaze: Callable[[int, int], Gaze | None] | None = None
+    # Where the eyes look as the server knows it at an instant, or will so long after it, in a
+    # head's axes; None where frames are as sharp everywhere.
+    gaze: Callable[[int, int, Pose], Gaze | None] | None = None
 
     def for_server(self, now_ns: int, later_ns: int = 0) -> PoseSample:
         """Return the pose for a frame drawn now: the current or the predicted one.
@@ -67,7 +67,7 @@ class PoseRequest:
         """
         ahead_ns = self.age_ns + later_ns
         head = self.source.head_at(now_ns) if self.predicted is None else self.predicted(now_ns, ahead_ns)
-        return head if self.gaze is None else attrs.evolve(head, gaze=self.gaze(now_ns, ahead_ns))
+        return head if self.gaze is None else attrs.evolve(head, gaze=self.gaze(now_ns, ahead_ns, head.pose))
 
     def for_display(self, shown_ns: int) -> PoseSample:
         """Return the head pose at the instant when the picture is seen."""

@@ -174,8 +174,8 @@ def pose_request(
     def predicted(now_ns: int, ahead_ns: int) -> PoseSample:
         return predict(known(now_ns), now_ns, now_ns + ahead_ns, options.predict, options.horizon_ns)
 
-    def gaze(now_ns: int, ahead_ns: int) -> Gaze | None:
-        return foreseen_gaze(known(now_ns), now_ns, ahead_ns if options.gaze == PREDICTED_GAZE else 0)
+    def gaze(now_ns: int, ahead_ns: int, head: Pose) -> Gaze | None:
+        return foreseen_gaze(known(now_ns), now_ns, ahead_ns if options.gaze == PREDICTED_GAZE else 0, head)
 
     predicts = predicted if options.predict != "none" else None
     # What has moved since a frame was sent is known from its picture.

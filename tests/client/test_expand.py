@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -25,9 +26,11 @@ from hmdwarp.frames.layers.foveated import FoveatedPicture
 from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View, WarpMap
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.headsets import load_headset
+from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.poses import foreseen_gaze, synthesise, write_synthetic
 from hmdwarp.scenes import load_scene
+from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.server import Server
 
 FOVEA = Fovea(30.0, 3)
@@ -264,12 +267,13 @@ def test_the_sharp_part_follows_the_gaze_as_late_as_the_head(tmp_path, how):
 
     def look(setup, number, refresh):
         drawn_ns = refresh.frame.drawn_ns
-        known = foreseen_gaze(setup.track, drawn_ns, 50_000_000 if how == "predicted" else 0)
+        ahead_ns, head = 50_000_000 if how == "predicted" else 0, refresh.frame.head.pose
+        known = foreseen_gaze(setup.track, drawn_ns, ahead_ns, head)
         eye = refresh.frame.eyes[1]
         assert eye.view.gaze == pytest.approx(known, abs=2e-3 if how == "predicted" else 1e-12)
         assert eye["foveated"].grid == Fovea(20.0).grid(eye.view, eye.size)
         places.append(eye["foveated"].grid.before)
-        apart.append(known != foreseen_gaze(setup.track, drawn_ns))
+        apart.append(known != foreseen_gaze(setup.track, drawn_ns, 0, head))
 
     each_refresh(small(**options, gaze=how), look)
     assert len(set(places)) > 5 and any(apart) == (how == "predicted")
@@ -305,6 +309,19 @@ def test_nothing_is_paid_where_all_is_sharp():
     assert not extra & without.shaders and asked.shaders == without.shaders | extra
     assert asked.sent < without.sent
     assert asked.work["ComputeShader.run"] == without.work["ComputeShader.run"] + 2 * 4
+
+
+@pytest.mark.parametrize(
+    ("sets", "why"),
+    [
+        ({"feed": FeedOptions(connect="127.0.0.1:1")}, "requests say no gaze yet"),
+        ({"network": LinkOptions(send="changes")}, "the eyes move where nothing else does"),
+        ({"frames": Path("nowhere"), "trace": None}, "they came as sharp everywhere"),
+    ],
+)
+def test_frames_that_cannot_be_foveated_are_refused(sets, why):
+    with pytest.raises(InputError, match=why):
+        small(fovea_deg=30.0, **sets)
 
 
 def test_a_rim_without_a_fovea_is_refused():

@@ -11,6 +11,7 @@ from conftest import DEVELOPMENT_TRACES
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
+from hmdwarp.geometry import Pose
 from hmdwarp.poses import (
     PoseTrack,
     foreseen_gaze,
@@ -89,9 +90,20 @@ def test_a_pursuit_goes_on_and_everything_else_is_held():
     assert angle(foreseen_gaze(pursuit, now, 50 * MS)) == pytest.approx(3, abs=0.01)  # along a chord
     assert foreseen_gaze(pursuit, now, 100 * MS) == foreseen_gaze(pursuit, now, 900 * MS), "100 ms at most"
     leapt = track([towards(0)] * 8 + [towards(3)] * 12)  # 3 degrees in 10 ms
-    assert foreseen_gaze(leapt, now, 50 * MS) == leapt.gaze_at(now)
+    assert foreseen_gaze(leapt, now, 50 * MS) == pytest.approx(leapt.gaze_at(now))
     blinked = track([towards(0.2 * n) if n != 8 else NONE for n in range(20)])
-    assert foreseen_gaze(blinked, now, 50 * MS) == blinked.gaze_at(now)
+    assert foreseen_gaze(blinked, now, 50 * MS) == pytest.approx(blinked.gaze_at(now))
+
+
+def test_eyes_that_rest_on_something_are_foreseen_there_however_the_head_turns():
+    """The head turns to the left by 150 degrees a second, and the eyes against it."""
+    turns = Rotation.from_euler("y", 1.5 * np.arange(20)[:, None], degrees=True)
+    eyes = turns.inv().apply(towards(3))
+    resting = track(eyes).evolve(orientation_xyzw=turns.as_quat())
+    later = Pose((0, 0, 0), turns[15].as_quat())
+    for ahead_ns in (0, 50 * MS):
+        assert foreseen_gaze(resting, 100 * MS, ahead_ns) == pytest.approx(eyes[10], abs=1e-9)
+        assert foreseen_gaze(resting, 100 * MS, ahead_ns, later) == pytest.approx(eyes[15], abs=1e-9)
 
 
 def test_nothing_after_now_is_known():
