@@ -14,7 +14,7 @@ class Serving:
 
     def __init__(self, *options: str, inside: tuple[str, ...] = ()) -> None:
         where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
-        scene = () if "--scene" in options else ("--scene", "planes")
+        scene = () if {"--scene", "--frames"} & {*options} else ("--scene", "planes")
         command = [*inside, sys.executable, "-m", "hmdwarp", "serve", *scene, *where, *options]
         self.process = subprocess.Popen(
             command, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ

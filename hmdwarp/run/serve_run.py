@@ -20,22 +20,29 @@ from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
-from ..pipeline.options import NEAREST
+from ..pipeline.options import NEAREST, PipelineOptions
+from ..pipeline.recorded_renderer import RecordedRenderer
+from ..pipeline.recorded_source import RecordingSource
+from ..pipeline.source import Source
 from ..poses import load_trace
+from ..poses.track import folded
 from ..resources import import_extra, recording_names
-from ..scenes import Scene, load_scene
+from ..scenes import load_scene
+from ..sources import sequences
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import KeyPair, key_pair
 from ..sources.feed.listener import Asked, Listener
 from ..sources.feed.message import ANY, BYTES, DEPTH_CODES, NONE, RGBA8, Ask, DepthCodes, FrameMessage, Picture
 from ..sources.feed.options import secret_in
-from ..sources.server import Server
+from ..sources.repairs import parse_repairs
+from ..sources.server import Renderer, Server
 from .browser_log import BrowserLogs
 from .options import ServeOptions
 from .replay_setup import placed
 
 # Of the encoders of all clients; those of who has waited longest go, and their streams begin anew.
 _MOST_CODED_BYTES = 1 << 30
+AS_RECORDED = "as-recorded"  # the head of recorded frames: where the camera was
 _WAIT_MS = 200  # between looks at whether to stop
 
 
@@ -56,15 +63,11 @@ def serve(
             say(f"made {options.key_pair}.key_secret, which stays here, and {options.key_pair}.key, which clients need")
     listener = Listener(options.listen, secret, pair, is_open=options.open, per_address=options.per_address, say=say)
     with closing(listener):
-        scene = load_scene(options.scene, options.scene_options)
-        nearest = options.sample_depth == NEAREST
-        with (
-            Gpu() as gpu,
-            closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
-        ):
-            say(f"listening at {listener.address}: scene '{scene.name}'")
+        source = _source(options)
+        with Gpu() as gpu, closing(_renderer(gpu, source, options)) as server:
+            say(f"listening at {listener.address}: {source.title}")
             coders = _Coders(listener)
-            with _door(options, listener.address, scene, secret, pair, say) if options.web else nullcontext():
+            with _door(options, listener.address, source, secret, pair, say) if options.web else nullcontext():
                 while goes_on():
                     asked = listener.next(_WAIT_MS)
                     if asked is not None:
@@ -73,14 +76,31 @@ def serve(
                         server.trim()
 
 
+def _source(options: ServeOptions) -> Source:
+    """Return what is served. Errors: InputError."""
+    if options.frames is None:
+        return Source(PipelineOptions(), load_scene(options.scene, options.scene_options))
+    sequence = sequences.open(options.frames, options.sequence_options)
+    return RecordingSource(sequence.repaired(parse_repairs(options.repair)))
+
+
+def _renderer(gpu: Gpu, source: Source, options: ServeOptions) -> Renderer:
+    if isinstance(source, RecordingSource):  # played to its end and back, endlessly
+        last_ns = source.instants_ns[-1]
+        return RecordedRenderer(gpu, source.scene, source.sequence, lambda time_ns: folded(time_ns, last_ns))
+    nearest = options.sample_depth == NEAREST
+    return Server(gpu, source.scene, options.mirrors, samples=options.samples, nearest=nearest)
+
+
 def _door(
-    options: ServeOptions, feed: str, scene: Scene, secret: str, pair: KeyPair | None, say: Callable[[str], None]
+    options: ServeOptions, feed: str, source: Source, secret: str, pair: KeyPair | None, say: Callable[[str], None]
 ) -> AbstractContextManager[object]:
     import_extra("aiohttp", "aiohttp", "web")
-    start = scene.viewpoint
+    scene, is_recorded = source.scene, isinstance(source, RecordingSource)
+    start, names = scene.viewpoint, [*([AS_RECORDED] if is_recorded else []), *recording_names()]
     viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
-    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": recording_names()}
-    traces = {f"traces/{name}.json": functools.partial(_samples, name, scene) for name in recording_names()}
+    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": names, "head": names[0] if is_recorded else "hand"}
+    traces = {f"traces/{name}.json": functools.partial(_samples, name, source) for name in names}
     lock = web.Lock(secret, pair)
     with ExitStack() as opened:
         logs = None
@@ -95,9 +115,10 @@ def _door(
         return opened.pop_all()
 
 
-def _samples(name: str, scene: Scene) -> dict[str, list[list[float]]]:
+def _samples(name: str, source: Source) -> dict[str, list[list[float]]]:
     """Return a recording as the page plays it: seconds and pose, moved into the scene."""
-    track, _ = placed(load_trace(name).track, scene)
+    trace = source.head(None if name == AS_RECORDED else load_trace(name))
+    track, _ = placed(trace.track, source.scene)
     seconds = (track.time_ns - track.start_ns) * 1e-9
     return {"samples": np.column_stack([seconds, track.position_m, track.orientation_xyzw]).tolist()}
 
@@ -123,7 +144,7 @@ class _Coders:
         return coded
 
 
-def _answer_or_refuse(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
+def _answer_or_refuse(server: Renderer, listener: Listener, coders: _Coders, asked: Asked) -> None:
     try:
         _answer(server, listener, coders, asked)
     except (InputError, MachineError, bounds.OutOfBounds) as error:
@@ -134,11 +155,12 @@ def _answer_or_refuse(server: Server, listener: Listener, coders: _Coders, asked
         listener.refuse(asked, f"an internal error, please report it ({type(error).__name__} at {where}: {error})")
 
 
-def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -> None:
+def _answer(server: Renderer, listener: Listener, coders: _Coders, asked: Asked) -> None:
     """Draw and send. Errors: whatever drawing for this client alone may raise."""
     ask, most = asked.ask, server.gpu.max_texture_size
     begun_ns = time.monotonic_ns()
-    needs = needs_of_client(ask.wanted)
+    draws = isinstance(server, Server)
+    needs = needs_of_client(ask.wanted if draws else None)
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
@@ -148,10 +170,11 @@ def _answer(server: Server, listener: Listener, coders: _Coders, asked: Asked) -
     pictures = list(_pictures(server, frame, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
     further = tuple(parts_of(eye, needs, packs=packs) for eye in frame.eyes) if needs else ()
+    views = ask.views if draws else tuple(eye.view for eye in frame.eyes)
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
-    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further, takes_hidden=True)
+    drawn = FrameMessage(*times, views, colours, depths, layers=further, takes_hidden=True)
     coded = coders.coded(asked, drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
@@ -175,13 +198,13 @@ def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
     (bounds.DRAWN_BY_CPU if is_software else bounds.UNPACKED).check(len(ask.views) * of_eye)
 
 
-def _drawn(server: Server, ask: Ask, needs: Needs) -> Frame:
-    if ask.wanted is None:
+def _drawn(server: Renderer, ask: Ask, needs: Needs) -> Frame:
+    if ask.wanted is None or not isinstance(server, Server):
         return server.draw_frame(ask.views, ask.time_ns, ask.size)
     return server.draw_guarded(ask.views, ask.time_ns, ask.size, needs, ask.wanted.fovs, ask.wanted.size)
 
 
-def _pictures(server: Server, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
+def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
         half = server.give_codes(eye) if colour in BYTES or depth == DEPTH_CODES else None

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import ssl
 import subprocess
 import urllib.error
 import urllib.request
 from http.cookiejar import CookieJar
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import aiohttp
+import attrs
 import needs
+import numpy as np
 import pytest
+from recorded_folders import taken, write_npz
 from serving import Serving
 
 from hmdwarp.errors import InputError
@@ -194,3 +199,39 @@ def test_a_certificate_makes_it_https(tmp_path):
         door.close()
     with pytest.raises(InputError, match="expected a PEM file with a private key"):
         Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}, certificate=tmp_path / "c.pem")
+
+
+def test_recorded_frames_are_given_as_the_camera_took_them(tmp_path):
+    """Squeezed into the pixels asked for, with the camera's own view and head."""
+    write_npz(tmp_path, frames := taken(6, (64, 48)))
+    with Serving("--frames", str(tmp_path), "--web", "127.0.0.1:*") as server:
+        jar, address = CookieJar(), server.line("for a browser").split()[-1]
+        opened(address, jar)
+        place = address.partition("?")[0]
+        about = json.loads(opened(f"{place}session.json", jar)[2])
+        assert about["head"] == about["traces"][0] == "as-recorded"
+        samples = json.loads(opened(f"{place}traces/as-recorded.json", jar)[2])["samples"]
+        for at, late in ((0, 0), (0.11, 3), (0.29, 2)):  # there and back
+            (frame,) = spoken((place, jar), encode(attrs.evolve(decode(ask()), time_ns=round(at * 1e9))))
+            np.testing.assert_allclose(frame.views[0].pose.matrix(), frames[late].pose.matrix(), atol=1e-12)
+            np.testing.assert_array_equal(frame.colours[0][..., :3], frames[late].colour)
+        assert len(samples) == 6 and samples[3][1:4] == frames[3].pose.position_m.tolist()
+
+
+def test_a_file_is_a_scene_too():
+    """Its lamps are on; the view looks at its wall."""
+    file = str(Path(__file__).parents[1] / "scenes" / "lamps.glb")
+    with Serving("--scene", file, "--web", "127.0.0.1:*") as server:
+        jar, address = CookieJar(), server.line("for a browser").split()[-1]
+        opened(address, jar)
+        start = json.loads(opened(address.partition("?")[0] + "session.json", jar)[2])["viewpoint"]
+        view = View(Pose(start["position"], start["orientation"]), EYES[0].fov)
+        (frame,) = spoken((address.partition("?")[0], jar), encode(attrs.evolve(decode(ask()), views=(view,))))
+        assert frame.colours[0][..., :3].max() > 0 and frame.inverse_depths[0].max() > 0
+
+
+def test_what_recorded_frames_leave_no_choice_in_is_refused(tmp_path):
+    with pytest.raises(InputError, match="--scene with --frames: recorded frames take the place of a scene"):
+        ServeOptions.of({"frames": tmp_path, "scene": "box"})
+    with pytest.raises(InputError, match="--repair edges: a rendered scene lacks no depth"):
+        ServeOptions.of({"repair": "edges"})

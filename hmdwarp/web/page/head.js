@@ -44,15 +44,14 @@ function between(a, b, share) {
   };
 }
 
-/** A recording, played in a loop. samples: [seconds, x, y, z, qx, qy, qz, qw] in order. */
+/** A recording, played to its end and back, so that nothing jumps. samples: [seconds, x, y, z, qx, qy, qz, qw] in order. */
 export class Recording {
-  constructor(samples, loops = true) {
+  constructor(samples) {
     this.samples = samples.map(([seconds, ...pose]) => ({ ms: 1000 * seconds, position: pose.slice(0, 3), orientation: pose.slice(3) }));
-    this.loops = loops;
   }
 
   at(ms) {
-    const last = this.samples.at(-1).ms, wanted = this.loops ? ms % last : Math.min(ms, last);
+    const last = this.samples.at(-1).ms || 1, passed = ms % (2 * last), wanted = Math.min(passed, 2 * last - passed);
     let low = 0, high = this.samples.length - 1;
     while (high - low > 1) {
       const middle = (low + high) >> 1;

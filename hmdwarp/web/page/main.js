@@ -293,7 +293,7 @@ async function begin() {
   tellLatency();
   const wanted = asked.get("trace");
   if (wanted !== null && !about.traces.includes(wanted)) told(`There is no trace ${wanted}: ${about.traces.join(", ")}`);
-  $("head").value = about.traces.includes(wanted) ? wanted : "hand";
+  $("head").value = about.traces.includes(wanted) ? wanted : about.head;
   let head = await headOf($("head").value, about);
   $("head").onchange = async () => {
     head = await headOf($("head").value, about);
