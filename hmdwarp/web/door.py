@@ -34,6 +34,7 @@ from .es_shaders import PAGE, shaders
 _TOKEN_BYTES = 16
 _TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1, "HEARTBEAT_IVL": 500}
+_MOST_UNSENT = 1 << 16  # bytes, in the system
 _REPORT = b"HWLG"  # before rows of a report
 MOST_REPORT = 1 << 17  # bytes of one message
 _HEADERS = {
@@ -189,6 +190,7 @@ class Door:
         """Pass messages both ways until either end goes."""
         browser = web.WebSocketResponse(max_msg_size=max(LARGEST_ASK, MOST_REPORT) + 1, heartbeat=5.0, compress=False)
         await browser.prepare(request)
+        _hold_few(request.transport.get_extra_info("socket"))
         server = self._context.socket(zmq.DEALER)
         set_options(zmq, server, _FEED)
         if (pair := self._lock.pair) is not None:
@@ -229,6 +231,12 @@ class Door:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._context.destroy(0)
+
+
+def _hold_few(connection: Any) -> None:
+    """Let the system hold few unsent bytes: what waits there gets no newer."""
+    if (option := getattr(socket, "TCP_NOTSENT_LOWAT", None)) is not None:
+        connection.setsockopt(socket.IPPROTO_TCP, option, _MOST_UNSENT)
 
 
 def _report_in(data: Any) -> str | bytes | None:

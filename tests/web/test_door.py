@@ -147,6 +147,37 @@ def test_the_feed_is_spoken_as_it_is(inside):
     assert frame.colours[0].shape == (48, 64, 4) and frame.inverse_depths[0].max() > 0
 
 
+async def _beside_one_that_reads_nothing(address: str, jar: CookieJar, count: int) -> tuple[list[int], list[int]]:
+    cookies, feed = {cookie.name: cookie.value for cookie in jar}, address.replace("http", "ws") + "feed"
+    async with (
+        aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session,
+        session.ws_connect(feed, max_msg_size=1 << 28) as slow,
+        session.ws_connect(feed, max_msg_size=1 << 28) as other,
+    ):
+        slow._response.connection.transport.pause_reading()
+        answered = []
+        for number in range(1, count + 1):
+            await slow.send_bytes(ask(number, (1024, 768)))
+            await other.send_bytes(ask(number))
+            answered.append(decode((await other.receive()).data).number)
+        slow._response.connection.transport.resume_reading()
+        late = [decode((await slow.receive()).data).number]
+        while late[-1] < count:
+            late.append(decode((await slow.receive()).data).number)
+        return answered, late
+
+
+def test_who_reads_slowly_slows_nobody_and_gets_the_newest(inside):
+    """Every request of the other is answered meanwhile, though the first takes nothing.
+
+    Of the slow one's frames, of 6.3 MB, those wait that the system has begun to send, one in each
+    of the two hands, and two in the server; then the newest comes. The others were dropped.
+    """
+    answered, late = asyncio.run(_beside_one_that_reads_nothing(*inside, 40))
+    assert answered == list(range(1, 41))
+    assert late == sorted(late) and late[-1] == 40 and len(late) <= 6
+
+
 def test_what_the_server_refuses_is_told(inside):
     broken = bytearray(ask())
     broken[84:88] = (9000).to_bytes(4, "little")

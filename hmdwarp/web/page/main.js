@@ -4,6 +4,7 @@ import { Chain, CHAINS } from "./chain.js";
 import { VideoEye } from "./coded.js";
 import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
+import { Pace } from "./pace.js";
 import { Report } from "./report.js";
 
 const asked = new URLSearchParams(location.search);
@@ -31,7 +32,7 @@ function told(text, by = "page") {
   lines[by] = text;
   telling = $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
 }
-const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, newest: 0 };
+const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
 
 /** A view's guarded field of view and the size that keeps its pixels per tangent: whole ones are added on each side. */
 function guarded(fov, shown) {
@@ -60,6 +61,7 @@ class Session {
     this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
     this.costs = {};
+    this.pace = new Pace(RATE_HZ);
     this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
   }
 
@@ -69,14 +71,16 @@ class Session {
 
   /** Ask for a frame where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
   ask(head, eyes) {
-    const now = performance.now();
-    if (now - this.lastAsk < 1000 / RATE_HZ || !this.feed.hasRoom(1000 / RATE_HZ)) return;
+    const now = performance.now(), { mbit, scale, rate } = this.pace.wish;
+    if (now - this.lastAsk < 1000 / rate || !this.feed.hasRoom(1000 / rate, this.pace.shortest)) return;
     this.lastAsk = now;
     const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
     const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
+    this.pace.pixels = eyes.length * sides[0] * sides[1];
     this.feed.ask({
-      sent: now, time: this.time(), head_time: this.time(), size: sides, head, rate: RATE_HZ, anew: this.anew,
-      colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH, quality: this.isCoded ? 1 + QUALITY : 0,
+      sent: now, time: this.time(), head_time: this.time(), size: sides.map((side) => even(scale * side)), head, rate, anew: this.anew,
+      colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH,
+      quality: this.isCoded && !mbit ? 1 + QUALITY : 0, mbit: mbit / eyes.length,
       eyes: eyes.map((eye, k) => ({ world_from_eye: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
     });
     this.anew = false;
@@ -90,6 +94,7 @@ class Session {
       pictures = frame.eyes.map((eye) => ({ colour: eye.colour, depth: { numbers: new Float32Array(eye.depth.buffer) } }));
     } else {
       this.coded = frame.eyes.map((_, k) => (this.coded[k]?.suits(frame) ? this.coded[k] : new VideoEye(frame)));
+      this.adapt(frame);
       pictures = await Promise.all(frame.eyes.map((eye, k) => this.coded[k].decode(frame, eye)));
       if (pictures.includes(null)) {
         this.anew = true; // a picture before it is missing: the streams begin again
@@ -100,6 +105,13 @@ class Session {
     this.kept.push({ ...frame, pictures, decoded: figures.decode });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
+  }
+
+  /** Follow the link and the decoder, unless somebody chose a quality. */
+  adapt({ heard, way, bytes, eyes }) {
+    const depth = eyes.reduce((sum, eye) => sum + eye.depth.length, 0);
+    const decoding = Math.max(...this.coded.map(({ colour }) => colour.decoder.decodeQueueSize));
+    if (!asked.has("crf")) this.pace.took(heard, { way, bytes, depth, decoding, slack: 2 * figures.period });
   }
 
   drop({ pictures }) {
@@ -167,6 +179,9 @@ class Session {
     this.choose(views[0], interval);
     views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.chosen, target, corners[k]));
     figures.refreshes += 1;
+    const now = performance.now();
+    figures.period += 0.1 * (Math.min(now - figures.last, 1000) - figures.period);
+    figures.last = now;
     this.looks.splice(0).forEach((look) => look(this.seen(views, target, corners)));
     this.head = head;
     if (this.report && `${eyes.length} ${eyes[0].size}` !== this.reported) {
@@ -210,6 +225,7 @@ function tellFigures(session) {
     "frames a second": (figures.frames / passed).toFixed(0),
     "refreshes without a new frame": `${((100 * figures.stale) / Math.max(figures.refreshes, 1)).toFixed(0)} %`,
     "received": `${((8e-6 * session.feed.bytes) / passed).toFixed(1)} Mbit/s`,
+    "asked for": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : `quality ${QUALITY}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
     "rendered, shown": `${frame.size.join("x")}, ${session.size.join("x")}`,
   };
   $("figures").replaceChildren(...Object.entries(rows).map(([name, value]) => {
