@@ -34,7 +34,13 @@ export const inverse = (pose) => {
   return { position: rotate(back, pose.position).map((value) => -value), orientation: back };
 };
 
-function between(a, b, share) {
+/** An orientation turned by a rotation vector in the axes of the world. */
+export const turnedBy = (vector, orientation) => {
+  const angle = Math.hypot(...vector);
+  return angle ? normalised(multiply(about(vector.map((value) => value / angle), angle), orientation)) : orientation;
+};
+
+export function between(a, b, share) {
   let dot = a.orientation.reduce((sum, value, k) => sum + value * b.orientation[k], 0);
   const sign = dot < 0 ? -1 : 1, angle = Math.acos(Math.min(Math.abs(dot), 1));
   const [from, to] = angle < 1e-6 ? [1 - share, share] : [Math.sin((1 - share) * angle), Math.sin(share * angle)].map((value) => value / Math.sin(angle));

@@ -5,6 +5,7 @@ import { VideoEye } from "./coded.js";
 import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
 import { Pace } from "./pace.js";
+import { Predictor } from "./predict.js";
 import { Report } from "./report.js";
 
 const asked = new URLSearchParams(location.search);
@@ -62,6 +63,7 @@ class Session {
     this.feed = feed((frame) => this.arrived(frame));
     this.costs = {};
     this.pace = new Pace(RATE_HZ);
+    this.predictor = new Predictor();
     this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
   }
 
@@ -69,19 +71,21 @@ class Session {
     return performance.now() - this.begun;
   }
 
-  /** Ask for a frame where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
+  /** Ask for a frame for the head as it will be, where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
   ask(head, eyes) {
     const now = performance.now(), { mbit, scale, rate } = this.pace.wish;
+    this.predictor.saw(now, head);
     if (now - this.lastAsk < 1000 / rate || !this.feed.hasRoom(1000 / rate, this.pace.shortest)) return;
     this.lastAsk = now;
+    const ahead = Math.max(Number($("latency").value), this.feed.round) + 500 / rate, then = this.predictor.at(now, ahead);
     const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
     const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
     this.pace.pixels = eyes.length * sides[0] * sides[1];
     this.feed.ask({
-      sent: now, time: this.time(), head_time: this.time(), size: sides.map((side) => even(scale * side)), head, rate, anew: this.anew,
+      sent: now, time: this.time(), head_time: this.time() + ahead, size: sides.map((side) => even(scale * side)), head: then, rate, anew: this.anew,
       colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH,
       quality: this.isCoded && !mbit ? 1 + QUALITY : 0, mbit: mbit / eyes.length,
-      eyes: eyes.map((eye, k) => ({ world_from_eye: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
+      eyes: eyes.map((eye, k) => ({ world_from_eye: compose(then, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
     });
     this.anew = false;
   }
