@@ -8,6 +8,7 @@ import ssl
 import subprocess
 import urllib.error
 import urllib.request
+from contextlib import suppress
 from http.cookiejar import CookieJar
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -194,6 +195,41 @@ def test_noise_ends_nothing(inside):
     noise = [bytes([k]) * 400 for k in range(64)]
     (frame,) = spoken(inside, *noise, ask())
     assert frame.number == 1
+
+
+async def _sockets(address: str, jar: CookieJar, count: int, says: bytes) -> list[int]:
+    """Open so many that say that much; the status of those refused, and how the others ended."""
+    cookies, found = {cookie.name: cookie.value for cookie in jar}, []
+    async with aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
+        opened_now = []
+        for _ in range(count):
+            try:
+                opened_now.append(await session.ws_connect(address.replace("http", "ws") + "feed"))
+            except aiohttp.WSServerHandshakeError as error:
+                found.append(error.status)
+        for socket in opened_now:
+            if says:
+                await socket.send_bytes(says)
+        for socket in opened_now:
+            with suppress(TimeoutError):
+                message = await socket.receive(timeout=2.0 if says else None)
+                found.append(message.type is aiohttp.WSMsgType.CLOSE)
+        for socket in opened_now:
+            await socket.close()
+    return found
+
+
+@pytest.mark.parametrize(("count", "says", "ends"), [(2, b"", [True, True]), (1, ask(), []), (4, ask(), [503])])
+def test_who_says_nothing_is_cut_and_one_too_many_refused(monkeypatch, count, says, ends):
+    """One that has spoken stays: a page that is hidden says nothing either."""
+    monkeypatch.setattr("hmdwarp.web.door.SILENT_S", 1.0)
+    monkeypatch.setattr("hmdwarp.web.door.MOST_PAGES", 3)
+    door, jar = Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}), CookieJar()
+    try:
+        opened(door.address, jar)
+        assert asyncio.run(_sockets(door.address.partition("?")[0], jar, count, says)) == ends
+    finally:
+        door.close()
 
 
 def test_an_other_machine_wants_a_certificate():

@@ -17,7 +17,7 @@ const RATE_HZ = number("rate", 30, 1, 120); // of requests
 const GUARD = number("guard", 1.25, 1, 2); // the rendered picture's tangents over the shown one's
 const LONG_SIDE = number("size", 640, 64, 4096); // pixels of the shown picture in a window
 const UP_RAD = 0.61; // half a window's field of view, up and down
-const QUALITY = number("crf", 23, 0, 51);
+const QUALITY = number("crf", 18, 0, 51);
 const MOST_KEPT = 128; // frames that wait until they are old enough
 const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
@@ -57,7 +57,7 @@ const poseOf = ({ position: p, orientation: q }) => ({ position: [p.x, p.y, p.z]
 
 class Session {
   constructor(about, chain, feed) {
-    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], isCoded: "VideoDecoder" in window && !asked.has("raw") });
+    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], coming: 0, isCoded: "VideoDecoder" in window && !asked.has("raw") });
     this.chosen = CHAINS[asked.get("warp")] ? asked.get("warp") : null;
     this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
@@ -91,6 +91,12 @@ class Session {
   }
 
   async arrived(frame) {
+    this.coming += 1;
+    await this.decoded(frame);
+    this.coming -= 1;
+  }
+
+  async decoded(frame) {
     const begun = performance.now();
     figures.frames += 1;
     let pictures = null;
