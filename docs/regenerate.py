@@ -321,7 +321,7 @@ def bounds(_: Path) -> None:
 
 
 def pictures(folder: Path) -> None:
-    """Draw opening.png (truth, late frame, warped and error of one refresh), headsets.png and the page."""
+    """Draw opening.png (late frame, truth, warped, error), headsets.png and the web page."""
     from PIL import Image
 
     run("-m hmdwarp headset show index --force --out docs/headsets.png", folder)

@@ -118,6 +118,7 @@ def _door(
 def _samples(name: str, source: Source) -> dict[str, list[list[float]]]:
     """Return a recording as the page plays it: seconds and pose, moved into the scene."""
     trace = source.head(None if name == AS_RECORDED else load_trace(name))
+    assert trace is not None, "there are frames of its own, or a trace"
     track, _ = placed(trace.track, source.scene)
     seconds = (track.time_ns - track.start_ns) * 1e-9
     return {"samples": np.column_stack([seconds, track.position_m, track.orientation_xyzw]).tolist()}
