@@ -323,10 +323,11 @@ def bounds(_: Path) -> None:
 
 
 def pictures(folder: Path) -> None:
-    """Draw opening.png (truth, late frame, warped and error of one refresh) and headsets.png."""
+    """Draw opening.png (late frame, truth, warped, error), headsets.png and the web page."""
     from PIL import Image
 
     run("-m hmdwarp headset show index --force --out docs/headsets.png", folder)
+    run("docs/web_pictures.py", folder)
     options = "--start 1.1 --seconds 0.1 --metrics-every 1000 --images 1 --guard 1.5 --size 640x640 --headset flat-90"
     hmdwarp(f"replay look-around {options} --against ''", folder / "opening", "summary.json")
     strip = Image.open(folder / "opening" / "images" / "frame-000000-left.png").convert("RGB")

@@ -14,7 +14,7 @@ class Serving:
 
     def __init__(self, *options: str, inside: tuple[str, ...] = (), command: str = "serve") -> None:
         where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
-        scene = () if "--scene" in options or command != "serve" else ("--scene", "planes")
+        scene = () if {"--scene", "--frames"} & {*options} or command != "serve" else ("--scene", "planes")
         arguments = [*inside, sys.executable, "-m", "hmdwarp", command, *scene, *where, *options]
         self.process = subprocess.Popen(
             arguments, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ

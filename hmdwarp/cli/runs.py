@@ -75,7 +75,7 @@ def record(said: Said) -> None:
 
 @takes(ServeOptions, QUIET)
 def serve(said: Said) -> None:
-    """Draw a scene for clients in other processes or on other machines, until Ctrl-C.
+    """Give frames to clients in other processes or on other machines, until Ctrl-C.
 
     They are 'hmdwarp live --connect', 'hmdwarp replay --connect', and programs that speak
     docs/feed.md.

@@ -354,9 +354,7 @@ class PipelineOptions(Declared):
         if self.source_kind is RECORDING:
             self._check_recorded()
         else:
-            self.sequence_options.refuse_unused()
-            if self.repair != "none":
-                raise InputError(f"--repair {self.repair}: a rendered scene lacks no depth; it is for --frames")
+            refuse_without_frames(self.sequence_options, self.repair)
         if self.sample_depth != CENTRE and self.samples == 1:
             raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; leave --samples 1 out")
         fields = attrs.fields(type(self))
@@ -550,6 +548,13 @@ class PipelineOptions(Declared):
                 "--fused with --warp auto: its warps must have the picture between warp and lens, to be measured; "
                 "leave one out"
             )
+
+
+def refuse_without_frames(facts: SequenceOptions, repair: str) -> None:
+    """Raise InputError for what is stated of recorded frames, where there are none."""
+    facts.refuse_unused()
+    if repair != "none":
+        raise InputError(f"--repair {repair}: a rendered scene lacks no depth; it is for --frames")
 
 
 def _beside(shared: Any, own: Any) -> Any:

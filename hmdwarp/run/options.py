@@ -24,16 +24,18 @@ from ..options import (
     names_in,
     one_of,
     option,
+    options_of,
     out_field,
     same_as,
     several,
 )
-from ..pipeline.options import DISPLAYED, PipelineOptions
-from ..pipeline.proxy_options import RECORDING, REMOTE, ProxyOptions, SourceKind
+from ..pipeline.options import DISPLAYED, PipelineOptions, refuse_without_frames
+from ..pipeline.proxy_options import RECORDING, REMOTE, ProxyOptions, SourceKind, with_frames
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SceneOptions
 from ..sources.feed.options import FeedOptions
 from ..sources.feed.sockets import MOST_OF_ADDRESS
+from ..sources.sequences.options import SequenceOptions
 from .misses import Misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
@@ -433,6 +435,9 @@ class ServeOptions(ListenOptions):
 
     scene: str = same_as(_PIPELINE.scene)
     scene_options: SceneOptions = group(SceneOptions)
+    frames: Path | None = same_as(_PIPELINE.frames)
+    sequence_options: SequenceOptions = group(SequenceOptions)
+    repair: str = same_as(_PIPELINE.repair)
     mirrors: str = same_as(_PIPELINE.mirrors)
     samples: int = same_as(_PIPELINE.samples)
     sample_depth: str = same_as(_PIPELINE.sample_depth)
@@ -449,11 +454,18 @@ class ServeOptions(ListenOptions):
     )
     command: str = ""
 
+    @classmethod
+    def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the fields whose options were set. Errors: InputError."""
+        return super().values_of(with_frames(said, {option.name: option.default for option in options_of(cls)}))
+
     def __attrs_post_init__(self) -> None:
         if self.out is not None and not self.web:
             raise InputError(f"--out {self.out}: browsers' sessions come by --web; name its address, or leave it out")
         if self.certificate is not None and not self.web:
             raise InputError(f"--certificate {self.certificate}: it is for --web; name its address, or leave it out")
+        if self.frames is None:
+            refuse_without_frames(self.sequence_options, self.repair)
 
 
 _TRACE = Option("As an argument; repeat it for several.", list, name="trace", metavar="TRACE")

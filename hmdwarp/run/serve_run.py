@@ -22,10 +22,15 @@ from ..gpu.textures import download
 from ..pipeline.channel import SEEN_PX, Changes
 from ..pipeline.feed_coding import FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
-from ..pipeline.options import NEAREST
+from ..pipeline.options import NEAREST, PipelineOptions
+from ..pipeline.recorded_renderer import RecordedRenderer
+from ..pipeline.recorded_source import RecordingSource
+from ..pipeline.source import Source
 from ..poses import load_trace
+from ..poses.track import folded
 from ..resources import import_extra, recording_names
-from ..scenes import Scene, load_scene
+from ..scenes import load_scene
+from ..sources import sequences
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import KeyPair, key_pair
 from ..sources.feed.listener import Asked, Listener
@@ -52,6 +57,7 @@ from .replay_setup import placed
 _MOST_CODED_BYTES = 1 << 30
 _MOST_UNTOLD = 2 * MOST_FATES  # frames of a client that never tells
 _NO_CONTENT = np.zeros(0, np.uint8)
+AS_RECORDED = "as-recorded"  # the head of recorded frames: where the camera was
 _WAIT_MS = 200  # between looks at whether to stop
 
 
@@ -67,14 +73,10 @@ def serve(
     """
     listener, secret, pair = listening(options, say)
     with closing(listener):
-        scene = load_scene(options.scene, options.scene_options)
-        nearest = options.sample_depth == NEAREST
-        with (
-            Gpu() as gpu,
-            closing(Server(gpu, scene, options.mirrors, samples=options.samples, nearest=nearest)) as server,
-        ):
-            say(f"listening at {listener.address}: scene '{scene.name}'")
-            with _door(options, listener.address, scene, secret, pair, say) if options.web else nullcontext():
+        source = _source(options)
+        with Gpu() as gpu, closing(_renderer(gpu, source, options)) as server:
+            say(f"listening at {listener.address}: {source.title}")
+            with _door(options, listener.address, source, secret, pair, say) if options.web else nullcontext():
                 answering(listener, server, functools.partial(_drawn, server), goes_on)
 
 
@@ -105,14 +107,31 @@ def answering(listener: Listener, server: Renderer, draw: Draw, goes_on: Callabl
             server.trim()
 
 
+def _source(options: ServeOptions) -> Source:
+    """Return what is served. Errors: InputError."""
+    if options.frames is None:
+        return Source(PipelineOptions(), load_scene(options.scene, options.scene_options))
+    sequence = sequences.open(options.frames, options.sequence_options)
+    return RecordingSource(sequence.repaired(parse_repairs(options.repair)))
+
+
+def _renderer(gpu: Gpu, source: Source, options: ServeOptions) -> Renderer:
+    if isinstance(source, RecordingSource):  # played to its end and back, endlessly
+        last_ns = source.instants_ns[-1]
+        return RecordedRenderer(gpu, source.scene, source.sequence, lambda time_ns: folded(time_ns, last_ns))
+    nearest = options.sample_depth == NEAREST
+    return Server(gpu, source.scene, options.mirrors, samples=options.samples, nearest=nearest)
+
+
 def _door(
-    options: ServeOptions, feed: str, scene: Scene, secret: str, pair: KeyPair | None, say: Callable[[str], None]
+    options: ServeOptions, feed: str, source: Source, secret: str, pair: KeyPair | None, say: Callable[[str], None]
 ) -> AbstractContextManager[object]:
     import_extra("aiohttp", "aiohttp", "web")
-    start = scene.viewpoint
+    scene, is_recorded = source.scene, isinstance(source, RecordingSource)
+    start, names = scene.viewpoint, [*([AS_RECORDED] if is_recorded else []), *recording_names()]
     viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
-    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": recording_names()}
-    traces = {f"traces/{name}.json": functools.partial(_samples, name, scene) for name in recording_names()}
+    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": names, "head": names[0] if is_recorded else "hand"}
+    traces = {f"traces/{name}.json": functools.partial(_samples, name, source) for name in names}
     lock = web.Lock(secret, pair)
     with ExitStack() as opened:
         logs = None
@@ -127,9 +146,11 @@ def _door(
         return opened.pop_all()
 
 
-def _samples(name: str, scene: Scene) -> dict[str, list[list[float]]]:
+def _samples(name: str, source: Source) -> dict[str, list[list[float]]]:
     """Return a recording as the page plays it: seconds and pose, moved into the scene."""
-    track, _ = placed(load_trace(name).track, scene)
+    trace = source.head(None if name == AS_RECORDED else load_trace(name))
+    assert trace is not None, "there are frames of its own, or a trace"
+    track, _ = placed(trace.track, source.scene)
     seconds = (track.time_ns - track.start_ns) * 1e-9
     return {"samples": np.column_stack([seconds, track.position_m, track.orientation_xyzw]).tolist()}
 
@@ -228,7 +249,8 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     server, listener, ask = sessions.server, sessions.listener, asked.ask
     most = server.gpu.max_texture_size
     begun_ns = time.monotonic_ns()
-    needs = needs_of_client(ask.wanted)
+    is_recorded = isinstance(server, RecordedRenderer)
+    needs = needs_of_client(None if is_recorded else ask.wanted)
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
@@ -243,10 +265,11 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     pictures = list(_pictures(server, frame, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
     further = parts_of(frame, needs, packs=packs) if needs else ()
+    views = tuple(eye.view for eye in frame.eyes) if is_recorded else ask.views
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
-    drawn = FrameMessage(*times, ask.views, colours, depths, layers=further)
+    drawn = FrameMessage(*times, views, colours, depths, layers=further)
     drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
     coded = coders.coded(asked, drawn)
     sent_ns = time.monotonic_ns()
@@ -271,10 +294,10 @@ def _check_bytes(ask: Ask, needs: Needs, *, is_software: bool) -> None:
     (bounds.DRAWN_BY_CPU if is_software else bounds.UNPACKED).check(len(ask.views) * of_eye)
 
 
-def _drawn(server: Server, asked: Asked, needs: Needs) -> Frame:
+def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
     ask = asked.ask
     reads = {ask.wish.colour, ask.wish.depth} != {NONE} or any(not layers.get(name).per_frame for name in needs)
-    if ask.wanted is None:
+    if ask.wanted is None or not isinstance(server, Server):
         return server.draw_frame(ask.views, ask.time_ns, ask.size, pictures=reads)
     age_ns = ask.session.age_ns if ask.session is not None else 0
     form = (ask.size, needs, ask.wanted.fovs, ask.wanted.size)

@@ -34,7 +34,9 @@ from .es_shaders import PAGE, shaders
 _TOKEN_BYTES = 16
 _TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1, "HEARTBEAT_IVL": 500}
+_MOST_UNSENT = 1 << 16  # bytes, in the system
 _REPORT = b"HWLG"  # before rows of a report
+MOST_PAGES, SILENT_S = 64, 10.0  # connections, and until a new one is cut that says nothing
 MOST_REPORT = 1 << 17  # bytes of one message
 _HEADERS = {
     "X-Frame-Options": "DENY",
@@ -104,7 +106,7 @@ class Door:
         self._listener = _listener(address)
         host, port = self._listener.getsockname()[:2]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
-        self._context = zmq.asyncio.Context()
+        self._context, self._pages = zmq.asyncio.Context(), 0
         self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
         self._loop = asyncio.new_event_loop()
         self._runner = self._loop.run_until_complete(self._begin())
@@ -186,9 +188,19 @@ class Door:
         return web.Response(body=found.content, content_type=found.kind, charset="utf-8")
 
     async def _pass(self, request: Any) -> Any:
-        """Pass messages both ways until either end goes."""
+        """Pass messages both ways until either end goes, or says nothing at all."""
+        if self._pages >= MOST_PAGES:
+            return web.Response(status=503, text=f"{MOST_PAGES} pages are here already: close some\n")
+        self._pages += 1
+        try:
+            return await self._passed(request)
+        finally:
+            self._pages -= 1
+
+    async def _passed(self, request: Any) -> Any:
         browser = web.WebSocketResponse(max_msg_size=max(LARGEST_ASK, MOST_REPORT) + 1, heartbeat=5.0, compress=False)
         await browser.prepare(request)
+        _hold_few(request.transport.get_extra_info("socket"))
         server = self._context.socket(zmq.DEALER)
         set_options(zmq, server, _FEED)
         if (pair := self._lock.pair) is not None:
@@ -197,8 +209,10 @@ class Door:
         server.connect(self._feed)
         down = asyncio.ensure_future(self._pass_down(server, browser))
         log = self._log() if self._log is not None else None
+        silent = self._loop.call_later(SILENT_S, lambda: asyncio.ensure_future(browser.close()))
         try:
             async for message in browser:
+                silent.cancel()
                 if log is not None and (report := _report_in(message.data)) is not None:
                     await asyncio.to_thread(log.take, report)
                 elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
@@ -207,6 +221,7 @@ class Door:
                     with suppress(zmq.Again):  # as many wait already; the page asks again
                         await server.send(self._with_token(message.data), zmq.NOBLOCK)
         finally:
+            silent.cancel()
             down.cancel()
             server.close(0)
             if log is not None:  # whoever waited for it would slow down all others
@@ -229,6 +244,12 @@ class Door:
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._context.destroy(0)
+
+
+def _hold_few(connection: Any) -> None:
+    """Let the system hold few unsent bytes: what waits there gets no newer."""
+    if (option := getattr(socket, "TCP_NOTSENT_LOWAT", None)) is not None:
+        connection.setsockopt(socket.IPPROTO_TCP, option, _MOST_UNSENT)
 
 
 def _report_in(data: Any) -> str | bytes | None:

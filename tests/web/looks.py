@@ -29,6 +29,30 @@ def looks(count: int) -> str:
     )
 
 
+# Before a page's own scripts: a clock that only `stepped` moves on, by a refresh at a time, once
+# all that was asked for is there. So ages are those of a device that keeps up.
+CLOCK = """
+const virtual = { now: 0, refresh: null };
+performance.now = () => virtual.now;
+globalThis.requestAnimationFrame = (refresh) => { virtual.refresh = refresh; return 1; };
+globalThis.stepped = async (count) => {
+  for (let k = 0; k < count; k += 1) {
+    virtual.now += 1000 / 60;
+    const refresh = virtual.refresh, { session } = globalThis.hmdwarp;
+    virtual.refresh = null;
+    refresh(virtual.now);
+    while (session.feed.asked.size || session.coming) await new Promise((go) => setTimeout(go, 1));
+  }
+};
+"""
+
+
+def look_after(refreshes: int) -> str:
+    """Return a script for what a refresh shows, so many later by CLOCK."""
+    step = f"await stepped({refreshes - 1}); const look = hmdwarp.session.look(); await stepped(1); "
+    return LOOK.replace(_LOOK, step + _LOOK.replace("hmdwarp.session.look()", "look"))
+
+
 def view_of(told: dict[str, Any]) -> View:
     return View(Pose(told["pose"]["position"], told["pose"]["orientation"]), Fov(*told["fov"]))
 
@@ -59,6 +83,14 @@ class Own:
                     self._drawn[key].append((colour.astype(np.uint8), np.where(depth < 0, np.nan, 1 / depth)))
             self._server.recycle(frame)
         return self._drawn[key]
+
+    def truth(self, looked: dict[str, Any], eye: int = 0) -> np.ndarray:
+        """Return (h, w, 3) sRGB of the view that was shown, as the server draws it."""
+        shown = looked["views"][eye]
+        frame = self._server.draw_frame((view_of(shown),), round(looked["time"] * 1e6), tuple(shown["size"]))
+        light = download(frame.eyes[0].colour)
+        self._server.recycle(frame)
+        return srgb8_from_linear(light[..., :3])
 
     def warped(self, looked: dict[str, Any], eye: int = 0):
         """Return what Warper returns for an eye of a refresh."""

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import ssl
 import subprocess
 import urllib.error
 import urllib.request
+from contextlib import suppress
 from http.cookiejar import CookieJar
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import aiohttp
+import attrs
 import needs
+import numpy as np
 import pytest
+from recorded_folders import taken, write_npz
 from serving import Serving
 
 from hmdwarp.errors import InputError
@@ -142,6 +148,37 @@ def test_the_feed_is_spoken_as_it_is(inside):
     assert frame.colours[0].shape == (48, 64, 4) and frame.inverse_depths[0].max() > 0
 
 
+async def _beside_one_that_reads_nothing(address: str, jar: CookieJar, count: int) -> tuple[list[int], list[int]]:
+    cookies, feed = {cookie.name: cookie.value for cookie in jar}, address.replace("http", "ws") + "feed"
+    async with (
+        aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session,
+        session.ws_connect(feed, max_msg_size=1 << 28) as slow,
+        session.ws_connect(feed, max_msg_size=1 << 28) as other,
+    ):
+        slow._response.connection.transport.pause_reading()
+        answered = []
+        for number in range(1, count + 1):
+            await slow.send_bytes(ask(number, (1024, 768)))
+            await other.send_bytes(ask(number))
+            answered.append(decode((await other.receive()).data).number)
+        slow._response.connection.transport.resume_reading()
+        late = [decode((await slow.receive()).data).number]
+        while late[-1] < count:
+            late.append(decode((await slow.receive()).data).number)
+        return answered, late
+
+
+def test_who_reads_slowly_slows_nobody_and_gets_the_newest(inside):
+    """Every request of the other is answered meanwhile, though the first takes nothing.
+
+    Of the slow one's frames, of 6.3 MB, those wait that the system has begun to send, one in each
+    of the two hands, and two in the server; then the newest comes. The others were dropped.
+    """
+    answered, late = asyncio.run(_beside_one_that_reads_nothing(*inside, 40))
+    assert answered == list(range(1, 41))
+    assert late == sorted(late) and late[-1] == 40 and len(late) <= 6
+
+
 def test_what_the_server_refuses_is_told(inside):
     broken = bytearray(ask())
     broken[84:88] = (9000).to_bytes(4, "little")
@@ -158,6 +195,41 @@ def test_noise_ends_nothing(inside):
     noise = [bytes([k]) * 400 for k in range(64)]
     (frame,) = spoken(inside, *noise, ask())
     assert frame.number == 1
+
+
+async def _sockets(address: str, jar: CookieJar, count: int, says: bytes) -> list[int]:
+    """Open so many that say that much; the status of those refused, and how the others ended."""
+    cookies, found = {cookie.name: cookie.value for cookie in jar}, []
+    async with aiohttp.ClientSession(cookies=cookies, cookie_jar=aiohttp.CookieJar(unsafe=True)) as session:
+        opened_now = []
+        for _ in range(count):
+            try:
+                opened_now.append(await session.ws_connect(address.replace("http", "ws") + "feed"))
+            except aiohttp.WSServerHandshakeError as error:
+                found.append(error.status)
+        for socket in opened_now:
+            if says:
+                await socket.send_bytes(says)
+        for socket in opened_now:
+            with suppress(TimeoutError):
+                message = await socket.receive(timeout=2.0 if says else None)
+                found.append(message.type is aiohttp.WSMsgType.CLOSE)
+        for socket in opened_now:
+            await socket.close()
+    return found
+
+
+@pytest.mark.parametrize(("count", "says", "ends"), [(2, b"", [True, True]), (1, ask(), []), (4, ask(), [503])])
+def test_who_says_nothing_is_cut_and_one_too_many_refused(monkeypatch, count, says, ends):
+    """One that has spoken stays: a page that is hidden says nothing either."""
+    monkeypatch.setattr("hmdwarp.web.door.SILENT_S", 1.0)
+    monkeypatch.setattr("hmdwarp.web.door.MOST_PAGES", 3)
+    door, jar = Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}), CookieJar()
+    try:
+        opened(door.address, jar)
+        assert asyncio.run(_sockets(door.address.partition("?")[0], jar, count, says)) == ends
+    finally:
+        door.close()
 
 
 def test_an_other_machine_wants_a_certificate():
@@ -194,3 +266,39 @@ def test_a_certificate_makes_it_https(tmp_path):
         door.close()
     with pytest.raises(InputError, match="expected a PEM file with a private key"):
         Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}, certificate=tmp_path / "c.pem")
+
+
+def test_recorded_frames_are_given_as_the_camera_took_them(tmp_path):
+    """Squeezed into the pixels asked for, with the camera's own view and head."""
+    write_npz(tmp_path, frames := taken(6, (64, 48)))
+    with Serving("--frames", str(tmp_path), "--web", "127.0.0.1:*") as server:
+        jar, address = CookieJar(), server.line("for a browser").split()[-1]
+        opened(address, jar)
+        place = address.partition("?")[0]
+        about = json.loads(opened(f"{place}session.json", jar)[2])
+        assert about["head"] == about["traces"][0] == "as-recorded"
+        samples = json.loads(opened(f"{place}traces/as-recorded.json", jar)[2])["samples"]
+        for at, late in ((0, 0), (0.11, 3), (0.29, 2)):  # there and back
+            (frame,) = spoken((place, jar), encode(attrs.evolve(decode(ask()), time_ns=round(at * 1e9))))
+            np.testing.assert_allclose(frame.views[0].pose.matrix(), frames[late].pose.matrix(), atol=1e-12)
+            np.testing.assert_array_equal(frame.colours[0][..., :3], frames[late].colour)
+        assert len(samples) == 6 and samples[3][1:4] == frames[3].pose.position_m.tolist()
+
+
+def test_a_file_is_a_scene_too():
+    """Its lamps are on; the view looks at its wall."""
+    file = str(Path(__file__).parents[1] / "scenes" / "lamps.glb")
+    with Serving("--scene", file, "--web", "127.0.0.1:*") as server:
+        jar, address = CookieJar(), server.line("for a browser").split()[-1]
+        opened(address, jar)
+        start = json.loads(opened(address.partition("?")[0] + "session.json", jar)[2])["viewpoint"]
+        view = View(Pose(start["position"], start["orientation"]), EYES[0].fov)
+        (frame,) = spoken((address.partition("?")[0], jar), encode(attrs.evolve(decode(ask()), views=(view,))))
+        assert frame.colours[0][..., :3].max() > 0 and frame.inverse_depths[0].max() > 0
+
+
+def test_what_recorded_frames_leave_no_choice_in_is_refused(tmp_path):
+    with pytest.raises(InputError, match="--scene with --frames: recorded frames take the place of a scene"):
+        ServeOptions.of({"frames": tmp_path, "scene": "box"})
+    with pytest.raises(InputError, match="--repair edges: a rendered scene lacks no depth"):
+        ServeOptions.of({"repair": "edges"})

@@ -20,7 +20,7 @@ function getPose(view, at) {
 }
 
 /** A request's bytes. eyes: {world_from_eye, head_from_eye, fov: [left, right, down, up] in radians}. */
-export function encodeAsk({ number, sent, time, head_time, received, size, head, eyes, colour, depth, anew, rate, quality }) {
+export function encodeAsk({ number, sent, time, head_time, received, size, head, eyes, colour, depth, anew, rate, quality, mbit }) {
   const bytes = ASK_BYTES + EYE_BYTES * eyes.length, view = new DataView(new ArrayBuffer(bytes));
   [72, 87, 70, 68].forEach((letter, k) => view.setUint8(k, letter)); // HWFD
   view.setUint16(4, VERSION, true);
@@ -33,6 +33,7 @@ export function encodeAsk({ number, sent, time, head_time, received, size, head,
   view.setUint32(88, size[1], true);
   [eyes.length, colour, depth, quality, anew ? 1 : 0].forEach((value, k) => view.setUint8(92 + k, value));
   view.setFloat64(100, rate, true);
+  view.setFloat64(108, mbit, true);
   let at = putPose(view, 124, head);
   for (const eye of eyes) {
     at = putPose(view, putPose(view, at, eye.world_from_eye), eye.head_from_eye);
@@ -77,7 +78,7 @@ export class Feed {
   constructor(address, { frame, told }) {
     Object.assign(this, { address, frame, told, number: 0, newest: 0, bytes: 0, answered: new Map(), closed: false });
     this.asked = new Map(); // when each request that has no answer yet was sent
-    this.round = 0; // ms from a request to its frame, smoothed
+    [this.round, this.work] = [0, 0]; // ms from a request to its frame, and of the server's in it, smoothed
     this.open();
   }
 
@@ -101,11 +102,11 @@ export class Feed {
     this.socket.close();
   }
 
-  /** Whether another request may go up: so many are under way as the round trip has room for. */
-  hasRoom(interval) {
+  /** Whether another request may go up: so many are under way as the shortest round trip has room for. */
+  hasRoom(interval, shortest) {
     const lost = performance.now() - Math.max(LOST_MS, 4 * this.round);
     for (const [number, sent] of this.asked) if (sent < lost) this.asked.delete(number);
-    const most = Math.min(MOST_IN_FLIGHT, 1 + Math.ceil(this.round / interval));
+    const most = Math.min(MOST_IN_FLIGHT, 1 + Math.ceil((shortest + this.work) / interval));
     return this.socket.readyState === WebSocket.OPEN && this.asked.size < most && this.socket.bufferedAmount === 0;
   }
 
@@ -125,8 +126,9 @@ export class Feed {
     }
     this.newest = message.number;
     this.bytes += message.bytes;
-    const took = now - message.asked;
+    const took = now - message.asked, work = message.sent - message.received;
     this.round = this.round ? this.round + 0.1 * (took - this.round) : took;
-    this.frame({ ...message, heard: now });
+    this.work += 0.1 * (work - this.work);
+    this.frame({ ...message, heard: now, way: Math.max(0, took - work) });
   }
 }

@@ -34,7 +34,13 @@ export const inverse = (pose) => {
   return { position: rotate(back, pose.position).map((value) => -value), orientation: back };
 };
 
-function between(a, b, share) {
+/** An orientation turned by a rotation vector in the axes of the world. */
+export const turnedBy = (vector, orientation) => {
+  const angle = Math.hypot(...vector);
+  return angle ? normalised(multiply(about(vector.map((value) => value / angle), angle), orientation)) : orientation;
+};
+
+export function between(a, b, share) {
   let dot = a.orientation.reduce((sum, value, k) => sum + value * b.orientation[k], 0);
   const sign = dot < 0 ? -1 : 1, angle = Math.acos(Math.min(Math.abs(dot), 1));
   const [from, to] = angle < 1e-6 ? [1 - share, share] : [Math.sin((1 - share) * angle), Math.sin(share * angle)].map((value) => value / Math.sin(angle));
@@ -44,15 +50,14 @@ function between(a, b, share) {
   };
 }
 
-/** A recording, played in a loop. samples: [seconds, x, y, z, qx, qy, qz, qw] in order. */
+/** A recording, played to its end and back, so that nothing jumps. samples: [seconds, x, y, z, qx, qy, qz, qw] in order. */
 export class Recording {
-  constructor(samples, loops = true) {
+  constructor(samples) {
     this.samples = samples.map(([seconds, ...pose]) => ({ ms: 1000 * seconds, position: pose.slice(0, 3), orientation: pose.slice(3) }));
-    this.loops = loops;
   }
 
   at(ms) {
-    const last = this.samples.at(-1).ms, wanted = this.loops ? ms % last : Math.min(ms, last);
+    const last = this.samples.at(-1).ms || 1, passed = ms % (2 * last), wanted = Math.min(passed, 2 * last - passed);
     let low = 0, high = this.samples.length - 1;
     while (high - low > 1) {
       const middle = (low + high) >> 1;

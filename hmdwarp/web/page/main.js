@@ -4,6 +4,8 @@ import { Chain, CHAINS } from "./chain.js";
 import { VideoEye } from "./coded.js";
 import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
+import { Pace } from "./pace.js";
+import { Predictor } from "./predict.js";
 import { Report } from "./report.js";
 
 const asked = new URLSearchParams(location.search);
@@ -15,7 +17,7 @@ const RATE_HZ = number("rate", 30, 1, 120); // of requests
 const GUARD = number("guard", 1.25, 1, 2); // the rendered picture's tangents over the shown one's
 const LONG_SIDE = number("size", 640, 64, 4096); // pixels of the shown picture in a window
 const UP_RAD = 0.61; // half a window's field of view, up and down
-const QUALITY = number("crf", 23, 0, 51);
+const QUALITY = number("crf", 18, 0, 51);
 const MOST_KEPT = 128; // frames that wait until they are old enough
 const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
@@ -31,7 +33,7 @@ function told(text, by = "page") {
   lines[by] = text;
   telling = $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
 }
-const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, newest: 0 };
+const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
 
 /** A view's guarded field of view and the size that keeps its pixels per tangent: whole ones are added on each side. */
 function guarded(fov, shown) {
@@ -55,11 +57,13 @@ const poseOf = ({ position: p, orientation: q }) => ({ position: [p.x, p.y, p.z]
 
 class Session {
   constructor(about, chain, feed) {
-    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], isCoded: "VideoDecoder" in window && !asked.has("raw") });
+    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], coming: 0, isCoded: "VideoDecoder" in window && !asked.has("raw") });
     this.chosen = CHAINS[asked.get("warp")] ? asked.get("warp") : null;
     this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
     this.costs = {};
+    this.pace = new Pace(RATE_HZ);
+    this.predictor = new Predictor();
     this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
   }
 
@@ -67,22 +71,32 @@ class Session {
     return performance.now() - this.begun;
   }
 
-  /** Ask for a frame where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
+  /** Ask for a frame for the head as it will be, where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
   ask(head, eyes) {
-    const now = performance.now();
-    if (now - this.lastAsk < 1000 / RATE_HZ || !this.feed.hasRoom(1000 / RATE_HZ)) return;
+    const now = performance.now(), { mbit, scale, rate } = this.pace.wish;
+    this.predictor.saw(now, head);
+    if (now - this.lastAsk < 1000 / rate || !this.feed.hasRoom(1000 / rate, this.pace.shortest)) return;
     this.lastAsk = now;
+    const ahead = Math.max(Number($("latency").value), this.feed.round) + 500 / rate, then = this.predictor.at(now, ahead);
     const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
     const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
+    this.pace.pixels = eyes.length * sides[0] * sides[1];
     this.feed.ask({
-      sent: now, time: this.time(), head_time: this.time(), size: sides, head, rate: RATE_HZ, anew: this.anew,
-      colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH, quality: this.isCoded ? 1 + QUALITY : 0,
-      eyes: eyes.map((eye, k) => ({ world_from_eye: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
+      sent: now, time: this.time(), head_time: this.time() + ahead, size: sides.map((side) => even(scale * side)), head: then, rate, anew: this.anew,
+      colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH,
+      quality: this.isCoded && !mbit ? 1 + QUALITY : 0, mbit: mbit / eyes.length,
+      eyes: eyes.map((eye, k) => ({ world_from_eye: compose(then, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
     });
     this.anew = false;
   }
 
   async arrived(frame) {
+    this.coming += 1;
+    await this.decoded(frame);
+    this.coming -= 1;
+  }
+
+  async decoded(frame) {
     const begun = performance.now();
     figures.frames += 1;
     let pictures = null;
@@ -90,6 +104,7 @@ class Session {
       pictures = frame.eyes.map((eye) => ({ colour: eye.colour, depth: { numbers: new Float32Array(eye.depth.buffer) } }));
     } else {
       this.coded = frame.eyes.map((_, k) => (this.coded[k]?.suits(frame) ? this.coded[k] : new VideoEye(frame)));
+      this.adapt(frame);
       pictures = await Promise.all(frame.eyes.map((eye, k) => this.coded[k].decode(frame, eye)));
       if (pictures.includes(null)) {
         this.anew = true; // a picture before it is missing: the streams begin again
@@ -100,6 +115,13 @@ class Session {
     this.kept.push({ ...frame, pictures, decoded: figures.decode });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
+  }
+
+  /** Follow the link and the decoder, unless somebody chose a quality. */
+  adapt({ heard, way, bytes, eyes }) {
+    const depth = eyes.reduce((sum, eye) => sum + eye.depth.length, 0);
+    const decoding = Math.max(...this.coded.map(({ colour }) => colour.decoder.decodeQueueSize));
+    if (!asked.has("crf")) this.pace.took(heard, { way, bytes, depth, decoding, slack: 2 * figures.period });
   }
 
   drop({ pictures }) {
@@ -167,6 +189,9 @@ class Session {
     this.choose(views[0], interval);
     views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.chosen, target, corners[k]));
     figures.refreshes += 1;
+    const now = performance.now();
+    figures.period += 0.1 * (Math.min(now - figures.last, 1000) - figures.period);
+    figures.last = now;
     this.looks.splice(0).forEach((look) => look(this.seen(views, target, corners)));
     this.head = head;
     if (this.report && `${eyes.length} ${eyes[0].size}` !== this.reported) {
@@ -210,6 +235,7 @@ function tellFigures(session) {
     "frames a second": (figures.frames / passed).toFixed(0),
     "refreshes without a new frame": `${((100 * figures.stale) / Math.max(figures.refreshes, 1)).toFixed(0)} %`,
     "received": `${((8e-6 * session.feed.bytes) / passed).toFixed(1)} Mbit/s`,
+    "asked for": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : `quality ${QUALITY}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
     "rendered, shown": `${frame.size.join("x")}, ${session.size.join("x")}`,
   };
   $("figures").replaceChildren(...Object.entries(rows).map(([name, value]) => {
@@ -293,7 +319,7 @@ async function begin() {
   tellLatency();
   const wanted = asked.get("trace");
   if (wanted !== null && !about.traces.includes(wanted)) told(`There is no trace ${wanted}: ${about.traces.join(", ")}`);
-  $("head").value = about.traces.includes(wanted) ? wanted : "hand";
+  $("head").value = about.traces.includes(wanted) ? wanted : about.head;
   let head = await headOf($("head").value, about);
   $("head").onchange = async () => {
     head = await headOf($("head").value, about);
