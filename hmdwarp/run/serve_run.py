@@ -48,6 +48,7 @@ from ..sources.feed.message import (
     Session,
 )
 from ..sources.feed.options import secret_in
+from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer, Server
 from .browser_log import BrowserLogs
 from .options import ListenOptions, ServeOptions
