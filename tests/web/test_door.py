@@ -171,12 +171,13 @@ async def _beside_one_that_reads_nothing(address: str, jar: CookieJar, count: in
 def test_who_reads_slowly_slows_nobody_and_gets_the_newest(inside):
     """Every request of the other is answered meanwhile, though the first takes nothing.
 
-    Of the slow one's frames, of 6.3 MB, those wait that the system has begun to send, one in each
-    of the two hands, and two in the server; then the newest comes. The others were dropped.
+    Of the slow one's frames, of 6.3 MB, up to two are in the system's buffers of each of its two
+    connections, one each in the hands of door and library, two in the server; then the newest
+    comes. The others were dropped.
     """
     answered, late = asyncio.run(_beside_one_that_reads_nothing(*inside, 40))
     assert answered == list(range(1, 41))
-    assert late == sorted(late) and late[-1] == 40 and len(late) <= 6
+    assert late == sorted(late) and late[-1] == 40 and len(late) <= 9
 
 
 def test_what_the_server_refuses_is_told(inside):
