@@ -30,8 +30,7 @@ from ..options import (
 from ..pipeline.options import DISPLAYED, PipelineOptions
 from ..pipeline.proxy_options import RECORDING, REMOTE, SourceKind
 from ..poses.options import MOTIONS, TraceOptions
-from ..scenes.input_events import SEED, seed_of
-from ..scenes.options import SceneOptions
+from ..scenes.options import SEED, SceneOptions, seed_of
 from ..sources.feed.options import FeedOptions
 from ..sources.feed.sockets import MOST_OF_ADDRESS
 from .misses import Misses

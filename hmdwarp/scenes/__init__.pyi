@@ -55,7 +55,6 @@ from .input_events import SWITCH as SWITCH
 from .input_events import InputEvent as InputEvent
 from .input_events import InputLog as InputLog
 from .input_events import read_inputs as read_inputs
-from .input_events import seed_of as seed_of
 from .input_events import take_inputs as take_inputs
 from .motions import REACH_M as REACH_M
 from .motions import REACH_S as REACH_S

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, unknown_name
+from .options import SEED, seed_of
 
 ACTIONS = PUSH, SWITCH, GRAB, RELEASE = ("push", "switch", "grab", "release")
 INPUT_COLUMNS = ("time_ns", "action", "target", "x", "y", "z", "dx", "dy", "dz")
-SEED = "seed:"
 # Of a seed: mean time between two inputs, which come as those of a Poisson process.
 EVERY_S = 0.7
 # A ray means a thing if it passes this close to its handle.
@@ -165,14 +165,6 @@ def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: in
         except InputError as error:
             raise InputError(f"--input {spec}: {error}") from error
     return lost
-
-
-def seed_of(spec: str) -> int:
-    """Return the number of `seed:N`. Errors: InputError."""
-    text = spec.removeprefix(SEED)
-    if not text.isdecimal():
-        raise InputError(f"--input {spec}: expected seed:N with a whole number N, such as seed:1, or a file")
-    return int(text)
 
 
 def _by_seed(seed: int, things: Sequence[Thing], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
