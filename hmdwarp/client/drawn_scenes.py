@@ -15,6 +15,7 @@ from ..sources.server import (
     Framebuffers,
     Indirect,
     Lighting,
+    Multisampled,
     Renderer,
     SceneBuffers,
     ScenePasses,
@@ -33,11 +34,13 @@ Size = tuple[int, int]
 class Surfaces:
     """The surfaces of a scene, drawn by the server's own passes: rgba16f and r32f inverse depth.
 
-    sources: where indirect light comes from; there are passes for each.
+    sources: where indirect light comes from; there are passes for each. samples: of each pixel, as
+    the server has them: colour is their mean, inverse depth that of the pixel's centre.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene, *sources: Indirect) -> None:
+    def __init__(self, gpu: Gpu, scene: Scene, *sources: Indirect, samples: int = 1) -> None:
         self.scene = scene
+        self._several = Multisampled(gpu, samples, numbers=False) if samples > 1 else None
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
         self._textures = SceneTextures(gpu, scene)
         self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
@@ -46,6 +49,9 @@ class Surfaces:
             source: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, indirect=source)
             for source in sources
         }
+        self._depth: ScenePasses | None = None
+        if self._several is not None:
+            self._depth = ScenePasses(gpu, scene, self._buffers, colour=False, moving=self._moving)
         self._framebuffers = Framebuffers(gpu.gl)
 
     def reserve(self, size: Size) -> None:
@@ -57,8 +63,16 @@ class Surfaces:
         return self._passes[source].lighting
 
     def draw(self, view: View, into: ShownPicture, time_ns: int, source: Indirect = Indirect.OWN) -> None:
-        """Draw the whole picture: coverage 1 everywhere, sky included (inverse depth 0)."""
-        self._passes[source].draw(view, self._over(into), time_ns)
+        """Draw the whole picture: coverage 1 everywhere, sky included (inverse depth 0).
+
+        What is read as data, not seen, has one sample a pixel: a mean of normals is none.
+        """
+        if self._several is None or self._depth is None or source is Indirect.RECEIVERS:
+            self._passes[source].draw(view, self._over(into), time_ns)
+            return
+        self._several.draw(self._passes[source], view, into.colour.texture, time_ns)
+        if into.inverse_depth is not None:
+            self._depth.draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
 
     def _over(self, into: ShownPicture) -> moderngl.Framebuffer:
         depth = (into.inverse_depth,) if into.inverse_depth is not None else ()
@@ -68,6 +82,10 @@ class Surfaces:
         """Free its buffers; the shader library owns the programs."""
         for passes in self._passes.values():
             passes.close()
+        if self._several is not None:
+            self._several.close()
+        if self._depth is not None:
+            self._depth.close()
         self._framebuffers.close()
         for part in self._moving:
             part.close()
@@ -90,13 +108,13 @@ class ReducedModel(Store):
     def drawn(self, *, lit: bool) -> DrawnModel:
         """Return the model with baked light, else with light of 1 everywhere (albedo)."""
         if lit not in self._drawn:
-            self._drawn[lit] = DrawnModel(self.client.gpu, self._scene if lit else unlit(self._scene))
+            self._drawn[lit] = DrawnModel(self.client, self._scene if lit else unlit(self._scene))
         return self._drawn[lit]
 
     def shining(self) -> DrawnModel | None:
         """Return the model with what its textures emit alone, black elsewhere; None without any."""
         if None not in self._drawn and (scene := only_emission(self._scene)) is not None:
-            self._drawn[None] = DrawnModel(self.client.gpu, scene)
+            self._drawn[None] = DrawnModel(self.client, scene)
         return self._drawn.get(None)
 
     def weights(self) -> list[dict[str, Any]]:
@@ -110,11 +128,11 @@ class ReducedModel(Store):
 
 
 class DrawnModel(Surfaces):
-    """A model that can be drawn into holes alone."""
+    """A model that can also be drawn into holes alone, then with one sample a pixel."""
 
-    def __init__(self, gpu: Gpu, scene: Scene) -> None:
-        super().__init__(gpu, scene, Indirect.OWN)
-        self._gl = gpu.gl
+    def __init__(self, client: ClientScene, scene: Scene) -> None:
+        super().__init__(client.gpu, scene, Indirect.OWN, samples=client.server.samples)
+        gpu, self._gl = client.gpu, client.gpu.gl
         self._cover = gpu.shaders.draw("server/background.vert", "fills/model_cover.frag")
         self._empty = gpu.gl.vertex_array(self._cover.program, [])
         self._no_depth = allocate(gpu.gl, (1, 1), SCALAR)

@@ -85,7 +85,19 @@ def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], 
 
 _KEY, _GROUP = "options", "group"
 # Fields that say where results go and how they are made, but not what they are.
-HOW = ("out", "force", "command", "workers", "parquet", "paper", "sweep", "trace_events", "profile", "cache")
+HOW = (
+    "out",
+    "force",
+    "command",
+    "workers",
+    "parquet",
+    "paper",
+    "sweep",
+    "trace_events",
+    "record_to",
+    "profile",
+    "cache",
+)
 # Where a study's file may set an option: for the display of a whole session, for how the scene
 # looks, or for one condition. Otherwise a sentence says why it may not.
 DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"

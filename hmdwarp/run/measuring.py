@@ -20,6 +20,7 @@ from .profile import COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, TrueEye, WholePictures, coverage, is_measured, shown_picture
+from .viewer_file import ViewerFile
 
 # The run's own warp; those that it is compared with have 1, 2 and so on.
 MAIN = 0
@@ -35,8 +36,10 @@ class Probe:
     before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
-    def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
-        self._setup, self._pool, self._keep_every = setup, pool, keep_every
+    def __init__(
+        self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None, viewer: ViewerFile | None = None
+    ) -> None:
+        self._setup, self._pool, self._keep_every, self.viewer = setup, pool, keep_every, viewer
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
         self._against = [setup.compensator(plan_against(setup.options, *pair)) for pair in setup.options.compared]
@@ -101,6 +104,8 @@ class Probe:
                 for which, against in enumerate(self._against, 1)
             ]
             if job is not None:
+                if self.viewer is not None:
+                    self.viewer.add_pictures(eye, refresh, job)
                 compared = zip(self._setup.options.compared, others, strict=True)
                 beside = tuple((method_name(*pair), other.now.shown) for pair, other in compared if other is not None)
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0

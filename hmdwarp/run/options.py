@@ -155,6 +155,12 @@ class RunOptions(PipelineOptions):
     trace_events: Path | None = out_field(
         None, "Write the run's time line to this file: trace events (JSON) for ui.perfetto.dev.", study=_ONE_RUN
     )
+    record_to: Path | None = out_field(
+        None,
+        "Write head, views, pictures, depth, holes and figures to this .mcap file, for Foxglove (pip install "
+        "'.[mcap]'); pictures at measured refreshes.",
+        study=_ONE_RUN,
+    )
     command: str = ""
 
     def __attrs_post_init__(self) -> None:

@@ -35,6 +35,7 @@ from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
 from .short_bench import decided
 from .trace_events import TraceEvents
+from .viewer_file import viewer_file
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -58,6 +59,9 @@ def replay(
 
 
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
+    for written in (options.trace_events, options.record_to):
+        if written is not None and options.trace:
+            refuse_source(written, Path(options.trace))
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
@@ -66,13 +70,19 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
         setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
-        with QualityPool(
-            workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
-        ) as pool:
-            probe = Probe(setup, pool, _keep_every(setup))
+        with (
+            QualityPool(
+                workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
+            ) as pool,
+            viewer_file(options.record_to, force=options.force) as viewer,
+        ):
+            probe = Probe(setup, pool, _keep_every(setup), viewer)
             log, late = _run(setup, probe, out, progress)
+            pool.wait()
+            log.measured(_figures(pool, MAIN))
+            if viewer is not None:
+                viewer.add_figures(log.rows)
         _write_delays(setup, out)
-        log.measured(_figures(pool, MAIN))
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
         misses: list[list[Row]] = []
@@ -220,6 +230,8 @@ def _run(
                 log.add(refresh, stale=seen.stale)
                 if events is not None:
                     _add_event(events, seen)
+                if probe.viewer is not None:
+                    probe.viewer.add(refresh)
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
@@ -268,8 +280,6 @@ def _events(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextMana
     if options.trace_events is None or out is None:
         return nullcontext()
     scanout_ns = round(options.scanout_ms * 1e6)
-    if options.trace:
-        refuse_source(options.trace_events, Path(options.trace))
     return TraceEvents(options.trace_events, setup.schedule.rate_hz, scanout_ns, force=options.force)
 
 

@@ -93,11 +93,8 @@ def test_a_scene_whose_light_stands_still_is_refused_with_the_reason():
 
 @pytest.mark.parametrize("codec", ["none", "h264"])
 def test_a_replay_sends_the_atlas_alone(tmp_path, codec):
-    """Coded, the atlas errs by a code's error; colour and depth cross in neither case.
-
-    One sample a pixel, as the client draws.
-    """
-    asked = {"scene": "lantern", "warp": "irradiance", "samples": 1}
+    """Coded, the atlas errs by a code's error; colour and depth cross in neither case."""
+    asked = {"scene": "lantern", "warp": "irradiance"}
     summary = run(tmp_path, **asked, coding=Coding(codec), latency_ms=100.0).summary
     assert set(summary["link"]["layers_mbit_s"]) == {"irradiance"}
     assert summary["quality"]["psnr_db"]["mean"] > 35

@@ -148,7 +148,7 @@ def test_light_and_albedo_of_one_pose_are_the_picture(gpu, scene):
 
 
 def shown_by(**options):
-    """The third refresh's left eye and what a frame weighed, by one sample as light has."""
+    """The third refresh's left eye and what a frame weighed, without mixed pixels."""
     asked = {"fill": "pyramid", "warp": "backward", "scene": "room", "samples": 1}
     with set_up_replay(small(**{**asked, **options})) as setup:
         shown = 0

@@ -70,7 +70,8 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
 
     Every registered pass, the server with and without colour, the copy.
     """
-    before, gpu.shaders = gpu.shaders, Recorder(gpu)
+    before, gpu.shaders = (gpu.shaders, gpu.seen_rows), Recorder(gpu)
+    gpu.seen_rows = SeenRows(gpu.gl, gpu.shaders)
     try:
         libraries = [made for lens in lenses if (made := lens(gpu, headset_for(lens.name), (8, 6))).library]
         one_colour = lenses.get("radial")(gpu, load_headset("cardboard-v2"), (8, 6))
@@ -111,7 +112,7 @@ def variants(gpu: Gpu) -> set[tuple[str, tuple]]:
         _present(gpu)
         return gpu.shaders.used
     finally:
-        gpu.shaders = before
+        gpu.shaders, gpu.seen_rows = before
 
 
 def _shining(scene: Scene) -> Scene:
@@ -207,7 +208,7 @@ def _draw_every_content(gpu: Gpu) -> None:
     server.recycle(server.draw_frame([hidden], 0, (8, 6)))
     server.draw_depth(hidden, (8, 6), depth)
     for into in (None, depth):
-        SeenRows(gpu.gl, gpu.shaders).hide(hidden, Canvas(gpu.gl, (8, 6)), into)
+        gpu.seen_rows.hide(hidden, Canvas(gpu.gl, (8, 6)), into)
     server.close()
 
 

@@ -32,7 +32,7 @@ class SceneUnderLight(Store):
 
     def __init__(self, client: ClientScene, wanted: None) -> None:
         super().__init__(client, wanted)
-        self._surfaces = Surfaces(client.gpu, client.scene, Indirect.ATLAS)
+        self._surfaces = Surfaces(client.gpu, client.scene, Indirect.ATLAS, samples=client.server.samples)
 
     def draw(self, view: View, into: ShownPicture, time_ns: int, indirect: moderngl.Texture) -> None:
         """Draw the whole picture. indirect: the light atlas, rgba16f."""

@@ -54,7 +54,8 @@ class KeptPhotons(Store):
     def __init__(self, client: ClientScene, wanted: PhotonMap) -> None:
         super().__init__(client, wanted)
         gpu, scene = client.gpu, client.scene
-        self._surfaces = Surfaces(gpu, scene, Indirect.SPLATS, Indirect.RECEIVERS)
+        sources = Indirect.SPLATS, Indirect.RECEIVERS
+        self._surfaces = Surfaces(gpu, scene, *sources, samples=client.server.samples)
         self._factors: moderngl.Texture | None = None
         if lighting := self._surfaces.lighting(Indirect.RECEIVERS):
             factors = kernel_factors(transport_of(scene), wanted.radius)

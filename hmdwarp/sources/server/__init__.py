@@ -2,7 +2,7 @@
 
 from .draw import MIRRORS, Server
 from .passes import ArrivingLight, Indirect, Lighting, ScenePasses, clear_depth, draw_moving
-from .targets import BYTES_BINDING, Framebuffers, Renderer, Target, TargetPool, display_bytes
+from .targets import BYTES_BINDING, Framebuffers, Multisampled, Renderer, Target, TargetPool, display_bytes
 from .upload import DeformingMesh, SceneBuffers, SceneTextures, moving_parts
 from .visibility import Visibility, boxes_of, clip_from_eye, draws_of, eye_from_scene
 
@@ -14,6 +14,7 @@ __all__ = [
     "Framebuffers",
     "Indirect",
     "Lighting",
+    "Multisampled",
     "Renderer",
     "SceneBuffers",
     "ScenePasses",

@@ -13,7 +13,7 @@ from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import PICTURE, layers
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR, SCALAR
+from ...gpu.textures import SCALAR
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
 from .passes import SAME_SURFACE, Lighting, ScenePasses
@@ -53,6 +53,7 @@ class Server(Renderer):
         nearest: bool = False,
         changes: bool = False,
     ) -> None:
+        self.samples = samples
         self._several = Multisampled(gpu, samples, numbers=nearest) if samples > 1 else None
         self._nearest = nearest
         self._framebuffers = Framebuffers(gpu.gl)
@@ -75,14 +76,14 @@ class Server(Renderer):
             self.acquire,
             self._draw,
             self._passes_for,
+            self._draw_colour,
             self.of_another,
             self._several if nearest else None,
         )
 
     def of_another(self, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
         """Return a server of another scene that draws as this one does; who makes it closes it."""
-        samples = self._several.count if self._several else 1
-        return Server(self.gpu, scene, lighting=lighting, samples=samples, nearest=self._nearest, changes=changes)
+        return Server(self.gpu, scene, lighting=lighting, samples=self.samples, nearest=self._nearest, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
@@ -105,15 +106,19 @@ class Server(Renderer):
         if self._several is None:
             passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns)
             return
-        drawn = self._several.over(target.size, COLOUR)
-        passes.draw(view, drawn, time_ns)
-        self._several.mean(drawn, target.colour)
+        self._draw_colour(passes, view, target.colour, time_ns)
         # Parts of the picture compare depth at the centres of pixels, and test against its buffer.
         self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns)
         if self._nearest:
             near = self._several.over(target.size, SCALAR)
             self._depth_passes().draw(view, near, time_ns)
             self._several.one(near, target.inverse_depth, same=SAME_SURFACE)
+
+    def _draw_colour(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
+        if self._several is None:
+            passes.draw(view, self._framebuffers.over(into), time_ns)
+        else:
+            self._several.draw(passes, view, into, time_ns)
 
     def _depth_passes(self) -> ScenePasses:
         if self._depth is None:

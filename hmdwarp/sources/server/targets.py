@@ -18,6 +18,7 @@ from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
 from ..array_passes import Arrays, GiveCodes, Upload
+from .passes import ScenePasses
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -193,6 +194,8 @@ class Renderer:
     scene: what it shows; without anything in it where that is recorded, or known elsewhere alone.
     forget: as of TargetPool.
     """
+
+    samples: int = 1  # Of each pixel that is drawn; what a client draws beside it has as many.
 
     def __init__(
         self, gpu: Gpu, scene: Scene, forget: Callable[[moderngl.Texture], None] = lambda texture: None
@@ -386,6 +389,12 @@ class Multisampled:
         check_size(gl, size)
         textures = [gl.texture(size, components, dtype=dtype, samples=self.count) for components, dtype in kinds]
         return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=self.count))
+
+    def draw(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
+        """Draw the colour of the whole picture: the mean of each pixel's samples."""
+        drawn = self.over(into.size, COLOUR)
+        passes.draw(view, drawn, time_ns)
+        self.mean(drawn, into)
 
     def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Texture) -> None:
         """Write the mean of each pixel's samples; llvmpipe's own takes twice the time."""

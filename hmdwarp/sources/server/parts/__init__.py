@@ -75,6 +75,8 @@ class DrawContext:
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
     # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
     passes_for: Callable[[Drawing], ScenePasses]
+    # draw_colour(passes, view, into, time_ns): with as many samples a pixel as the picture has.
+    draw_colour: Callable[[ScenePasses, View, moderngl.Texture, int], None]
     # renderer(scene): a server of another scene; who makes it closes it.
     renderer: Callable[[Scene], Renderer]
     # Where depth is that of the nearest of several samples; None where it is of the pixel's centre.

@@ -30,8 +30,7 @@ class Light(Part):
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         if "light" not in drawing.needs:
             return eye
-        into = self.context.framebuffers.over(eye.colour, eye.inverse_depth)
-        self._passes.draw(eye.view, into, eye.drawn_ns)
+        self.context.draw_colour(self._passes, eye.view, eye.colour, eye.drawn_ns)
         return eye.having(light=True)
 
     def close(self) -> None:
