@@ -88,7 +88,7 @@ class Changes:
         lit_ns = self._scene.lit_ns(time_ns)
         poses = (self._scene.bodies[number - 1].motion.state(lit_ns).pose for number in self._stops_light)
         return (
-            tuple((*lamp.place(lit_ns), *lamp.fading(lit_ns)) for lamp in self._scene.lamps),
+            tuple((*lamp.place(lit_ns), *lamp.fading(lit_ns), *lamp.light(lit_ns)) for lamp in self._scene.lamps),
             tuple(pose.matrix().tobytes() for pose in poses),
         )
 

@@ -193,7 +193,10 @@ def motion_notes(options: PipelineOptions, scene: Scene, plan: Plan) -> list[str
     """Say how a client that draws knows of what moves; nothing where neither is so."""
     if not (plan.draws_scene and moves(scene)):
         return []
-    return [f"What moves in scene '{scene.name}' {KNOWS[options.client_motion]} (--client-motion)."]
+    known = f"What moves in scene '{scene.name}' {KNOWS[options.client_motion]} (--client-motion)"
+    if scene.inputs is not None and options.client_motion == FORESEEN:
+        known += ": it knows what people will do, as no client can"
+    return [f"{known}."]
 
 
 def _server(gpu: Gpu, options: PipelineOptions, scene: Scene) -> Server:

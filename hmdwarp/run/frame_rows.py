@@ -16,6 +16,7 @@ from ..metrics import QUALITY
 from ..pipeline.loop import Refresh
 from ..poses import Origin, PoseSample, PoseTrack, quaternions
 from ..report import FRAME_COLUMNS, POSE_PARTS
+from .answers import Answers
 
 _HALF_NS = 5_000_000
 _APART_NS = 500_000_000  # after a longer break the speed between two pictures is meaningless
@@ -258,6 +259,8 @@ class ReplayLog:
         self.timeline = Timeline()
         # One for each refresh.
         self.moments: list[Moment] = []
+        # Of a scene that reacts, once all pictures were shown.
+        self.answers: Answers | None = None
 
     def add(self, refresh: Refresh, *, stale: bool = False) -> None:
         """Add the next refresh. stale: it shows a picture again, and no passes ran."""

@@ -32,7 +32,7 @@ from ..options import (
 from ..pipeline.options import DISPLAYED, PipelineOptions, refuse_without_frames
 from ..pipeline.proxy_options import RECORDING, REMOTE, ProxyOptions, SourceKind, with_frames
 from ..poses.options import MOTIONS, TraceOptions
-from ..scenes.options import SceneOptions
+from ..scenes.options import SEED, SceneOptions, seed_of
 from ..sources.feed.options import FeedOptions
 from ..sources.feed.sockets import MOST_OF_ADDRESS
 from ..sources.sequences.options import SequenceOptions
@@ -47,6 +47,12 @@ _SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
+
+
+def _check_input(instance: Any, field: attrs.Attribute[Any], value: str) -> None:
+    if value.startswith(SEED):
+        seed_of(value)
+
 
 BY_GPU, BY_LIBRARY = "gpu", "library"
 MEASURING = "Measuring"  # heading of options in help
@@ -92,6 +98,16 @@ class RunOptions(PipelineOptions):
     start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())
     seconds: float | None = option(
         None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
+    )
+    input: str = option(
+        "",
+        "What people do in a scene that reacts, like playroom: seed:N for pushes and switches by chance, or a CSV "
+        "file as live --record writes it beside the trace.",
+        metavar="FILE",
+        names_files=True,
+        default=None,
+        study=f"what people do {_SAID_TO_RUN}",
+        valid=_check_input,
     )
     # Keep the head where the trace has it, on the trace's own clock, so that moving objects of the
     # scene are where they were then. Otherwise time begins at 0, and a trace that leaves the scene

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import operator
+from collections import Counter
 from collections.abc import Callable, Hashable
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 
@@ -12,7 +13,7 @@ import numpy as np
 
 from ..client.compensator import Compensator
 from ..client.plan import Plan
-from ..errors import InputError
+from ..errors import InputError, counted
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -26,7 +27,7 @@ from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
-from ..scenes import Scene
+from ..scenes import Scene, scenes, take_inputs
 from ..sources.server import Renderer
 from .cache import Cache, figures_as_arrays, figures_in, key_of_job
 from .options import BY_LIBRARY, RunOptions
@@ -197,6 +198,7 @@ def set_up_replay(
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
     with ExitStack() as stack:
         stack.callback(source.close)
+        notes += acted(options.input, source.scene, trace.track)
         run = run.measured(
             track.at(track.start_ns), holds=True, keeps=True, all_pictures=not alone, say=_both(say, notes.append)
         )
@@ -220,14 +222,33 @@ def set_up_replay(
         profile = Profile() if options.profile else None
         if profile is not None:
             profile.finish, gpu.timer.watch = gpu.gl.finish, profile.stage
-        cache = _cache_of(options, gpu, notes)
+        cache = _cache_of(options, source.scene, gpu, notes)
         return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile, cache=cache)
 
 
-def _cache_of(options: RunOptions, gpu: Gpu, notes: list[str]) -> Cache | None:
+def acted(spec: str, scene: Scene, track: PoseTrack) -> list[str]:
+    """Add the inputs of a run to the scene, and return what there is to know of them.
+
+    spec: as RunOptions.input. track: the head's, on the clock of a file's inputs.
+    Errors: InputError for a scene that does not react; as take_inputs.
+    """
+    if not spec:
+        return []
+    if scene.inputs is None:
+        able = ", ".join(name for name in scenes.names() if scenes.get(name).reacts is not None)
+        raise InputError(f"--input {spec}: scene '{scene.name}' does not react to what people do: expected {able}")
+    lost = take_inputs(scene.inputs, spec, (track.start_ns, track.end_ns), track.epoch_ns)
+    kinds = Counter(f"{event.action} {event.target}" for event in scene.inputs)
+    found = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items())) or "none"
+    more = f"; {counted(lost, 'input')} meant nothing that takes it" if lost else ""
+    return [f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."]
+
+
+def _cache_of(options: RunOptions, scene: Scene, gpu: Gpu, notes: list[str]) -> Cache | None:
     if options.cache.folder is None:
         return None
-    drawn = options.scene, options.scene_options, options.mirrors, options.samples, options.sample_depth
+    acted = [event.row for event in scene.inputs or ()]
+    drawn = options.scene, options.scene_options, options.mirrors, options.samples, options.sample_depth, acted
     return Cache(options.cache, [drawn, gpu.renderer, gpu.gl.info["GL_VERSION"]], notes)
 
 

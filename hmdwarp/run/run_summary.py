@@ -39,6 +39,8 @@ from ..report import (
     summary_html,
 )
 from ..resources import __version__, made_with
+from ..scenes import InputLog
+from .answers import ANSWER_COLUMNS, Answers
 from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplaySetup
 
@@ -52,6 +54,7 @@ OWNED = (
     "images/*-right.png",
     "images/*-camera.png",
     "frames.csv",
+    "inputs.csv",
     "delays.csv",
     "jod.csv",
     "misses.csv",
@@ -298,6 +301,10 @@ def result_of(
     more: other measurements, by key. without_truth: pictures that were to be measured.
     """
     options, rows, auto = setup.options, log.rows, setup.auto
+    if setup.scene.inputs:
+        log.answers = answers_of(setup, setup.scene.inputs, log)
+        setup.notes.append(log.answers.note())
+        more = {**more, "input": log.answers.entry()}
     summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
@@ -321,6 +328,16 @@ def result_of(
     for pair, its_rows in zip(options.compared, compared, strict=False):
         compare(result, summary_of_rows(setup, (*pair, "none"), its_rows), its_rows)
     return result
+
+
+def answers_of(setup: ReplaySetup, inputs: InputLog, log: ReplayLog) -> Answers:
+    """Return when the inputs of a run were answered."""
+    answers = Answers(setup.schedule.first_ns - setup.schedule.age_ns, setup.trace.track.epoch_ns)
+    for event in inputs:
+        answers.add(event)
+    for moment in log.moments:
+        answers.see(moment.shown_ns, moment.drawn_ns)
+    return answers
 
 
 def compare(result: ReplayResult, other: dict[str, Any], its_rows: list[Row]) -> None:
@@ -347,6 +364,8 @@ def write_results(
     with ThreadPoolExecutor(thread_name_prefix="pictures") as encoders:
         strips = [encoders.submit(_write_strip, out, kept, eye_names(result.summary)) for kept in pool.kept]
         out.write_csv("frames.csv", log.frames_csv(), FRAME_COLUMNS)
+        if log.answers is not None:
+            out.write_csv("inputs.csv", log.answers.rows(), ANSWER_COLUMNS)
         page = render_report(
             result.summary,
             result.against,

@@ -5,6 +5,7 @@ from ._load import check_scene_name as check_scene_name
 from ._load import load_scene as load_scene
 from ._load import slow_in as slow_in
 from ._mesh import Body as Body
+from ._mesh import Brightness as Brightness
 from ._mesh import Deformation as Deformation
 from ._mesh import Emission as Emission
 from ._mesh import Material as Material
@@ -47,6 +48,16 @@ from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
 from ._viewpoint import with_targets as with_targets
+from .input_events import ACTIONS as ACTIONS
+from .input_events import GRAB as GRAB
+from .input_events import INPUT_COLUMNS as INPUT_COLUMNS
+from .input_events import PUSH as PUSH
+from .input_events import RELEASE as RELEASE
+from .input_events import SWITCH as SWITCH
+from .input_events import InputEvent as InputEvent
+from .input_events import InputLog as InputLog
+from .input_events import read_inputs as read_inputs
+from .input_events import take_inputs as take_inputs
 from .motions import REACH_M as REACH_M
 from .motions import REACH_S as REACH_S
 from .motions import Joint as Joint
@@ -70,6 +81,9 @@ from .radiosity import lamps_at as lamps_at
 from .radiosity import receivers_of as receivers_of
 from .radiosity import transport_of as transport_of
 from .radiosity import with_lamps_stopped as with_lamps_stopped
+from .reactions import Bouncing as Bouncing
+from .reactions import Hinged as Hinged
+from .reactions import Switched as Switched
 from .shapes import Ball as Ball
 from .shapes import Quad as Quad
 from .shapes import checker as checker

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import RigidState
-from ._mesh import Body, Deformation, Motion
-from ._scene import Scene
+from ._mesh import Body, Brightness, Deformation, Motion
+from ._scene import Lamp, Scene
 from .motions import swing_m
 
 
@@ -46,6 +46,17 @@ class _ArrivedMotion:
 
 
 @attrs.frozen(eq=False)
+class _ArrivedBrightness:
+    """A lamp's brightness by what has arrived of it."""
+
+    brightness: Brightness
+    arrived: ArrivedState
+
+    def share(self, time_ns: int) -> float:
+        return self.brightness.share(self.arrived.known(time_ns)[0])
+
+
+@attrs.frozen(eq=False)
 class _ArrivedDeformation:
     """A mesh's vertices by what has arrived of them."""
 
@@ -68,16 +79,21 @@ def moves(scene: Scene) -> bool:
     return bool(scene.bodies or scene.lamps or any(mesh.deformation is not None for mesh in scene.meshes))
 
 
+def _arrived_lamp(lamp: Lamp, arrived: ArrivedState) -> Lamp:
+    brightness = None if lamp.brightness is None else _ArrivedBrightness(lamp.brightness, arrived)
+    return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness)
+
+
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     """Return the scene in which all that moves is known by the states that have arrived.
 
     States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
-    and lamps go on as RigidState.after says, vertices as motions.swing_m.
+    and lamps go on as RigidState.after says, vertices as motions.swing_m, and lamps stay as bright.
     """
     return attrs.evolve(
         scene,
         bodies=[Body(body.name, _ArrivedMotion(body.motion, arrived)) for body in scene.bodies],
-        lamps=[attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived)) for lamp in scene.lamps],
+        lamps=[_arrived_lamp(lamp, arrived) for lamp in scene.lamps],
         meshes=[
             mesh
             if mesh.deformation is None

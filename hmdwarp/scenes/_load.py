@@ -5,18 +5,21 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import attrs
 
 from ..errors import InputError, unknown_name
 from ._scene import Scene, SceneSource, scenes
+from .input_events import InputLog
 from .options import FILE_ENDINGS, SceneOptions
 
 
 def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) -> Scene:
     """Load the scene registered under a name, else the glTF, OBJ, PLY or Mitsuba file at a path.
 
-    A registered scene is built once and kept; its arrays are read-only.
+    A registered scene is built once and kept; its arrays are read-only. One that reacts gets
+    inputs of its own each time.
 
     options: of files alone. Errors: UnknownNameError (with the nearest known name) for what is
     neither; SceneError for a file that cannot be used; InputError for options that do not fit.
@@ -24,7 +27,8 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
     text, options = str(name_or_path), options or SceneOptions()
     if text in scenes.names():
         _refuse_options(text, options)
-        return _built(scenes.get(text))
+        source = scenes.get(text)
+        return _built(source) if source.reacts is None else _reacting(_built(source), source.reacts)
     check_scene_name(text)
     from ._files import scene_from_file  # reading glTF brings SciPy, and shipped scenes do without
 
@@ -44,6 +48,11 @@ def _refuse_options(name: str, options: SceneOptions) -> None:
         if getattr(options, field.name) != field.default:
             flag = field.metadata["options"][0].named(field.name).flag
             raise InputError(f"{flag} with scene '{name}': it is for scene files; leave it out")
+
+
+def _reacting(scene: Scene, reacts: Callable[[InputLog], dict[str, Any]]) -> Scene:
+    log = InputLog()
+    return attrs.evolve(scene, inputs=log, **reacts(log))
 
 
 @cache

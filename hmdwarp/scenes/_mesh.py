@@ -69,6 +69,13 @@ class Motion(Protocol):
         """Return the pose and its derivatives at `time_ns`."""
 
 
+class Brightness(Protocol):
+    """How bright a lamp is: a function of the scene's clock."""
+
+    def share(self, time_ns: int) -> float:
+        """Return the share of its colour that it sends, 0 or more."""
+
+
 @attrs.frozen(eq=False)
 class Body:
     """A rigid body; meshes belong to it by number."""

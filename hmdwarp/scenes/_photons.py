@@ -270,7 +270,7 @@ def light_keys(lamps: Sequence[Light], background: Background, moved: bytes = b"
     moved: what tells apart where all is that moves and is lit.
     """
     found: list[tuple[Light | None, bytes]] = [
-        (lamp, np.array([*lamp[0], *lamp[1]]).tobytes() + moved) for lamp in lamps if max(lamp[1]) > 0
+        (lamp, np.array([*lamp[0], *lamp[1]]).tobytes() + moved) for lamp in lamps
     ]
     sky = max(*background.zenith, *background.horizon, *background.ground)
     return [*found, (None, b"sky" + moved)] if lamps and sky > 0 else found

@@ -14,11 +14,13 @@ from ..errors import SceneError
 from ..geometry import Mirror, Pose
 from ..geometry.view import MOST_MIRRORS
 from ..registry import Registry
-from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Mesh, Motion, Texture
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
 from ._panels import MOST_PANELS, Panel
+from .input_events import InputLog
 
 MOST_LAMPS = 4
 ATLAS = (64, 64)  # (w, h) texels of every scene's light atlas
+Rgb = tuple[float, float, float]
 NEAREST_M = 0.01  # a surface nearer than this to a lamp gets no more light
 
 
@@ -37,6 +39,15 @@ class Lamp:
     colour: tuple[float, float, float]
     is_sun: bool = False
     cone: tuple[float, float] | None = None
+    # The share of its colour that it sends; None for all of it at all times.
+    brightness: Brightness | None = None
+
+    def light(self, time_ns: int) -> Rgb:
+        """Return the colour that it sends at an instant."""
+        if self.brightness is None:
+            return self.colour
+        red, green, blue = (self.brightness.share(time_ns) * part for part in self.colour)
+        return red, green, blue
 
     def place(self, time_ns: int) -> NDArray[np.float64]:
         """Return (x, y, z, 1) of a point in the world, or (x, y, z, 0) towards a sun."""
@@ -165,9 +176,6 @@ def _along_u(mesh: Mesh, normal: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(along / np.linalg.norm(along))
 
 
-Rgb = tuple[float, float, float]
-
-
 def _tuple(values: Iterable[Any]) -> tuple[Any, ...]:
     return tuple(values)
 
@@ -225,6 +233,8 @@ class Scene:
     # Light that moves; without lamps all light is baked.
     lamps: tuple[Lamp, ...] = attrs.field(default=(), converter=_tuple)
     panels: tuple[Panel, ...] = attrs.field(default=(), converter=_tuple)
+    # What people do in it; None for a scene that does not react.
+    inputs: InputLog | None = None
     light_ns: int | None = None  # of which instant the lamps' light is, whatever moves; None for that which is drawn
 
     def __attrs_post_init__(self) -> None:
@@ -294,6 +304,8 @@ class SceneSource:
     summary: str
     build: Callable[[], Scene]  # makes the scene, the same arrays every time
     effects: tuple[str, ...] = ()  # names of the effects that the built scene's content calls for
+    # The fields of the built scene, by name, that follow from inputs; None where none do.
+    reacts: Callable[[InputLog], dict[str, Any]] | None = None
 
 
 scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes")

@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..options import PICTURE, Declared, Number, one_of, option
 
 NONE = "none"
+SEED = "seed:"  # of inputs, before its number
 FILE_ENDINGS = (".glb", ".gltf", ".obj", ".ply", ".xml")
 UPS = ("y", "z")
 # How a client that draws learns of motion: it knows all of it beforehand, goes on from the last
@@ -99,3 +100,11 @@ def numbered(names: list[str], name: str, kind: str, flag: str, also: str = "") 
     known = ", ".join(f"{number} '{known}'" for number, known in enumerate(names)) or f"no {kind}"
     wanted = " or ".join(filter(None, ("one of them" if names else "", also)))
     raise InputError(f"{flag} '{name}': the file has {known}{f'; expected {wanted}' if wanted else ''}")
+
+
+def seed_of(spec: str) -> int:
+    """Return the number of `seed:N`. Errors: InputError."""
+    text = spec.removeprefix(SEED)
+    if not text.isdecimal():
+        raise InputError(f"--input {spec}: expected seed:N with a whole number N, such as seed:1, or a file")
+    return int(text)

@@ -368,7 +368,8 @@ def lamps_at(scene: Scene, time_ns: int) -> list[tuple[Array, tuple[float, float
 
     Places are relative to the scene's origin.
     """
-    return [(_seen_from(lamp, scene.origin_m, scene.lit_ns(time_ns)), lamp.colour) for lamp in scene.lamps]
+    at = scene.lit_ns(time_ns)
+    return [(_seen_from(lamp, scene.origin_m, at), lamp.light(at)) for lamp in scene.lamps]
 
 
 def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
@@ -399,13 +400,27 @@ def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:
     """
     if not scene.lit_moves:
         return _still_receivers(scene.meshes, scene.textures)
-    return _receivers_at(scene, scene.lit_ns(time_ns))
+    return _receivers_at(scene, _Moved.of(scene, time_ns))
+
+
+@attrs.frozen
+class _Moved:
+    """An instant, which is another one where something lit is elsewhere."""
+
+    where: bytes
+    time_ns: int = attrs.field(eq=False)
+
+    @classmethod
+    def of(cls, scene: Scene, time_ns: int) -> _Moved:
+        lit_ns, lit = scene.lit_ns(time_ns), {mesh.body for mesh in scene.meshes if mesh.light_uv is not None} - {0}
+        poses = (scene.bodies[number - 1].motion.state(lit_ns).pose for number in sorted(lit))
+        return cls(b"".join(pose.matrix().tobytes() for pose in poses), lit_ns)
 
 
 @lru_cache(maxsize=4)  # each pass of an instant asks
-def _receivers_at(scene: Scene, time_ns: int) -> Receivers:
+def _receivers_at(scene: Scene, moved: _Moved) -> Receivers:
     still = _still_receivers(scene.meshes, scene.textures)
-    return _joined(still, _receivers(moved_meshes(scene, time_ns), scene.textures))
+    return _joined(still, _receivers(moved_meshes(scene, moved.time_ns), scene.textures))
 
 
 @lru_cache(maxsize=4)
@@ -446,11 +461,11 @@ def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS, *, 
 
     folder: where rays between what stands still are kept, the user's cache folder if None. One that
     cannot be read or written is no error. time_ns: matters where something lit moves: then the
-    object is of that instant alone. Errors: as receivers_of.
+    object is of where that is alone. Errors: as receivers_of.
     """
     if not scene.lit_moves:
         return _still_transport(scene.meshes, scene.textures, scene.background, folder, rays)
-    return _transport_at(scene, scene.lit_ns(time_ns), folder, rays)
+    return _transport_at(scene, _Moved.of(scene, time_ns), folder, rays)
 
 
 @lru_cache(maxsize=4)
@@ -462,13 +477,13 @@ def _still_transport(
 
 
 @lru_cache(maxsize=4)  # several ask for the instant that is drawn
-def _transport_at(scene: Scene, time_ns: int, folder: Path | None, rays: int) -> Transport:
+def _transport_at(scene: Scene, moved: _Moved, folder: Path | None, rays: int) -> Transport:
     """Return light's ways at an instant: rays of what stands still end where they meet others."""
-    every, still = receivers_of(scene, time_ns), _still_rays(scene.meshes, scene.textures, folder, rays)
+    every, still = _receivers_at(scene, moved), _still_rays(scene.meshes, scene.textures, folder, rays)
     own, triangles = len(still.patch), len(_still_receivers(scene.meshes, scene.textures).blockers.corners)
-    moved = Receivers(every.patches, Blockers(every.blockers.corners[triangles:]), every.atlas[triangles:])
-    near = _near(still, moved.blockers.corners.reshape(-1, 3))
-    met = moved.meet(still.starts[near], still.ways[near])
+    others = Receivers(every.patches, Blockers(every.blockers.corners[triangles:]), every.atlas[triangles:])
+    near = _near(still, others.blockers.corners.reshape(-1, 3))
+    met = others.meet(still.starts[near], still.ways[near])
     patch, stopped = still.patch.copy(), met.far < still.far[near]
     patch[tuple(which[stopped] for which in near)] = met.patch[stopped]
     still = attrs.evolve(still, patch=patch)

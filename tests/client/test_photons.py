@@ -157,7 +157,7 @@ def test_before_any_photon_there_is_direct_light_alone(gpu):
 MOVED = {"lantern": (900_000_000, 0.5), "sunroom": (900_000_000, 0.9), "doorway": (2_500_000_000, 0.5)}
 
 
-@pytest.mark.parametrize("name", LIT)
+@pytest.mark.parametrize("name", MOVED)
 def test_only_indirect_light_is_late_and_nearer_than_light_that_stands_still(gpu, name):
     geometry = ClientScene(gpu, name)
     then, now, least = 100_000_000, *MOVED[name]

@@ -23,7 +23,16 @@ EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""
 _OF_EVERY_RUN = (
-    *("scene_options", "sequence_options", "trace_options", "samples", "sample_depth", "client_motion", "cache"),
+    *(
+        "scene_options",
+        "sequence_options",
+        "trace_options",
+        "samples",
+        "sample_depth",
+        "client_motion",
+        "input",
+        "cache",
+    ),
     *("headset", "rate_hz", "seconds", "jod_s"),
 )
 _RUN = attrs.fields(RunOptions)
@@ -114,6 +123,7 @@ class RecordedOptions(ExperimentOptions):
     samples: int = same_as(_RUN.samples)
     sample_depth: str = same_as(_RUN.sample_depth)
     client_motion: str = same_as(_RUN.client_motion)
+    input: str = same_as(_RUN.input)
     jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
     cache: CacheOptions = group(CacheOptions)

@@ -120,7 +120,7 @@ class Lighting:
             blockers=BLOCKERS_UNIT,
         )
         self._blockers.use(BLOCKERS_UNIT)
-        return places.tobytes() + cones.tobytes() + rows
+        return places.tobytes() + cones.tobytes() + colours.tobytes() + rows
 
     def close(self) -> None:
         """Free its textures and buffers."""

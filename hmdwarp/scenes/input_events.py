@@ -1,0 +1,210 @@
+"""What people do in a scene: pushes, switches and grabs, by file, by seed and by hand.
+
+A scene that reacts is a function of them: its state at an instant follows from those up to then.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from bisect import bisect_right, insort
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Protocol
+
+import attrs
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError, unknown_name
+from .options import SEED, seed_of
+
+ACTIONS = PUSH, SWITCH, GRAB, RELEASE = ("push", "switch", "grab", "release")
+INPUT_COLUMNS = ("time_ns", "action", "target", "x", "y", "z", "dx", "dy", "dz")
+# Of a seed: mean time between two inputs, which come as those of a Poisson process.
+EVERY_S = 0.7
+# A ray means a thing if it passes this close to its handle.
+_AIM_RAD = math.radians(15)
+Triple = tuple[float, float, float]
+
+
+@attrs.frozen
+class InputEvent:
+    """One input: what is done, to what, and the ray of the hand that does it, in the world.
+
+    target: name of a thing that reacts; "" for the one that the ray means.
+    """
+
+    time_ns: int
+    action: str
+    target: str = ""
+    origin_m: Triple = (0.0, 0.0, 0.0)
+    direction: Triple = (0.0, 0.0, -1.0)
+
+    def __attrs_post_init__(self) -> None:
+        if self.action not in ACTIONS:
+            raise unknown_name("action", self.action, list(ACTIONS))
+        numbers = (*self.origin_m, *self.direction)
+        if not all(map(math.isfinite, numbers)) or not any(self.direction):
+            raise InputError(
+                f"a hand at {self.origin_m} that points along {self.direction}: expected finite numbers, and a "
+                "direction other than 0"
+            )
+
+    @property
+    def row(self) -> str:
+        """Its line in a file, with the newline."""
+        numbers = map(repr, map(float, (*self.origin_m, *self.direction)))
+        return ",".join([str(self.time_ns), self.action, self.target, *numbers]) + "\n"
+
+
+HEADER = ",".join(INPUT_COLUMNS) + "\n"
+
+
+class Thing(Protocol):
+    """Something in a scene that reacts to inputs that name it."""
+
+    name: str
+    # Actions that it reacts to.
+    takes: tuple[str, ...]
+
+    def handle(self, time_ns: int) -> NDArray[np.float64]:
+        """Return the (3,) place in the world that a hand aims at."""
+        ...
+
+
+class InputLog:
+    """The inputs of one scene, in the order of their instants.
+
+    An input that comes later than others with a later instant counts from its own instant on: what
+    things do follows from what is in the log, however it came there.
+    """
+
+    def __init__(self) -> None:
+        self.things: dict[str, Thing] = {}
+        # Rises whenever an input has come that is older than another one of the same thing.
+        self.rewritten = 0
+        self._of: dict[str, list[InputEvent]] = {}
+
+    def react(self, thing: Thing) -> None:
+        """Let a thing react to inputs that name it."""
+        self.things[thing.name] = thing
+        self._of[thing.name] = []
+
+    def add(self, event: InputEvent) -> InputEvent | None:
+        """Add an input; return it with its target, None where its ray means nothing that takes it.
+
+        One that is there already is left out. Errors: UnknownNameError for a target that does not
+        react, InputError for one that does not take the action.
+        """
+        target = event.target or self._meant(event)
+        if not target:
+            return None
+        if target not in self.things:
+            raise unknown_name("thing that reacts", target, list(self.things))
+        if event.action not in self.things[target].takes:
+            raise InputError(
+                f"{event.action} '{target}': expected {' or '.join(self.things[target].takes)} of what it takes"
+            )
+        event, events = attrs.evolve(event, target=target), self._of[target]
+        if event in events[bisect_right(events, event.time_ns - 1, key=_time) :]:
+            return event
+        if events and event.time_ns < events[-1].time_ns:
+            self.rewritten += 1
+        insort(events, event, key=_time)
+        return event
+
+    def of(self, target: str, time_ns: int) -> tuple[Sequence[InputEvent], int]:
+        """Return the inputs that name a thing, oldest first, and how many are up to an instant."""
+        events = self._of[target]
+        return events, bisect_right(events, time_ns, key=_time)
+
+    def __iter__(self) -> Iterator[InputEvent]:
+        """Iterate over all inputs, oldest first."""
+        return iter(sorted((event for events in self._of.values() for event in events), key=_time))
+
+    def __len__(self) -> int:
+        return sum(map(len, self._of.values()))
+
+    def _meant(self, event: InputEvent) -> str:
+        """Return the name of the thing that takes the action and is nearest to the ray, or ""."""
+        if event.action == RELEASE:  # wherever the hand points by then
+            return next((name for name in self.things if self._is_held(name, event.time_ns)), "")
+        ray, found = np.array(event.direction), []
+        for name, thing in self.things.items():
+            if event.action in thing.takes:
+                way = thing.handle(event.time_ns) - event.origin_m
+                off = math.atan2(float(np.linalg.norm(np.cross(ray, way))), float(ray @ way))
+                found.append((off, name))
+        return min(found)[1] if found and min(found)[0] <= _AIM_RAD else ""
+
+    def _is_held(self, name: str, time_ns: int) -> bool:
+        events, count = self.of(name, time_ns)
+        return count > 0 and events[count - 1].action == GRAB
+
+
+def _time(event: InputEvent) -> int:
+    return event.time_ns
+
+
+def take_inputs(log: InputLog, spec: str, span_ns: tuple[int, int], epoch_ns: int) -> int:
+    """Add the inputs of `seed:N`, or those in a file; return how many mean nothing that takes them.
+
+    span_ns: first and last instant of a seed's inputs. epoch_ns: instant 0 of the run on the clock
+    of the file. Errors: InputError that names the file, and the line or the input.
+    """
+    if spec.startswith(SEED):
+        found: Iterable[InputEvent] = _by_seed(seed_of(spec), list(log.things.values()), *span_ns)
+    else:
+        read = [attrs.evolve(event, time_ns=event.time_ns - epoch_ns) for event in read_inputs(Path(spec))]
+        found = sorted(read, key=_time)
+    lost = 0
+    for event in found:
+        try:
+            lost += log.add(event) is None
+        except InputError as error:
+            raise InputError(f"--input {spec}: {error}") from error
+    return lost
+
+
+def _by_seed(seed: int, things: Sequence[Thing], start_ns: int, end_ns: int) -> Iterator[InputEvent]:
+    """Yield pushes and switches, EVERY_S apart in the mean: each thing as often, any way level.
+
+    Python's own generator, whose numbers are the same in every version.
+    """
+    chance, now_s = random.Random(seed), 0.0
+    while things:
+        now_s -= EVERY_S * math.log(1.0 - chance.random())
+        time_ns = start_ns + round(now_s * 1e9)
+        if time_ns > end_ns:
+            return
+        thing, angle = things[int(chance.random() * len(things))], 2 * math.pi * chance.random()
+        yield InputEvent(time_ns, thing.takes[0], thing.name, direction=(math.cos(angle), 0.0, math.sin(angle)))
+
+
+def read_inputs(path: Path) -> list[InputEvent]:
+    """Return the inputs in a file, in the order of its lines, which may be any.
+
+    Columns after INPUT_COLUMNS are left out.
+    Errors: InputError that names the file, the line and the value.
+    """
+    try:
+        lines = path.read_text("utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot read inputs ({error}): expected a CSV file, or --input seed:N") from error
+    rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
+    if not rows or rows[0][1].split(",")[: len(INPUT_COLUMNS)] != [*INPUT_COLUMNS]:
+        found = f"'{rows[0][1][:60]}'" if rows else "nothing"
+        raise InputError(f"{path}: begins with {found}: expected {HEADER.strip()}")
+    return [_of_row(path, number, text) for number, text in rows[1:]]
+
+
+def _of_row(path: Path, number: int, text: str) -> InputEvent:
+    values = text.split(",")[: len(INPUT_COLUMNS)]
+    try:
+        if len(values) < len(INPUT_COLUMNS):
+            raise InputError(f"{len(values)} values: expected {len(INPUT_COLUMNS)}")
+        x, y, z, *way = map(float, values[3:])
+        return InputEvent(int(values[0]), values[1], values[2], (x, y, z), (way[0], way[1], way[2]))
+    except (ValueError, InputError) as error:
+        raise InputError(f"{path}, line {number}: '{text[:80]}': {error}") from error
