@@ -10,6 +10,7 @@ from replays import each_refresh, run, small
 
 from hmdwarp.errors import InputError
 from hmdwarp.gpu import download
+from hmdwarp.sources.feed.options import FeedOptions
 
 MS = 1_000_000
 ACTED = {"scene": "playroom", "size": (48, 40), "rate_hz": 20.0, "samples": 1, "latency_ms": 100.0, "images": 2}
@@ -97,3 +98,8 @@ def test_inputs_that_cannot_be_are_refused_before_anything_starts(tmp_path, opti
 def test_a_seed_without_a_number_is_refused_with_the_options():
     with pytest.raises(InputError, match="--input seed:x: expected seed:N"):
         small(scene="playroom", input="seed:x")
+
+
+def test_inputs_do_not_cross_a_network():
+    with pytest.raises(InputError, match="--input with --connect: inputs do not cross the network"):
+        small(**ACTED, input="seed:1", feed=FeedOptions(connect="127.0.0.1:5570"))
