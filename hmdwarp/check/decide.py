@@ -23,7 +23,7 @@ from .conventions import (
     is_half_a_pixel,
     restored,
 )
-from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y, Fitted, Noise
+from .overlap import ALONG, FACTOR, LATE, LOGARITHMS, OFFSET, PIXEL_X, PIXEL_Y, WIDE, WIDE_X, WIDE_Y, Fitted, Noise
 from .search import SURE, Candidate, Search, margin
 from .stated_frames import Reading
 
@@ -291,7 +291,22 @@ class NumberSearch:
             pairs = [model for model in self._of(2) if self._is_known(model, SURE) and margin(best, model) > SURE]
             best, rivals = self._least(best, pairs) if pairs else (best, rivals)
             besides = self._besides(best) if pairs else besides
-        return Numbers(best, rivals, besides, self.noise)
+        return Numbers(self._square(best), rivals, besides, self.noise)
+
+    def _square(self, best: Candidate) -> Candidate:
+        """Return the reading with one factor for both focal lengths, unless two are surely better.
+
+        Heads that never look up or down leave one of the two undetermined.
+        """
+        if FOCAL not in numbered(best.reading) or best.fitted is None:
+            return best
+        names = (*(name for name in best.fitted.names if name not in FITTED[FOCAL]), WIDE)
+        starts = (
+            attrs.evolve(best.reading, wide_x=wide, wide_y=wide) for wide in (best.reading.wide_x, best.reading.wide_y)
+        )
+        models = [self._candidate(self.search.fitted(start, names)) for start in starts]
+        one = min(models, key=lambda one: float(one.cost.sum()))
+        return one if margin(one, best) <= SURE else best
 
     def _of(self, count: int) -> Iterator[Candidate]:
         for names in itertools.combinations(self._names, count):

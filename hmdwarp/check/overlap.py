@@ -16,7 +16,8 @@ Indices = NDArray[np.int64]
 TILES = 3  # a side: parts of a picture that err together
 FACTOR, OFFSET, ALONG, LATE = "factor", "offset", "along", "late_s"
 PIXEL_X, PIXEL_Y, WIDE_X, WIDE_Y = "pixel_x", "pixel_y", "wide_x", "wide_y"
-LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y)  # fitted as such
+WIDE = "wide"  # both WIDE_X and WIDE_Y by one factor: pixels are as square as stated
+LOGARITHMS = (FACTOR, WIDE_X, WIDE_Y, WIDE)  # fitted as such
 _ROUNDS = 5
 _CUT = 6.0  # standard deviations: what disagrees more is no evidence of how much
 _CHANCE = 0.8  # of the worst disagreement: what points have that meet by chance, and those out of view
@@ -195,8 +196,9 @@ def cost(found: Residuals, noise: Noise) -> Array:
 def changed(reading: Reading, names: Sequence[str], change: Sequence[float]) -> Reading:
     """Return the reading with other numbers."""
     values: dict[str, Any] = {
-        name: getattr(reading, name) * math.exp(one) if name in LOGARITHMS else getattr(reading, name) + one
+        each: getattr(reading, each) * math.exp(one) if name in LOGARITHMS else getattr(reading, each) + one
         for name, one in zip(names, change, strict=True)
+        for each in ((WIDE_X, WIDE_Y) if name == WIDE else (name,))
     }
     return attrs.evolve(reading, **values)
 

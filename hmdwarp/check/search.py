@@ -16,6 +16,7 @@ from .overlap import (
     OFFSET,
     PIXEL_X,
     PIXEL_Y,
+    WIDE,
     WIDE_X,
     WIDE_Y,
     Fitted,
@@ -196,7 +197,7 @@ class Search:
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
         steps = {FACTOR: 1e-3, OFFSET: 1e-3 * self.span(reading), ALONG: 0.02, PIXEL_X: 0.05, PIXEL_Y: 0.05}
-        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3}
+        steps |= {WIDE_X: 2e-3, WIDE_Y: 2e-3, WIDE: 2e-3}
         if self.stated.interval_s is not None:
             steps[LATE] = 0.05 * self.stated.interval_s
         return steps

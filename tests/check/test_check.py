@@ -133,6 +133,14 @@ def test_a_head_that_only_turns_tells_the_focal_length(gpu):
     assert named(frames) == ["focal"]
 
 
+def test_pixels_stay_square_where_a_head_that_never_looks_up_leaves_the_height_open(gpu):
+    """Intrinsics of another size: the height was 3.5 times too flat. Noise moves a hundredth."""
+    frames = moved(gpu, 15, (0.3, 0, 0.1), np.random.default_rng(16))
+    fx, fy, _, _ = frames[0].view.fov.intrinsics((96, 72))
+    answer = check(Stated(filmed(frames, (fx / 78.75, fy / 78.75), (48, 36))))
+    assert answer.reading.wide_x == answer.reading.wide_y == pytest.approx(78.75 / fx, rel=0.02)
+
+
 @pytest.mark.parametrize("name", MISREADINGS)
 def test_what_is_named_is_told_and_has_code_that_reads_the_frames_right(name, in_the_room):
     """Headline, reasons and code are one decision."""

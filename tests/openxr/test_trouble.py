@@ -61,9 +61,9 @@ def test_frames_that_nobody_sees_are_handed_over_empty(monado, here, monkeypatch
 
     seen, ended = [], FrameCalls.end
 
-    def end(frames: FrameCalls, layer: object = None) -> None:
-        seen.append((bool(frames.state.should_render), layer is not None))
-        ended(frames, layer)
+    def end(frames: FrameCalls, *layers: object) -> None:
+        seen.append((bool(frames.state.should_render), bool(layers)))
+        ended(frames, *layers)
 
     monkeypatch.setattr(FrameCalls, "end", end)
     here.run(quick(pictures=3))

@@ -236,13 +236,15 @@ _BELOW, _LEAST_MOST, _LEAST_SHARE = 64, 511, 0.005
 # Metres to the nearest surface: beyond, a head that moves by a tenth of it at most is rarely meant.
 # Beyond the farthest it is sky, written as a large number.
 _FAR_M, _FARTHEST_M, _MOVED = 40.0, 2e4, 0.1
+_FAR_AXIS = 0.2  # of a side from the middle: no camera or headset is built so
 _UNITS = {"centimetres": 0.01, "millimetres": 0.001}
 
 
 def depth_notes(sequence: Sequence) -> list[str]:
     """Return what some frames of a sequence suggest.
 
-    Values that are no measurement, sky that was written as no depth, depth in another unit.
+    Values that are no measurement, sky that was written as no depth, depth in another unit,
+    intrinsics of another picture size.
     """
     last = len(sequence.frames) - 1
     looked = [sequence.frames[at] for at in sorted({round(last * k / (LOOKED_AT - 1)) for k in range(LOOKED_AT)})]
@@ -254,7 +256,21 @@ def depth_notes(sequence: Sequence) -> list[str]:
         assumption.what == NO_DEPTH and assumption.value.startswith("infinitely") for assumption in sequence.assumptions
     )
     sky = [] if is_far else about_sky(depths)
-    return [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}")]
+    of_depth = [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}")]
+    return [*of_depth, *_about_axis(sequence.frames[0])]
+
+
+def _about_axis(frame: RecordedFrame) -> list[str]:
+    """Return a note on an optical axis that is far from the middle of the picture."""
+    left, right, down, up = frame.fov.tangents.tolist()
+    across, below = -left / (right - left), up / (up - down)
+    if max(abs(across - 0.5), abs(below - 0.5)) <= _FAR_AXIS:
+        return []
+    return [
+        f"The optical axis is at {100 * across:.0f} % of the width and {100 * below:.0f} % of the height, which is "
+        "where intrinsics for another picture size put it. 'hmdwarp check' finds those under which the frames agree; "
+        "--intrinsics states them."
+    ]
 
 
 def about_largest(depths: Several[NDArray[Any]]) -> list[str]:

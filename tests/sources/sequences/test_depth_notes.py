@@ -46,6 +46,13 @@ def test_the_largest_of_twelve_bits_is_a_depth_that_is_named(tmp_path):
     assert sequence.frames[0].depth_m[5, 6] == np.float32(4.095)
 
 
+def test_intrinsics_of_another_picture_size_are_told(tmp_path):
+    """No option but --intrinsics tells how large the picture was that they are for."""
+    write_numbered(tmp_path, taken(2, (320, 240)))
+    (note,) = depth_notes(sequences.open(tmp_path, MILLIMETRES))
+    assert note.startswith("The optical axis is at 6 % of the width and 5 % of the height") and "--intrinsics" in note
+
+
 def sky_above(depth: np.ndarray) -> np.ndarray:
     depth[:50] = 0
     depth[20:80, 60:70] = 3  # a tower before it
