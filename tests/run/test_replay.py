@@ -499,6 +499,13 @@ def test_a_report_says_what_the_client_must_hold(tmp_path, gpu):
     assert "client_models" not in run(tmp_path / "none", gpu=gpu, seconds=0.1).summary
 
 
+def test_the_page_says_what_crossed_of_panels(tmp_path, gpu):
+    (held,) = run(tmp_path / "out", page=True, gpu=gpu, scene="reading", seconds=0.3).summary["client_models"]
+    assert 0 < held["first_picture_bytes"] <= held["arrived_bytes"]
+    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
+    assert "client&#39;s panels" in page
+
+
 def long_trace(path: Path, seconds: float) -> Path:
     """A head at rest whose poses are 50 s apart."""
     instants = np.arange(0.0, seconds + 50, 50)

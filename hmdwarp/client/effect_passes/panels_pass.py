@@ -78,6 +78,7 @@ class KeptPanels(Store):
         self._textures: dict[int, moderngl.Texture] = {}
         self._showing: list[int] = []
         self._held: dict[int, HeldPanel] = {}
+        self._first_bytes: int | None = None  # that had come once all panels had a picture
 
     @property
     def held(self) -> Sequence[HeldPanel]:
@@ -104,11 +105,13 @@ class KeptPanels(Store):
             if texture := self._textures.get(first + shown):
                 self._held[index] = HeldPanel(panel, texture)
             first += count
+        if self._first_bytes is None and 0 < len(self._panels) == len(self._held):
+            self._first_bytes = self._inbox.bytes
 
     def weights(self) -> list[dict[str, Any]]:
         """Return what has come, and the room that the pictures take, with their mip levels."""
         room = sum(texture_bytes(texture) * 4 // 3 for texture in self._textures.values())
-        come = {"start_up_bytes": 0, "arrived_bytes": self._inbox.bytes}
+        come = {"start_up_bytes": 0, "first_picture_bytes": self._first_bytes, "arrived_bytes": self._inbox.bytes}
         return [{"geometry_bytes": room, "texture_bytes": 0, **come, "panels": len(self._held)}]
 
     def close(self) -> None:
