@@ -11,6 +11,7 @@ in vec3 in_light;
 
 out vec2 uv;
 out vec3 light;
+out float whole; // as of scene.vert
 out float gl_ClipDistance[1];
 
 // Things that touch the mirror lose this much of their image, and the mirror has none in itself.
@@ -19,6 +20,7 @@ const float SKIN_M = 1e-3;
 void main() {
     uv = in_uv;
     light = in_light;
+    whole = 1.0;
     gl_Position = clip_from_scene * vec4(in_position, 1.0);
     gl_ClipDistance[0] = dot(before_mirror, vec4(in_position, 1.0)) - SKIN_M;
 }

@@ -47,12 +47,16 @@ layout(location = 1) out float inverse_depth;
 layout(location = 0) out float inverse_depth;
 #endif
 
+#if defined(COLOUR) || defined(RECEIVERS)
+centroid in float whole; // divides what is interpolated at the centroid, see scene.vert
+#endif
+
 void main() {
 #ifdef COLOUR
     // Before a discard: after it the neighbours' uv, and so the mip level, would be undefined
-    vec3 texel = texture(surface, uv).rgb;
+    vec3 texel = texture(surface, uv / whole).rgb;
 #ifdef EMISSION
-    vec3 shining = emitted(uv);
+    vec3 shining = emitted(uv / whole);
 #else
     const vec3 shining = vec3(0.0);
 #endif
@@ -62,25 +66,25 @@ void main() {
 #endif
 #ifdef COLOUR
 #ifdef LAMPS
-    vec3 shown = light;
+    vec3 shown = light / whole;
     if (light_uv.x >= 0.0) {
-        vec3 facing_way = normalize(normal);
+        vec3 facing_way = normalize(normal), at = place / whole;
 #ifdef SPLATTED
-        vec3 indirect_light = splatted_light(place, facing_way);
+        vec3 indirect_light = splatted_light(at, facing_way);
 #elif defined(VOXELS)
-        vec3 indirect_light = near_light(place, facing_way);
+        vec3 indirect_light = near_light(at, facing_way);
 #else
-        vec3 indirect_light = of_atlas(light_uv);
+        vec3 indirect_light = of_atlas(light_uv / whole);
 #endif
-        shown = albedo * (direct_light(place, facing_way) + indirect_light);
+        shown = albedo / whole * (direct_light(at, facing_way) + indirect_light);
     }
     colour = vec4(texel * shown + shining, 1.0);
 #else
-    colour = vec4(texel * light + shining, 1.0);
+    colour = vec4(texel * light / whole + shining, 1.0);
 #endif
 #endif
 #ifdef RECEIVERS
-    receiver = light_uv.x >= 0.0 ? vec4(normalize(normal), of_atlas(light_uv).r) : vec4(0.0);
+    receiver = light_uv.x >= 0.0 ? vec4(normalize(normal), of_atlas(light_uv / whole).r) : vec4(0.0);
 #endif
     inverse_depth = gl_FragCoord.w;
 }

@@ -32,7 +32,16 @@ centroid out vec3 place;
 centroid out vec3 albedo;
 #endif
 
+#if defined(COLOUR) || defined(RECEIVERS)
+// 1 everywhere. Mesa 22.3's llvmpipe takes the perspective of what is interpolated at the centroid
+// at the pixel's centre: all of it is off by one factor, which this has too.
+centroid out float whole;
+#endif
+
 void main() {
+#if defined(COLOUR) || defined(RECEIVERS)
+    whole = gl_VertexID < 0 ? 0.0 : 1.0; // no constant, which compilers would put in its place
+#endif
 #ifdef COLOUR
     uv = in_uv;
     light = in_light;

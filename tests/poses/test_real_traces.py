@@ -23,7 +23,7 @@ KNOWN = {
         5414,
         71,
         75,
-        {"eye-position", "devices-interleaved", "clock-restart", "repeated-pose"},
+        {"eye-position", "devices-interleaved", "clock-restart", "repeated-pose", "gaze-lost"},
     ),
     "eyenavgs_rutgers/user119_train.csv": (
         "eyenavgs",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from worlds import pixels
 
 from hmdwarp.errors import MachineError
@@ -67,6 +68,33 @@ def test_a_silhouette_mixes_colours_by_coverage_and_has_the_depth_of_one_surface
         assert np.array_equal(depth, pixels(alone.draw(VIEW, SIZE).inverse_depth))
         alone.close()
     server.close()
+
+
+def test_light_keeps_its_value_along_the_edges_inside_a_surface(gpu):
+    """Where two of its triangles share a pixel, seen askew: a driver's centroid must not tell.
+
+    The light is 1 everywhere: what is interpolated rounds in float32, the colour in 16 bits.
+    """
+    floor = [(-9.0, -0.2, 0.5), (9.0, -0.2, 0.5), (9.0, -0.2, -30.0), (-9.0, -0.2, -30.0)]
+    scene = Scene("floor", "", (sheet("floor", floor, np.ones(3)),), background=Background.uniform((1,) * 3))
+    server = Server(gpu, scene, samples=4)
+    assert np.abs(pixels(server.draw(VIEW, SIZE).colour) - 1).max() <= HALF
+    server.close()
+
+
+def test_lamps_leave_no_seams_inside_a_surface(gpu):
+    """None is darker than the darkest of one sample around it, but for what half a pixel moves."""
+    scene = load_scene("lantern")
+    turned = Pose(scene.viewpoint.position_m, Rotation.from_euler("y", 20, degrees=True).as_quat())
+    wall, found = (slice(60, 140), slice(0, 56)), []
+    for samples in (1, 4):
+        server = Server(gpu, scene, samples=samples)
+        found.append(pixels(server.draw(View(turned, Fov.symmetric(1.6, 1.2)), (160, 200)).colour)[wall][..., 0])
+        server.close()
+    one, four = found
+    padded = np.pad(one, 1, mode="edge")
+    darkest = np.min([padded[y : y + 80, x : x + 56] for y in range(3) for x in range(3)], axis=0)
+    assert (four >= 0.9 * darkest).all()
 
 
 def test_a_body_has_its_number_at_each_pixel_that_has_its_depth(gpu):
