@@ -1,7 +1,7 @@
 """Every command and line of Python in README.md and docs/*.md runs, as a reader would run it.
 
 A block of kind `sh` or `python` runs as it is but for smaller pictures, in an empty folder for each
-page; a block of kind `shell` opens a window. A block of kind `text` needs people, a headset or the
+page; a block of kind `shell` opens a window or a page. A block of kind `text` needs people, a headset or the
 checkout, so it is only read.
 """
 
@@ -16,11 +16,13 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from urllib.request import urlopen
 
 import needs
 import pytest
 from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
+from serving import Serving
 from typer.main import get_command
 
 from hmdwarp import load_trace
@@ -179,9 +181,18 @@ def test_a_page_of_a_format_names_every_key(page):
     assert files and {key for key in keys if not re.search(rf"[`.\[]{key}[`.\]]", PAGES[page])} == set()
 
 
+@pytest.mark.parametrize("command", [line for line in LIVE if line.startswith("hmdwarp serve")])
+def test_the_served_pages_can_be_opened(command):
+    """At ports that are free here."""
+    pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install '.[web]'")
+    options = [re.sub(r"(127\.0\.0\.1):\d+", r"\1:*", option) for option in shlex.split(command)[2:]]
+    with Serving(*options) as serving, urlopen(serving.line("for a browser").split()[-1]) as page:
+        assert page.status == 200 and b"<script" in page.read()
+
+
 @pytest.mark.slow
 @needs.programs("Xvfb")
-@pytest.mark.parametrize("command", LIVE)
+@pytest.mark.parametrize("command", [line for line in LIVE if not line.startswith("hmdwarp serve")])
 def test_the_live_commands_open_a_window(command, tmp_path):
     small = " --pictures 3 --size 96x120 --scene planes"  # of an option given twice the last counts
     kept = tmp_path / "screen"

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import random
 import re
@@ -21,6 +22,7 @@ from hmdwarp.pipeline.feed_coding import FeedEncoder
 from hmdwarp.run import ServeOptions, serve_run
 from hmdwarp.sources.feed.listener import Asked
 from hmdwarp.sources.feed.message import FrameMessage, decode
+from hmdwarp.sources.server import Server
 
 from . import foreign
 
@@ -147,9 +149,9 @@ def here():
 
 
 def test_whatever_fails_while_drawing_is_refused_and_the_next_request_is_drawn(here, monkeypatch):
-    (answers_to, said), draw = here, serve_run._drawn
+    (answers_to, said), draw, calls = here, Server.draw_frame, itertools.count(1)
     monkeypatch.setattr(
-        serve_run, "_drawn", lambda server, ask, needs: draw(server, ask, needs) if ask.number != 2 else {}["it"]
+        Server, "draw_frame", lambda *args, **options: draw(*args, **options) if next(calls) != 2 else {}["it"]
     )
     first, failed, last = answers_to(*map(foreign.request, (1, 2, 3)))
     assert (first[:2], failed[:2], last[:2]) == (("frame", 1), ("refusal", 2), ("frame", 3))
