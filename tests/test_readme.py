@@ -1,8 +1,8 @@
 """Every command and line of Python in README.md and docs/*.md runs, as a reader would run it.
 
 A block of kind `sh` or `python` runs as it is but for smaller pictures, in an empty folder for each
-page; a block of kind `shell` opens a window or a page. A block of kind `text` needs people, a headset or the
-checkout, so it is only read.
+page; a block of kind `shell` opens a window or a page. A block of kind `text` needs people, a
+headset or the checkout, so it is only read.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
-from urllib.request import urlopen
+from urllib.request import HTTPCookieProcessor, build_opener
 
 import needs
 import pytest
@@ -186,8 +186,10 @@ def test_the_served_pages_can_be_opened(command):
     """At ports that are free here."""
     pytest.importorskip("aiohttp", reason="aiohttp is not installed: pip install '.[web]'")
     options = [re.sub(r"(127\.0\.0\.1):\d+", r"\1:*", option) for option in shlex.split(command)[2:]]
-    with Serving(*options) as serving, urlopen(serving.line("for a browser").split()[-1]) as page:
-        assert page.status == 200 and b"<script" in page.read()
+    with Serving(*options) as serving:
+        keeps_cookies = build_opener(HTTPCookieProcessor())
+        with keeps_cookies.open(serving.line("for a browser").split()[-1]) as page:
+            assert page.status == 200 and b"<script" in page.read()
 
 
 @pytest.mark.slow
