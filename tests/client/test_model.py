@@ -275,7 +275,7 @@ def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu)
         frame = server.draw_frame([HERE], 1_000_000_000 * step, (8, 6), needs=needs)
         server.heard(frame, False, 1_000_000_000 * (step + 2))
         server.recycle(frame)
-        (sender,) = server._parts["scene_update"]._senders.values()
+        (sender,) = server._parts[None, "scene_update"]._senders.values()
         held.append((sum(map(len, sender.book._waiting.values())), len(sender.book._news)))
     waiting = [fragments for fragments, _ in held]
     assert waiting[0] > 0 and max(waiting) == waiting[0]
