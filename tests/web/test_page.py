@@ -66,7 +66,7 @@ def test_a_walk_200_ms_late_is_near_the_truth(page, gpu, record_property):
             found.append(20 * np.log10(255) - 10 * np.log10(np.mean(off**2)))
             ages.append(looked["age"])
     assert min(ages) >= 200 and max(ages) <= 200 + 2 * 1000 / 30
-    record_property("psnr_db", np.mean(found))
+    record_property("psnr_db", float(np.mean(found)))  # workers send plain numbers alone
     assert np.mean(found) >= 28
 
 
