@@ -49,9 +49,8 @@ class Surfaces:
             source: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, indirect=source)
             for source in sources
         }
+        self._gpu = gpu
         self._depth: ScenePasses | None = None
-        if self._several is not None:
-            self._depth = ScenePasses(gpu, scene, self._buffers, colour=False, moving=self._moving)
         self._framebuffers = Framebuffers(gpu.gl)
 
     def reserve(self, size: Size) -> None:
@@ -67,12 +66,17 @@ class Surfaces:
 
         What is read as data, not seen, has one sample a pixel: a mean of normals is none.
         """
-        if self._several is None or self._depth is None or source is Indirect.RECEIVERS:
+        if self._several is None or source is Indirect.RECEIVERS:
             self._passes[source].draw(view, self._over(into), time_ns)
             return
         self._several.draw(self._passes[source], view, into.colour.texture, time_ns)
         if into.inverse_depth is not None:
-            self._depth.draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
+            self._depth_passes().draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
+
+    def _depth_passes(self) -> ScenePasses:
+        if self._depth is None:
+            self._depth = ScenePasses(self._gpu, self.scene, self._buffers, colour=False, moving=self._moving)
+        return self._depth
 
     def _over(self, into: ShownPicture) -> moderngl.Framebuffer:
         depth = (into.inverse_depth,) if into.inverse_depth is not None else ()

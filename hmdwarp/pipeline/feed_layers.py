@@ -253,9 +253,9 @@ def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
     """Return why a frame's layers are not the requested ones, "" if they are."""
     if wanted is None:
         return ""
-    sizes = sizes_of(wanted, frame.size)
+    sizes, amounts = sizes_of(wanted, frame.size), _amounts(wanted)
     for eye, of_eye in enumerate(frame.layers or ({},) * len(frame.views)):
-        for name, amount in _amounts(wanted).items():
+        for name, amount in amounts.items():
             layer = layers.get(name)
             if eye and layer.per_frame:
                 continue

@@ -21,16 +21,17 @@ from scipy.spatial.transform import Rotation
 
 from ..errors import InputError
 from ..frames import EyeImage
+from ..frames.layers import PICTURE
 from ..geometry import Pose, View, metres_from_inverse_depth
 from ..gpu.textures import download
 from ..metrics import QualityJob
 from ..pipeline.loop import Refresh
-from ..poses.formats.mcap import POSES, PoseMessages, numbers, of_object, stamp
+from ..poses.formats.mcap import AXES, POSES, PoseMessages, numbers, of_object, stamp
+from ..poses.reading.axes import parse_axes
 from ..report import atomic, png_bytes, refuse_existing
 from .run_summary import EYES
 
 SUFFIX = ".mcap"
-_ROS_FROM_OPENXR = np.array([[0.0, 0, -1], [-1, 0, 0], [0, 1, 0]])
 _CAMERA_FROM_EYE = np.diag([1.0, -1, -1])
 _TEXT, _COUNT = {"type": "string"}, {"type": "integer"}
 _BYTES = {"type": "string", "contentEncoding": "base64"}
@@ -83,7 +84,7 @@ class ViewerFile:
     """
 
     def __init__(self, stream: Any) -> None:
-        self._poses = PoseMessages(stream)
+        self._poses, self._ros_from_openxr = PoseMessages(stream), parse_axes(AXES).world.T
         self._channels: dict[str, int] = {}
         self._late: dict[int, int] = {}
         self._offset_ns: int | None = None
@@ -93,11 +94,11 @@ class ViewerFile:
         if self._offset_ns is None:  # a log begins at 0 or later
             self._offset_ns = max(0, -min(refresh.shown_ns, refresh.frame.drawn_ns))
         at_ns = self._at(refresh.shown_ns)
-        self._poses.add(at_ns, *_placed(refresh.head.pose, _ROS_FROM_OPENXR.T))
+        head = self._placed(refresh.head.pose, self._ros_from_openxr.T)
+        self._poses.add(at_ns, *head)
         views = [(f"{eye}/shown", inputs.middle) for eye, inputs in zip(EYES, refresh.inputs, strict=False)]
         views += [(f"{eye}/late", image.view) for eye, image in zip(EYES, refresh.frame.eyes, strict=False)]
-        moved = [("head", *_placed(refresh.head.pose, _ROS_FROM_OPENXR.T))]
-        moved += [(name, *_placed(view.pose, _CAMERA_FROM_EYE)) for name, view in views]
+        moved = [("head", *head), *((name, *self._placed(view.pose, _CAMERA_FROM_EYE)) for name, view in views)]
         transforms = [
             {
                 "timestamp": stamp(at_ns), "parent_frame_id": "world", "child_frame_id": name,
@@ -125,6 +126,8 @@ class ViewerFile:
             return
         self._camera(name, at_ns, image.view, image.size)
         self._image(f"/{name}/image", name, at_ns, picture)
+        if PICTURE[1] in image.left_out:
+            return
         inverse = download(image.inverse_depth)
         depth = metres_from_inverse_depth(np.where(inverse < 0, np.nan, inverse)).astype("<f4")
         high, wide = depth.shape
@@ -148,6 +151,12 @@ class ViewerFile:
         assert self._offset_ns is not None, "the first refresh comes first"
         return time_ns + self._offset_ns
 
+    def _placed(self, pose: Pose, own_axes: NDArray[np.float64]) -> tuple[dict[str, float], dict[str, float]]:
+        """Return position and quaternion in the axes of ROS of a frame with its own axes."""
+        turn = Rotation.from_matrix(self._ros_from_openxr @ pose.rotation_matrix @ own_axes).as_quat()
+        place = self._ros_from_openxr @ pose.position_m
+        return dict(zip("xyz", place.tolist(), strict=True)), dict(zip("xyzw", turn.tolist(), strict=True))
+
     def _camera(self, name: str, at_ns: int, view: View, size: tuple[int, int]) -> None:
         self._put(f"/{name}/camera", "foxglove.CameraCalibration", at_ns, {**_at(at_ns, name), **_pinhole(view, size)})
 
@@ -163,13 +172,6 @@ class ViewerFile:
 
 def _at(at_ns: int, frame: str) -> dict[str, Any]:
     return {"timestamp": stamp(at_ns), "frame_id": frame}
-
-
-def _placed(pose: Pose, here_from_own: NDArray[np.float64]) -> tuple[dict[str, float], dict[str, float]]:
-    """Return position and quaternion in the axes of ROS of a frame whose own axes are others."""
-    turn = Rotation.from_matrix(_ROS_FROM_OPENXR @ pose.rotation_matrix @ here_from_own).as_quat()
-    place = _ROS_FROM_OPENXR @ pose.position_m
-    return dict(zip("xyz", place.tolist(), strict=True)), dict(zip("xyzw", turn.tolist(), strict=True))
 
 
 def _pinhole(view: View, size: tuple[int, int]) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import base64
 import csv
 import io
 import json
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +18,11 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.geometry import Pose
+from hmdwarp.gpu import download
 from hmdwarp.headsets import load_headset
 from hmdwarp.poses import load_trace
+from hmdwarp.scenes import load_scene
+from hmdwarp.sources.server import Server
 
 mcap = pytest.importorskip("mcap.reader")
 
@@ -123,8 +127,18 @@ def test_pictures_are_those_that_were_measured(recorded, messages):
     assert empty > 0
 
 
-def test_the_late_depth_is_there_once_for_each_frame(recorded, messages):
-    depths = messages["/left/late/depth"]
+def test_the_late_depth_is_that_of_the_frame_the_right_way_up(recorded, messages, gpu):
+    """Drawn again for the pose of the row, once for each frame. One over it rounds twice."""
+    depths, rows = messages["/left/late/depth"], {int(row["shown_ns"]): row for row in left_rows(recorded)}
+    at, content = depths[0]
+    row = rows[at]
+    head = Pose(place(row, "drawn"), [float(row[f"drawn_q{axis}"]) for axis in "xyzw"])
+    with closing(Server(gpu, load_scene("planes"))) as server:
+        eye = server.draw(load_headset("index").views(head)[0], (content["width"], content["height"]))
+        inverse = download(eye.inverse_depth)
+    found = np.frombuffer(base64.b64decode(content["data"]), "<f4").reshape(inverse.shape)
+    assert np.array_equal(np.isnan(found), inverse < 0)
+    assert np.allclose(1 / found[inverse > 0], inverse[inverse > 0], rtol=2**-22, atol=0)
     assert 1 <= len(depths) <= len(messages["/left/shown/image"])
     for _, content in depths:
         depth = np.frombuffer(base64.b64decode(content["data"]), "<f4").reshape(content["height"], content["width"])
