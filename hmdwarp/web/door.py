@@ -33,7 +33,7 @@ from .es_shaders import PAGE, shaders
 
 _TOKEN_BYTES = 16
 _TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
-_FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1, "HEARTBEAT_IVL": 500}
+_FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1}
 _MOST_UNSENT = 1 << 16  # bytes, in the system
 _REPORT = b"HWLG"  # before rows of a report
 MOST_PAGES, SILENT_S = 64, 10.0  # connections, and until a new one is cut that says nothing

@@ -25,7 +25,7 @@ from .message import (
     encode,
     token_of,
 )
-from .shared_frames import IS_ABLE, read
+from .shared_frames import IS_ABLE, MOST_OF_CLIENT, read
 from .sockets import (
     LINK,
     LOOK_NS,
@@ -37,12 +37,15 @@ from .sockets import (
     is_file,
     set_options,
     waiting_parts,
+    wire_bytes,
     zmq_module,
 )
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
 _MOST_UNREAD = 3
+# Bytes that may wait to be taken: twice what an honest server sends before they have left it.
+_MOST_BEHIND = 2 * MOST_OF_CLIENT
 _MOST_PATIENCE = 4
 
 
@@ -142,7 +145,7 @@ class Caller:
         socket = self._context.socket(self._zmq.DEALER)
         options = {
             "SNDHWM": 64,
-            "RCVHWM": 4,
+            "RCVHWM": 4 if is_file(self.address) else 0,
             "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES,
             "IMMEDIATE": 1,
             "IPV6": "[" in self.address,
@@ -165,6 +168,8 @@ class Caller:
             while True:
                 ready = dict(poller.poll(LOOK_NS // 1_000_000 if self._hearing is not None else None))
                 if socket in ready and (parts := waiting_parts(self._zmq, socket)):
+                    if self._hearing is not None:
+                        self._hearing.taken += wire_bytes(parts)
                     self._receive(parts, time.monotonic_ns())
                 if events in ready:
                     kind, descriptor = struct.unpack_from("=HI", events.recv_multipart()[0])
@@ -194,7 +199,14 @@ class Caller:
     def _cut_if_silent(self, now_ns: int) -> None:
         """Cut a connection over which nothing comes any more; the library makes another."""
         hearing = self._hearing
-        if hearing is None or now_ns - hearing.looked_ns < LOOK_NS or not hearing.is_silent(now_ns, self._patience):
+        if hearing is None or now_ns - hearing.looked_ns < LOOK_NS:
+            return
+        is_silent = hearing.is_silent(now_ns, self._patience)
+        if hearing.received - hearing.taken > _MOST_BEHIND:
+            self._hearing = None
+            cut(hearing.descriptor)
+            self._note(f"{self.address}: more than {_MOST_BEHIND >> 20} MiB that nobody has read: connecting anew")
+        if not is_silent or self._hearing is None:
             return
         # A tunnel may hide how long the way is, and the first answer then takes longer.
         self._hearing, self._patience = None, min(2 * self._patience, _MOST_PATIENCE)

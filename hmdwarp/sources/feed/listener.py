@@ -30,6 +30,7 @@ from .message import (
 )
 from .shared_frames import IS_ABLE, MOST_OF_CLIENT, NEVER_NS, SharedFrames
 from .sockets import (
+    CALLS,
     KERNEL_BYTES,
     LINK,
     MOST_OF_ADDRESS,
@@ -173,7 +174,8 @@ class Listener:
         self._socket = self._context.socket(self._zmq.ROUTER)
         # Frames of any size are given without a copy, so that it is known when they have left.
         self._socket.copy_threshold = 0
-        own = {"SNDHWM": 64, "RCVHWM": 256, "RCVBUF": KERNEL_BYTES, "MAXMSGSIZE": LARGEST_ASK + SEAL_BYTES}
+        waiting = {"RCVHWM": 256} if is_file(where) else {"RCVHWM": 0} | CALLS
+        own = waiting | {"SNDHWM": 64, "RCVBUF": KERNEL_BYTES, "MAXMSGSIZE": LARGEST_ASK + SEAL_BYTES}
         own |= {"ROUTER_MANDATORY": 1, "ROUTER_HANDOVER": 0, "IPV6": "[" in where}
         set_options(self._zmq, self._socket, LINK | own)
         if pair is not None:

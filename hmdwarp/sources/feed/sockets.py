@@ -33,8 +33,8 @@ SEAL_BYTES = 8 + 8 + 16 + 1
 _FILE = "ipc://"
 _MOST_PATH = 107  # of a local socket, less its last zero
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
-# Wire bytes of whole messages that may wait in the library and the kernel stay well below this.
-MOST_UNREAD = 1 << 18
+# Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
+MOST_UNREAD = 1 << 20
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
 # Without a valid request for so long a connection is silent, and one is idle from which another may
 # take its place.
@@ -42,13 +42,17 @@ SILENT_NS, IDLE_NS = 10_000_000_000, 2_000_000_000
 # Without a byte from a server for so long, beside the time of a round trip, a connection is dead;
 # and how often a client looks.
 SILENCE_NS, LOOK_NS = 1_500_000_000, 100_000_000
-# Both ends call within half a second, so that silence is known; how long is too long is judged by
+# A server calls within half a second, so that silence is known; how long is too long is judged by
 # the system's count of bytes, as the library hears nothing within a long message. Its own limits
 # are for where the system does not say.
+#
+# Libzmq 4.3.5 aborts the process (`Assertion failed: !_io_error`, its issue 4841) if it calls, or
+# is called, over a connection that has ended while as many messages as RCVHWM allows waited. So
+# over a network there is no RCVHWM: who sends more than may wait is cut by the system's count.
+# Files of this machine have no such count, and no calls.
+CALLS = {"HEARTBEAT_IVL": 500, "HEARTBEAT_TIMEOUT": 60_000}
 LINK = {
     "LINGER": 0,
-    "HEARTBEAT_IVL": 500,
-    "HEARTBEAT_TIMEOUT": 60_000,
     "HANDSHAKE_IVL": SILENT_NS // 1_000_000,
     "TCP_KEEPALIVE": 1,
     "TCP_KEEPALIVE_IDLE": 5,
@@ -85,6 +89,11 @@ def waiting_parts(zmq: ModuleType, one: Any, *, copy: bool = True) -> list[Any]:
     with contextlib.suppress(zmq.Again):
         parts = one.recv_multipart(zmq.NOBLOCK, copy=copy)
     return parts
+
+
+def wire_bytes(parts: list[Any]) -> int:
+    """Return how many bytes the parts of a message were at most: a part has less than 64 more."""
+    return sum(len(part) + 64 for part in parts)
 
 
 def address_of(text: str) -> str:
@@ -167,8 +176,7 @@ class Connections:
         with contextlib.suppress(self._zmq.ZMQError):  # not of a connection that has a descriptor
             found = self._of.get(parts[-1].get(self._zmq.SRCFD))
             if found is not None:
-                # Whatever the library adds to a part on the wire is less than this.
-                found.taken += sum(len(part) + 64 for part in parts)
+                found.taken += wire_bytes(parts)
             return found
         return None
 
@@ -216,7 +224,7 @@ class Connections:
             return
         with contextlib.suppress(OSError), _socket_of(one.descriptor) as wire:
             if _received(wire) > MOST_UNREAD + one.taken:
-                self.cut(one, "a message without an end")
+                self.cut(one, f"more than {MOST_UNREAD >> 10} KiB that nobody has read: too many, or without an end")
 
     def cut(self, one: Connection, why: str) -> None:
         """Cut a connection; the library closes it at once, and its client learns of it."""
@@ -248,6 +256,8 @@ class Hearing:
     looked_ns: int
     received: int = 0
     silent_ns: int = 0
+    # Bytes of the messages that were taken.
+    taken: int = 0
 
     def is_silent(self, now_ns: int, patience: int) -> bool:
         """Look whether anything has come since the last look; return whether nothing has too long.

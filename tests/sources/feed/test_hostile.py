@@ -1,6 +1,7 @@
 """Hostile clients: whatever they send, memory stays bounded and the next one is served."""
 
 import contextlib
+import itertools
 import random
 import socket
 import struct
@@ -106,6 +107,17 @@ def test_a_message_without_an_end_is_cut_and_takes_no_more_memory_than_it_may(li
     assert resident() - before < 32 * 8 * MOST_UNREAD
     while not any("without an end" in line for line in listener.told):
         assert listener.next(10) is None
+    serves(listener)
+
+
+def test_who_asks_much_while_a_frame_is_drawn_and_leaves_ends_nothing(listener):
+    """The library itself aborts where what waits is limited and the server calls: see CALLS."""
+    with raw(listener) as one:
+        for number in range(1, 600):
+            request = encode(attrs.evolve(ASK, number=number, token=bytes(32)))
+            one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
+        time.sleep(0.1)
+    time.sleep(1.5 * sockets.CALLS["HEARTBEAT_IVL"] / 1000)
     serves(listener)
 
 
@@ -328,22 +340,27 @@ def test_a_thousand_connections_of_noise_leave_it_serving(listener):
     serves(listener)
 
 
-def test_a_client_that_asks_on_and_on_is_not_taken_for_one(listener):
+def test_a_client_that_asks_on_and_on_stays_while_it_is_read(listener):
     """Many whole messages are no endless one, even if nobody takes them for a while."""
-    request = b"\x02" + struct.pack(">Q", len(encode(ASK))) + encode(ASK)
-    flood = request * 20
+    numbers = itertools.count(1)
+
+    def some(size: int) -> bytes:
+        asks = (encode(attrs.evolve(ASK, number=next(numbers), token=bytes(32))) for _ in range(size // 400))
+        return b"".join(b"\x02" + struct.pack(">Q", len(one)) + one for one in asks)
+
+    flood = some(MOST_UNREAD // 4)
     with raw(listener) as one:
-        one.settimeout(0.2)
-        sent = 0
-        try:
-            while sent < 8 * MOST_UNREAD:
-                sent += one.send(flood[sent % len(request) :])
-        except TimeoutError:
-            pass  # it is held back, as it should be
+        one.sendall(flood)
         time.sleep(0.1)
-        one.settimeout(60)
-        while sent < 16 * MOST_UNREAD:
-            for _ in range(4):
-                listener.next(0)
-            sent += one.send(flood[sent % len(request) :])
-    assert not any("cut" in line for line in listener.told)
+        for _ in range(8):
+            one.sendall(some(MOST_UNREAD // 4))
+            last = next(numbers) - 1
+            while (asked := listener.next(10)) is None or asked.ask.number < last:
+                pass
+        assert not any("cut" in line for line in listener.told)
+        with pytest.raises(OSError):
+            for _ in range(1 << 14):
+                one.sendall(flood)
+    while not any("nobody has read" in line for line in listener.told):
+        listener.next(10)
+    serves(listener)

@@ -158,15 +158,16 @@ def test_a_server_that_was_started_again_begins_anew_and_so_does_the_client(gpu,
     with ExitStack() as stack:
         with Serving(*command):
             feed = FeedOptions(connect=where)
-            setup = stack.enter_context(ready(gpu, TRIED[name], scene=scene, seconds=60.0, feed=feed))
+            setup = stack.enter_context(ready(gpu, TRIED[name], scene=scene, seconds=600.0, feed=feed))
             remote, numbered = setup.source.remote, setup.schedule.numbered()
             _, instant_ns = flown(setup, itertools.islice(numbered, 12)), next(numbered)[1]
             patient(remote, 0)
             setup.channel.newest(instant_ns)
-        with Serving(*command):
+        with Serving(*command) as again:
             monkeypatch.setattr(Remote, "pace", unhurried)
             before = len(remote.delays_ns)
             while len(remote.delays_ns) == before:
+                assert again.process.poll() is None
                 flown(setup, itertools.islice(numbered, 1))
             first_ns = remote.delays_ns[before][0]
             monkeypatch.setattr(Remote, "pace", patient)
@@ -175,7 +176,7 @@ def test_a_server_that_was_started_again_begins_anew_and_so_does_the_client(gpu,
             patient(remote, 0)
             setup.channel.newest(instants[-1][1])
             delays = dict(remote.delays_ns)
-    with ready(gpu, TRIED[name], scene=scene, seconds=60.0, latency_ms=latency_ms) as setup:
+    with ready(gpu, TRIED[name], scene=scene, seconds=600.0, latency_ms=latency_ms) as setup:
         drawn = [ns for ns in sorted(delays) if ns >= first_ns]
         setup.channel.link.delay_by(iter([delays[ns] for ns in drawn]))
         here, _ = flown(setup, [(0, ns) for ns in drawn])
