@@ -28,6 +28,7 @@ from hmdwarp.sources.feed.shared_frames import IS_ABLE, MOST_OF_CLIENT, SHARED
 from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST_UNREAD
 
 from .exchange import answered, exchanged, port_of
+from .relay import RESET
 from .test_message import ASK, FRAME
 
 zmq = pytest.importorskip("zmq", reason="pyzmq is not installed: pip install '.[feed]'")
@@ -117,6 +118,7 @@ def test_who_asks_much_while_a_frame_is_drawn_and_leaves_ends_nothing(listener):
             request = encode(attrs.evolve(ASK, number=number, token=bytes(32)))
             one.sendall(b"\x02" + struct.pack(">Q", len(request)) + request)
         time.sleep(0.1)
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
     time.sleep(1.5 * sockets.CALLS["HEARTBEAT_IVL"] / 1000)
     serves(listener)
 
