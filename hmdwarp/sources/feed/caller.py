@@ -11,6 +11,7 @@ from typing import Any
 
 import attrs
 
+from ...errors import MachineError
 from .alignment import Alignment, Exchange
 from .message import (
     MOST_BYTES,
@@ -98,9 +99,11 @@ class Caller:
         self._thread.start()
 
     def ask(self, ask: Ask) -> int:
-        """Send a request; return when, on this machine's clock."""
+        """Send a request; return when, on this machine's clock. Errors: MachineError."""
         now_ns = time.monotonic_ns()
         newest, token, self._asked = self._newest, self._token, max(self._asked, ask.number)
+        if not self._thread.is_alive():  # nobody would take the request, and sending would wait for ever
+            raise MachineError(f"--connect {self.address}: the feed's thread has ended, see the error above")
         request = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token, shares=self._shares)
         self._orders.send(encode(request))
         return now_ns
@@ -136,7 +139,8 @@ class Caller:
 
     def close(self) -> None:
         """Hang up."""
-        self._orders.send(b"")
+        if self._thread.is_alive():
+            self._orders.send(b"")
         self._thread.join()
         self._orders.close(0)
         self._context.term()
