@@ -209,7 +209,7 @@ class Caller:
         if hearing.received - hearing.taken > _MOST_BEHIND:
             self._hearing = None
             cut(hearing.descriptor)
-            self._note(f"{self.address}: more than {_MOST_BEHIND >> 20} MiB that nobody has read: connecting anew")
+            self._note(f"{self.address}: more than {_MOST_BEHIND >> 20} MiB unread: connecting anew")
         if not is_silent or self._hearing is None:
             return
         # A tunnel may hide how long the way is, and the first answer then takes longer.

@@ -224,7 +224,7 @@ class Connections:
             return
         with contextlib.suppress(OSError), _socket_of(one.descriptor) as wire:
             if _received(wire) > MOST_UNREAD + one.taken:
-                self.cut(one, f"more than {MOST_UNREAD >> 10} KiB that nobody has read: too many, or without an end")
+                self.cut(one, f"more than {MOST_UNREAD >> 10} KiB unread: too many requests, or one without an end")
 
     def cut(self, one: Connection, why: str) -> None:
         """Cut a connection; the library closes it at once, and its client learns of it."""

@@ -363,6 +363,6 @@ def test_a_client_that_asks_on_and_on_stays_while_it_is_read(listener):
         with pytest.raises(OSError):
             for _ in range(1 << 14):
                 one.sendall(flood)
-    while not any("nobody has read" in line for line in listener.told):
+    while not any("KiB unread" in line for line in listener.told):
         listener.next(10)
     serves(listener)
