@@ -59,7 +59,7 @@ def test_a_second_entry_of_a_name_is_refused():
         fills.register(fills.get("none"))
 
 
-def plugin(folder: Path, code: str, group: str = "hmdwarp.fills", name: str = "grey") -> None:
+def plugin(folder: Path, code: str, group: str = "hmdwarp.fills", name: str = "plugged_in") -> None:
     """A package as pip installs it: its module and the metadata that names its entry point."""
     (folder / "my_fills.py").write_text(code, encoding="utf-8")
     info = folder / "my_fills-1.0.dist-info"
@@ -73,7 +73,7 @@ from hmdwarp.client.fills import fills
 
 @fills.register
 class Grey(fills.get("none")):
-    name = "grey"
+    name = "plugged_in"
     summary = "holes become grey"
 """
 
@@ -90,7 +90,7 @@ def test_another_package_adds_an_entry_that_the_command_line_lists(tmp_path):
     ("code", "message"),
     [
         ("import a_package_that_is_not_here", "cannot be loaded .*ModuleNotFoundError.*update or uninstall"),
-        ("", "promises a fill 'grey' but registers none of that name"),
+        ("", "promises a fill 'plugged_in' but registers none of that name"),
     ],
 )
 def test_a_broken_plugin_is_named(tmp_path, monkeypatch, code, message):
@@ -101,7 +101,7 @@ def test_a_broken_plugin_is_named(tmp_path, monkeypatch, code, message):
     registry: Registry = Registry("fill", "hmdwarp.client.fills")
     try:
         with pytest.raises(InputError, match=f"my-fills.*{message}|{message}"):
-            registry.get("grey")
+            registry.get("plugged_in")
     finally:
         _entry_points.cache_clear()
         sys.modules.pop("my_fills", None)

@@ -87,7 +87,7 @@ class _Lines:
 
     def line(self) -> str:
         if self._began is None or self._now is None:
-            return f"{self._what}: still making ready"
+            return f"{self._what}: still preparing"
         (began_s, first), (now_s, done, total) = self._began, self._now
         line = f"{self._what}: {done} of {total}"
         if done == total:

@@ -23,8 +23,7 @@ _SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture"
 def entries(kind: str) -> list[dict[str, str]]:
     """Rows of one kind, each with at least `name` and `summary`.
 
-    kind: strategies, warps, fills, repairs, effects, lenses, scenes, headsets, clients, axes,
-    formats, layouts, layers, recordings, scales, studies, options.
+    kind: a key of `listing.KINDS`.
     """
     return _MAKERS[kind]()
 
@@ -119,6 +118,47 @@ def _repairs() -> list[dict[str, str]]:
     from ..sources.repairs import repairs
 
     return [{**_said(repair, "needs"), "settings": _settings(repair), "source": repair.source} for repair in repairs]
+
+
+def _metrics() -> list[dict[str, str]]:
+    from ..metrics import metrics
+
+    return [
+        {
+            "name": metric.name,
+            "summary": metric.description,
+            "unit": "%" if metric.percent_of else metric.unit or "none",
+            "better": "more" if metric.higher_is_better else "less",
+            "needs": ", ".join(sorted(str(need.name).lower().replace("_", " ") for need in metric.needs)) or "nothing",
+        }
+        for metric in metrics
+    ]
+
+
+def _predictors() -> list[dict[str, str]]:
+    from ..poses.predictors import predictors
+
+    return [
+        {
+            **_said(each),
+            "horizon": f"{each.horizon_ns / 1e6:g} ms",
+            "same_as": each.alias_of or "none",
+            "source": each.source,
+        }
+        for each in predictors
+    ]
+
+
+def _codecs() -> list[dict[str, str]]:
+    from ..link.codec import codecs
+
+    return [{**_said(each), "encoder": each.encoder or "none", "crf": f"{each.crf:g}"} for each in codecs]
+
+
+def _delays() -> list[dict[str, str]]:
+    from ..link import delay_models
+
+    return [{"name": each.name, "summary": str(each.__doc__).split("\n\n", maxsplit=1)[0]} for each in delay_models]
 
 
 def _effects() -> list[dict[str, str]]:
@@ -345,21 +385,9 @@ def _option_row(option: Option, name: str, commands: list[str]) -> dict[str, str
 
 
 _MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
-    "strategies": _strategies,
-    "warps": _warps,
-    "fills": _fills,
-    "repairs": _repairs,
-    "effects": _effects,
-    "lenses": _lenses,
-    "scenes": _scenes,
-    "headsets": _headsets,
-    "clients": _clients,
-    "axes": _axes,
-    "formats": _formats,
-    "layers": _layers,
-    "layouts": _layouts,
-    "recordings": _recordings,
-    "scales": _scales,
-    "studies": _studies,
-    "options": _options,
+    maker.__name__.removeprefix("_"): maker
+    for maker in (
+        *(_strategies, _warps, _fills, _repairs, _metrics, _effects, _lenses, _scenes, _headsets, _clients, _axes),
+        *(_formats, _layers, _layouts, _predictors, _codecs, _delays, _recordings, _scales, _studies, _options),
+    )
 }

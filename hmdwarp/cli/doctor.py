@@ -11,9 +11,9 @@ COLOURS = {"ok": typer.colors.GREEN, "missing": typer.colors.RED, "optional": ty
 
 @takes(JSON)
 def doctor(said: Said) -> None:
-    """Show what this machine has.
+    """Check what this machine has, what is missing, and how to get it.
 
-    GL, compute, timers, OpenXR; what is missing and how to get it.
+    OpenGL and its timers, displays, codecs, and each extra.
     """
     from ._checks import examine, replay_can_run
 

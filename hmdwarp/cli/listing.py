@@ -14,6 +14,7 @@ KINDS = {
     "warps": "Move a late picture to the newest head pose.",
     "fills": "Close the holes that a warp leaves.",
     "repairs": "Mend depth as cameras give it, before the warp.",
+    "metrics": "What is measured of each picture.",
     "effects": "What a scene may call for beside plain surfaces: mirrors, moving bodies, glass, overlays.",
     "lenses": "Correct the lens of a headset.",
     "scenes": "What is rendered, beside files of your own.",
@@ -23,6 +24,9 @@ KINDS = {
     "formats": "Formats of head traces.",
     "layouts": "Layouts of recorded frames.",
     "layers": "What a frame holds beside its picture.",
+    "predictors": "Foretell the head's pose.",
+    "codecs": "Encode and decode what crosses the link.",
+    "delays": "How the latency varies from frame to frame.",
     "recordings": "Head traces that are part of the package.",
     "scales": "What a study asks.",
     "studies": "Plans of studies that are part of the package.",
@@ -35,7 +39,7 @@ class ListOptions(Declared):
     """What to list, and how. Errors: InputError for two forms at once."""
 
     kind: str | None = option(None, f"One of {', '.join(KINDS)}; by default these kinds are listed.", positional=True)
-    name: str | None = option(None, "Tell everything about this one.", positional=True)
+    name: str | None = option(None, "Show everything about this one.", positional=True)
     json: bool = option(False, "Everything, as a JSON array of objects.")
     markdown: bool = option(False, "Everything, as a Markdown table.")
 

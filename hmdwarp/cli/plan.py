@@ -20,14 +20,14 @@ from ._show import in_columns, paragraph
 from .catalogue import headset_facts
 
 REPLAY = "replay"
-_SOURCE = Option("Driver that shows the pictures: replay, or live: openxr or desktop.", default=REPLAY, name="source")
+_SOURCE = Option("Display to plan for: replay, or in a live run openxr or desktop.", default=REPLAY, name="source")
 
 
 @takes(PipelineOptions, _SOURCE, JSON)
 def plan(said: Said) -> None:
-    """Print the passes that would run, with reasons, and the bytes of a frame. Starts nothing.
+    """Print the passes that would run, with reasons, and the bytes of a frame. Runs nothing.
 
-    Tells what makes the scene slow to draw, and what to do about it.
+    With --proxy those of the proxy too. Says what makes the scene slow to draw, and what to do.
     """
     source = said["source"]
     headsets.load_headset(said["headset"])
@@ -48,7 +48,8 @@ def plan(said: Said) -> None:
         return
     about.show()
     light = [("Light", options.light_note)] if options.light_note else []
-    in_columns([(frames.headset.name, "; ".join(f"{key.replace('_', ' ')} {text}" for key, text in eyes.items()))])
+    typer.echo(f"Eyes of {frames.headset.name}:")
+    in_columns(((key.replace("_", " "), text) for key, text in eyes.items()), indent=2)
     in_columns([*_assumed(source, options.headset), *light, *(("Slow", line) for line in slow)])
     for note in noted:
         paragraph(f"note: {note}")
@@ -169,15 +170,19 @@ def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Sour
 
 
 def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:
-    layers = ", ".join(f"{name} {count / 1e6:.1f} MB" for name, count in frame["layers"].items())
+    layers = ", ".join(f"{name} {_megabytes(count)}" for name, count in frame["layers"].items())
     from ..pipeline.sizes import rendered_text
 
     at_once = f"at most {frame['at_once']} of them at {frame['latency_ms']:g} ms and {frame['rate_hz']:g} Hz"
     return [
-        ("A frame", f"{counted(frame['eyes'], 'eye')}, {frame['bytes'] / 1e6:.1f} MB uncompressed: {layers}"),
+        ("A frame", f"{counted(frame['eyes'], 'eye')}, {_megabytes(frame['bytes'])} uncompressed: {layers}"),
         ("An eye", f"{rendered_text(frame)}"),
         ("At a time", f"{at_once}: under way, being drawn, shown or kept"),
     ]
+
+
+def _megabytes(count: int) -> str:
+    return "under 0.1 MB" if 0 < count < 50_000 else f"{count / 1e6:.1f} MB"
 
 
 def _told(step: client.Step) -> str:

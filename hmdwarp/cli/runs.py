@@ -75,10 +75,10 @@ def record(said: Said) -> None:
 
 @takes(ServeOptions, QUIET)
 def serve(said: Said) -> None:
-    """Give frames to clients in other processes or on other machines, until Ctrl-C.
+    """Serve frames to clients in other processes or on other machines, until Ctrl-C.
 
-    They are 'hmdwarp live --connect', 'hmdwarp replay --connect', and programs that speak
-    docs/feed.md.
+    Clients are 'hmdwarp live --connect', 'hmdwarp replay --connect', 'hmdwarp proxy', programs that
+    speak the protocol of docs/feed.md and, with --web, browsers.
     """
     from ..run import serve as go
 

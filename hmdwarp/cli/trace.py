@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -59,7 +59,9 @@ def info(said: Said) -> None:
         console = Console(width=120, soft_wrap=True)
     console.print(_facts(loaded, figures))
     for table in _tables(loaded, figures):
+        console.print()
         console.print(table)
+    console.print()
     _print_defects(console, loaded)
 
 
@@ -180,10 +182,12 @@ def _facts(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Table:
 
 def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Table]:
     """Yield the tables of speeds, of what latency costs, and of what was read and assumed."""
+    from ..report import terminal_table
+
     heads = ("", *(f"p{p:g}" for p in poses.SPEED_PERCENTILES))
     turning = ("turning, deg/s", *(f"{v:.1f}" for v in figures.angular_speed_deg_s))
     moving = ("moving, m/s", *(f"{v:.3f}" for v in figures.linear_speed_m_s))
-    yield _table("Speed (200 Hz, central differences)", heads, [turning, moving], words=1)
+    yield terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
     costs: tuple[tuple[str, Callable[[poses.PredictionErrors], str]], ...] = (
         ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
         ("Of it along the head's motion: % of the time that it leads, p95 of the lead / of the lag, degrees", _lead),
@@ -194,28 +198,18 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
             (cell(error) if row.count else "trace too short" for error in row.errors.values()) for row in figures.errors
         )
         lines = [(f"{row.latency_ms} ms", *texts) for row, texts in zip(figures.errors, cells, strict=True)]
-        yield _table(title, heads, lines)
+        yield terminal_table(heads, lines, title=title)
     if (count := len(loaded.segments)) > 1:
         lines = [
             (str(s.number), f"{s.first_line}-{s.last_line}", str(s.rows), f"{s.duration_s:.3f}", "taken" * s.taken)
             for s in loaded.segments[:20]
         ]
         more = [("...", "", "", "", f"{count - 20} more")] if count > 20 else []
-        yield _table("Recordings in the file", ("segment", "lines", "rows", "seconds", ""), [*lines, *more])
+        yield terminal_table(
+            ("segment", "lines", "rows", "seconds", ""), [*lines, *more], title="Recordings in the file"
+        )
     assumed = [(assumption.what, assumption.value, assumption.source) for assumption in loaded.assumptions]
-    yield _table("What was assumed of the file", ("fact", "taken as", "who says so"), assumed, words=3)
-
-
-def _table(title: str, heads: Sequence[str], lines: Iterable[Sequence[str]], words: int = 0) -> Table:
-    """Return a table for the terminal; the first `words` columns are no numbers."""
-    from rich.table import Table
-
-    table = Table(title=title, title_justify="left")
-    for number, name in enumerate(heads):
-        table.add_column(name, justify="left" if number < words else "right")
-    for line in lines:
-        table.add_row(*line)
-    return table
+    yield terminal_table(("fact", "taken as", "who says so"), assumed, words=3, title="What was assumed of the file")
 
 
 def _angles(errors: poses.PredictionErrors) -> str:

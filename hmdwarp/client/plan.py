@@ -252,14 +252,14 @@ def build_plan(
         _plan_shown_depth([fill.entry for fill in chain], depth_for, draft)
     for fill_choice in chain:
         entry = fill_choice.entry
-        draft.add("fill", f"fill {fill_choice}", f"asked for: {entry.summary}", entry.reads, entry.writes)
+        draft.add("fill", f"fill {fill_choice}", f"chosen: {entry.summary}", entry.reads, entry.writes)
     if not chain:
         draft.leave_out("fill", f"fill 'none': {fills.get('none').summary}")
     _plan_shown(shown, forced, fused, takes_panels, draft)
     if fused:
         draft.leave_out("lens", f"warp '{choice}' looks through the lens itself: one resample instead of two")
     elif chosen_lens.is_pass:
-        draft.add("lens", f"lens {chosen_lens.name}", f"asked for: {chosen_lens.summary}", chosen_lens.reads, (PANEL,))
+        draft.add("lens", f"lens {chosen_lens.name}", f"chosen: {chosen_lens.summary}", chosen_lens.reads, (PANEL,))
     elif distorts:
         draft.leave_out("lens", f"{distorts} corrects the lens by itself")
     else:
@@ -333,7 +333,7 @@ def _why_not(
         return f"the scene calls for it, but it was forbidden: {effect.without}"
     if effect.name not in declared:  # the only place that tests for an effect
         unasked = effect.by_name_only and effect.name not in named
-        return f"not asked for: --effects {effect.name}" if unasked else "nothing in the scene calls for it"
+        return f"only on request: --effects {effect.name}" if unasked else "nothing in the scene calls for it"
     for name in effects.ordered(declared):
         if effect.name in effects.get(name).instead_of:
             return f"{name} stands in for it"
@@ -353,7 +353,7 @@ def _why_not_beside(warp: type[Warp], effect: Effect, named: Collection[str]) ->
     if warp.kind == "draw":
         return f"warp '{warp.name}' {warp.without_effects}"
     if warp.imposter and effect.name not in named:
-        return f"warp '{warp.name}' compensates nothing unless asked for by name: {effect.without}"
+        return f"warp '{warp.name}' compensates nothing unless requested by name: {effect.without}"
     if effect.made_by.carries and not warp.carries:
         return f"warp '{warp.name}' carries nothing along: {effect.without}"
     return ""
@@ -404,7 +404,7 @@ def _plan_foveated(fovea: Fovea | None, choice: Choice[Warp], *, samples_grid: b
         told = f"{readers[0].reason}; samples frames that come coarser away from where the eye looks ({fovea})"
         draft.steps[warp] = attrs.evolve(readers[0], reads=reads, reason=told)
         return Needs(foveated=fovea)
-    reason = f"asked for: frames come coarser away from where the eye looks ({fovea})"
+    reason = f"chosen: frames come coarser away from where the eye looks ({fovea})"
     draft.steps.insert(0, Step("effects", ExpandPass.name, reason, tuple(map(readable, found)), writes))
     return Needs(**dict.fromkeys(found, fovea))
 
@@ -413,7 +413,7 @@ def _why(planned: PlannedEffect, forced: Collection[str]) -> str:
     what = "; ".join(f"{effect.name} ({effect.summary})" for effect in planned.effects)
     names = [effect.name for effect in planned.effects if effect.name in forced]
     if names and all(effect.by_name_only for effect in planned.effects):
-        return f"asked for by name: {what}"
+        return f"requested by name: {what}"
     return (
         f"the scene calls for it: {what}"
         if not names
@@ -468,7 +468,7 @@ def _plan_client_depth(warp: type[Warp], client_geometry: bool, is_brought: bool
 def _plan_warp(choice: Choice[Warp], lens: type[LensPass] | None, follows: bool, depth_for: str, draft: _Draft) -> None:
     """Add the warp, which writes the shown depth too for what is named in depth_for."""
     warp, reads = choice.entry, choice.entry.reads_for(choice.settings)
-    reason = f"asked for: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
+    reason = f"chosen: {warp.summary}" + ("; every row for the instant it lights up" if follows else "")
     if lens is None:
         if depth_for:
             reason += f"; writes the depth of what it shows for {depth_for}"

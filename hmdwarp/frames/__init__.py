@@ -3,24 +3,15 @@
 The kinds of layers are registered in frames.layers.
 """
 
-from .frame import EyeImage, Frame, Needs, frame_bytes, video_pixels
-from .layers import EyeSizes, Surface
-from .layers.ids import BodyIds
-from .layers.others import Others
-from .layers.reflection import Mirrored, Reflection
-from .layers.transparent import Transparent
-
-__all__ = [
-    "BodyIds",
-    "EyeImage",
-    "EyeSizes",
-    "Frame",
-    "Mirrored",
-    "Needs",
-    "Others",
-    "Reflection",
-    "Surface",
-    "Transparent",
-    "frame_bytes",
-    "video_pixels",
-]
+from .frame import EyeImage as EyeImage
+from .frame import Frame as Frame
+from .frame import Needs as Needs
+from .frame import frame_bytes as frame_bytes
+from .frame import video_pixels as video_pixels
+from .layers import EyeSizes as EyeSizes
+from .layers import Surface as Surface
+from .layers.ids import BodyIds as BodyIds
+from .layers.others import Others as Others
+from .layers.reflection import Mirrored as Mirrored
+from .layers.reflection import Reflection as Reflection
+from .layers.transparent import Transparent as Transparent

@@ -1,27 +1,20 @@
 """The network between server and client: frames enter when drawn and come out on arrival."""
 
-from .delays import DelayModel, delay_models
-from .link import Bandwidth, GilbertElliott, Link, Pacer
-from .options import CHANGES, RESOLUTION, SCALES, LinkOptions, Overload, scaled_size
-from .response import ResponseTime, StageTimes, Tally, TransitStats, figures_of_parts, response_figures
-
-__all__ = [
-    "CHANGES",
-    "RESOLUTION",
-    "SCALES",
-    "delay_models",
-    "Bandwidth",
-    "DelayModel",
-    "GilbertElliott",
-    "Link",
-    "LinkOptions",
-    "Overload",
-    "scaled_size",
-    "Pacer",
-    "TransitStats",
-    "ResponseTime",
-    "StageTimes",
-    "Tally",
-    "figures_of_parts",
-    "response_figures",
-]
+from .delays import DelayModel as DelayModel
+from .delays import delay_models as delay_models
+from .link import Bandwidth as Bandwidth
+from .link import GilbertElliott as GilbertElliott
+from .link import Link as Link
+from .link import Pacer as Pacer
+from .options import CHANGES as CHANGES
+from .options import RESOLUTION as RESOLUTION
+from .options import SCALES as SCALES
+from .options import LinkOptions as LinkOptions
+from .options import Overload as Overload
+from .options import scaled_size as scaled_size
+from .response import ResponseTime as ResponseTime
+from .response import StageTimes as StageTimes
+from .response import Tally as Tally
+from .response import TransitStats as TransitStats
+from .response import figures_of_parts as figures_of_parts
+from .response import response_figures as response_figures

@@ -133,7 +133,7 @@ class LinkOptions(Declared):
     # See Overload.
     overload: str = option(
         DROP,
-        "Where frames cannot keep up: drop some of them; or resolution, which is lowered first.",
+        "Where frames cannot keep up: drop some of them; or resolution: lower it first.",
         valid=one_of(DROP, RESOLUTION),
     )
 

@@ -50,7 +50,8 @@ def program_hash(*also: str) -> str:
     """
     package, shaders = Path(__file__).resolve().parents[1], resource_folder("shaders")
     found = hashlib.sha256()
-    for base, pattern in ((package, "**/*.py"), (package, "**/*.toml"), (shaders, "**/*.*")):
+    patterns = [(package, f"**/*.{ending}") for ending in ("py", "toml", "sql", "xz")]
+    for base, pattern in (*patterns, (shaders, "**/*.*")):
         for path in sorted(base.glob(pattern)):
             name = path.relative_to(base).as_posix()
             counts = not name.startswith((*_NOT_OF_RESULTS, "_data/")) or name.startswith(also)

@@ -138,7 +138,7 @@ class PipelineOptions(Declared):
     # 0 for the camera's eye alone.
     eye_distance_mm: float = option(
         attrs.Factory(lambda self: self.usual_eye_distance_mm, takes_self=True),
-        "Show recorded frames to a second eye too, so many millimetres to the right of the camera. [default: 0, one "
+        "Show recorded frames to a second eye too, this many millimetres to the right of the camera. [default: 0, one "
         "eye; 63 in live]",
         default=None,
         kind=float,
@@ -150,7 +150,7 @@ class PipelineOptions(Declared):
     # From drawing a frame to showing it.
     latency_ms: float = option(
         200.0,
-        "Milliseconds from drawing a frame to showing it; with --proxy, from the proxy's picture on.",
+        "Milliseconds from drawing a frame to showing it; with a proxy, from the proxy's picture on.",
         unit="ms",
         valid=Number(),
     )
@@ -284,8 +284,8 @@ class PipelineOptions(Declared):
     # None for frames that are as sharp everywhere.
     fovea_deg: float | None = option(
         None,
-        "Degrees across that frames have sharp where the eye looks, or straight ahead if the trace has no gaze; beyond "
-        "them they are coarser. By default all is sharp.",
+        "Degrees across that are sharp in frames, where the eye looks, or straight ahead if the trace has no gaze; the "
+        "rest is coarser. By default all is sharp.",
         kind=float,
         unit="deg",
         name="fovea",
@@ -294,7 +294,7 @@ class PipelineOptions(Declared):
     )
     rim: int = option(
         4,
-        "Pixels on each axis that one holds beyond --fovea.",
+        "Display pixels that one pixel covers on each axis beyond --fovea.",
         valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
         heading=RENDERING,
     )

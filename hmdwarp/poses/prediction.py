@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 ERROR_PERCENTILES = (50, 95, 99)
 # A head that has turned or moved less than this has no direction: trackers that write three
 # decimals step by 0.1 degrees.
-STILL_DEG, STILL_M = 0.2, 0.002
+STILL_DEG = 0.2
 _FAR = 95  # percentile of lead and lag
 
 
@@ -49,14 +49,14 @@ def predict(
 
 @attrs.frozen
 class PredictionErrors:
-    """Of many predictions: angles in degrees, or lengths in metres. NaN for no prediction at all.
+    """Angles of many predictions, in degrees. NaN for no prediction at all.
 
     One that leads overshoots where the head stops. `signed_lead` says what leads.
     """
 
     mean: float
     percentiles: tuple[float, ...]  # at ERROR_PERCENTILES
-    lead_share: float  # of the predictions that lead by more than STILL_DEG or STILL_M
+    lead_share: float  # of the predictions that lead by more than STILL_DEG
     lead: float  # 95th percentile of the lead; 0 where it lags
     lag: float  # 95th percentile of the lag; 0 where it leads
 
@@ -67,13 +67,18 @@ def turn_errors(known: Array, actual: Array, predicted: Array) -> PredictionErro
     Orientations (n, 4): known when predicting, the actual ones that were to be predicted, and the
     predicted ones.
     """
-    turn = quaternions.vector_between
-    return _errors(np.degrees(turn(actual, predicted)), np.degrees(turn(known, actual)), STILL_DEG)
-
-
-def move_errors(known: Array, actual: Array, predicted: Array) -> PredictionErrors:
-    """Return the same of positions (n, 3), in metres."""
-    return _errors(predicted - actual, actual - known, STILL_M)
+    nothing = float("nan")
+    missed, moved = (np.degrees(quaternions.vector_between(*pair)) for pair in ((actual, predicted), (known, actual)))
+    if not len(missed):
+        return PredictionErrors(nothing, (nothing,) * len(ERROR_PERCENTILES), nothing, nothing, nothing)
+    lengths, lead = np.linalg.norm(missed, axis=-1), signed_lead(missed, moved, STILL_DEG)
+    return PredictionErrors(
+        mean=float(lengths.mean()),
+        percentiles=tuple(float(value) for value in np.percentile(lengths, ERROR_PERCENTILES)),
+        lead_share=float(np.mean(lead > STILL_DEG)),
+        lead=max(0.0, float(np.percentile(lead, _FAR))),
+        lag=max(0.0, float(np.percentile(-lead, _FAR))),
+    )
 
 
 def signed_lead(missed: Array, moved: Array, still: float) -> Array:
@@ -89,20 +94,6 @@ def signed_lead(missed: Array, moved: Array, still: float) -> Array:
     along = np.einsum("ij,ij->i", missed, moved) / np.where(at_rest, 1.0, length)
     # From rest to rest: what is left of the error once the head's own jitter is taken off.
     return np.asarray(np.where(at_rest, np.linalg.norm(missed + moved, axis=-1), along))
-
-
-def _errors(missed: Array, moved: Array, still: float) -> PredictionErrors:
-    nothing = float("nan")
-    if not len(missed):
-        return PredictionErrors(nothing, (nothing,) * len(ERROR_PERCENTILES), nothing, nothing, nothing)
-    lengths, lead = np.linalg.norm(missed, axis=-1), signed_lead(missed, moved, still)
-    return PredictionErrors(
-        mean=float(lengths.mean()),
-        percentiles=tuple(float(value) for value in np.percentile(lengths, ERROR_PERCENTILES)),
-        lead_share=float(np.mean(lead > still)),
-        lead=max(0.0, float(np.percentile(lead, _FAR))),
-        lag=max(0.0, float(np.percentile(-lead, _FAR))),
-    )
 
 
 _MS = 1_000_000

@@ -77,3 +77,4 @@ from .words import p_text as p_text
 from .words import pair_text as pair_text
 from .words import plain as plain
 from .words import signed as signed
+from .words import terminal_table as terminal_table

@@ -117,21 +117,14 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
     )  # fmt: skip
 
 
-def render_compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> str:
-    """Return the text of compare_page."""
-    return compare_page(data, pictures).html()
-
-
 def compare_table(rows: Iterable[Row]) -> TerminalTable:
     """Return the rows for the terminal, case by case, the least error first."""
     from rich.text import Text as Words
 
     shown = [COLUMNS[name] for name in ("flip", "psnr_db", "client_ms", "mbit_s", "start_bytes")]
     heads = {"start_bytes": "MB first", "mbit_s": "Mbit/s", "client_ms": "ms"}
-    table = terminal_table(padding=(0, 1, 0, 0))
-    table.add_column("strategy")
-    for column in shown:
-        table.add_column(heads.get(column.figure.name, column.figure.label), justify="right", no_wrap=True)
+    names = (heads.get(column.figure.name, column.figure.label) for column in shown)
+    table = terminal_table(("strategy", *names))
     for label, group, _ in _cases(list(rows), []):
         table.add_section()
         table.add_row(Words(label, style="bold"))

@@ -427,7 +427,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
     from rich.text import Text
 
     title = f"{summary['trace']} at {summary['latency_ms']:g} ms, {source_text(summary)}, {summary['frames']} frames"
-    table = terminal_table(title=title, caption=_caption(summary, baselines))
+    table = terminal_table(title=title, caption=_caption(summary, baselines), padding=(0, 1))
     table.add_column("")
     tails = 2 if len(baselines) < 2 else 1
     for number, name in enumerate(column_names(summary, *baselines)):
@@ -464,8 +464,8 @@ def _table_head(figure: Figure) -> str:
 
 def _caption(summary: Summary, baselines: Sequence[Summary]) -> str:
     clock = "GPU timers" if summary["clock"] == "gpu" else "wall clock"
-    lines = ["mean over measured pictures; p95: the worst 5 % begin there", f"times: median per eye, {clock}"]
+    lines = ["mean over measured pictures; p95: 5 % are worse", f"times: median per eye, {clock}"]
     lines[1] += "".join(
-        f"; {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
+        f"; baseline {baseline['warp']}: fill {baseline['fill']}, lens {baseline['lens']}" for baseline in baselines
     )
     return "\n".join([*lines, how_sure(summary, mark="*" if baselines else None)])

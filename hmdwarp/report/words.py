@@ -143,11 +143,27 @@ def markdown(lines: Iterable[Sequence[str]]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
-def terminal_table(**options: Any) -> TerminalTable:
-    """Return an empty table for the terminal in the look of all of them."""
+def terminal_table(
+    heads: Iterable[str] = (), lines: Iterable[Iterable[str]] = (), *, words: int = 1, **options: Any
+) -> TerminalTable:
+    """Return a table for the terminal in the look of all of them.
+
+    words: so many columns from the left hold words, which may wrap; the others hold numbers.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
-    return Table(
-        **options, title_justify="left", caption_justify="left", box=SIMPLE_HEAD, show_edge=False, pad_edge=False
+    table = Table(
+        **{"padding": (0, 1, 0, 0)} | options,
+        title_justify="left",
+        caption_justify="left",
+        box=SIMPLE_HEAD,
+        show_edge=False,
+        pad_edge=False,
     )
+    for number, head in enumerate(heads):
+        table.add_column(head, justify="left" if number < words else "right", no_wrap=number >= words)
+    for line in lines:
+        table.add_row(*map(Text, line))
+    return table

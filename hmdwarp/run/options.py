@@ -73,7 +73,7 @@ class CacheOptions(Declared):
         convert=attrs.converters.optional(Path),
     )
     most_mb: float = option(
-        4000.0, "Size of that folder, at most, in 10^6 bytes; the longest unused goes.", name="cache_mb",
+        4000.0, "Largest size of that folder, in 10^6 bytes; the least recently used goes first.", name="cache_mb",
         valid=Number(above=True),
     )  # fmt: skip
 
@@ -95,7 +95,7 @@ class RunOptions(PipelineOptions):
         names_files=True,
         default=None,
     )
-    start_s: float = option(0.0, "Seconds into the trace to show first.", unit="s", valid=Number())
+    start_s: float = option(0.0, "Seconds into the trace at which to start.", unit="s", valid=Number())
     seconds: float | None = option(
         None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
     )
@@ -119,16 +119,19 @@ class RunOptions(PipelineOptions):
         "is; '' for no comparison.",
     )
     metrics_every: int = option(
-        10, "Measure one of every n refreshes, in step with no period.", valid=Number(least=1), heading=MEASURING
+        10,
+        "Measure one in n refreshes, unevenly spread, so that nothing periodic is missed.",
+        valid=Number(least=1),
+        heading=MEASURING,
     )
     metrics_by: str = option(
         BY_GPU,
-        f"What finds FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
+        f"What computes FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
         valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )
     profile: bool = option(
-        False, "Say where the CPU time goes, and write profile.json: trace events for ui.perfetto.dev."
+        False, "Report where the CPU time goes, and write profile.json: trace events for ui.perfetto.dev."
     )
     # 0 for not at all.
     jod_s: float = option(
@@ -368,7 +371,7 @@ class RecordOptions(Declared):
     force: bool = force_field()
     source: str = option(
         OPENXR,
-        "Head to record: openxr (a headset), desktop (a window) or synthetic motion.",
+        "Head to record: openxr (a headset), desktop (a window) or synthetic (see --kind).",
         valid=one_of(OPENXR, DESKTOP, SYNTHETIC),
     )
     # None until Ctrl-C; for a made-up head, the length of its kind.

@@ -206,7 +206,7 @@ def set_up_replay(
         schedule = schedule or schedule_of(trace.track, options, rate_hz)
         name = track.name or trace.path.stem
         say(
-            f"making ready: {source.title}, OpenGL, measuring; then {schedule.count} refreshes of "
+            f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of "
             f"'{name}'{_cost(schedule.count)}"
         )
         gpu = stack.enter_context(Gpu())

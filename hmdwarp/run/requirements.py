@@ -245,7 +245,7 @@ class Requirements(Declared):
 
     require: tuple[Requirement, ...] = option(
         (),
-        "End with status 4 where the results do not hold: 'psnr_db.mean>=28, flip.p95<=0.08'; a ratio of two with /, "
+        "Exit with status 4 unless the results meet: 'psnr_db.mean>=28, flip.p95<=0.08'; a ratio of two with /, "
         "of one warp or strategy alone as NAME:FIGURE.",
         kind=str,
         default="",

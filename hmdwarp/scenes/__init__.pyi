@@ -5,7 +5,6 @@ from ._load import check_scene_name as check_scene_name
 from ._load import load_scene as load_scene
 from ._load import slow_in as slow_in
 from ._mesh import Body as Body
-from ._mesh import Brightness as Brightness
 from ._mesh import Deformation as Deformation
 from ._mesh import Emission as Emission
 from ._mesh import Material as Material
@@ -31,7 +30,6 @@ from ._pieces import pieces_of as pieces_of
 from ._points import PointCells as PointCells
 from ._points import SurfacePoints as SurfacePoints
 from ._points import VoxelGrid as VoxelGrid
-from ._points import VoxelSurfaces as VoxelSurfaces
 from ._points import octahedral as octahedral
 from ._points import voxel_surfaces as voxel_surfaces
 from ._reduce import only_emission as only_emission
@@ -74,7 +72,6 @@ from .options import FILE_ENDINGS as FILE_ENDINGS
 from .options import FORESEEN as FORESEEN
 from .options import KNOWS as KNOWS
 from .options import SceneOptions as SceneOptions
-from .radiosity import Transport as Transport
 from .radiosity import blockers_of as blockers_of
 from .radiosity import indirect_atlas as indirect_atlas
 from .radiosity import lamps_at as lamps_at

@@ -18,7 +18,7 @@ import pytest
 
 PROGRAM = [sys.executable, "-m", "hmdwarp.cli"]
 ROOT = Path(__file__).resolve().parents[2]
-PROGRESS = re.compile(r"making ready: |(refreshes|instants|recordings|studies): ")
+PROGRESS = re.compile(r"preparing |(refreshes|instants|recordings|studies): ")
 
 
 def complaints(err: str | bytes) -> list[str]:

@@ -15,7 +15,7 @@ def lines():
 def test_an_estimate_comes_from_the_steps_after_the_first(lines):
     """The first step took 20 s of warming up; the ten after it took 1 s each."""
     lines.update(0, 61, 100.0)
-    assert lines.line() == "refreshes: still making ready"
+    assert lines.line() == "refreshes: still preparing"
     lines.update(1, 61, 120.0)
     lines.update(11, 61, 130.0)
     assert lines.line() == "refreshes: 11 of 61, about 50 s to go"
@@ -43,7 +43,7 @@ def test_a_replay_tells_its_progress_without_a_terminal(command, quick, monkeypa
     monkeypatch.setattr(_show, "ESTIMATE_AFTER_S", 0.0)
     done = command("replay", "still", *(word for word in quick if word != "--quiet")).done()
     told = done.err.splitlines()
-    assert "making ready: scene 'planes', OpenGL, measuring; then 6 refreshes of 'still'" in told
+    assert "preparing scene 'planes', OpenGL and metrics; then 6 refreshes of 'still'" in told
     assert any(line.startswith("refreshes: ") for line in told)
 
 

@@ -199,7 +199,7 @@ def test_no_scene_asks_for_it_and_its_reason_is_the_name():
     assert effects.get(NAME).by_name_only
     plan = build_plan((NAME,), "backward", "pyramid", "none", client_geometry=True, named=(NAME,), forced=(NAME,))
     (step,) = [step for step in plan.steps if step.stage == "effects"]
-    assert step.reason.startswith("asked for by name")
+    assert step.reason.startswith("requested by name")
     assert plan.needs == Needs(light=True)
 
 

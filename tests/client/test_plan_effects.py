@@ -125,7 +125,7 @@ def test_forced_and_forbidden_effects_are_reported_as_such():
     left_out = dict(plan_of(("overlay",), forced=["overlay"], forbidden=["transparency"]).left_out)
     assert left_out["transparency"].startswith("the scene calls for it, but it was forbidden: a pane has the depth")
     assert left_out["rigid_motion"] == "nothing in the scene calls for it"
-    assert left_out["light_only"] == "not asked for: --effects light_only"
+    assert left_out["light_only"] == "only on request: --effects light_only"
     (step,) = [step for step in plan_of(("overlay",), forced=["overlay"]).steps if step.stage == "effects"]
     assert step.reason.startswith("forced, though the scene has nothing of overlay")
 

@@ -98,7 +98,9 @@ def _half_turn(gpu, name, degrees: float, axis) -> None:
     setting = Setting(gpu, stepped_depth(), turned(axis, degrees))
     for picture in setting.pictures(name):
         if degrees == 180 and is_warped_by_the_frame_alone(name) and name != "none":
-            assert not picture.covered[picture.decided].any(), "what is behind was mirrored to the front"
+            assert not picture.covered[picture.decided].any(), (
+                "what is behind is at the front; where that is meant, name the warp here"
+            )
 
 
 @hard_case()

@@ -77,7 +77,7 @@ def test_wheel_holds_all_that_is_not_python(wheel):
     assert shaders and any(name.endswith("look-around.csv") for name in recordings)
     missing = {f"hmdwarp/_data/{name}" for name in shaders | recordings} - names
     inside = expected("hmdwarp/headsets", ".toml") | expected("hmdwarp/report", ".html", ".css", ".js", ".j2")
-    inside |= expected("hmdwarp/study", ".toml", ".csv") | expected("hmdwarp/scenes", ".xz")
+    inside |= expected("hmdwarp/study", ".toml", ".csv", ".sql") | expected("hmdwarp/scenes", ".xz")
     assert any(name.endswith("rift-dk1.toml") for name in inside)
     assert not (missing | (inside - names)), "files that the program reads did not get into the wheel"
 

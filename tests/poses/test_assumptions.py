@@ -138,7 +138,7 @@ _OPTIONS = {"colmap": TraceOptions(rate=90.0)}  # of files without a clock
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=_MARKS.get(name, ())) for name in formats.names()])
 def test_whatever_a_reader_assumes_is_an_entry(tmp_path, name):
-    """A new format needs a sample here."""
+    assert name in SAMPLES, f"a new format needs a sample file: add '{name}' to SAMPLES"
     loaded = load_trace(SAMPLES[name](tmp_path), _OPTIONS.get(name))
     assert loaded.format == name
     entries = {assumption.what: assumption for assumption in loaded.assumptions}
@@ -160,4 +160,5 @@ def test_the_page_has_what_each_format_assumes():
     """`make docs OPTIONS=trace-formats` writes the table."""
     page = (Path(__file__).parents[2] / "docs" / "traces.md").read_text(encoding="utf-8")
     for row in entries("formats"):
-        assert f"| `{row['name']}` | {' | '.join(list(row.values())[1:])} |" in page
+        line = f"| `{row['name']}` | {' | '.join(list(row.values())[1:])} |"
+        assert line in page, f"'make docs OPTIONS=trace-formats' writes the line of {row['name']}"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.poses import move_errors, signed_lead, turn_errors
+from hmdwarp.poses import signed_lead, turn_errors
 
 AXIS = np.array([0.6, 0.0, 0.8])
 STILL_DEG = 0.2
@@ -40,10 +40,6 @@ def test_lead_of_motions_that_are_known(actual, predicted, lead):
     assert found.lead == pytest.approx(max(lead, 0), abs=1e-11)
     assert found.lag == pytest.approx(max(-lead, 0), abs=1e-11)
     assert found.lead_share == (lead > STILL_DEG)
-    # A metre for a degree: the same figures along a way.
-    way = np.array([[0.36, -0.48, 0.8]])
-    moved = move_errors(0 * way, actual * way, predicted * way)
-    assert (moved.lead, moved.lag) == pytest.approx((max(lead, 0), max(-lead, 0)), abs=1e-12)
 
 
 def test_an_error_across_the_motion_neither_leads_nor_lags():

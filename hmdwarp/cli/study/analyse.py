@@ -181,27 +181,14 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
         ]
         for row in rows
     ]
-    return lines_as_table(
-        f"{part}: {_SIGN}" if part else _SIGN.capitalize(),
-        heads,
-        lines,
-    )
+    return lines_as_table(f"{part}: {_SIGN}" if part else _SIGN.capitalize(), heads, lines)
 
 
 def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:
     """Return a table for the terminal; heads: (label, unit) of each column."""
-    from rich import box
-    from rich.table import Table
-    from rich.text import Text
+    from ...report import terminal_table
 
-    table = Table(
-        title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0)
-    )
-    for number, (name, unit) in enumerate(heads):
-        table.add_column(f"{name} {unit}".strip(), justify="right" if number else "left", no_wrap=number > 0)
-    for line in lines:
-        table.add_row(*map(Text, line))
-    return table
+    return terminal_table((" ".join(head).strip() for head in heads), lines, title=title, title_style="bold")
 
 
 @attrs.frozen
@@ -252,7 +239,6 @@ def _print_prediction(data: dict[str, Any], scale: str, studies: tuple[str, ...]
     from ...report import listed
     from ...report.study import prediction_lines
     from .._show import console, paragraph
-    from .analyse import lines_as_table
 
     paragraph(f"Ratings on {scale} of {listed(studies)}.")
     if data["measures"]:

@@ -198,19 +198,16 @@ def _print_power(
 
 
 def _print_power_of(found: study.Power, target: float) -> None:
-    from rich.table import Table
-
+    from ...report import terminal_table
     from .._show import console, paragraph
 
-    table = Table(box=None, pad_edge=False)
-    table.add_column("people who begin")
-    for at_n in found.at:
-        table.add_column(str(at_n.n), justify="right")
-    for comparison in found.true_effect:
-        table.add_row(study.name_of(comparison, found), *(f"{at_n.found[comparison].value:.0%}" for at_n in found.at))
-    if len(found.true_effect) > 1:
-        table.add_row("all of them", *(f"{at_n.all_found.value:.0%}" for at_n in found.at))
-    table.add_row("finish", *(f"{at_n.complete:.1f}" for at_n in found.at))
-    console().print(table)
+    lines = [
+        [study.name_of(comparison, found), *(f"{at_n.found[comparison].value:.0%}" for at_n in found.at)]
+        for comparison in found.true_effect
+    ]
+    if len(lines) > 1:
+        lines.append(["all of them", *(f"{at_n.all_found.value:.0%}" for at_n in found.at)])
+    lines.append(["finish", *(f"{at_n.complete:.1f}" for at_n in found.at)])
+    console().print(terminal_table(["people who begin", *(str(at_n.n) for at_n in found.at)], lines))
     for sentence in study.sentences(found, target):
         paragraph(sentence)

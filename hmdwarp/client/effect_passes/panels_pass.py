@@ -250,9 +250,6 @@ class PanelsPass(ShownPass):
         program.uniforms.set(picture=0, panel=0, panel_texels=held.texture.size, **by_time)
         return program
 
-    def close(self) -> None:
-        """Do nothing: what is kept belongs to the client's scene or the caller."""
-
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """Return those of the copy: panels cover little."""

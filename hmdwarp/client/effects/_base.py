@@ -108,8 +108,7 @@ class EffectPass(ABC):
     def prepare(self) -> None:
         """Compile the programs and allocate the textures; run() does neither."""
 
-    @abstractmethod
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027 (some own nothing)
         """Free the textures and buffers."""
 
     @classmethod

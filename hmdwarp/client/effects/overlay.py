@@ -25,9 +25,6 @@ class OverlayPass(ShownPass):
         self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
         self.gpu.seen_rows.run(self._program, inputs.middle, into.size)
 
-    def close(self) -> None:
-        """Do nothing: it owns no GPU objects."""
-
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
         """Return the bytes of two pictures in and one out."""

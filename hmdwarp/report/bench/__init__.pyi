@@ -14,11 +14,8 @@ from .page import bench_page as bench_page
 from .page import render_bench_page as render_bench_page
 from .rows import COLUMNS as COLUMNS
 from .rows import DECISION as DECISION
-from .rows import Case as Case
-from .rows import Column as Column
 from .rows import bench_table as bench_table
 from .rows import cases as cases
 from .rows import choice_terms as choice_terms
 from .rows import common as common
-from .rows import decision as decision
 from .rows import first_cases as first_cases

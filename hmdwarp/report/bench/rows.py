@@ -250,7 +250,7 @@ def bench_table(rows: Iterable[Row], *, width: int = 100) -> Table:
     heading = groups[0].label if len(groups) == 1 else f"{len(groups)} cases"
     names, warp_width = _that_fit(groups, width)
     title, caption = Text(", ".join([heading, *common(rows)])), Text(_caption(rows, names))
-    table = terminal_table(title=title, caption=caption, padding=(0, 1, 0, 0))
+    table = terminal_table(title=title, caption=caption)
     table.add_column(" ", no_wrap=True, width=len(MARK))
     for name in names:
         width = warp_width if name == "warp" else _width(name, groups)

@@ -92,7 +92,7 @@ class SequenceOptions(Declared):
     # On each side.
     crop: int = option(
         0,
-        "Leave out so many of the outermost pixels of recorded frames, where they hold no picture.",
+        "Leave out this many of the outermost pixels of recorded frames, where they hold no picture.",
         kind=int,
         unit="px",
         valid=Number(),

@@ -1,5 +1,4 @@
 from .comparisons import Resampling as Resampling
-from .comparisons import checked as checked
 from .comparisons import compared as compared
 from .comparisons import families_for as families_for
 from .comparisons import load_claims as load_claims
@@ -15,7 +14,6 @@ from .ratings import Rating as Rating
 from .ratings import Ratings as Ratings
 from .ratings import ScaleInfo as ScaleInfo
 from .ratings import SessionSummary as SessionSummary
-from .ratings import Table as Table
 from .ratings import copied_rows as copied_rows
 from .sources import claims_for as claims_for
 from .sources import from_contents as from_contents

@@ -14,14 +14,12 @@ from .definitions import WILLIAMS as WILLIAMS
 from .definitions import Breaks as Breaks
 from .definitions import Comparison as Comparison
 from .definitions import Condition as Condition
-from .definitions import Consent as Consent
 from .definitions import Design as Design
 from .definitions import Family as Family
 from .definitions import Page as Page
 from .definitions import Part as Part
 from .definitions import SettingFault as SettingFault
 from .definitions import Sickness as Sickness
-from .definitions import Task as Task
 from .definitions import check_settings as check_settings
 from .definitions import every_scale as every_scale
 from .definitions import live_options as live_options

@@ -14,6 +14,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...colour import linear_from_srgb
 from ...display import Control, control
 from ..design import open_picture
 
@@ -87,8 +88,7 @@ def picture_light(path: str) -> NDArray[np.uint8]:
     shown.thumbnail((WIDTH - 2 * PAD, PICTURE_HIGH), Image.Resampling.LANCZOS)
     ground = Image.new("RGBA", shown.size, "black")
     srgb = np.asarray(Image.alpha_composite(ground, shown).convert("RGB"), np.float64) / 255
-    light = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)  # IEC 61966-2-1
-    return np.round(light * 255).astype(np.uint8)
+    return np.round(linear_from_srgb(srgb) * 255).astype(np.uint8)
 
 
 class Canvas:

@@ -21,7 +21,6 @@ from .table_columns import columns_for as columns_for
 from .table_columns import csv_text as csv_text
 from .table_columns import field_text as field_text
 from .table_columns import tsv_text as tsv_text
-from .write import Exported as Exported
 from .write import ExportOptions as ExportOptions
 from .write import export as export
 from .write import no_sessions as no_sessions

@@ -25,7 +25,7 @@ from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
 from .export_rows import EVENTS, RUN_EVENTS, Row, all_scales, event_rows, sessions_of
-from .table_columns import Column, column_of, columns_for, label_of, tsv_text
+from .table_columns import Column, column_of, columns_for, columns_in, label_of, tsv_text
 
 FRAME = "world"
 # name, component, type, units: in the order of the columns of _motion.tsv.
@@ -184,13 +184,7 @@ PARTICIPANTS = (
     Column("sessions", "whole", "Number of sessions"),
     Column("status", "text", "How the last session ended", levels=column_of("status").levels),
 )
-SCANS = (
-    Column("filename", "text", "File of the row"),
-    Column("acq_time", "text", "Beginning of the showing; 1925-01-01 stands for the beginning of the session"),
-    Column("trial", "whole", "Trial of the head motion, 0 for the practice"),
-    Column("condition", "text", "Condition shown"),
-    Column("presentation", "whole", "Showing of the trial"),
-)
+SCANS = columns_in("scans")
 
 
 @attrs.frozen

@@ -29,20 +29,14 @@ from .export_rows import (
     short_rows,
     unconsented,
 )
-from .table_columns import Column, columns_for, csv_text, has_parquet, tsv_text, write_parquet
+from .table_columns import Column, columns_for, columns_in, csv_text, has_parquet, tsv_text, write_parquet
 
 EXTRA = ("phase", "kind", "text")
 OWNED = (
     *("ratings.*", "sessions/*.csv", "preferences.csv", "sickness.tsv", "questionnaires.tsv", "revisions.tsv"),
     *("remarks.csv", "columns.json", "bids/**/*"),
 )
-REMARKS = (
-    Column("participant", "text", "Random word for the participant"),
-    Column("session", "whole", "Which session of the participant"),
-    Column("step", "text", "Step of the session in which it was made"),
-    Column("by", "text", "Who made it"),
-    Column("text", "text", "The remark, as typed"),
-)
+REMARKS = columns_in("remarks")
 
 
 _WHOSE = {

@@ -6,7 +6,6 @@ from .planned_models import pairs_model as pairs_model
 from .planned_models import planned_model as planned_model
 from .planned_models import scales_for as scales_for
 from .planned_models import with_effect as with_effect
-from .power_text import COLUMNS as COLUMNS
 from .power_text import name_of as name_of
 from .power_text import power_folder as power_folder
 from .power_text import sentences as sentences

@@ -5,6 +5,4 @@ from .runner import why_sick as why_sick
 from .session_context import head_angles_deg as head_angles_deg
 from .session_options import SessionOptions as SessionOptions
 from .trial_runner import first_picture_wait_s as first_picture_wait_s
-from .wording import STILL_DEG as STILL_DEG
-from .wording import STILL_M as STILL_M
 from .wording import HeadRange as HeadRange

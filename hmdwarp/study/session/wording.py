@@ -44,8 +44,7 @@ class HeadRange:
         if self._first is None:
             self._first = pose
             return
-        near = abs(sum(a * b for a, b in zip(pose.unit_quaternion, self._first.unit_quaternion, strict=True)))
-        self.turn_deg = max(self.turn_deg, math.degrees(2 * math.acos(min(near, 1.0))))
+        self.turn_deg = max(self.turn_deg, _turn_deg(pose, self._first))
         self.shift_m = max(self.shift_m, math.dist(pose.position_m, self._first.position_m))
 
     @property

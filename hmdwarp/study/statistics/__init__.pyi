@@ -1,10 +1,6 @@
 from .rank_tests import MOST_PAIRS as MOST_PAIRS
 from .rank_tests import RESAMPLES as RESAMPLES
 from .rank_tests import SEED as SEED
-from .rank_tests import Friedman as Friedman
-from .rank_tests import Interval as Interval
-from .rank_tests import Shift as Shift
-from .rank_tests import Wilcoxon as Wilcoxon
 from .rank_tests import attained_level as attained_level
 from .rank_tests import bca as bca
 from .rank_tests import bca_shares as bca_shares

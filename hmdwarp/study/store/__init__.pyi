@@ -17,11 +17,9 @@ from .records import STOPPED as STOPPED
 from .records import UNCONSENTED as UNCONSENTED
 from .records import Answer as Answer
 from .records import Contents as Contents
-from .records import Event as Event
 from .records import Session as Session
 from .records import Showing as Showing
 from .recovery import recover as recover
 from .signature import plan_signature as plan_signature
 from .signature import signature_changes as signature_changes
 from .store import Store as Store
-from .store_connection import Clock as Clock

@@ -21,7 +21,7 @@ from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import client_bytes, decoded_mpx_s, start_bytes, unfit
 from hmdwarp.frames import EyeSizes
-from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, first_cases, render_compare_page
+from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, compare_page, first_cases
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
 QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
@@ -143,8 +143,8 @@ def test_the_page_follows_from_the_data_and_escapes_it(data):
 
     pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(data["rows"])
     odd = {**data, "command": "<script>alert(1)</script>"}
-    page = render_compare_page(odd, pictures)
-    assert page == render_compare_page(odd, pictures)
+    page = compare_page(odd, pictures).html()
+    assert page == compare_page(odd, pictures).html()
     assert "<script>" not in page
 
 
@@ -156,7 +156,7 @@ def test_a_page_of_many_cases_shows_the_first_and_says_so(data):
         number for number, row in enumerate(data["rows"]) if row["latency_ms"] == data["rows"][0]["latency_ms"]
     ]
     shown = {**data, "rows": [data["rows"][number] for number in numbers], "cases": count}
-    page = render_compare_page(shown, [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(numbers))
+    page = compare_page(shown, [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(numbers)).html()
     assert "This page shows the first 1 of 2 cases" in page
 
 
@@ -167,7 +167,7 @@ def test_zero_traffic_and_zero_error_have_ticks_of_their_own(data):
     rows = [{**data["rows"][0], "mbit_s": 0.0, "quality": exact}, *data["rows"][1:]]
     pictures = [lambda: (np.zeros((4, 4, 3), np.uint8),) * 2] * len(rows)
     ticks = [
-        re.findall(r">([\d.]+)</text>", render_compare_page({**data, "rows": shown}, pictures))
+        re.findall(r">([\d.]+)</text>", compare_page({**data, "rows": shown}, pictures).html())
         for shown in (data["rows"], rows)
     ]
     # Its error on both fronts, its traffic on one: for each of three clients.
