@@ -9,7 +9,7 @@ import moderngl
 
 from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
-from ..gpu.hidden import Groups
+from ..gpu.hidden import Strips
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
@@ -221,7 +221,7 @@ class Compensator:
         if made.warped is None or view.hidden is None:
             return
         self.gpu.barrier()
-        of: Groups = "edge" if self._warp.kind == "gather" else "hidden"
+        of: Strips = "edge" if self._warp.kind == "gather" else "hidden"
         if self._blackened.get(eye) != (view.hidden, view.fov):
             self._blackened[eye], of = (view.hidden, view.fov), "hidden"
             for picture in made.filled:
