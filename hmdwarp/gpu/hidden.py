@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .shaders import Compute, Draw, ShaderLibrary
-from .textures import Canvas
+from .textures import Canvas, tiles
 
 STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
 NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
@@ -64,7 +64,7 @@ class SeenRows:
         self._made: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size], moderngl.Texture]] = WeakKeyDictionary()
         self._arrays: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Draw], moderngl.VertexArray]]
         self._arrays = WeakKeyDictionary()
-        self._strips: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, int, Strips], tuple[moderngl.Buffer, int]]]
+        self._strips: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, int, int, Strips], tuple[moderngl.Buffer, int]]]
         self._strips = WeakKeyDictionary()
 
     def use(self, view: SeenView, size: Size) -> int:
@@ -110,28 +110,33 @@ class SeenRows:
             made[key] = self._gl.vertex_array(program.program, [(buffer, "2f", "in_ndc")])
         return made[key]
 
-    def run(self, program: Compute, view: SeenView, size: Size) -> None:
-        """Run over the strips that see something of a view; over all without HIDES."""
-        program.program.run(*self.grid(program, view, size))
+    def run(self, program: Compute, view: SeenView, size: Size, cell: int = 1) -> None:
+        """Run over the strips that see something of a view; over all without HIDES.
 
-    def grid(self, program: Compute, view: SeenView, size: Size) -> tuple[int, int]:
+        cell: pixels on each axis for which the program has one invocation, or row of one.
+        """
+        program.program.run(*self.grid(program, view, size, cell))
+
+    def grid(self, program: Compute, view: SeenView, size: Size, cell: int = 1) -> tuple[int, int]:
         """Return the work groups of such a run; a list of them is bound."""
-        return (self.groups(program, view, size), 1) if program.hides else program.groups(*size)
+        if program.hides:
+            return self.groups(program, view, size, cell=cell), 1
+        return program.groups(*tiles(size, cell))
 
-    def groups(self, program: Compute, view: SeenView, size: Size, of: Strips = "seen") -> int:
+    def groups(self, program: Compute, view: SeenView, size: Size, of: Strips = "seen", cell: int = 1) -> int:
         """Bind the list of strips for a program made with HIDES; return its work groups.
 
         of: strips at a seen pixel, with a hidden one, or with a hidden one near the outline.
         """
         hidden = view.hidden or self._nothing
         rows = program.rows
-        made, key = self._strips.setdefault(hidden, {}), (view.fov, size, rows, of)
+        made, key = self._strips.setdefault(hidden, {}), (view.fov, size, cell, rows, of)
         if key not in made:
             seen = hidden.seen(view.fov, size)
             # Passes read beside the pixels that they write.
             beside = np.pad(seen, 1)
             beside = beside[:-2, 1:-1] | beside[2:, 1:-1] | beside[1:-1, :-2] | beside[1:-1, 2:] | seen
-            any_seen, any_hidden = (_any_of(part, STRIP, rows) for part in (beside, ~seen))
+            any_seen, any_hidden = (_any_of(part, STRIP * cell, rows * cell) for part in (beside, ~seen))
             # A pass of other rows writes up to the next of these.
             written = any_seen | np.roll(any_seen, 1, axis=0) | np.roll(any_seen, -1, axis=0)
             lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
