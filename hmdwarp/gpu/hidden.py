@@ -64,7 +64,9 @@ class SeenRows:
         self._made: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size], moderngl.Texture]] = WeakKeyDictionary()
         self._arrays: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Draw], moderngl.VertexArray]]
         self._arrays = WeakKeyDictionary()
-        self._strips: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, int, int, Strips], tuple[moderngl.Buffer, int]]]
+        self._strips: WeakKeyDictionary[
+            HiddenArea, dict[tuple[Fov, Size, int, int, Strips], tuple[moderngl.Buffer, int]]
+        ]
         self._strips = WeakKeyDictionary()
 
     def use(self, view: SeenView, size: Size) -> int:
@@ -143,9 +145,9 @@ class SeenRows:
             row, column = np.nonzero(lists[of])
             each = program.group[0] // STRIP
             count = -(-len(row) // each)
-            strips = np.full(max(1, count * each), NO_STRIP, np.uint32)
-            strips[: len(row)] = column | row << 16
-            made[key] = self._gl.buffer(strips.tobytes()), count
+            places = np.full(max(1, count * each), NO_STRIP, np.uint32)
+            places[: len(row)] = column | row << 16
+            made[key] = self._gl.buffer(places.tobytes()), count
         strips, count = made[key]
         strips.bind_to_storage_buffer(STRIPS)
         return count

@@ -160,7 +160,7 @@ def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) 
 
 
 def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
-    """Return how foveated pictures are needed, None for none, which they stand for, and the rest."""
+    """Return the fovea that is needed or None, the pictures it makes coarser, and the rest."""
     found = [name for name in _FOVEATED if name in needs]
     stand_for = frozenset(picture for name, picture in zip(_FOVEATED, PICTURE, strict=True) if name in found)
     rest = Needs(**{name: amount for name, amount in needs.items() if name not in _FOVEATED})
@@ -168,7 +168,10 @@ def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
 
 
 def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
-    """Return the grid of each eye's foveated pictures. size: of the whole ones. Errors: Undecodable."""
+    """Return the grid of each eye's foveated pictures.
+
+    size: of the whole ones. Errors: Undecodable.
+    """
     grids = []
     for of_eye in frame.layers or ({},) * len(frame.views):
         parts = of_eye.get(FOVEA_GRID, ())
@@ -261,7 +264,8 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
 def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int]) -> FrameMessage:
     """Return the frame with the requested layers alone: others are never unpacked.
 
-    drawn: (w, h) of the whole picture. Errors: Undecodable where one claims to be larger than requested.
+    drawn: (w, h) of the whole picture.
+    Errors: Undecodable where one claims to be larger than requested.
     """
     names = _amounts(wanted)
     found = tuple({name: of_eye[name] for name in of_eye if name in names} for of_eye in frame.layers)

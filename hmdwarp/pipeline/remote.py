@@ -230,8 +230,8 @@ class Remote:
                     if self.decoded(answer) is not None:
                         if fovea_of(needs)[0] is not None and not self._takes_fovea:
                             raise InputError(
-                                f"--connect {self._caller.address} --fovea: that server sends whole frames alone; leave "
-                                "it out"
+                                f"--connect {self._caller.address} --fovea: that server sends whole frames alone; "
+                                "leave it out"
                             )
                         return answer.took_ns
                 if self._misfit:

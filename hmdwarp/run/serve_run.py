@@ -277,7 +277,9 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
     drawn = FrameMessage(*times, views, colours, depths, layers=further)
-    drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, takes_fovea=not is_recorded, began=session.began & 0xFFFF)
+    drawn = attrs.evolve(
+        drawn, takes_hidden=True, takes_session=True, takes_fovea=not is_recorded, began=session.began & 0xFFFF
+    )
     coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))

@@ -156,7 +156,7 @@ def test_the_mesh_of_a_runtime_is_kept_in_a_file(tmp_path):
 
 @pytest.mark.parametrize("chain", ["iterative/none", "iterative/constant"])  # fused with the lens, and before it
 def test_a_panel_shows_what_is_seen_as_ever_and_is_black_elsewhere(gpu, chain):
-    """The panel pixels of one eye, then of the other: lists and what they leave out are each eye's own."""
+    """Both eyes by turns: what is left out is each one's own."""
     corners = tuple(((x, y), (x, 0.3 * y), (0.3 * x, y)) for x in (-1.2, 1.2) for y in (-1.4, 1.4))
     whole = load_headset("rift-dk1")
     headset = attrs.evolve(whole, eyes=tuple(attrs.evolve(eye, hidden=corners) for eye in whole.eyes))
@@ -176,6 +176,6 @@ def test_a_panel_shows_what_is_seen_as_ever_and_is_black_elsewhere(gpu, chain):
         x, y = np.moveaxis(np.abs(headset.through_lens(number % 2, places, "green")), -1, 0)
         # Along the edge of a corner x / 1.2 + y / 1.4 = 1.3; one shown pixel is 0.025 of that.
         beyond = x / 1.2 + y / 1.4 - 1.3
-        found, wanted = found[..., :3], wanted[..., :3]
-        assert np.array_equal(found[beyond < -0.1], wanted[beyond < -0.1])
-        assert not found[beyond > 0.1].any() and wanted[beyond > 0.1].any()
+        light, as_ever = found[..., :3], wanted[..., :3]
+        assert np.array_equal(light[beyond < -0.1], as_ever[beyond < -0.1])
+        assert not light[beyond > 0.1].any() and as_ever[beyond > 0.1].any()

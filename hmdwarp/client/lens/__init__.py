@@ -40,7 +40,7 @@ def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
 
 @attrs.frozen(eq=False)
 class SeenPanel:
-    """The pixels of an eye's panel through which something of its view is seen, for SeenRows."""
+    """The pixels of an eye's panel that show something seen of its view, for SeenRows."""
 
     headset: Headset
     eye: int
@@ -84,7 +84,7 @@ class LensPass(ABC):
     library: ClassVar[str] = ""
 
     def __init__(self, gpu: Gpu, headset: Headset, panel_size: tuple[int, int], *, hides: bool = False) -> None:
-        """Make the pass for a size. hides: whether the panel that shows nothing seen is left out."""
+        """Make the pass for a size. hides: whether what shows nothing seen is left out."""
         self.gpu, self.headset, self.panel_size, self.hides = gpu, headset, panel_size, hides
         self._seen: dict[int, tuple[Canvas, SeenPanel]] = {}
         self.prepare()

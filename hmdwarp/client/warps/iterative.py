@@ -82,8 +82,10 @@ class Iterative(GatherWarp):
         fringed = chosen.fringe == "front"
         hiding = self.output.hiding
         self._fringe = self.gpu.shaders.compute("warps/iterative_fringe.comp", **hiding) if fringed else None
-        # One for each eye where lenses hide a part: what is hidden stays as the first frame left it.
-        self._fringed = [allocate(self.gpu.gl, self.rendered_size, SCALAR) for _ in range(fringed * (2 if hiding else 1))]
+        # One for each eye where lenses hide a part, which stays as the first frame left it.
+        self._fringed = [
+            allocate(self.gpu.gl, self.rendered_size, SCALAR) for _ in range(fringed * (2 if hiding else 1))
+        ]
         self._whole: dict[int, tuple[Hidden | None, Fov]] = {}
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size, hiding) if seeded else None
 
