@@ -51,9 +51,11 @@ def methods_of(gpu: Gpu, server: Server, name: str, scale: float) -> dict[str, C
 def saved(gpu: Gpu, hidden: Methods, whole: Methods, rounds: int) -> dict[str, float]:
     """Return the share of processor time that each saves: the median over pairs of runs."""
     ratios: dict[str, list[float]] = {name: [] for name in hidden}
-    for _ in range(rounds + 1):  # the first to warm up
+    for number in range(rounds + 1):  # the first to warm up
         for name, several in ratios.items():
-            several.append(_took_ns(gpu, hidden[name]) / _took_ns(gpu, whole[name]))
+            pair = (hidden[name], whole[name])[:: 1 if number % 2 else -1]  # who comes second finds warm caches
+            first, second = (_took_ns(gpu, each) for each in pair)
+            several.append(first / second if number % 2 else second / first)
     return {name: 1 - float(np.median(several[1:])) for name, several in ratios.items()}
 
 

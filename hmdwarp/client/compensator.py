@@ -9,7 +9,7 @@ import moderngl
 
 from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
-from ..gpu.hidden import Groups
+from ..gpu.hidden import Strips
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
@@ -109,7 +109,7 @@ class Compensator:
         lens = None
         if plan.lens.is_pass:
             assert headset is not None, "a plan with a lens is for a headset"
-            lens = plan.lens(gpu, headset, shown_size)
+            lens = plan.lens(gpu, headset, shown_size, hides=hides)
         self._lens, self._any_lens = None if plan.fused else lens, lens
         output = Output(
             lens if plan.fused else None,
@@ -221,7 +221,7 @@ class Compensator:
         if made.warped is None or view.hidden is None:
             return
         self.gpu.barrier()
-        of: Groups = "edge" if self._warp.kind == "gather" else "hidden"
+        of: Strips = "edge" if self._warp.kind == "gather" else "hidden"
         if self._blackened.get(eye) != (view.hidden, view.fov):
             self._blackened[eye], of = (view.hidden, view.fov), "hidden"
             for picture in made.filled:
@@ -258,7 +258,7 @@ class Compensator:
             shown = onto
         if self._lens is not None:
             with self._stage("lens"):
-                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
+                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel, inputs.middle.hidden)
         names = (fill.entry.name for fill in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth, panels)

@@ -7,6 +7,7 @@ from .depth import DepthLayer as DepthLayer
 from .depth import inverse_depth_from_clip as inverse_depth_from_clip
 from .depth import inverse_depth_from_metres as inverse_depth_from_metres
 from .depth import metres_from_inverse_depth as metres_from_inverse_depth
+from .fovea import AHEAD as AHEAD
 from .fovea import Fovea as Fovea
 from .fovea import FoveaGrid as FoveaGrid
 from .fovea import gaze_tangent as gaze_tangent

@@ -71,12 +71,13 @@ class Fovea:
         return FoveaGrid(size, self.rim, (before[0], before[1]), (coarse[0] - before[0], coarse[1] - before[1]))
 
 
+AHEAD = (0.0, 0.0, -1.0)  # of the head
 _ASIDE = 1e-3  # a gaze nearly at a right angle to the view's axis, or behind it, is at its border
 
 
 def gaze_tangent(view: View) -> tuple[float, float]:
     """Return the tangents of the view's gaze, or of straight ahead of the head."""
-    gaze = (0.0, 0.0, -1.0) if view.gaze is None else view.gaze
+    gaze = AHEAD if view.gaze is None else view.gaze
     x, y, z = view.head_from_eye.rotation_matrix.T @ np.array(gaze)
     return float(x / max(-z, _ASIDE)), float(y / max(-z, _ASIDE))
 

@@ -10,24 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .shaders import Compute, Draw, ShaderLibrary
-from .textures import Canvas
+from .textures import Canvas, tiles
 
-GROUPS = 7  # storage buffer of shaders/lib/rows.glsl
+STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
+NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
 UNIT = 15  # texture unit of seen_rows, see shaders/gpu/hide.comp
 ACROSS = 150  # rectangles of the hidden area, about
 Size = tuple[int, int]
 
 
 Fov = Any
-Groups = Literal["seen", "hidden", "edge"]
+Strips = Literal["seen", "hidden", "edge"]
 
 
 def hiding(hides: bool) -> dict[str, object]:
-    """Return the defines of a program that SeenRows.run runs, {} where nothing is hidden.
-
-    Groups nearer to square would follow the outline more closely, but take llvmpipe longer: 16x32
-    pixels in place of 64x8 cost a copying pass half as much again.
-    """
+    """Return the defines of a program that SeenRows.run runs, {} where nothing is hidden."""
     return {"HIDES": 1} if hides else {}
 
 
@@ -67,8 +64,10 @@ class SeenRows:
         self._made: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size], moderngl.Texture]] = WeakKeyDictionary()
         self._arrays: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Draw], moderngl.VertexArray]]
         self._arrays = WeakKeyDictionary()
-        self._groups: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Size, Groups], tuple[moderngl.Buffer, int]]]
-        self._groups = WeakKeyDictionary()
+        self._strips: WeakKeyDictionary[
+            HiddenArea, dict[tuple[Fov, Size, int, int, Strips], tuple[moderngl.Buffer, int]]
+        ]
+        self._strips = WeakKeyDictionary()
 
     def use(self, view: SeenView, size: Size) -> int:
         """Bind those of a view; return the texture unit."""
@@ -113,43 +112,52 @@ class SeenRows:
             made[key] = self._gl.vertex_array(program.program, [(buffer, "2f", "in_ndc")])
         return made[key]
 
-    def run(self, program: Compute, view: SeenView, size: Size) -> None:
-        """Run over the work groups that see something of a view; over all without HIDES."""
-        program.program.run(*self.grid(program, view, size))
+    def run(self, program: Compute, view: SeenView, size: Size, cell: int = 1) -> None:
+        """Run over the strips that see something of a view; over all without HIDES.
 
-    def grid(self, program: Compute, view: SeenView, size: Size) -> tuple[int, int]:
+        cell: pixels on each axis for which the program has one invocation, or row of one.
+        """
+        program.program.run(*self.grid(program, view, size, cell))
+
+    def grid(self, program: Compute, view: SeenView, size: Size, cell: int = 1) -> tuple[int, int]:
         """Return the work groups of such a run; a list of them is bound."""
-        return (self.groups(program, view, size), 1) if program.hides else program.groups(*size)
+        if program.hides:
+            return self.groups(program, view, size, cell=cell), 1
+        return program.groups(*tiles(size, cell))
 
-    def groups(self, program: Compute, view: SeenView, size: Size, of: Groups = "seen") -> int:
-        """Bind the list of those groups for a program made with HIDES; return how many they are.
+    def groups(self, program: Compute, view: SeenView, size: Size, of: Strips = "seen", cell: int = 1) -> int:
+        """Bind the list of strips for a program made with HIDES; return its work groups.
 
-        of: groups at a seen pixel, with a hidden one, or with a hidden one near the outline.
+        of: strips at a seen pixel, with a hidden one, or with a hidden one near the outline.
         """
         hidden = view.hidden or self._nothing
-        wide, high = program.group[0], program.group[1] * program.rows
-        made, key = self._groups.setdefault(hidden, {}), (view.fov, size, (wide, high), of)
+        rows = program.rows
+        made, key = self._strips.setdefault(hidden, {}), (view.fov, size, cell, rows, of)
         if key not in made:
             seen = hidden.seen(view.fov, size)
             # Passes read beside the pixels that they write.
             beside = np.pad(seen, 1)
             beside = beside[:-2, 1:-1] | beside[2:, 1:-1] | beside[1:-1, :-2] | beside[1:-1, 2:] | seen
-            any_seen, any_hidden = (_any_of(part, wide, high) for part in (beside, ~seen))
-            # A pass of other groups writes up to the next of these.
+            any_seen, any_hidden = (_any_of(part, STRIP * cell, rows * cell) for part in (beside, ~seen))
+            # A pass of other rows writes up to the next of these.
             written = any_seen | np.roll(any_seen, 1, axis=0) | np.roll(any_seen, -1, axis=0)
             lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
             row, column = np.nonzero(lists[of])
-            made[key] = self._gl.buffer((column | row << 16).astype(np.uint32).tobytes() or bytes(4)), len(row)
-        groups, count = made[key]
-        groups.bind_to_storage_buffer(GROUPS)
+            each = program.group[0] // STRIP
+            count = -(-len(row) // each)
+            places = np.full(max(1, count * each), NO_STRIP, np.uint32)
+            places[: len(row)] = column | row << 16
+            made[key] = self._gl.buffer(places.tobytes()), count
+        strips, count = made[key]
+        strips.bind_to_storage_buffer(STRIPS)
         return count
 
     def hide(
-        self, view: SeenView, colour: Canvas, inverse_depth: moderngl.Texture | None, of: Groups = "hidden"
+        self, view: SeenView, colour: Canvas, inverse_depth: moderngl.Texture | None, of: Strips = "hidden"
     ) -> None:
         """Write into the hidden pixels of a shown picture: black, no depth, and no hole either.
 
-        of: "edge" for those alone beside which a pass over the seen work groups has written.
+        of: "edge" for those alone beside which a pass over the seen strips has written.
         """
         program = self._shaders.compute("gpu/hide.comp", WITH_DEPTH=int(inverse_depth is not None), **hiding(True))
         colour.bind_for_writing(0)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..frames import EyeImage, EyeSizes, Frame, Needs
-from ..frames.layers import BYTES, OWN, Layer, layers
-from ..geometry import Fov, Pose, View
+from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
+from ..geometry import Fov, Fovea, FoveaGrid, Pose, View
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed import bounds
@@ -145,7 +145,8 @@ def _spread(found: NDArray[np.float16], depth: Array, inverse_depth: NDArray[Any
 
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
 _NOTHING = np.zeros((0, 0))  # sent of a layer that adds nothing to a frame, so that it is told
-VELOCITY = "velocity"
+VELOCITY, FOVEA_GRID = "velocity", "foveated"
+_FOVEATED = ("foveated", "foveated_depth")  # what comes in place of colour and of depth
 # In m, m/s and rad/s: what moves is multiplied by its age and stays a number.
 _LARGEST = 1e6
 _MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
@@ -156,6 +157,34 @@ def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) 
     of_server = [layer for layer in map(layers.get, needs) if not layer.of_client]
     amounts = tuple((layer.name, layer.stated(needs[layer.name])) for layer in of_server)
     return Wanted(amounts, shown_size, tuple(view.fov for view in views)) if amounts else None
+
+
+def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
+    """Return the fovea that is needed or None, the pictures it makes coarser, and the rest."""
+    found = [name for name in _FOVEATED if name in needs]
+    stand_for = frozenset(picture for name, picture in zip(_FOVEATED, PICTURE, strict=True) if name in found)
+    rest = Needs(**{name: amount for name, amount in needs.items() if name not in _FOVEATED})
+    return needs[found[0]] if found else None, stand_for, rest
+
+
+def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
+    """Return the grid of each eye's foveated pictures.
+
+    size: of the whole ones. Errors: Undecodable.
+    """
+    grids = []
+    for of_eye in frame.layers or ({},) * len(frame.views):
+        parts = of_eye.get(FOVEA_GRID, ())
+        try:
+            if len(parts) != 1 or unpacked_bytes([{FOVEA_GRID: parts}]) > _MOST_TABLE:
+                raise InputError(f"{len(parts)} grids of a foveated picture: expected one")
+            numbers = parts[0].numbers() if isinstance(parts[0], Packed) else parts[0]
+            grids.append(FoveaGrid.of_numbers(numbers, frame.size))
+        except (BadPart, InputError) as error:
+            raise Undecodable(str(error)) from error
+        if grids[-1].size != size:
+            raise Undecodable(f"a foveated picture of {grids[-1].size} pixels: expected {size}")
+    return tuple(grids)
 
 
 def needs_of_client(wanted: Wanted | None) -> Needs:
@@ -232,9 +261,10 @@ def unpacked(frame: FrameMessage) -> FrameMessage:
     return attrs.evolve(frame, layers=found)
 
 
-def wanted_alone(frame: FrameMessage, wanted: Wanted | None) -> FrameMessage:
+def wanted_alone(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int]) -> FrameMessage:
     """Return the frame with the requested layers alone: others are never unpacked.
 
+    drawn: (w, h) of the whole picture.
     Errors: Undecodable where one claims to be larger than requested.
     """
     names = _amounts(wanted)
@@ -242,18 +272,21 @@ def wanted_alone(frame: FrameMessage, wanted: Wanted | None) -> FrameMessage:
     for of_eye in found:
         for name, parts in of_eye.items():
             assert wanted is not None
-            layer, sizes = layers.get(name), sizes_of(wanted, frame.size)
-            most = bounds.most_beside(frame.size) if layer.size_class == OWN else layer.bytes(names[name], sizes)
+            layer, sizes = layers.get(name), sizes_of(wanted, drawn)
+            most = bounds.most_beside(drawn) if layer.size_class == OWN else layer.bytes(names[name], sizes)
             if unpacked_bytes([{name: parts}]) > most + _MOST_TABLE:
                 raise Undecodable(f"layer '{name}' claims to be larger than requested")
     return attrs.evolve(frame, layers=found)
 
 
-def misfit(frame: FrameMessage, wanted: Wanted | None) -> str:
-    """Return why a frame's layers are not the requested ones, "" if they are."""
+def misfit(frame: FrameMessage, wanted: Wanted | None, drawn: tuple[int, int] | None = None) -> str:
+    """Return why a frame's layers are not the requested ones, "" if they are.
+
+    drawn: (w, h) of the whole picture where that is foveated.
+    """
     if wanted is None:
         return ""
-    sizes, amounts = sizes_of(wanted, frame.size), _amounts(wanted)
+    sizes, amounts = sizes_of(wanted, drawn or frame.size), _amounts(wanted)
     for eye, of_eye in enumerate(frame.layers or ({},) * len(frame.views)):
         for name, amount in amounts.items():
             layer = layers.get(name)

@@ -505,8 +505,6 @@ class PipelineOptions(Declared):
             raise InputError(
                 "--connect with --response or --overload: the server's times are the real ones; leave them out"
             )
-        if self.fovea_deg is not None:
-            raise InputError(f"--connect with --fovea {self.fovea_deg:g}: requests say no gaze yet; leave it out")
         if self.proxy.on or self.warp == AUTO:
             raise InputError("--connect with --proxy or --warp auto: not supported, leave them out")
 

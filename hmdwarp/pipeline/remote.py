@@ -28,7 +28,7 @@ from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
 from .feed_coding import FeedDecoder, codec_of, codes_video, left_out, raw_form, reading
-from .feed_layers import misfit, wanted_alone, wanted_of
+from .feed_layers import fovea_of, grids_of, misfit, wanted_alone, wanted_of
 
 # Requests whose answers say how long the way is; the first also waits for the server's set-up.
 _TRIALS = 6
@@ -49,9 +49,13 @@ class Pending:
     # On the loop's clock, and on this machine's.
     drawn_ns: int
     sent_ns: int
+    # Of one eye's picture, and of the whole one where that is foveated.
     size: tuple[int, int]
+    drawn: tuple[int, int]
     views: tuple[View, ...]
     wanted: Wanted | None
+    # Whether it was to be foveated.
+    looks: bool
 
 
 @attrs.frozen(eq=False)
@@ -115,6 +119,7 @@ class Remote:
         # The session, where the server takes one; what is told in it until a request that told it
         # has been answered: each fate with the id of the first such request.
         self._takes_session, self._session = False, 0
+        self._takes_fovea = False
         self._fates: dict[int, tuple[Fate, int | None]] = {}
         self.age_ns, self.only_changes = 0, False
         # Requests of this session to which nothing had changed.
@@ -135,7 +140,9 @@ class Remote:
     ) -> None:
         """Ask for a frame of these eyes at that instant of the loop's clock, with needed layers."""
         fovs, grown = guarded_eyes(views, guard, size)
-        grown = grown if self.pictures else NO_PICTURE
+        fovea, stand_for, rest = fovea_of(needs if needs is not None else Needs())
+        read = self.pictures | stand_for
+        grown = grown if read else NO_PICTURE
         wide = tuple(view.within(fov) for view, fov in zip(views, fovs, strict=True))
         if not self._takes_hidden:  # it draws all of it, or has not said yet
             wide = tuple(attrs.evolve(view, hidden=None) for view in wide)
@@ -145,12 +152,15 @@ class Remote:
         anew = anew and self._anew_number not in self._pending
         if anew:
             self._anew_number = self._number
-        wanted = wanted_of(needs, views, size) if needs is not None else None
+        wanted = wanted_of(rest, views, size)
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = self._session_at(now_ns) if self._takes_session else None
-        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
-        sent_ns = self._caller.ask(attrs.evolve(ask, session=session))
-        self._pending[self._number] = Pending(self._number, head, now_ns, sent_ns, grown, wide, wanted)
+        fovea = fovea if self._takes_fovea else None
+        ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, wanted=wanted)
+        sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea))
+        small = grown if fovea is None else fovea.grid(wide[0], grown).small
+        made = head, now_ns, sent_ns, small, grown, wide, wanted, fovea is not None
+        self._pending[self._number] = Pending(self._number, *made)
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(next(iter(self._pending)))
 
@@ -218,6 +228,11 @@ class Remote:
                     self._say(line)
                 for answer in self._known():
                     if self.decoded(answer) is not None:
+                        if fovea_of(needs)[0] is not None and not self._takes_fovea:
+                            raise InputError(
+                                f"--connect {self._caller.address} --fovea: that server sends whole frames alone; "
+                                "leave it out"
+                            )
                         return answer.took_ns
                 if self._misfit:
                     raise InputError(
@@ -281,6 +296,7 @@ class Remote:
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
+            self._takes_fovea = arrival.frame.takes_fovea
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.
@@ -299,19 +315,20 @@ class Remote:
         """Return the frame of an answer, decoded; None for one that is none, which is counted."""
         frame, pending = answer.arrival.frame, answer.pending
         try:
-            decoded = self._decoder.decode(wanted_alone(frame, pending.wanted))
+            grids = grids_of(frame, pending.drawn) if pending.looks else ()
+            decoded = self._decoder.decode(wanted_alone(frame, pending.wanted, pending.drawn))
         except Undecodable as error:
             self.undecodable += 1
             self._leave_out("they cannot be decoded", f" ({error})")
             return None
-        if wrong := misfit(decoded, pending.wanted) or self._lacks(decoded):
+        if wrong := misfit(decoded, pending.wanted, pending.drawn) or self._lacks(decoded):
             self.refused += 1
             self._misfit = wrong
             self._leave_out(wrong, "")
             return None
         self._raw = raw_form(frame, self._raw)
         self._compare(pending.views, decoded.views)
-        return decoded
+        return attrs.evolve(decoded, grids=grids)
 
     def _lacks(self, frame: FrameMessage) -> str:
         missing = sorted(name.removeprefix("rendered.") for name in self.pictures & left_out(frame, 0))

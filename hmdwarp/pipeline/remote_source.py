@@ -12,8 +12,10 @@ from ..client.plan import Plan
 from ..errors import HmdwarpError, InputError, counted
 from ..frames import EyeImage, Frame, Needs
 from ..frames.layers import PICTURE
-from ..geometry import Eyes, Pose, View, guarded_eyes
+from ..frames.layers.foveated import FoveatedPicture
+from ..geometry import Eyes, Pose, View, guarded_eyes, looking
 from ..gpu.context import Gpu
+from ..gpu.textures import COLOUR, SCALAR
 from ..link import CHANGES, TransitStats
 from ..link.codec import Coding
 from ..poses import PoseSample
@@ -207,25 +209,35 @@ class RemoteFrames:
         """Ask for a frame for that head."""
         asked = self.requested
         self.remote.age_ns = asked.age_ns
-        self.remote.ask(head, self.eyes.views(head.pose), asked.guard, asked.size, now_ns, asked.needs)
+        views = looking(self.eyes.views(head.pose), head.gaze)
+        self.remote.ask(head, views, asked.guard, asked.size, now_ns, asked.needs)
 
     def made(self, pending: Pending, found: FrameMessage) -> Frame:
         """Return the frame that arrived, decoded."""
         eyes = []
         for eye, view in enumerate(found.views):
-            target = self.server.acquire(self._size(found, view))
+            target = self.server.acquire(pending.drawn if pending.looks else self._size(found, view))
             missing = left_out(found, eye) | frozenset(PICTURE).difference(self.requested.pictures)
-            self.server.take_in(arrays_of(found, eye, target.size, missing), target)
+            whole = frozenset(PICTURE) if pending.looks else missing
+            self.server.take_in(arrays_of(found, eye, target.size, whole), target)
             error = depth_error(found, self.remote.wish)
             textures, drawn_ns = (target.colour, target.inverse_depth), pending.drawn_ns
             asked = pending.views[eye]
             seen = attrs.evolve(view, hidden=asked.hidden) if view.fov == asked.fov else view
-            eyes.append(EyeImage(seen, *textures, drawn_ns=drawn_ns, depth_error=error, left_out=missing))
+            made_of = EyeImage(seen, *textures, drawn_ns=drawn_ns, depth_error=error, left_out=missing)
+            eyes.append(self._foveated(found, eye, made_of) if pending.looks else made_of)
         if found.layers:  # a server may choose the size of some
             eyes = made(self.server, eyes, found.layers, pending.wanted)
             self.server.trim()
         took_ms = {"render": found.render_ns / _MS}
         return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms, began=found.began)
+
+    def _foveated(self, found: FrameMessage, eye: int, image: EyeImage) -> EyeImage:
+        """Return an eye's image with the foveated pictures that came in place of whole ones."""
+        colour, depth = (self.server.acquire(found.size, kind, depth=False).colour for kind in (COLOUR, SCALAR))
+        self.server.take_in(arrays_of(found, eye, found.size, left_out(found, eye)), Target(colour, depth))
+        grid = found.grids[eye]
+        return image.having(foveated=FoveatedPicture(colour, grid), foveated_depth=FoveatedPicture(depth, grid))
 
     def _size(self, found: FrameMessage, view: View) -> tuple[int, int]:
         """Return the size of the eye's picture here: that of the request where none was sent."""

@@ -21,7 +21,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.channel import SEEN_PX, Changes
 from ..pipeline.feed_coding import FeedEncoder, check_work
-from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
+from ..pipeline.feed_layers import FOVEA_GRID, needs_of_client, parts_of, sizes_of
 from ..pipeline.options import NEAREST, PipelineOptions
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.recorded_source import RecordingSource
@@ -48,6 +48,7 @@ from ..sources.feed.message import (
     Session,
 )
 from ..sources.feed.options import secret_in
+from ..sources.feed.parts import Layers
 from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer, Server
 from .browser_log import BrowserLogs
@@ -252,6 +253,7 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     begun_ns = time.monotonic_ns()
     is_recorded = isinstance(server, RecordedRenderer)
     needs = needs_of_client(None if is_recorded else ask.wanted)
+    fovea = None if is_recorded else ask.fovea
     if max(ask.size) > most:
         raise InputError(f"a picture of {ask.size[0]}x{ask.size[1]}: the server's GPU has at most {most} pixels a side")
     _check_bytes(ask, needs, is_software=server.gpu.is_software)
@@ -260,19 +262,25 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     if sessions.is_unchanged(asked, session):
         listener.leave_out(asked)
         return
-    frame = sessions.draw(asked, needs)
+    look = Needs() if fovea is None else Needs(foveated=fovea, foveated_depth=fovea)
+    frame = sessions.draw(asked, needs | look)
     sessions.drawn(asked, session, frame)
     server.gpu.wait()
-    pictures = list(_pictures(server, frame, ask))
+    sent, grids, ask = (frame, (), ask) if fovea is None else _coarser(frame, ask)
+    pictures = list(_pictures(server, sent, ask))
     packs = not {ask.wish.colour, ask.wish.depth} <= {ANY, NONE, RGBA8, DEPTH_CODES}
     further = parts_of(frame, needs, packs=packs) if needs else ()
+    if grids:
+        further = tuple({**of_eye, **grid} for of_eye, grid in zip(further or ({},) * len(grids), grids, strict=True))
     views = tuple(eye.view for eye in frame.eyes) if is_recorded else ask.views
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
     drawn = FrameMessage(*times, views, colours, depths, layers=further)
-    drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
-    coded = coders.coded(asked, drawn)
+    drawn = attrs.evolve(
+        drawn, takes_hidden=True, takes_session=True, takes_fovea=not is_recorded, began=session.began & 0xFFFF
+    )
+    coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
 
@@ -299,10 +307,25 @@ def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
     ask = asked.ask
     reads = {ask.wish.colour, ask.wish.depth} != {NONE} or any(not layers.get(name).per_frame for name in needs)
     if ask.wanted is None or not isinstance(server, Server):
-        return server.draw_frame(ask.views, ask.time_ns, ask.size, pictures=reads)
+        return server.draw_frame(ask.views, ask.time_ns, ask.size, needs=needs, pictures=reads)
     age_ns = ask.session.age_ns if ask.session is not None else 0
     form = (ask.size, needs, ask.wanted.fovs, ask.wanted.size)
     return server.draw_guarded(ask.views, ask.time_ns, *form, age_ns=age_ns, client=asked.client, pictures=reads)
+
+
+def _coarser(frame: Frame, ask: Ask) -> tuple[Frame, tuple[Layers, ...], Ask]:
+    """Return a frame whose pictures are the foveated ones, their grids, and a request of that size.
+
+    Errors: InputError for eyes that would have pictures of two sizes.
+    """
+    seen = [(eye["foveated"], eye["foveated_depth"]) for eye in frame.eyes]
+    small = seen[0][0].grid.small
+    if any(colour.grid.small != small for colour, _ in seen):
+        raise InputError("a fovea for eyes whose fields of view differ: the eyes' pictures would have two sizes")
+    eyes = zip(frame.eyes, seen, strict=True)
+    coarse = [attrs.evolve(eye, colour=one.texture, inverse_depth=depth.texture) for eye, (one, depth) in eyes]
+    grids = tuple({FOVEA_GRID: [one.grid.numbers()]} for one, _ in seen)
+    return attrs.evolve(frame, eyes=tuple(coarse)), grids, attrs.evolve(ask, size=small)
 
 
 def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:

@@ -1,7 +1,7 @@
 // Compute one level of the pyramid from the one below, or (FROM_PICTURE 1) the first one from the
 // shown picture.
 // In: colour and weight, inverse depth in 1/m and share of empty pixels of the level below. Out:
-// the same, of half the size; 0 where no hole is near.
+// the same, of half the size, where a hole is near.
 // Source: Gortler et al. 1996, The Lumigraph, section 3.4 (push-pull); the restriction to the
 // farthest surface is this project's.
 #if FROM_PICTURE
@@ -67,12 +67,6 @@ void main() {
         upper = KERNEL.x * of_c + KERNEL.y * of_d;
         vec2 all = lower + KERNEL.y * of_c + KERNEL.x * of_d;
         bool counts = all.x > 0.0;
-#if !FROM_PICTURE
-        if (!counts) {
-            imageStore(level_colour, texel, vec4(0.0));
-            imageStore(level_depth, texel, vec4(0.0));
-        }
-#endif
         // llvmpipe runs the body of an `if` for all invocations if any needs it, that of a loop for
         // none if none does.
         for (; counts; counts = false) store(texel, pulled(texel, a, b, c, d, all.x, all.y));

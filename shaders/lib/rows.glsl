@@ -10,13 +10,15 @@
 layout(local_size_x = GROUP_X, local_size_y = GROUP_Y) in;
 
 #ifdef HIDES
-// The work groups with a pixel that the lens does not hide: column in the lower half, row in the upper.
-layout(std430, binding = 7) readonly buffer SeenGroups { uint seen_groups[]; };
+// The strips, STRIP columns wide and ROWS high, with a pixel that the lens does not hide: column in
+// the lower half, row in the upper. Narrower than a work group they follow the outline more closely,
+// and wide enough for what llvmpipe runs at a time.
+const int STRIP = 16;
+layout(std430, binding = 7) readonly buffer SeenStrips { uint seen_strips[]; };
 
 ivec2 first_pixel() {
-    uint group = seen_groups[gl_WorkGroupID.x];
-    ivec2 at = ivec2(group & 0xFFFFu, group >> 16) * ivec2(GROUP_X, GROUP_Y) + ivec2(gl_LocalInvocationID.xy);
-    return at * ivec2(1, ROWS);
+    uint strip = seen_strips[gl_GlobalInvocationID.x / uint(STRIP)];
+    return ivec2(strip & 0xFFFFu, strip >> 16) * ivec2(STRIP, ROWS) + ivec2(gl_LocalInvocationID.x % uint(STRIP), 0);
 }
 #else
 ivec2 first_pixel() {

@@ -1,7 +1,7 @@
 // First guesses of a gather: for each cell of shown pixels the inverse depth, in the rendered
 // picture, of the front surface.
 //
-// During the search, a cell holds a key: the rendered inverse depth in its upper bits, 5 of them
+// The search gives each cell a key: the rendered inverse depth in its upper bits, 5 of them
 // for the exponent (2^-20 to 2^11 1/m, clamped), and the rendered texel (y, x) in its lower
 // index_bits. The larger key wins. 0 = nothing lands here.
 #define BLOCK 4

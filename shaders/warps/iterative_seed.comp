@@ -5,17 +5,19 @@
 // Source: Lee et al. 2018, Iterative Depth Warping (a first guess by warping depth forward);
 // McMillan and Bishop 1995 for the map.
 //
-// PASS 0 finds the nearest texel of each block and clears the cells, PASS 1 splats the blocks, PASS
-// 2 intersects rays and planes.
+// PASS 0 finds the nearest texel of each block, PASS 1 splats the blocks, PASS 2 intersects rays and
+// planes, and empties the cells for the next time.
+#define ROWS 1
+#include "lib/rows.glsl"
 #include "lib/warp_map.glsl"
 #include "lib/rendered_surface.glsl"
 #include "lib/seeds.glsl"
-layout(local_size_x = 64, local_size_y = 1) in;
 struct Block {
     float nearest, farthest; // inverse depth, nearest < 0 if the block has none
     ivec2 texel;             // the nearest
 };
 layout(std430, binding = 1) buffer Blocks { Block block_of[]; };
+layout(std430, binding = 2) buffer Keys { uint key_of[]; }; // of each cell, see lib/seeds.glsl
 uniform ivec2 grid, blocks, index_bits;
 
 const uint NEAREST_BITS = 0x44FFFFFFu;  // the largest float32 below 2^11 1/m
@@ -26,8 +28,6 @@ const int MOST_CELLS = 8;               // covered by a block on each axis
 
 #if PASS == 0
 void visit(ivec2 block) {
-    if (block.x < cells.x && block.y < cells.y) seed_of[block.y * cells.x + block.x] = 0u;
-    if (block.x >= blocks.x || block.y >= blocks.y) return;
     Block found = Block(-1.0, 1e30, ivec2(0));
     for (int y = 0; y < BLOCK; ++y)
         for (int x = 0; x < BLOCK; ++x) {
@@ -61,12 +61,13 @@ void visit(ivec2 block) {
     ivec2 from = max(ivec2(floor(low)), ivec2(0));
     ivec2 to = min(min(ivec2(floor(high)), cells - 1), from + MOST_CELLS - 1);
     for (int y = from.y; y <= to.y; ++y)
-        for (int x = from.x; x <= to.x; ++x) atomicMax(seed_of[y * cells.x + x], key);
+        for (int x = from.x; x <= to.x; ++x) atomicMax(key_of[y * cells.x + x], key);
 }
 #else
 void visit(ivec2 cell) {
     int slot = cell.y * cells.x + cell.x;
-    uint key = seed_of[slot];
+    uint key = key_of[slot];
+    key_of[slot] = 0u;
     vec3 base = H * vec3((vec2(cell) + 0.5) * float(BLOCK), 1.0);
     vec2 start = base.xy / base.z;
     ivec2 texel = ivec2(key & ((1u << index_bits.x) - 1u), (key >> index_bits.x) & ((1u << index_bits.y) - 1u));
@@ -79,7 +80,7 @@ void visit(ivec2 cell) {
 #endif
 
 void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 at = first_pixel();
     if (at.x >= grid.x || at.y >= grid.y) return;
     visit(at);
 }

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 import pytest
 from replays import run
 from worlds import read
 
 from hmdwarp import warp_image
+from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.geometry import Fov, Hidden, Pose, View
 from hmdwarp.headsets import headset_toml, load_headset, reported_headset
 from hmdwarp.metrics import Compared, QualityJob, measure, metrics_in_order
@@ -150,3 +152,30 @@ def test_the_mesh_of_a_runtime_is_kept_in_a_file(tmp_path):
     assert (again.eye_size_px, again.refresh_hz, again.ipd_m) == ((300, 320), 72.0, 0.064)
     assert [eye.hidden for eye in again.eyes] == [corner, ()]
     assert again.eyes[0].hidden_share == pytest.approx(1 / 32, abs=0.002)
+
+
+@pytest.mark.parametrize("chain", ["iterative/none", "iterative/constant"])  # fused with the lens, and before it
+def test_a_panel_shows_what_is_seen_as_ever_and_is_black_elsewhere(gpu, chain):
+    """Both eyes by turns: what is left out is each one's own."""
+    corners = tuple(((x, y), (x, 0.3 * y), (0.3 * x, y)) for x in (-1.2, 1.2) for y in (-1.4, 1.4))
+    whole = load_headset("rift-dk1")
+    headset = attrs.evolve(whole, eyes=tuple(attrs.evolve(eye, hidden=corners) for eye in whole.eyes))
+    size, panels = (80, 100), []
+    server = Server(gpu, load_scene("room"))
+    for worn in (headset, whole):
+        plan = build_plan((), *chain.split("/"), "radial", client_geometry=True)
+        client = Compensator(gpu, plan, worn, size, size, hides=worn is headset)
+        for _ in range(2):
+            for eye in (0, 1):
+                view = worn.views(Pose())[eye]
+                panels.append(read(client.run(PassInputs(server.draw(view, size), view, eye=eye)).panel.texture))
+        client.close()
+    server.close()
+    places = np.stack(np.meshgrid(*((np.arange(n) + 0.5) / n for n in size)), axis=-1)
+    for number, (found, wanted) in enumerate(zip(panels[:4], panels[4:], strict=True)):
+        x, y = np.moveaxis(np.abs(headset.through_lens(number % 2, places, "green")), -1, 0)
+        # Along the edge of a corner x / 1.2 + y / 1.4 = 1.3; one shown pixel is 0.025 of that.
+        beyond = x / 1.2 + y / 1.4 - 1.3
+        light, as_ever = found[..., :3], wanted[..., :3]
+        assert np.array_equal(light[beyond < -0.1], as_ever[beyond < -0.1])
+        assert not light[beyond > 0.1].any() and as_ever[beyond > 0.1].any()

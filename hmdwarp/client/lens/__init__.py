@@ -8,15 +8,18 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
+import attrs
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry import Fov
+from ...geometry import Fov, Hidden, Pose, View
 from ...gpu.context import Gpu
+from ...gpu.hidden import hiding
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
-from ...headsets import Headset, Lens
+from ...headsets import COLOURS, Headset, Lens
 from ...registry import Registry
 
 # Image unit of the picture that programs for the panel read.
@@ -35,6 +38,39 @@ def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
         program.uniforms.set(rendered_texels=TEXELS_UNIT)
 
 
+@attrs.frozen(eq=False)
+class SeenPanel:
+    """The pixels of an eye's panel that show something seen of its view, for SeenRows."""
+
+    headset: Headset
+    eye: int
+    fov: Fov
+    area: Hidden  # of the view
+
+    @property
+    def hidden(self) -> SeenPanel:
+        """Itself: what the other pixels would show is hidden."""
+        return self
+
+    def seen(self, fov: Fov, size: tuple[int, int]) -> NDArray[np.bool_]:
+        """Return (h, w), the bottom row first: pixels one colour of which is seen."""
+        places = (np.stack(np.meshgrid(*map(np.arange, size)), axis=-1) + 0.5) / size
+        in_view = np.pad(self.area.seen(fov, size), 1)  # at its own size: finer changes little
+        low, high = fov.tangents[::2], fov.tangents[1::2]
+        found = np.zeros(size[::-1], bool)
+        for colour in COLOURS:
+            at = (self.headset.through_lens(self.eye, places, colour) - low) / (high - low) * size
+            x, y = np.moveaxis(np.floor(np.nan_to_num(np.clip(at, -1, size), nan=-1)).astype(int) + 1, -1, 0)
+            found |= in_view[y, x]
+        return found
+
+    def rows(self, fov: Fov, size: tuple[int, int]) -> NDArray[np.int32]:
+        """Return (w, 2): each column's first seen row, and the one after its last."""
+        seen = self.seen(fov, size)
+        ends = np.where(seen.any(axis=0), [seen.argmax(axis=0), size[1] - seen[::-1].argmax(axis=0)], 0)
+        return ends.T.astype(np.int32)
+
+
 class LensPass(ABC):
     """Distort the shown picture so that the headset's lens undoes it."""
 
@@ -47,8 +83,10 @@ class LensPass(ABC):
     # gather warp that is fused with the lens includes it too. "" if there is none.
     library: ClassVar[str] = ""
 
-    def __init__(self, gpu: Gpu, headset: Headset, panel_size: tuple[int, int]) -> None:
-        self.gpu, self.headset, self.panel_size = gpu, headset, panel_size
+    def __init__(self, gpu: Gpu, headset: Headset, panel_size: tuple[int, int], *, hides: bool = False) -> None:
+        """Make the pass for a size. hides: whether what shows nothing seen is left out."""
+        self.gpu, self.headset, self.panel_size, self.hides = gpu, headset, panel_size, hides
+        self._seen: dict[int, tuple[Canvas, SeenPanel]] = {}
         self.prepare()
 
     @abstractmethod
@@ -59,12 +97,34 @@ class LensPass(ABC):
         """
 
     @abstractmethod
-    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
-        """Write the panel picture of eye 0 (left) or 1 (right) into `into`."""
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None = None) -> None:
+        """Write the panel picture of eye 0 (left) or 1 (right) into `into`.
+
+        hidden: what of the shown view is hidden.
+        """
 
     def library_defines(self) -> dict[str, object]:
         """Return the defines of a program that includes `library`, for this lens and device."""
         return dict(SOFTWARE_DEFINES if self.gpu.is_software else GPU_DEFINES)
+
+    @property
+    def panel_defines(self) -> dict[str, object]:
+        """The defines of such a program that run_over_panel runs."""
+        return {"LENS": self.library, **self.library_defines(), **({**hiding(True), "ROWS": 8} if self.hides else {})}
+
+    def run_over_panel(self, program: Compute, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None) -> None:
+        """Run a program for every pixel of a panel; what it hides is black."""
+        if hidden is None or not self.hides:
+            self.gpu.seen_rows.run(program, View(Pose(), fov), into.size)
+            return
+        canvas, seen = self._seen.get(eye, (None, None))
+        if canvas is not into or seen is None or (seen.fov, seen.area) != (fov, hidden):
+            into.clear()
+            seen = SeenPanel(self.headset, eye, fov, hidden)
+            self._seen[eye] = into, seen
+        self.gpu.seen_rows.run(program, seen, into.size)
+        self.gpu.barrier()
+        self.gpu.seen_rows.hide(seen, into, None, "edge")
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         """Return the uniforms of `library` for one eye."""
@@ -95,13 +155,13 @@ class ResampledLens(LensPass):
                 f"use --lens {self.eye_lenses[0].model} or none"
             )
         self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
-        self._program = self.gpu.shaders.compute("lens/resample.comp", LENS=self.library, **self.library_defines())
+        self._program = self.gpu.shaders.compute("lens/resample.comp", **self.panel_defines)
 
     @abstractmethod
     def of_lens(self, lens: Lens) -> dict[str, object]:
         """Return the uniforms of the library that depend on the lens alone."""
 
-    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None = None) -> None:
         shown.texture.use(0)
         bind_texels(self._program, shown.texture)
         into.bind_for_writing()
@@ -110,7 +170,7 @@ class ResampledLens(LensPass):
         self._program.uniforms.set(
             rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.library_uniforms(fov, eye)
         )
-        self._program.run(*self.panel_size)
+        self.run_over_panel(self._program, fov, eye, into, hidden)
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))

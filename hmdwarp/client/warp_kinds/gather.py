@@ -59,9 +59,9 @@ class GatherWarp(Warp):
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
         if lens is None:
-            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
+            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows, **self.output.hiding}
         else:
-            defines |= {"LENS": lens.library, **lens.library_defines()}
+            defines |= lens.panel_defines
         if self.output.scanout:
             defines |= {"SCANOUT": 1}
         if isinstance(self.settings, GatherSettings) and self.settings.resample == "catmull-rom":
@@ -71,12 +71,8 @@ class GatherWarp(Warp):
             defines |= {"WRITES_DEPTH": 1}
         if self.output.foveated:
             defines |= {"FOVEATED": 1, "TEXELS": 1}  # a sampler is not exact at centres
-        return self.gpu.shaders.compute(
-            path,
-            OUTPUT="lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl",
-            **defines,
-            **(self.output.hiding if lens is None else {}),
-        )
+        output = "lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl"
+        return self.gpu.shaders.compute(path, OUTPUT=output, **defines)
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         """Return the map from shown to rendered pixels."""
@@ -96,11 +92,12 @@ class GatherWarp(Warp):
         if self.output.foveated:
             found = inputs.rendered.get("foveated")
             program.uniforms.set(**(FoveaGrid.whole(inputs.rendered.size) if found is None else found.grid).uniforms)
-        if self.output.lens is not None:
-            program.uniforms.set(
-                panel_size=into.size, **self.output.lens.library_uniforms(inputs.shown.fov, inputs.eye)
-            )
-        self.gpu.seen_rows.run(program, inputs.middle, into.size)
+        lens, fov = self.output.lens, inputs.shown.fov
+        if lens is None:
+            self.gpu.seen_rows.run(program, inputs.middle, into.size)
+            return
+        program.uniforms.set(panel_size=into.size, **lens.library_uniforms(fov, inputs.eye))
+        lens.run_over_panel(program, fov, inputs.eye, into, inputs.middle.hidden)
 
     def bind_beside(self, program: Compute, inputs: PassInputs) -> None:
         """Bind what lib/depth_beside.glsl reads, if the shown depth is written."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import moderngl
 
 from ...errors import InputError
 from ...geometry import View, WarpMap
 from ...gpu.context import Gpu
-from ...gpu.shaders import Compute
-from ...gpu.textures import tiles
+from ...gpu.textures import release_all, tiles
 from ..inputs import PassInputs
 from ..warps import KEY_BYTES
 
@@ -82,13 +83,23 @@ MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
 class Seeds:
     """The rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
 
-    def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
+    def __init__(
+        self,
+        gpu: Gpu,
+        rendered_size: tuple[int, int],
+        shown_size: tuple[int, int],
+        hiding: Mapping[str, object] | None = None,
+    ) -> None:
+        """Make it for one pair of sizes. hiding: that of an Output."""
         self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
         self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
         self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
         self._check_size()
-        self._passes = tuple(gpu.shaders.compute("warps/iterative_seed.comp", PASS=k) for k in range(3))
-        self._seeds = gpu.gl.buffer(reserve=CELL_BYTES * self.cells[0] * self.cells[1])
+        self._passes = tuple(
+            gpu.shaders.compute("warps/iterative_seed.comp", PASS=k, **each)
+            for k, each in enumerate((hiding or {}, hiding or {}, {}))
+        )
+        self._seeds, self._keys = (gpu.gl.buffer(bytes(CELL_BYTES * self.cells[0] * self.cells[1])) for _ in range(2))
         self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
 
     def find(self, inputs: PassInputs, surface: dict[str, object]) -> None:
@@ -99,18 +110,17 @@ class Seeds:
         shown = inputs.middle
         forward = WarpMap.between(inputs.rendered.view, self._rendered_size, shown, self._shown_size)
         back = WarpMap.between(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
-        self._seeds.bind_to_storage_buffer(0)
-        self._nearest.bind_to_storage_buffer(1)
-        both = tuple(max(pair) for pair in zip(self._blocks, self.cells, strict=True))
-        grids = (both, self._blocks, self.cells)
+        for binding, buffer in enumerate((self._seeds, self._nearest, self._keys)):
+            buffer.bind_to_storage_buffer(binding)
+        grids = (self._blocks, self._blocks, self.cells)
         for program, grid, warp in zip(self._passes, grids, (forward, forward, back), strict=True):
-            self._run(program, grid, warp, surface)
+            sizes = {"grid": grid, "blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
+            program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
+            if program is self._passes[2]:  # every cell, whose key may be of the other eye
+                program.run(*grid)
+            else:
+                self._gpu.seen_rows.run(program, inputs.rendered.view, self._rendered_size, BLOCK)
             self._gpu.barrier()
-
-    def _run(self, program: Compute, grid: tuple[int, ...], warp: WarpMap, surface: dict[str, object]) -> None:
-        sizes = {"grid": grid, "blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
-        program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
-        program.run(*grid)
 
     def _check_size(self) -> None:
         wide, high = self._rendered_size
@@ -123,5 +133,4 @@ class Seeds:
 
     def close(self) -> None:
         """Free the buffers."""
-        self._seeds.release()
-        self._nearest.release()
+        release_all(self._seeds, self._nearest, self._keys)

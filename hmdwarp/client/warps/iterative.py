@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 import attrs
 
-from ...gpu.textures import SCALAR, Canvas, allocate
+from ...geometry import Fov, Hidden
+from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
 from . import COLOUR_BYTES, DEPTH_BYTES, warps
@@ -79,9 +80,14 @@ class Iterative(GatherWarp):
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
         fringed = chosen.fringe == "front"
-        self._fringe = self.gpu.shaders.compute("warps/iterative_fringe.comp") if fringed else None
-        self._fringed = allocate(self.gpu.gl, self.rendered_size, SCALAR) if fringed else None
-        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
+        hiding = self.output.hiding
+        self._fringe = self.gpu.shaders.compute("warps/iterative_fringe.comp", **hiding) if fringed else None
+        # One for each eye where lenses hide a part, which stays as the first frame left it.
+        self._fringed = [
+            allocate(self.gpu.gl, self.rendered_size, SCALAR) for _ in range(fringed * (2 if hiding else 1))
+        ]
+        self._whole: dict[int, tuple[Hidden | None, Fov]] = {}
+        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size, hiding) if seeded else None
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
@@ -106,17 +112,20 @@ class Iterative(GatherWarp):
     def _bind_depth(self, inputs: PassInputs, surface: dict[str, object]) -> None:
         """Bind the depth that the gather reads: the rendered one, or with its fringes moved."""
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-        if self._fringe is None or self._fringed is None:
+        if self._fringe is None:
             return
-        self._fringed.bind_to_image(2, read=False, write=True)
+        fringed, view = self._fringed[inputs.eye % len(self._fringed)], inputs.rendered.view
+        fringed.bind_to_image(2, read=False, write=True)
         self._fringe.uniforms.set(fringed_inverse_depth=2, rendered_size=self.rendered_size, **surface)
-        self._fringe.run(*self.rendered_size)
+        is_known = self._whole.get(inputs.eye) == (view.hidden, view.fov)
+        self._whole[inputs.eye] = view.hidden, view.fov
+        part = view if is_known else attrs.evolve(view, hidden=None)
+        self.gpu.seen_rows.run(self._fringe, part, self.rendered_size)
         self.gpu.barrier()
-        self._fringed.bind_to_image(1, read=True, write=False)
+        fringed.bind_to_image(1, read=True, write=False)
 
     def close(self) -> None:
         super().close()
-        if self._fringed is not None:
-            self._fringed.release()
+        release_all(*self._fringed)
         if self._seeds is not None:
             self._seeds.close()

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb
 from ...errors import InputError
-from ...geometry import Pose, View
+from ...geometry import AHEAD, Fovea, FoveaGrid, Pose, View, looking
 from . import bounds, options, parts, seen_columns
 from .parts import Layers, Part, Wanted
 
@@ -47,12 +47,14 @@ _ASK = struct.Struct("<QqqqQ32sIIBBBBBBBB3d")
 # number of parts of further layers, what requests may have, where the session began.
 _FRAME = struct.Struct("<QqqqqqIIBBBBIBBH")
 # Bits of what requests have, and of what frames say that they may have.
-_HIDES, _SESSION = 1, 2
+_HIDES, _SESSION, _FOVEA = 1, 2, 4
 # Number of the session, age of a frame when it is seen, whether to leave out what has not changed,
 # number of frames whose fate is told.
 _SESSION_HEAD = struct.Struct("<IqBxH")
 # Id of a frame, whether it arrived, the instant from which the server may know.
 _FATE = struct.Struct("<QBq")
+# The gaze in the head's axes, degrees across that are sharp, pixels that one beyond holds.
+_LOOK = struct.Struct("<4dI")
 # Bytes of one eye's colour and depth.
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
@@ -162,6 +164,8 @@ class Ask:
     shares: bool = False
     # Only where the server's frames have said that they may have it.
     session: Session | None = None
+    # Likewise: pictures come coarser away from the views' gaze, on the grid in layer "foveated".
+    fovea: Fovea | None = None
 
 
 @attrs.frozen(eq=False)
@@ -226,6 +230,9 @@ class FrameMessage:
     # Whether requests may have a session, and the last 16 bits of the id that its began with.
     takes_session: bool = False
     began: int = 0
+    # Whether requests may have a fovea; the client's: the grid of each eye's foveated pictures.
+    takes_fovea: bool = False
+    grids: tuple[FoveaGrid, ...] = ()
 
     @property
     def is_coded(self) -> bool:
@@ -318,6 +325,7 @@ LARGEST_ASK = (
     + seen_columns.BYTES * _MOST_EYES
     + _SESSION_HEAD.size
     + _FATE.size * MOST_FATES
+    + _LOOK.size
 )
 
 
@@ -379,13 +387,14 @@ def pieces_of(message: Message) -> list[Piece]:
         wanted = [] if one.wanted is None else [parts.packed_wanted(one.wanted)]
         areas = map(seen_columns.packed_area, one.views) if _hides(one.views) else ()
         session = [] if one.session is None else _packed_session(one.session)
-        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session])
+        look = [] if one.fovea is None else [_packed_look(one.views[0], one.fovea)]
+        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session, *look])
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
         colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
         heads, contents = parts.packed_layers(it.layers)
-        takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session
+        takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session + _FOVEA * it.takes_fovea
         form = (*it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), takes, it.began)
         start = _FRAME.pack(*numbers, *form)
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
@@ -405,7 +414,7 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     wish = ask.wish
     quality = 0 if wish.crf is None else 1 + wish.crf
     layers = 0 if ask.wanted is None else len(ask.wanted.layers)
-    has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None)
+    has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None) + _FOVEA * (ask.fovea is not None)
     bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares, has)
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
@@ -413,6 +422,16 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
 def _packed_session(session: Session) -> list[bytes]:
     head = (session.number, session.age_ns, session.only_changes, len(session.fates))
     return [_SESSION_HEAD.pack(*head), *(_FATE.pack(one.number, one.arrived, one.heard_ns) for one in session.fates)]
+
+
+def _packed_look(view: View, fovea: Fovea) -> bytes:
+    return _LOOK.pack(*(AHEAD if view.gaze is None else view.gaze), fovea.degrees, fovea.rim)
+
+
+def _look(data: Data, at: int) -> tuple[tuple[float, float, float], Fovea, int]:
+    x, y, z, degrees, rim = _LOOK.unpack_from(data, at)
+    bounds.GAZE.check(math.hypot(x, y, z))
+    return (x, y, z), Fovea(degrees, rim), at + _LOOK.size
 
 
 def _session(data: Data, at: int) -> tuple[Session, int]:
@@ -493,15 +512,17 @@ def _ask(data: Data) -> Ask:
     hides = has & _HIDES
     end = hidden_at + (eyes * seen_columns.BYTES if hides else 0)
     session, end = _session(data, end) if has & _SESSION else (None, end)
+    gaze, fovea, end = _look(data, end) if has & _FOVEA else (None, None, end)
     _check_length(data, end)
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
     if hides:
         views = tuple(
             seen_columns.with_area(view, data, hidden_at + eye * seen_columns.BYTES) for eye, view in enumerate(views)
         )
+    views = tuple(looking(views, gaze))
     wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    return Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0, session)
+    return Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0, session, fovea)
 
 
 def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: float, step: float) -> Wish:
@@ -542,7 +563,7 @@ def _frame(data: Data) -> FrameMessage:
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
-    says = (takes & _HIDES != 0, takes & _SESSION != 0, began)
+    says = (takes & _HIDES != 0, takes & _SESSION != 0, began, takes & _FOVEA != 0)
     return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says)
 
 

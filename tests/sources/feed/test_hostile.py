@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.geometry import Hidden
+from hmdwarp.geometry import Fovea, Hidden
 from hmdwarp.sources.feed import listener as listening
 from hmdwarp.sources.feed import sockets
 from hmdwarp.sources.feed.caller import Caller
@@ -140,7 +140,7 @@ def test_the_longest_request_is_taken_and_one_byte_more_is_not(listener):
     wanted = Wanted(tuple(("a" * count, most) for count in range(1, 17)), (4, 3), tuple(view.fov for view in ASK.views))
     views = tuple(attrs.evolve(view, hidden=Hidden((((-1, -1), (0, -1), (-1, 0)),), view.fov)) for view in ASK.views)
     session = Session(1, fates=tuple(Fate(number, True, 0) for number in range(MOST_FATES)))
-    longest = encode(attrs.evolve(ASK, views=views, wanted=wanted, session=session))
+    longest = encode(attrs.evolve(ASK, views=views, wanted=wanted, session=session, fovea=Fovea()))
     assert len(longest) == LARGEST_ASK
     with raw(listener) as one:
         one.sendall(b"\x02" + struct.pack(">Q", LARGEST_ASK) + longest)

@@ -12,7 +12,9 @@ import numpy as np
 import pytest
 
 from hmdwarp.colour import srgb8_from_linear
-from hmdwarp.geometry import Fov, Hidden, Pose, View
+from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Hidden, Pose, View, looking
+from hmdwarp.link.codec import Undecodable
+from hmdwarp.pipeline.feed_layers import grids_of
 from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (
     DEPTH_CODES,
@@ -113,6 +115,66 @@ def test_a_hidden_area_that_leaves_nothing_is_refused(rows):
     data = encode(attrs.evolve(ASK, views=(view, view)))
     with pytest.raises(BadRequest, match="leaves nothing to see"):
         decode(data[:-128] + bytes(rows) * 64)
+
+
+GAZE = (0.48, -0.6, -0.64)
+
+
+def test_a_gaze_comes_back_bit_for_bit_and_without_one_it_is_straight_ahead():
+    asked = attrs.evolve(ASK, views=tuple(looking(VIEWS, GAZE)), fovea=Fovea(30.5, 8))
+    back = decode(encode(asked))
+    assert back.fovea == asked.fovea and [view.gaze for view in back.views] == [GAZE, GAZE]
+    assert decode(encode(attrs.evolve(ASK, fovea=Fovea()))).views[0].gaze == (0, 0, -1)
+    assert decode(encode(ASK)).fovea is None and decode(encode(ASK)).views[0].gaze is None
+    assert decode(encode(attrs.evolve(FRAME, takes_fovea=True))).takes_fovea and not decode(encode(FRAME)).takes_fovea
+
+
+@pytest.mark.parametrize(
+    ("look", "says"),
+    [
+        ((0, 0, 0, 40, 4), "length of a gaze"),
+        ((1e200, 0, -1, 40, 4), "length of a gaze"),
+        ((float("nan"), 0, -1, 40, 4), "length of a gaze"),
+        ((*GAZE, 0, 4), "sharp region of 0 degrees"),
+        ((*GAZE, float("nan"), 4), "sharp region of nan degrees"),
+        ((*GAZE, 180, 4), "sharp region of 180 degrees"),
+        ((*GAZE, 40, 1), "rim of 1 pixels"),
+        ((*GAZE, 40, 2**32 - 1), "rim of 4294967295 pixels"),
+    ],
+)
+def test_a_fovea_that_is_none_is_refused(look, says):
+    data = encode(attrs.evolve(ASK, fovea=Fovea()))
+    with pytest.raises(BadRequest, match=says):
+        decode(data[:-36] + struct.pack("<4dI", *look))
+    with pytest.raises(BadRequest):
+        decode(data[:-1])
+
+
+SMALL = FoveaGrid((13, 9), 4, (2, 1), (1, 1))  # of which 4 x 3 pixels come
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({0: 14}, "sharp rectangle"),  # columns more than come
+        ({3: 3, 4: 0}, "sharp rectangle"),
+        ({3: -1}, "sharp rectangle"),
+        ({2: 0.5}, "sharp rectangle"),
+        ({2: 2**40}, "sharp rectangle"),
+        ({5: float("nan")}, "sharp rectangle"),
+        (None, "0 grids"),
+    ],
+)
+def test_a_grid_that_does_not_fit_its_pictures_is_left_out(changed, says):
+    numbers = SMALL.numbers()
+    frame = attrs.evolve(FRAME, layers=tuple({"foveated": [numbers]} for _ in VIEWS))
+    assert grids_of(decode(encode(frame)), SMALL.size) == (SMALL, SMALL)
+    with pytest.raises(Undecodable, match=r"expected \(16, 16\)"):
+        grids_of(frame, (16, 16))
+    for place, value in (changed or {}).items():
+        numbers[0, place] = value
+    with pytest.raises(Undecodable, match=says):
+        grids_of(decode(encode(frame if changed else FRAME)), SMALL.size)
 
 
 def test_a_frame_comes_back_bit_for_bit():

@@ -245,6 +245,11 @@ def test_a_server_that_leaves_out_what_is_read_is_refused_in_a_line(tmp_path):
         replay(small(tmp_path / "out", feed=FeedOptions(connect=address), scene="server"))
 
 
+def test_a_fovea_at_a_server_that_takes_none_is_refused_in_a_line(tmp_path):
+    with feeder() as address, pytest.raises(InputError, match="that server sends whole frames alone; leave it out"):
+        replay(small(tmp_path / "out", feed=FeedOptions(connect=address), scene="server", fovea_deg=30.0))
+
+
 def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, monkeypatch):
     _, summary = pictures(
         monkeypatch, small(tmp_path / "out", feed=FeedOptions(connect=serving.address), latency_ms=900.0)

@@ -21,6 +21,7 @@ from serving import Serving
 from hmdwarp.client.strategies import strategies
 from hmdwarp.gpu import download
 from hmdwarp.pipeline.remote import Remote
+from hmdwarp.poses import synthesise, write_synthetic
 from hmdwarp.run import RunOptions, set_up_replay
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.options import FeedOptions
@@ -90,12 +91,12 @@ def flown(setup, instants) -> tuple[dict, dict]:
     return found, setup.channel.summary(RATE_HZ)
 
 
-def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monkeypatch, feed=None):
+def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monkeypatch, feed=None, **more):
     """Run a strategy over the feed, and again here at the same ages; return both summaries."""
     with monkeypatch.context() as patched:
         patched.setattr(Remote, "pace", patient)
         options = {"feed": FeedOptions(connect=address, **feed or {}), "network": network or {}}
-        with ready(gpu, strategy, scene=scene, **options) as setup:
+        with ready(gpu, strategy, scene=scene, **options, **more) as setup:
             instants, age_ns = list(setup.schedule.numbered()), setup.pipeline.requested.age_ns
             there, _ = flown(setup, instants)
             patient(setup.source.remote, 0)
@@ -103,7 +104,7 @@ def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monk
             told = setup.channel.summary(RATE_HZ)
             delays, latency_ms = [delay for _, delay in setup.source.remote.delays_ns], setup.options.latency_ms
     assert told["frames"]["skipped"] == told["feed"]["malformed"] == told["feed"]["undecodable"] == 0, told
-    with ready(gpu, strategy, scene=scene, latency_ms=latency_ms, network=network or {}) as setup:
+    with ready(gpu, strategy, scene=scene, latency_ms=latency_ms, network=network or {}, **more) as setup:
         setup.pipeline.requested.age_ns = age_ns
         setup.channel.link.delay_by(iter(delays))
         here, alone = flown(setup, instants)
@@ -124,6 +125,25 @@ def test_it_is_its_replay_bit_for_bit_and_nothing_else_crosses(gpu, serving_of, 
     # Beside its pictures a layer may have numbers: of bodies, mirrors and views.
     assert crossed == pytest.approx(counted, rel=0.02)
     assert told["frames"]["unchanged"] == alone["frames"]["unchanged"]
+
+
+@pytest.fixture
+def looking_around(tmp_path) -> str:
+    """Return a recording with made-up eyes, which leap and pursue within its first two seconds."""
+    with (tmp_path / "looking.csv").open("w", encoding="utf-8") as file:
+        write_synthetic(synthesise("look-around", seconds=2, gaze=True), file)
+    return str(tmp_path / "looking.csv")
+
+
+@pytest.mark.parametrize("fill", ["none", "pyramid"])  # read on its grid, and expanded first
+def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, looking_around, fill):
+    warp = "rotation" if fill == "none" else "iterative"
+    how = {"trace": looking_around, "fovea_deg": 30.0, "warp": warp, "fill": fill}
+    told, alone = compared(gpu, serving_of("planes"), "", "planes", monkeypatch=monkeypatch, **how)
+    pictures = told["layers_mbit_s"]["colour"] + told["layers_mbit_s"].get("inverse_depth", 0)
+    # The same numbers cross under other names, and a row of seven for each eye.
+    foveated = alone["layers_mbit_s"]
+    assert pictures == pytest.approx(foveated["foveated"] + foveated.get("foveated_depth", 0), rel=0.02)
 
 
 # Half of the delays are beyond the time between two frames, so frames overtake each other; of seed
