@@ -163,8 +163,8 @@ def _label(row: Row) -> str:
 
 
 def _wrapped(name: str) -> str:
-    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a space, or after the
-    # plus of a chain of fills.
+    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
+    # space, or after the plus of a chain of fills.
     parts = (part.replace("+", "+\0 ").replace("+\0  ", "+ ") for part in name.split(", "))
     lines = (line for part in parts for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
     return "\n".join(line.replace("\0 ", "").replace("\0", "") for line in lines)

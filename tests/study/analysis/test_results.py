@@ -100,7 +100,8 @@ def test_unrated_parts_show_no_order_and_no_p():
 
 
 def test_names_in_a_chart_break_between_words_and_fills():
-    page = render_study_report(analyse(ratings_of({"late": LATE, "forward + interpolate+composite, 800 ms": WARPED})), "")
+    ratings = ratings_of({"late": LATE, "forward + interpolate+composite, 800 ms": WARPED})
+    page = render_study_report(analyse(ratings), "")
     assert ">interpolate+<" in page and ">composite<" in page
 
 
