@@ -169,7 +169,8 @@ class Measurement:
     @functools.cached_property
     def border_holes(self) -> NDArray[np.bool_]:
         """(h, w): holes beyond what the late frame shows."""
-        rendered, size = (_declared(one, Input.RENDERED) for one in (self._job.rendered, self._job.rendered_size))
+        rendered = _declared(self._job.rendered, Input.RENDERED)
+        size = _declared(self._job.rendered_size, Input.RENDERED)
         return border_holes(self.covered, self.truth_inverse_depth, self.now.view, rendered, size)
 
 
