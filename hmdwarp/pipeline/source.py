@@ -117,7 +117,7 @@ class ServerFrames:
     """Frames as the server draws them.
 
     requested: their format. eyes: the views that belong to a head pose. unseen_from_ns: frames made
-    from then on are sent, but never seen: their pictures stay empty.
+    from then on are sent, but never seen: their pictures are not drawn.
     """
 
     server: Renderer
@@ -139,7 +139,7 @@ class ServerFrames:
                 asked.needs,
                 shown_size=asked.size,
                 age_ns=asked.age_ns,
-                pictures=is_seen and bool(asked.pictures),
+                pictures=bool(asked.pictures) if is_seen else None,
             )
         if not is_seen:  # weighs what it would
             left_out = frozenset() if asked.pictures else frozenset(PICTURE)

@@ -223,7 +223,7 @@ def _run(
         setup.profile.enter(BESIDE)
     misses = setup.options.miss
     late = LateClient(setup, misses) if misses.on else None
-    _leave_unseen_empty(setup)
+    _leave_unseen_undrawn(setup)
     with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
             with setup.part(DRAWING):
@@ -248,7 +248,7 @@ def _run(
     return log, late
 
 
-def _leave_unseen_empty(setup: ReplaySetup) -> None:
+def _leave_unseen_undrawn(setup: ReplaySetup) -> None:
     """Draw no pictures that arrive after the last refresh, in frames that hold nothing else."""
     options, source = setup.options, setup.loop.source
     is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
