@@ -20,7 +20,6 @@ from .jod import check_rating as check_rating
 from .jod import clip_length as clip_length
 from .jod import preferring as preferring
 from .jod import ratings_of as ratings_of
-from .library.border_share import border_share as border_share
 from .library.flicker import flicker as flicker
 from .library.hole_share import hole_share as hole_share
 from .library.psnr_db import psnr_db as psnr_db

@@ -166,15 +166,12 @@ class Measurement:
         """(h, w), 1/m."""
         return _declared(self._job.truth_inverse_depth, Input.DEPTH)
 
-    @property
-    def rendered(self) -> View:
-        """View of the late frame."""
-        return _declared(self._job.rendered, Input.RENDERED)
-
-    @property
-    def rendered_size(self) -> tuple[int, int]:
-        """Size (w, h) of the late frame."""
-        return _declared(self._job.rendered_size, Input.RENDERED)
+    @functools.cached_property
+    def border_holes(self) -> NDArray[np.bool_]:
+        """(h, w): holes beyond what the late frame shows."""
+        rendered = _declared(self._job.rendered, Input.RENDERED)
+        size = _declared(self._job.rendered_size, Input.RENDERED)
+        return border_holes(self.covered, self.truth_inverse_depth, self.now.view, rendered, size)
 
 
 def _declared(value: T | None, flag: Input) -> T:
@@ -238,17 +235,13 @@ def border_holes(
 
 
 def region_of(
-    coverage: NDArray[Any],
-    truth_inverse_depth: NDArray[Any],
-    shown: View,
-    rendered: View,
-    rendered_size: tuple[int, int],
+    coverage: NDArray[Any], truth_inverse_depth: NDArray[Any], beyond: NDArray[np.bool_]
 ) -> NDArray[np.uint8]:
     """Return the region of each pixel, (h, w), as an index into REGIONS.
 
-    Arguments and errors as of border_holes. A hole near a jump of depth is a hole.
+    coverage, truth_inverse_depth: as of border_holes, which `beyond` are. A hole near a jump of
+    depth is a hole.
     """
-    beyond = border_holes(coverage, truth_inverse_depth, shown, rendered, rendered_size)
     region = np.where(near_discontinuity(truth_inverse_depth), np.uint8(2), np.uint8(3))
     region[np.asarray(coverage) == 0] = 1
     region[beyond] = 0

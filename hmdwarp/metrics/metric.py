@@ -126,13 +126,7 @@ def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
     error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
     regions = None
     if job.regions:
-        region = region_of(
-            measurement.covered,
-            measurement.truth_inverse_depth,
-            now.view,
-            measurement.rendered,
-            measurement.rendered_size,
-        )
+        region = region_of(measurement.covered, measurement.truth_inverse_depth, measurement.border_holes)
         region[~measurement.seen] = len(REGIONS)
         regions = region_sums(now.shown, now.truth, region, flip_map)
     return QualityResult(values, error_map, regions)

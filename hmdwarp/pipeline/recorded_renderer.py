@@ -90,7 +90,7 @@ class RecordedRenderer(Renderer):
         needs: Needs | None = None,
         shown_size: Size | None = None,
         age_ns: int = 0,
-        pictures: bool = True,
+        pictures: bool | None = True,
     ) -> Frame:
         """Return the last frame that was taken by now, all of it, always with its picture."""
         moment, rendered = self._moment_of(drawn_ns), guarded_eyes(views, guard, size)[1]

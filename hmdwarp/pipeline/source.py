@@ -6,6 +6,7 @@ whose head they are for, and in which format.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from functools import cached_property
@@ -115,16 +116,19 @@ class FrameSource(Protocol):
 class ServerFrames:
     """Frames as the server draws them.
 
-    requested: their format. eyes: the views that belong to a head pose.
+    requested: their format. eyes: the views that belong to a head pose. unseen_from_ns: frames made
+    from then on are sent, but never seen: their pictures are not drawn.
     """
 
     server: Renderer
     requested: PoseRequest
     eyes: Eyes
+    unseen_from_ns: float = math.inf
 
     def draw(self, head: PoseSample, now_ns: int, scale: float) -> Frame:
         """Draw all eyes for that head."""
         asked, timer = self.requested, self.server.gpu.timer
+        is_seen = now_ns < self.unseen_from_ns
         with timer.stage("render"):
             views, (size, guard) = looking(self.eyes.views(head.pose), head.gaze), self._resolution(scale)
             frame = self.server.draw_frame(
@@ -135,8 +139,11 @@ class ServerFrames:
                 asked.needs,
                 shown_size=asked.size,
                 age_ns=asked.age_ns,
-                pictures=bool(asked.pictures),
+                pictures=bool(asked.pictures) if is_seen else None,
             )
+        if not is_seen:  # weighs what it would
+            left_out = frozenset() if asked.pictures else frozenset(PICTURE)
+            frame = attrs.evolve(frame, eyes=tuple(attrs.evolve(eye, left_out=left_out) for eye in frame.eyes))
         return attrs.evolve(frame, head=frame.head or head, drawing=timer.lap())
 
     def has_more(self, now_ns: int) -> bool:

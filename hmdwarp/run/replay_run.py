@@ -17,6 +17,7 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
+from ..link.options import ALL, DROP
 from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.loop import Refresh
@@ -24,7 +25,9 @@ from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.sizes import refreshes_of
+from ..pipeline.source import ServerFrames
 from ..report import OutputFolder, VideoWriter, refuse_source
+from ..sources.server import Server
 from .frame_rows import ReplayLog, Row
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .measuring import MAIN, Probe, method_name
@@ -220,6 +223,7 @@ def _run(
         setup.profile.enter(BESIDE)
     misses = setup.options.miss
     late = LateClient(setup, misses) if misses.on else None
+    _leave_unseen_undrawn(setup)
     with _video(setup, out) as video, _events(setup, out) as events:
         for number, instant_ns in setup.schedule.numbered():
             with setup.part(DRAWING):
@@ -242,6 +246,17 @@ def _run(
     if not count:
         raise InputError(_nothing_arrived(setup))
     return log, late
+
+
+def _leave_unseen_undrawn(setup: ReplaySetup) -> None:
+    """Draw no pictures that arrive after the last refresh, in frames that hold nothing else."""
+    options, source = setup.options, setup.loop.source
+    is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
+    if not is_plain or options.miss.on or options.coding.codec != "none" or not isinstance(source, ServerFrames):
+        return
+    if isinstance(source.server, Server) and not source.requested.needs:
+        *_, (_, last_ns) = setup.schedule.numbered()
+        setup.loop.source = attrs.evolve(source, unseen_from_ns=last_ns - setup.channel.latency_ns + 1)
 
 
 def _seen(setup: ReplaySetup, late: LateClient | None, number: int, instant_ns: int) -> Seen | None:

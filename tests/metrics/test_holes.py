@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose, View
-from hmdwarp.metrics import border_share, hole_share
+from hmdwarp.metrics import border_holes, hole_share
 
 from .pictures import FOV, turned
 
@@ -19,6 +19,11 @@ small = st.floats(-0.3, 0.3)
 poses = st.builds(
     lambda yaw, pitch, roll, x, y, z: turned(yaw, pitch, roll, (x, y, z)), small, small, small, small, small, small
 )
+
+
+def border_share(*arguments) -> float:
+    """Share of the picture's pixels."""
+    return float(border_holes(*arguments).mean())
 
 
 def outside_by_rays(depth_m: np.ndarray, shown: View, rendered: View) -> np.ndarray:

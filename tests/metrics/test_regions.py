@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import REGIONS, flip, near_discontinuity, pooled, psnr_db, region_of, region_sums
+from hmdwarp.metrics import REGIONS, border_holes, flip, near_discontinuity, pooled, psnr_db, region_of, region_sums
 
 from .pictures import noise
 
@@ -17,6 +17,11 @@ SIZE = (64, 48)
 HERE = View(Pose(), Fov.from_tangents((-1, 1, -0.75, 0.75)))
 SAME = (HERE, HERE, SIZE)  # shown, rendered, and its size: nothing is beyond the border
 FULL = np.ones((48, 64))
+
+
+def regions(coverage: np.ndarray, depth: np.ndarray, *views) -> np.ndarray:
+    """(h, w) the region of each pixel."""
+    return region_of(coverage, depth, border_holes(coverage, depth, *views))
 
 
 def plane(normal, distance_m: float, size=SIZE, view: View | None = None) -> np.ndarray:
@@ -87,7 +92,7 @@ def test_a_hole_is_a_hole_also_at_a_silhouette():
     depth[:, 20:] = 0.5
     coverage = FULL.copy()
     coverage[:, 20:30] = 0
-    region = region_of(coverage, depth, *SAME)
+    region = regions(coverage, depth, *SAME)
     assert (region[:, 20:30] == 1).all() and (region[:, 18:20] == 2).all()
     assert (region[:, :18] == 3).all() and (region[:, 30:] == 3).all()
 
@@ -97,7 +102,7 @@ def test_holes_are_at_the_border_where_the_frame_saw_nothing_of_the_surface():
     coverage = FULL.copy()
     coverage[10:20], coverage[0, 0] = 0, 0
     half = View(Pose(), Fov.from_tangents((-1, 0, -0.75, 0.75)))
-    region = region_of(coverage, np.zeros((48, 64), np.float32), HERE, half, (32, 48))
+    region = regions(coverage, np.zeros((48, 64), np.float32), HERE, half, (32, 48))
     assert (region[10:20, :32] == 1).all() and (region[10:20, 32:] == 0).all() and region[0, 0] == 1
     assert np.count_nonzero(region < 2) == 641
 
@@ -113,7 +118,7 @@ def test_regions_together_are_the_picture():
     depth[:, 20:] = 0.5
     mean, flip_map = flip(shown, truth, 20)
     left = View(Pose(), Fov.from_tangents((-1, 0.5, -0.75, 0.75)))
-    region = region_of(coverage, depth, HERE, left, (48, 48))
+    region = regions(coverage, depth, HERE, left, (48, 48))
     figures = pooled([region_sums(shown, truth, region, flip_map)])
     shares = [figures[name]["share"] for name in REGIONS]
     assert all(shares) and sum(shares) == pytest.approx(1, abs=1e-12)
@@ -134,7 +139,7 @@ def test_pictures_are_pooled_before_the_logarithm():
         coverage, shown = np.ones(48 * 64), truth.copy()
         coverage[:holes] = 0
         shown.reshape(-1, 3)[:holes] = error
-        return region_sums(shown, truth, region_of(coverage.reshape(48, 64), zeros, *SAME), zeros)
+        return region_sums(shown, truth, regions(coverage.reshape(48, 64), zeros, *SAME), zeros)
 
     figures = pooled([one(1000, 10), one(10, 200)])["inside_holes"]
     mean_square = (1000 * 10**2 + 10 * 200**2) / 1010 / 255**2
@@ -144,7 +149,7 @@ def test_pictures_are_pooled_before_the_logarithm():
 
 def test_an_empty_region_has_no_error():
     flat = np.zeros((48, 64), np.float32)
-    figures = pooled([region_sums(noise(1, SIZE), noise(1, SIZE), region_of(FULL, flat, *SAME), flat)])
+    figures = pooled([region_sums(noise(1, SIZE), noise(1, SIZE), regions(FULL, flat, *SAME), flat)])
     assert figures["border_holes"] == figures["inside_holes"] == {"share": 0.0, "psnr_db": None, "flip": None}
     assert figures["seen"] == {"share": 1.0, "psnr_db": 100.0, "flip": 0.0}
     assert pooled([])["silhouettes"] == {"share": None, "psnr_db": None, "flip": None}
@@ -154,6 +159,6 @@ def test_sizes_must_agree():
     flat = np.zeros((48, 64))
     for wrong in ((FULL[:-1], flat), (FULL, flat[:-1])):
         with pytest.raises(InputError, match="expected"):
-            region_of(*wrong, *SAME)
+            regions(*wrong, *SAME)
         with pytest.raises(InputError, match="expected"):
             region_sums(noise(1, SIZE), noise(2, SIZE), *wrong)

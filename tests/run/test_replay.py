@@ -59,6 +59,17 @@ def test_writes_what_design_says_and_nothing_else(full):
     assert set(contents(out)) == {"summary.json", "frames.csv", "report.html", "replay.mp4"} | pictures
 
 
+def test_a_run_that_ends_earlier_shows_the_same(tmp_path):
+    """And its frames weigh the same: of those that never arrive no pictures are drawn."""
+    ends = {name: run(tmp_path / name, trace="walk", seconds=seconds) for name, seconds in (("a", 0.1), ("b", 0.4))}
+    short, long = (rows_of(tmp_path / name) for name in ends)
+    assert 0 < len(short) < len(long)
+    for row, same in zip(short, long, strict=False):
+        assert [row[name] for name in QUALITY_AT] == [same[name] for name in QUALITY_AT]
+    weights = {result.summary["link"]["frame_bytes"] for result in ends.values()}
+    assert len(weights) == 1 and weights != {0}
+
+
 def test_summary_keeps_to_the_schema(full):
     out, result = full
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))

@@ -60,7 +60,6 @@ class PoseMessages:
         self._writer.start(profile="", library="hmdwarp")
         self._writer.add_metadata(METADATA, {"axes": AXES, **metadata})
         self._head = self.channel(_TOPIC, "foxglove.PoseInFrame", POSES)
-        self._count = 0
 
     def channel(self, topic: str, name: str, properties: dict[str, Any]) -> int:
         """Return the number of a new topic of JSON messages, as put() takes it."""
@@ -77,8 +76,7 @@ class PoseMessages:
 
     def put(self, channel: int, time_ns: int, text: str) -> None:
         """Add a message."""
-        self._writer.add_message(channel, time_ns, text.encode(), time_ns, sequence=self._count)
-        self._count += 1
+        self._writer.add_message(channel, time_ns, text.encode(), time_ns)
 
     def close(self) -> None:
         """Write the index. The stream stays open."""

@@ -163,10 +163,11 @@ def _label(row: Row) -> str:
 
 
 def _wrapped(name: str) -> str:
-    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together.
-    return "\n".join(
-        line for part in name.split(", ") for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part]
-    )
+    # After a comma first: "forward + interpolate, 200 ms" keeps its 200 ms together. Then at a
+    # space, or after the plus of a chain of fills.
+    parts = (part.replace("+", "+\0 ").replace("+\0  ", "+ ") for part in name.split(", "))
+    lines = (line for part in parts for line in textwrap.wrap(part, _WRAP, break_on_hyphens=False) or [part])
+    return "\n".join(line.replace("\0 ", "").replace("\0", "") for line in lines)
 
 
 def _limits(measure: Row, values: Sequence[float]) -> tuple[float, float]:

@@ -171,14 +171,14 @@ class Server(Renderer):
         needs: Needs | None = None,
         shown_size: Size | None = None,
         age_ns: int = 0,
-        pictures: bool = True,
+        pictures: bool | None = True,
     ) -> Frame:
         """Draw all eyes, and the needed layers, into pooled targets.
 
         guard: how much each field of view is enlarged, see guarded_eyes; the frame holds the
         enlarged views. shown_size: of the display's picture, if the frame has another resolution.
         age_ns: how old it will be when it is seen. pictures: False leaves the eyes' pictures empty,
-        for needs that both eyes share.
+        for needs that both eyes share; None leaves in them what they had.
         Return the frame to the pools with recycle(). Errors: as guarded_eyes; InputError for a cube
         beyond the GL limit.
         """
@@ -213,7 +213,9 @@ class Server(Renderer):
         ]
         return self._draw_all(views, size, drawings, pictures=pictures)
 
-    def _draw_all(self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool) -> Frame:
+    def _draw_all(
+        self, views: Sequence[View], size: Size, drawings: Sequence[Drawing], *, pictures: bool | None
+    ) -> Frame:
         _needs, drawn_ns = drawings[0].needs, drawings[0].time_ns
         shared: dict[str, Any] = {}
         for part in self._parts_for(drawings[0]):
@@ -221,12 +223,13 @@ class Server(Renderer):
         if pictures:
             eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
         else:
-            eyes = [self._empty(view, size, drawn_ns) for view in views]
+            eyes = [self._empty(view, size, drawn_ns, clear=pictures is not None) for view in views]
         return Frame(tuple(eye.having(**shared) if shared else eye for eye in eyes), drawn_ns)
 
-    def _empty(self, view: View, size: Size, time_ns: int) -> EyeImage:
+    def _empty(self, view: View, size: Size, time_ns: int, *, clear: bool) -> EyeImage:
         target = self.acquire(size)
-        self.clear(target)
+        if clear:
+            self.clear(target)
         return EyeImage(view, target.colour, target.inverse_depth, drawn_ns=time_ns, left_out=frozenset(PICTURE))
 
     def clear(self, into: Target) -> None:

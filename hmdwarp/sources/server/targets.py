@@ -231,7 +231,7 @@ class Renderer:
         needs: Needs | None = None,
         shown_size: tuple[int, int] | None = None,
         age_ns: int = 0,
-        pictures: bool = True,
+        pictures: bool | None = True,
     ) -> Frame:
         """Return a frame with all eyes, and the needed layers, see Server.draw_frame."""
         raise NotImplementedError

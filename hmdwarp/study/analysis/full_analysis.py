@@ -13,7 +13,7 @@ import attrs
 from ...options import PAPER, PaperOptions
 from ...report import ALPHA, OutputFolder, counted, listed, p_is, pair_text, plain, signed, write_paper
 from ...report.study import csv_tables, study_page
-from ...resources import __version__
+from ...resources import __version__, made_with
 from ..design import SHIPPED, Family
 from ..prediction import prediction_data
 from ..scales import Scale
@@ -263,6 +263,7 @@ def analyse(
     return {
         "schema": SCHEMA,
         "hmdwarp": __version__,
+        "made_with": made_with(),
         "title": ratings.title,
         "source": ratings.source,
         "origin": ratings.origin,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.experiments.thesis.run_figures import holes_of, seam
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import border_share
+from hmdwarp.metrics import border_holes
 
 FOV = Fov.symmetric(np.deg2rad(90), np.deg2rad(70))
 SIZE = (24, 16)
@@ -46,7 +46,7 @@ def test_the_kinds_share_all_holes_and_the_border_is_that_of_the_metric(seed, x,
     masks = np.stack([kinds.border, kinds.disoccluded, kinds.cracks]).astype(int)
     assert (masks.sum(axis=0) == (coverage == 0)).all()
     # Alike but for a ray that meets the very edge, which belongs to the one and not to the other.
-    share = border_share(coverage, depth, shown, rendered, (width, 16))
+    share = border_holes(coverage, depth, shown, rendered, (width, 16)).mean()
     assert kinds.border.mean() == pytest.approx(share, abs=1 / coverage.size)
 
 

@@ -66,6 +66,7 @@ def test_it_writes_the_page_the_numbers_and_the_tables(done):
         "tables/ratings.csv",
     ]
     data = json.loads((out / "analysis.json").read_text())
+    assert {"commit", "numpy", "moderngl"} <= data["made_with"].keys()
     with (out / "tables" / "comparisons.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [float(row["p"]) for row in rows] == [row["p"] for row in data["scales"][0]["comparisons"]]

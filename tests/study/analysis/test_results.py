@@ -99,6 +99,12 @@ def test_unrated_parts_show_no_order_and_no_p():
     render_study_report(data, "")
 
 
+def test_names_in_a_chart_break_between_words_and_fills():
+    ratings = ratings_of({"late": LATE, "forward + interpolate+composite, 800 ms": WARPED})
+    page = render_study_report(analyse(ratings), "")
+    assert ">interpolate+<" in page and ">composite<" in page
+
+
 def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
     for late, warped in (([5], [3]), ([5, 4, 3], [4, 3, 2]), ([4, 4], [4, 4])):
         row = first(ratings_of({"late": late, "warped": warped}))

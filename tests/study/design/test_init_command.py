@@ -29,6 +29,7 @@ def test_the_plan_is_accepted_as_it_is(tmp_path, monkeypatch):
         "latency400-forward",
         "reference",
     ]
+    assert {condition.settings["view"] for condition in design.parts[0].conditions} == {"flat"}
     assert all("odd number" in note for note in notes(design)), notes(design)
 
 
