@@ -60,7 +60,7 @@ class Registry(Generic[T]):
 
     def names(self) -> list[str]:
         """Return all known names, sorted, without importing an entry."""
-        return sorted(self._shipped() | set(self._foreign()) | set(self._entries))
+        return sorted(self._shipped | set(self._foreign()) | set(self._entries))
 
     def get(self, name: str) -> T:
         """Return the entry called `name`.
@@ -71,7 +71,7 @@ class Registry(Generic[T]):
         if name not in self._entries:
             if self._of_table is not None and name in (tables := self._tables()):
                 self._entries[name] = self._of_table(name, tomllib.loads(tables[name].read_text(encoding="utf-8")))
-            elif name in self._shipped():
+            elif name in self._shipped:
                 importlib.import_module(f"{self.package}.{name}")
             elif name in self._foreign():
                 self._load(self._foreign()[name])
@@ -87,10 +87,11 @@ class Registry(Generic[T]):
     def __contains__(self, name: object) -> bool:
         return name in self.names()
 
-    def _shipped(self) -> set[str]:
+    @functools.cached_property
+    def _shipped(self) -> frozenset[str]:
         path = importlib.import_module(self.package).__path__
         modules = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
-        return modules if self._of_table is None else modules | self._tables().keys()
+        return frozenset(modules if self._of_table is None else modules | self._tables().keys())
 
     def _tables(self) -> dict[str, Path]:
         folders = importlib.import_module(self.package).__path__

@@ -30,7 +30,8 @@ def hmdwarp(*arguments: object, folder: Path | None = None, page: bool = True) -
         if folder is not None:
             patch.chdir(folder)
         if not page:
-            patch.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
+            for name in ("run_summary.render_report", "live_log.render_live_report"):
+                patch.setattr(f"hmdwarp.run.{name}", lambda *_, **__: "no page")
         try:
             with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as left:
                 main()

@@ -36,6 +36,7 @@ SMALL = {
     "headset": "flat-90",
     "size": (96, 80),
     "rate_hz": 60.0,
+    "samples": 1,
     "seconds": 0.5,
     "against": "",
     "metrics_every": 5,

@@ -10,11 +10,13 @@ import threading
 
 
 class Serving:
-    """`hmdwarp serve` in a process of its own, at a port that was free."""
+    """`hmdwarp serve` in a process of its own, at a port that was free: planes, one sample."""
 
     def __init__(self, *options: str, inside: tuple[str, ...] = (), command: str = "serve") -> None:
         where = () if "--listen" in options else ("--listen", "127.0.0.1:*")
         scene = () if {"--scene", "--frames"} & {*options} or command != "serve" else ("--scene", "planes")
+        if command == "serve" and not {"--samples", "--frames"} & {*options}:
+            scene += ("--samples", "1")
         arguments = [*inside, sys.executable, "-m", "hmdwarp", command, *scene, *where, *options]
         self.process = subprocess.Popen(
             arguments, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ

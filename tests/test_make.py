@@ -28,8 +28,8 @@ class Small:
 
 SMALL = {
     "help": Small(prints="make replay"),
-    "replay": Small({"SECONDS": "0.1", "OPTIONS": "--size 48x40 --scene planes --workers 0"}, "report: "),
-    "test-kill": Small({"KILLS": "1", "OPTIONS": "-p no:cacheprovider"}, "1 kills"),
+    # The suite runs these tests.
+    "test-kill": Small({"OPTIONS": "-p no:cacheprovider --collect-only"}, "test_killing_the_program_loses_nothing"),
     # CI runs 1,000 cases of all kinds beside the suite.
     "fuzz": Small({"SECONDS": "inf", "OPTIONS": "--cases 8 --only trace"}, " 0 findings"),
     "bench-quick": Small({"OPTIONS": "--rounds 1 --seconds 0 --sizes 1"}, "warpFrame"),
@@ -41,6 +41,7 @@ LISTED = {
     "test-requests": "runs for an hour or two; tests/sources/feed has a short run of it",
     "test-silence": "runs for a quarter of an hour; tests/sources/feed runs the same for a second",
     "test-soak": "runs for an hour; tests/feed has short runs over the same relay",
+    "replay": "tests/test_readme.py runs it",
     "bench-live": "is a part of bench-gpu, whose page has its lines",
     "setup": "makes the environment this runs in; tests/packaging/test_setup.py runs its script",
     "test": "is the suite itself",

@@ -38,7 +38,7 @@ PORTABLE = "forward:path=portable"
 
 @pytest.mark.parametrize("scene", PLAIN)
 def test_a_plain_scene_compiles_allocates_sends_and_runs_the_bare_minimum(scene):
-    costs = costs_of(scene=scene, warp=PORTABLE, fill="interpolate")
+    costs = costs_of(scene=scene, warp=PORTABLE, fill="interpolate", samples=4)
     assert costs.shaders == BASE_SHADERS
     # 96x80 pixels an eye of 8 bytes of colour and 4 of depth, and no more.
     assert costs.layers == {"rendered.colour": 2 * 96 * 80 * 8, "rendered.inverse_depth": 2 * 96 * 80 * 4}

@@ -23,6 +23,7 @@ import pytest
 from commands import hmdwarp
 from display.virtual_screen import VirtualScreen
 from serving import Serving
+from study.session.conftest import hurry
 from typer.main import get_command
 
 from hmdwarp import load_trace
@@ -44,10 +45,13 @@ LIVE = sorted(
 
 # Of an option given twice the last counts: what is drawn is smaller and shorter here.
 SMALLER = {
-    "hmdwarp replay ": " --size 96x120 --seconds 0.2 --images 1 --workers 0",
+    "hmdwarp replay ": " --size 64x80 --seconds 0.2 --images 1 --workers 0",
     "hmdwarp bench ": " --size 64x80 --workers 0 --instants 1 --rounds 1",
-    "hmdwarp live ": " --size 96x120",
+    "hmdwarp compare ": " --size 48x40 --workers 0",
+    "hmdwarp live ": " --size 64x80",
 }
+# Where a page of a run is drawn as it is, which takes longer than the run.
+WITH_PAGES = ("README.md", "getting-started.md")
 
 # What the examples of a page must leave behind.
 LEFT = {
@@ -76,13 +80,16 @@ def run(command: list[str], folder: Path) -> None:
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout}\n{done.stderr}"
 
 
-def run_block(block: str, folder: Path) -> None:
-    """Run commands, those of hmdwarp in this process unless one stays in the background."""
+def run_block(block: str, folder: Path, page: bool) -> None:
+    """Run commands, those of hmdwarp in this process unless one stays in the background.
+
+    page: whether pages of runs are drawn.
+    """
     if re.search(r"&$", block, re.MULTILINE):
         return run(["sh", "-ec", block], folder)
     for statement in re.findall(r"^[^\n]*<<'END'\n.*?^END$|^[^\n]+", block, re.DOTALL | re.MULTILINE):
         if statement.startswith("hmdwarp "):
-            done = hmdwarp(*shlex.split(statement)[1:], folder=folder)
+            done = hmdwarp(*shlex.split(statement)[1:], folder=folder, page=page)
             assert done.returncode == 0, f"{statement}\n{done.stdout}\n{done.stderr}"
         else:
             run(["sh", "-ec", statement], folder)
@@ -98,6 +105,7 @@ def smaller(block: str) -> str:
         with socket.create_server(("127.0.0.1", 0)) as free:
             block = block.replace(f"127.0.0.1:{port}", f"127.0.0.1:{free.getsockname()[1]}")
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
+    block = block.replace("--scene room", "--scene planes").replace("voxels:size=32", "voxels:size=8,cones=4")
     return "\n".join(
         line
         + next(
@@ -122,12 +130,13 @@ def _plain_scene(line: str) -> str:
 @pytest.mark.parametrize(
     "page", [name for name, blocks in BLOCKS.items() if {"sh", "python"} & {kind for kind, _ in blocks}]
 )
-def test_a_page_runs_from_top_to_bottom(page, tmp_path):
+def test_a_page_runs_from_top_to_bottom(page, tmp_path, monkeypatch):
+    hurry(monkeypatch)
     for kind, text in BLOCKS[page]:
         if kind == "python":
             run([sys.executable, "-c", text], tmp_path)
         elif kind == "sh" and not text.startswith("make "):
-            run_block(smaller(text), tmp_path)
+            run_block(smaller(text), tmp_path, page in WITH_PAGES)
     for name in LEFT.get(page, ()):
         assert (tmp_path / name).stat().st_size > 0, name
     assert not _untracked([path.name + "/" * path.is_dir() for path in tmp_path.iterdir()]), "add them to .gitignore"

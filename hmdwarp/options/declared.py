@@ -204,9 +204,14 @@ def same_as(field: attrs.Attribute[Any], default: Any = None, **about: Any) -> A
     )
 
 
+_KNOWN: dict[type[Declared], tuple[Option, ...]] = {}
+
+
 def options_of(kind: type[Declared]) -> tuple[Option, ...]:
     """Return the options of a class in the order of its fields, those of its groups included."""
-    return tuple(found for found in _all_of(kind) if found.name not in kind.not_offered)
+    if kind not in _KNOWN:
+        _KNOWN[kind] = tuple(found for found in _all_of(kind) if found.name not in kind.not_offered)
+    return _KNOWN[kind]
 
 
 def _all_of(kind: type) -> Iterator[Option]:

@@ -7,6 +7,7 @@ import pytest
 from holed import Holed
 from reference.interpolate import interpolate
 from reference.picture import ReferencePicture
+from together import together
 from worlds import World, every_choice
 
 from hmdwarp.client import every_fill, parse_fills, parse_warp
@@ -21,7 +22,7 @@ SIZES = [(67, 53), (64, 64), (1, 1), (129, 2), (31, 127)]
 
 
 @pytest.mark.parametrize("name", CHOICES)
-@pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
+@together("size", SIZES)
 def test_same_pose_gives_the_same_picture_bit_for_bit(gpu, name, size):
     world = World(gpu, 1, size, moved=False)
     wanted = world.look_along_a_face(gpu, 1) if parse_warp(name).entry.resamples else world.colour
@@ -29,7 +30,7 @@ def test_same_pose_gives_the_same_picture_bit_for_bit(gpu, name, size):
 
 
 @pytest.mark.parametrize("name", CHOICES)
-@pytest.mark.parametrize("seed", range(6))
+@together("seed", range(6))
 def test_shader_equals_the_float64_twin(gpu, name, seed):
     size = SIZES[seed % len(SIZES)]
     shown = size if seed % 2 else (size[0] + 6, max(size[1] - 5, 1))
@@ -64,7 +65,7 @@ def test_shader_equals_the_float64_twin_with_an_uneven_guard_band(gpu, name):
 
 
 @pytest.mark.parametrize("name", CHOICES)
-@pytest.mark.parametrize("guard", [1.3, (1.1, 1.4), GuardBand(size=(85, 50))], ids=str)
+@together("guard", [1.3, (1.1, 1.4), GuardBand(size=(85, 50))])
 def test_a_guard_band_is_cut_off_exactly(gpu, name, guard):
     world = World(gpu, 5, (60, 44), moved=False)
     if parse_warp(name).entry.resamples:
@@ -87,7 +88,7 @@ FILLS = [name for name in every_fill() if parse_fills(name)]
 
 
 @pytest.mark.parametrize("name", FILLS)
-@pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
+@together("size", SIZES)
 def test_fill_leaves_what_is_covered_alone(gpu, name, size):
     holed = Holed(gpu, 7, size, empty=0.3)
     got, depth = holed.fill(gpu, name)
@@ -126,7 +127,7 @@ LEAST = {3: 3, 5: 9, 7: 18}
 
 
 @pytest.mark.parametrize("kernel", LEAST)
-@pytest.mark.parametrize("size", SIZES, ids="{0[0]}x{0[1]}".format)
+@together("size", SIZES)
 def test_interpolate_equals_its_twin(gpu, kernel, size):
     holed = Holed(gpu, 8, size, empty=0.6)
     wanted = interpolate(holed.colour, LEAST[kernel], kernel)

@@ -49,7 +49,8 @@ def shown_of(gpu, geometry: ClientScene, spec: str, late: EyeImage, shown: View)
 
 
 @pytest.mark.parametrize(
-    ("scene", "spec"), [*((scene, "difference") for scene in scenes.names()), *(("room", spec) for spec in SPECS[1:])]
+    ("scene", "spec"),
+    [*((scene, "difference") for scene in scenes.names()), *(("gallery", spec) for spec in SPECS[1:])],
 )
 def test_a_still_head_sees_the_servers_picture_byte_for_byte(gpu, scene, spec):
     """With mirrors, glass and overlays: the difference has what the simplified scene lacks."""
@@ -113,7 +114,7 @@ def test_the_warp_is_its_twin(gpu, shown, guard):
 
 
 def test_only_the_difference_crosses(tmp_path):
-    result = run(tmp_path, scene="room", warp="difference", latency_ms=50.0, seconds=0.2)
+    result = run(tmp_path, scene="spheres", warp="difference", latency_ms=50.0, seconds=0.2)
     assert set(result.summary["link"]["layers_mbit_s"]) == {"difference"}
     assert result.summary["quality"]["hole_share"]["mean"] == 0
     assert result.summary["client_models"][0]["share"] == 0.2
@@ -122,20 +123,18 @@ def test_only_the_difference_crosses(tmp_path):
 @pytest.mark.parametrize("spec", ["difference", "difference:warped=off"])
 def test_a_codec_costs_the_last_of_nine_bits_and_its_own_error(tmp_path, spec):
     """8 bits hold half of the levels, so a byte is off by at most one; x264's best adds its own."""
-    options = {"scene": "room", "warp": spec, "latency_ms": 0.0, "seconds": 0.2, "size": (96, 80)}
+    options = {"scene": "spheres", "warp": spec, "latency_ms": 0.0, "seconds": 0.2, "size": (96, 80)}
     exact = run(tmp_path / "exact", **options)
     coded = run(tmp_path / "coded", coding=Coding("h264", crf=0), **options)
     assert exact.summary["quality"]["psnr_db"]["mean"] == 100
     assert 30 < coded.summary["quality"]["psnr_db"]["mean"] < 60
 
 
-@pytest.mark.parametrize("spec", SPECS)
+@pytest.mark.parametrize("spec", [spec for spec in SPECS if "warped=off" not in spec])
 def test_hard_views_give_no_nan_and_no_hole(gpu, spec):
     """From behind, from within a wall, from far away: the simplified scene is shown."""
-    geometry = ClientScene(gpu, "room")
+    geometry = ClientScene(gpu, "room" if spec == "difference" else "gallery")
     late = frame(gpu, geometry.server, spec)
-    if "warped=off" in spec:
-        return
     for shown in (
         View(Pose((0.05, 1.6, 0.1), (0, 1, 0, 0)), FOV),
         View(Pose((2.5, 0.2, 2.5)), FOV),

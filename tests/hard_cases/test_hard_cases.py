@@ -7,15 +7,20 @@ from pathlib import Path
 import pytest
 
 from . import all_cases  # noqa: F401 (files them)
-from .registry import CASES, markdown
+from .registry import CASES, CHOICES, markdown
 
-PAIRS = [(case, name) for case in CASES for name in case.warps]
 ALONE = [case for case in CASES if not case.warps]
 
 
-@pytest.mark.parametrize(("case", "name"), PAIRS, ids=[f"{case.name}-{name}" for case, name in PAIRS])
-def test_warp(gpu, case, name):
-    case.run(gpu, name)
+@pytest.mark.parametrize("name", CHOICES)
+def test_warp(gpu, name):
+    for case in CASES:
+        if name in case.warps:
+            try:
+                case.run(gpu, name)
+            except Exception as error:
+                error.add_note(f"case {case.name}")
+                raise
 
 
 @pytest.mark.parametrize("case", ALONE, ids=[case.name for case in ALONE])

@@ -19,7 +19,7 @@ from hmdwarp.scenes import load_scene
 from hmdwarp.study.design import live_options
 
 NAMES = strategies.names()
-SMALL = ("--size", "96x80", "--headset", "flat-90", "--seconds", "0.1", "--quiet")
+SMALL = ("--size", "48x40", "--headset", "flat-90", "--samples", "1", "--seconds", "0.1", "--quiet")
 
 
 @pytest.fixture(params=NAMES)

@@ -9,6 +9,8 @@ real screen.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from unittest.mock import patch
 
 import attrs
 import numpy as np
@@ -121,11 +123,15 @@ def closed_at(number: int, why: str = "the window was closed") -> dict[int, Base
     return {number: Closed(why)}
 
 
-def run_on(monkeypatch, display: OffscreenDisplay, options: LiveOptions, **more):
-    """hmdwarp.run.live on this display; what it says is collected in display.said."""
+def run_on(monkeypatch, display: OffscreenDisplay, options: LiveOptions, page: bool = False, **more):
+    """hmdwarp.run.live on this display; what it says is collected in display.said.
+
+    page: whether report.html is drawn; its plots take longer than such a run.
+    """
     monkeypatch.setattr(run, "open_display", lambda *_: display)
     try:
-        return run.live(options, display.said.append, **more)
+        with nullcontext() if page else patch("hmdwarp.run.live_log.render_live_report", lambda *_, **__: "no page"):
+            return run.live(options, display.said.append, **more)
     finally:
         if not display.closed:  # the run was refused before it opened one
             display.close()

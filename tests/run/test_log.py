@@ -71,12 +71,11 @@ def seen(monkeypatch) -> Seen:
     return found
 
 
-def go(monkeypatch, out, events=None, options=None, **display):
+def go(monkeypatch, out, events=None, options=None, page=False, **display):
     """A small run into `out`."""
     shown = OffscreenDisplay(events=closed_at(20) if events is None else events, **display)
-    return run_on(
-        monkeypatch, shown, LiveOptions(**{**SMALL, "out": out, "command": "hmdwarp live", **(options or {})})
-    ), shown
+    options = LiveOptions(**{**SMALL, "out": out, "command": "hmdwarp live", **(options or {})})
+    return run_on(monkeypatch, shown, options, page), shown
 
 
 def test_rows_are_what_was_shown(monkeypatch, tmp_path, seen):
@@ -142,7 +141,7 @@ def test_the_summary_is_a_replay_s_and_more(monkeypatch, tmp_path, seen):
 def test_the_axes_of_a_recorded_head_are_told(monkeypatch, tmp_path):
     """In the summary as a replay has them, and on the page."""
     track = load_trace("look-around").track
-    result, _ = go(monkeypatch, tmp_path / "out", events=closed_at(3), track=track)
+    result, _ = go(monkeypatch, tmp_path / "out", events=closed_at(3), page=True, track=track)
     assert result.summary["trace_axes"] == result.summary["live"]["about"]["trace_axes"] == track.axes
     assert track.axes in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
 
@@ -424,7 +423,8 @@ def test_a_watchdog_s_thread_can_finish_it_while_the_loop_hangs(monkeypatch, tmp
 def test_the_page_is_there_and_escapes_what_it_is_told(monkeypatch, tmp_path):
     display = OffscreenDisplay(events={5: Tick(0, 0, notice="<b>lost</b>"), **closed_at(20)})
     display.about["headset"] = "<i>X</i> & Y"
-    run_on(monkeypatch, display, LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'"))
+    options = LiveOptions(**SMALL, out=tmp_path / "out", command="hmdwarp live --out '<out>'")
+    run_on(monkeypatch, display, options, page=True)
     page = (tmp_path / "out" / "report.html").read_text().replace("<wbr>", "")
     assert (
         "&lt;i&gt;X&lt;/i&gt; &amp; Y" in page

@@ -2,8 +2,8 @@
 
 Twelve people, some of whom leave or get sick, rate a walk.
 
-The pictures are tiny and nobody looks; everything else is as it is in a laboratory: the loop, the
-store, export, analysis, withdrawal.
+The pictures are tiny, nobody looks, and waits that are for people are short; everything else is as
+it is in a laboratory: the loop, the store, export, analysis, withdrawal.
 """
 
 from __future__ import annotations

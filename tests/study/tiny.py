@@ -1,5 +1,5 @@
 """A study as small as one can be that has everything in it, its simulated people, and the real
-command that runs it: 1.5 s a session.
+command that runs it.
 """
 
 from __future__ import annotations
@@ -8,7 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from commands import hmdwarp
+
+from .session.conftest import hurry
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = (sys.executable, "-m", "hmdwarp")
@@ -20,6 +23,7 @@ title = "Little of everything"
 seed = 5
 [common]
 scene = "planes"
+samples = 1
 headset = "flat-90"
 lens = "none"
 size = "48x40"
@@ -112,12 +116,14 @@ def session(study: Path, model: Path, code: str, *more: str) -> list[str]:
 
 
 def program(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """Run the command in this process; what it says, and its exit status."""
-    return hmdwarp(*arguments)
+    """Run the command in this process, people's waits short; what it says, and its exit status."""
+    with pytest.MonkeyPatch.context() as patch:
+        hurry(patch)
+        return hmdwarp(*arguments)
 
 
 def ran(*arguments: object) -> str:
     """Run a command that must do what it is asked; its standard output."""
-    done = hmdwarp(*arguments)
+    done = program(*arguments)
     assert done.returncode == 0, f"{arguments}: {done.returncode}\n{done.stdout}\n{done.stderr}"
     return done.stdout

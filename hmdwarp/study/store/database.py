@@ -107,6 +107,7 @@ def transaction(db: sqlite3.Connection, path: Path) -> Iterator[sqlite3.Connecti
 
 SCHEMA = 1
 APPLICATION_ID = 0x686D6477  # "hmdw": recognises databases of other programs
+SYNCHRONOUS = "FULL"  # a commit returns after an fsync
 BUSY_S = 5.0  # a reader may hold it for a moment, at a checkpoint
 
 # The statements alone: SQLite keeps their text in each store.
@@ -116,7 +117,7 @@ TABLES = "".join(Path(__file__).with_name("tables.sql").read_text(encoding="utf-
 def open_to_write(folder: Path, study: str, made_by: str) -> sqlite3.Connection:
     """Open the database of a folder whose lock is held; create it, or check it from end to end.
 
-    WAL and synchronous=FULL: a commit is one append and one fsync, while readers see the state
+    WAL and SYNCHRONOUS: a commit is one append and one fsync, while readers see the state
     before it. study, made_by: of a new database.
     Errors: as faults.store_error; InputError for a file that is damaged, of a newer program, or of
     another kind; MachineError for a disk that cannot hold one.
@@ -149,7 +150,7 @@ def _set_up(db: sqlite3.Connection, path: Path) -> None:
             f"{path}: the disk cannot hold a write-ahead log ({mode}): keep the study on a disk of this machine "
             "(--store)"
         )
-    for setting in ("synchronous = FULL", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
+    for setting in (f"synchronous = {SYNCHRONOUS}", "foreign_keys = ON", "secure_delete = ON", "temp_store = MEMORY"):
         db.execute(f"PRAGMA {setting}")
 
 

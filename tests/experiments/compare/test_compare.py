@@ -24,7 +24,8 @@ from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, compare_page, first_cases
 
 NAMED = ("imposter", "depth_image", "light", "proxy")
-QUICK = ("--size", "96x60", "--headset", "flat-90", "--seconds", "0.1", "--start", "1.1", "--workers", "0", "--quiet")
+QUICK = ("--size", "48x40", "--samples", "1", "--headset", "flat-90", "--start", "1.1", "--seconds", "0.1")
+QUICK += ("--workers", "0", "--quiet")
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +47,8 @@ def test_every_strategy_runs_at_every_latency(data):
     assert rows == [(latency, name) for latency in (100, 200) for name in NAMED]
 
 
-TINY = ("--latency", "20", "--size", "32x24", "--start", "0", "--seconds", "0.05", "--metrics-every", "2")
+TINY = ("--latency", "20", "--size", "32x24", "--samples", "1", "--start", "0", "--seconds", "0.05")
+TINY += ("--metrics-every", "2")
 
 
 def compared(out: Path, *options: str) -> tuple[dict, str]:
@@ -282,7 +284,7 @@ def test_rows_have_the_figures_of_their_runs(data):
 
 
 def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):
-    """One of its runs was lost and one failed: they alone are run again, on two workers."""
+    """One of its runs was lost and one failed: they alone are run again, on a worker."""
     pytest.importorskip("distributed")
     out = tmp_path / "out"
     shutil.copytree(folder, out)
@@ -291,7 +293,7 @@ def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):
     failed.write_text(failed.read_text(encoding="utf-8").replace('"done"', '"failed"'), encoding="utf-8")
     before = [path.stat().st_mtime_ns for path in kept]
     chosen = [part for name in NAMED for part in ("--strategy", name)]
-    again = ("--latency", "100,200", *QUICK, "--resume", "--cluster", "local:2", "--out", out)
+    again = ("--latency", "100,200", *QUICK, "--resume", "--cluster", "local:1", "--out", out)
     done = hmdwarp("compare", "look-around", *chosen, *again)
     assert (done.returncode, done.stderr) == (0, "")
     assert [path.stat().st_mtime_ns for path in kept] == before and len(kept) == 2 * len(NAMED) - 2

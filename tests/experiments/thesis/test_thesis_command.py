@@ -1,13 +1,9 @@
-"""`hmdwarp thesis`: files, resuming after a kill, and refusals."""
+"""`hmdwarp thesis`: files, resuming, and refusals."""
 
 from __future__ import annotations
 
 import csv
 import json
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -45,24 +41,6 @@ def test_quick_gives_every_experiment_its_verdict(tmp_path):
     assert len(rows) == sum(len(experiment["cells"]) for experiment in data["experiments"])
     table = summary_markdown([data, {**data, "experiments": data["experiments"][:1]}]).splitlines()
     assert len(table) == 4 + len(EXPERIMENTS)
-
-
-def test_a_killed_command_goes_on_where_it_was(tmp_path):
-    out = tmp_path / "out"
-    words = [sys.executable, "-m", "hmdwarp", "thesis", "--quick", "--only", FEW, "--quiet", "--out", str(out)]
-    with subprocess.Popen(words) as first:
-        while first.poll() is None and len(list((out / "cases").glob("*.json"))) < 2:
-            time.sleep(0.01)
-        first.send_signal(signal.SIGKILL)
-    before = kept(out)
-    assert before and not (out / "results.json").exists()
-
-    done = hmdwarp("thesis", "--quick", "--only", FEW, "--resume", "--out", out)
-    assert done.returncode == 0, done.stderr
-    after = kept(out)
-    assert f"{len(before)} of {len(after)} cases are kept" in done.stderr
-    assert before.items() <= after.items()  # not written again
-    assert (out / "results.json").exists() and not list(out.glob(".partial-*"))
 
 
 def test_a_run_that_is_damaged_or_of_another_size_is_run_again(tmp_path):

@@ -265,7 +265,7 @@ def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
     headset, planes, size = load_headset("flat-90"), load_scene("planes"), (96, 80)
     view = headset.views(Pose((0.2, 1.7, 0.1), (0.0, 0.1, 0.0, 0.995)))[0]
     with Gpu() as gpu, closing(RemoteRenderer(gpu, planes, FeedOptions(connect=serving.address))) as there:
-        with closing(Server(gpu, planes, samples=4)) as here:
+        with closing(Server(gpu, planes)) as here:
             ours, theirs = here.draw(view, size), there.draw(view, size)
             for name in ("colour", "inverse_depth"):
                 np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))

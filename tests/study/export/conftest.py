@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import shutil
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -85,16 +87,26 @@ def sit(store: Store, design, code: str, origin: str = PERSON, seed: int = 0, un
     )
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def design():
     return design_from_text(LATE_OR_WARPED, "late.toml")
 
 
-@pytest.fixture
-def store(tmp_path, design):
-    with Store(tmp_path / "data", create=True, clock=Day()) as made:
+@pytest.fixture(scope="session")
+def kept(tmp_path_factory, design):
+    """The folder of the store, closed, and its clock."""
+    folder, clock = tmp_path_factory.mktemp("kept") / "data", Day()
+    with Store(folder, create=True, clock=clock) as made:
         sit(made, design, "Alpha-1", seed=1)
         sit(made, design, "Beta-2", seed=2, until=2)
         sit(made, design, "Gamma-3", seed=3)
         sit(made, design, "Pilot-4", PILOT, seed=4)
+    return folder, clock
+
+
+@pytest.fixture
+def store(tmp_path, kept):
+    folder, clock = kept
+    shutil.copytree(folder, tmp_path / "data")
+    with Store(tmp_path / "data", clock=copy.copy(clock)) as made:
         yield made

@@ -25,6 +25,7 @@ seed = 5
 {more}
 [common]
 scene = "planes"
+samples = 1
 size = "96x120"
 reconnect = 0.05
 gc_between = false

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import subprocess
 import sys
 from datetime import UTC, datetime, timedelta
@@ -55,6 +56,7 @@ latency = 200
 """
 
 
+@functools.cache
 def design(text: str = TEXT, path: str = "late.toml") -> Design:
     """The study of a text."""
     return design_from_text(text, path, checked=False)
