@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import time
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import attrs
@@ -21,9 +22,11 @@ from ..frames.layers import PICTURE, layers
 from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
+from ..scenes import InputEvent
+from ..sources.feed import bounds
 from ..sources.feed.caller import Arrival, Caller
 from ..sources.feed.key_pairs import public_key
-from ..sources.feed.message import ANY, MOST_FATES, Ask, Fate, FrameMessage, Session, Wish, length_of
+from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
@@ -52,6 +55,8 @@ class Pending:
     size: tuple[int, int]
     views: tuple[View, ...]
     wanted: Wanted | None
+    # How many inputs the server knows once it has answered.
+    acted: int = 0
 
 
 @attrs.frozen(eq=False)
@@ -121,6 +126,11 @@ class Remote:
         self.unchanged = 0
         # The scene's clock at an instant of the loop's.
         self.scene_ns: Callable[[int], int] = lambda now_ns: now_ns
+        # What people did, oldest first, and how many of these the server is known to have.
+        self._acted: list[InputEvent] = []
+        self._known_inputs, self._began = 0, -1
+        # Whether what the server draws reacts, as its frames say.
+        self.takes_inputs = False
         # Whether the link knows of a frame that is missing.
         self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
@@ -148,11 +158,29 @@ class Remote:
         wanted = wanted_of(needs, views, size) if needs is not None else None
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = self._session_at(now_ns) if self._takes_session else None
+        acted = self._acted_until(times[2]) if self.takes_inputs else self._known_inputs
+        inputs = tuple(self._acted[self._known_inputs : acted])
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, self.pictures), anew=anew, wanted=wanted)
-        sent_ns = self._caller.ask(attrs.evolve(ask, session=session))
-        self._pending[self._number] = Pending(self._number, head, now_ns, sent_ns, grown, wide, wanted)
+        sent_ns = self._caller.ask(attrs.evolve(ask, session=session, inputs=inputs))
+        self._pending[self._number] = Pending(self._number, head, now_ns, sent_ns, grown, wide, wanted, acted)
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(next(iter(self._pending)))
+
+    def act(self, events: Iterable[InputEvent]) -> None:
+        """Send what people did with the requests of later instants, until the server has it.
+
+        Errors: InputError where nothing there reacts, or once it is too much for a session.
+        """
+        if not self.takes_inputs:
+            raise InputError(f"what {self._caller.address} draws does not react to what people do")
+        self._acted += events
+        if len(self._acted) > bounds.KEPT_INPUTS.most:
+            raise InputError(f"{len(self._acted)} inputs: a server keeps {bounds.KEPT_INPUTS.most:g} of a session")
+
+    def _acted_until(self, time_ns: int) -> int:
+        """Return how many inputs a request of that instant tells, with those that are known."""
+        until = bisect_right(self._acted, time_ns, key=lambda event: event.time_ns)
+        return min(until, self._known_inputs + MOST_INPUTS)
 
     def _session_at(self, now_ns: int) -> Session:
         """Return the session of a request at that instant, with the fates heard of by then."""
@@ -178,7 +206,9 @@ class Remote:
         for fate, told_in in list(self._fates.values()):
             if told_in is not None and told_in <= number:
                 del self._fates[fate.number]
-        return self._pending.pop(number)
+        pending = self._pending.pop(number)
+        self._known_inputs = max(self._known_inputs, pending.acted)
+        return pending
 
     def measure(
         self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
@@ -202,7 +232,7 @@ class Remote:
         self._pending.clear()
         self._fates.clear()
         self._session += 1
-        self.unchanged = 0
+        self.unchanged = self._known_inputs = 0
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
@@ -281,6 +311,9 @@ class Remote:
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
+            self.takes_inputs = arrival.frame.takes_inputs
+            if arrival.frame.began != self._began:  # it knows nothing of what it was sent before
+                self._began, self._known_inputs = arrival.frame.began, 0
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -18,7 +18,7 @@ from ..link import CHANGES, TransitStats
 from ..link.codec import Coding
 from ..poses import PoseSample
 from ..poses.track import Moment
-from ..scenes import Scene
+from ..scenes import InputEvent, Scene
 from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import RAW, FrameMessage
 from ..sources.feed.options import FULL, FeedOptions, secret_in
@@ -104,6 +104,18 @@ class RemoteSource(Source):
         longest_ns += self._added_ns
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
+
+    def act(self, event: InputEvent) -> InputEvent | None:
+        """Send what somebody does, and return it: what it means is known there.
+
+        Errors: as Remote.act.
+        """
+        self.remote.act([event])
+        return event
+
+    def pass_on(self, events: Iterable[InputEvent]) -> None:
+        """Send what people do. Errors: as Remote.act."""
+        self.remote.act(events)
 
     @property
     def is_timed(self) -> bool:

@@ -172,8 +172,6 @@ class RunOptions(PipelineOptions):
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
         if self.miss.on:
             self._check_miss()
-        if self.input and self.source_kind is REMOTE:
-            raise InputError("--input with --connect: inputs do not cross the network; leave one of them out")
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
                 f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"

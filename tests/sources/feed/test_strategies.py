@@ -87,11 +87,11 @@ def flown(setup, instants) -> tuple[dict, dict]:
     return found, setup.channel.summary(RATE_HZ)
 
 
-def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monkeypatch, feed=None):
+def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monkeypatch, feed=None, run=None):
     """Run a strategy over the feed, and again here at the same ages; return both summaries."""
     with monkeypatch.context() as patched:
         patched.setattr(Remote, "pace", patient)
-        options = {"feed": FeedOptions(connect=address, **feed or {}), "network": network or {}}
+        options = {"feed": FeedOptions(connect=address, **feed or {}), "network": network or {}, **(run or {})}
         with ready(gpu, strategy, scene=scene, **options) as setup:
             instants, age_ns = list(setup.schedule.numbered()), setup.pipeline.requested.age_ns
             there, _ = flown(setup, instants)
@@ -100,7 +100,7 @@ def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monk
             told = setup.channel.summary(RATE_HZ)
             delays, latency_ms = [delay for _, delay in setup.source.remote.delays_ns], setup.options.latency_ms
     assert told["frames"]["skipped"] == told["feed"]["malformed"] == told["feed"]["undecodable"] == 0, told
-    with ready(gpu, strategy, scene=scene, latency_ms=latency_ms, network=network or {}) as setup:
+    with ready(gpu, strategy, scene=scene, latency_ms=latency_ms, network=network or {}, **run or {}) as setup:
         setup.pipeline.requested.age_ns = age_ns
         setup.channel.link.delay_by(iter(delays))
         here, alone = flown(setup, instants)
@@ -211,3 +211,26 @@ def test_frames_that_are_of_no_use_are_told_and_what_they_brought_comes_again(gp
     here, there = found
     for ours, theirs in zip(here, there, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+ACTED = {"input": "seed:2", "start_s": 0.5}
+
+
+@pytest.mark.parametrize("name", ["imposter", "irradiance:updates=5", "points:budget=6000,room=4096,spacing=2"])
+def test_what_people_do_crosses_and_each_client_has_a_world_of_its_own(gpu, serving_of, monkeypatch, name):
+    """Another client of the same server acts otherwise, in between and at the same instants."""
+    address = serving_of("playroom")
+    with ready(gpu, "imposter", scene="playroom", feed=FeedOptions(connect=address), input="seed:9") as other:
+        other.loop.draw(other.schedule.first_ns)
+        with monkeypatch.context() as patched:
+            original, others = Remote.ask, other.source.remote
+
+            def beside(remote, head, views, guard, size, now_ns, needs=None):
+                if remote is not others:
+                    other.loop.draw(now_ns)
+                    patient(others, now_ns)
+                original(remote, head, views, guard, size, now_ns, needs)
+
+            patched.setattr(Remote, "ask", beside)
+            told, _ = compared(gpu, address, name, "playroom", monkeypatch=monkeypatch, run=ACTED)
+    assert told["frames"]["shown"] > 0

@@ -21,9 +21,12 @@ STATES = {
     "view": (("both", "both eyes"), ("flat", "one flat view"))
 }  # switches between two states, neither of which is off
 PATIENCE_S = 0.5  # how long a requested value is shown before the run's own is shown again
-ACTIONS = ("recentre", "full_screen", "vsync", "help", "panel", "quit")
+ACTIONS = ("push", "switch", "grab", "recentre", "full_screen", "vsync", "help", "panel", "quit")
 LIT = ("full_screen", "vsync", "help")  # actions drawn lit while on; the panel itself is on wherever it is visible
 LABELS = {
+    "push": "push",
+    "switch": "switch",
+    "grab": "grab",
     "recentre": "recentre",
     "full_screen": "full screen",
     "vsync": "vsync",
