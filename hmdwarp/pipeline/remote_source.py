@@ -45,14 +45,14 @@ class NoTruth(HmdwarpError):
 class RemoteSource(Source):
     """Frames that a server elsewhere draws.
 
-    The truth is drawn here, of the scene that the options name, or there, where that is the
-    server's. draws_truth: False for a run that has none.
+    The scene is here as well if the options name it, for passes and for the truth, which the server
+    draws otherwise. draws_truth: False for a run that has none.
     """
 
     kind = REMOTE
 
     def __init__(self, options: PipelineOptions, feed: FeedOptions, *, draws_truth: bool) -> None:
-        self._is_here = draws_truth and options.scene != SERVER_SCENE
+        self._is_here = options.scene != SERVER_SCENE
         elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
         super().__init__(options, None if self._is_here else elsewhere)
         if feed.raw != FULL and options.coding.codec != "none":
@@ -75,7 +75,7 @@ class RemoteSource(Source):
 
     def fitted(self, options: Options) -> Options:
         """Return the options with the server in place of a scene, where there is none here."""
-        return options if self._draws_truth else attrs.evolve(options, scene=self.feed.connect)
+        return options if self._draws_truth or self._is_here else attrs.evolve(options, scene=self.feed.connect)
 
     def check(self, plans: Sequence[Plan], needs: Needs) -> None:
         """Check that plans get by with what frames of another process have. Errors: InputError."""
@@ -85,7 +85,7 @@ class RemoteSource(Source):
         ):
             raise InputError(
                 "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: "
-                "use another one"
+                "use another one, or name that scene by --scene, too"
             )
 
     def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
@@ -106,12 +106,14 @@ class RemoteSource(Source):
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
 
     def act(self, event: InputEvent) -> InputEvent | None:
-        """Send what somebody does, and return it: what it means is known there.
+        """Send what somebody does, and return it: what it means is known where the scene is.
 
-        Errors: as Remote.act.
+        Errors: as Source.act, and as Remote.act.
         """
-        self.remote.act([event])
-        return event
+        done = super().act(event) if self._is_here else event
+        if done is not None:
+            self.remote.act([done])
+        return done
 
     def pass_on(self, events: Iterable[InputEvent]) -> None:
         """Send what people do. Errors: as Remote.act."""

@@ -26,6 +26,7 @@ from ..display import (
 from ..errors import MachineError
 from ..options import AUTO
 from ..pipeline.loop import Refresh
+from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, load_trace
 from ..poses.synth import RATE_HZ, synthesise
@@ -189,7 +190,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             markers = stack.enter_context(closing(marker_stream(display, STREAM, {})))
             say(markers.describe())
         if source.is_timed:
-            say(f"calling {options.feed.connect}; its scene is not loaded here")
+            of = "not loaded here" if source.scene.name == SERVER_SCENE else f"'{source.scene.name}', here too"
+            say(f"calling {options.feed.connect}; its scene is {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
         for note in (*source.notes, *source.scene.notes):

@@ -20,7 +20,7 @@ from ..frames.layers import RENDERED, Delivered, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.channel import SEEN_PX, Changes
-from ..pipeline.feed_coding import FeedEncoder, check_work
+from ..pipeline.feed_coding import LIGHT, FeedEncoder, check_work
 from ..pipeline.feed_layers import needs_of_client, parts_of, sizes_of
 from ..pipeline.options import NEAREST, PipelineOptions
 from ..pipeline.recorded_renderer import RecordedRenderer
@@ -322,9 +322,10 @@ def _drawn(server: Renderer, asked: Asked, needs: Needs) -> Frame:
 def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
-        half = server.give_codes(eye) if colour in BYTES or depth == DEPTH_CODES else None
+        as_bytes = colour in BYTES and LIGHT not in eye  # which keep no light beyond 1
+        half = server.give_codes(eye) if as_bytes or depth == DEPTH_CODES else None
         yield [
-            b"" if colour == NONE else half[0] if half and colour in BYTES else download(eye.colour),
+            b"" if colour == NONE else half[0] if half and as_bytes else download(eye.colour),
             b""
             if depth == NONE
             else DepthCodes(*half[1:])
