@@ -273,7 +273,9 @@ def _with_light(frame: FrameMessage) -> FrameMessage:
         if len(stops) != 1 or stops[0] not in STOPS:
             raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
         covered = (colour[..., 3:] > 0).astype(np.float16)
-        colours[eye] = np.concatenate([light_from_bytes(colour[..., :3], int(stops[0])), covered], axis=-1)
+        colours[eye] = np.concatenate(
+            [light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0])), covered], axis=-1
+        )
     return attrs.evolve(frame, colours=tuple(colours))
 
 
