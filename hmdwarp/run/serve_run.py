@@ -205,7 +205,7 @@ class _Sessions:
             del self._of[gone]
         told, found = asked.ask.session or Session(0), self._of.get(asked.client)
         if found is None or found.number != told.number:
-            self.server.forget(asked.client)
+            self.server.begin_anew(asked.client)
             changes = Changes(self.server.scene, self.server.content) if told.only_changes else None
             found = self._of[asked.client] = _Session(told.number, asked.ask.number, changes)
         self._act(found.book, asked.ask.inputs)

@@ -268,6 +268,10 @@ class Renderer:
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         """Take note of whether a client's frame with these layers arrived."""
 
+    def begin_anew(self, client: Hashable) -> None:
+        """Begin anew what builds on the frames before, for a client that has none of them."""
+        self.forget(client)
+
     def forget(self, client: Hashable) -> None:
         """Free what depends on the frames that were drawn for a client."""
 
