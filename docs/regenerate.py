@@ -285,11 +285,12 @@ def kills(folder: Path) -> None:
 def keys(_: Path) -> None:
     """Write the keys of a live run and of a question, and the scales, from the program's lists."""
     from hmdwarp.cli.catalogue import entries
-    from hmdwarp.display import CONTROLS, MOVING
+    from hmdwarp.display import CONTROLS, MOVING, and_mouse
     from hmdwarp.study.dialogs import CONTROLS as ANSWERS
 
-    live = [*MOVING, *((f"{each.key} {each.back}".strip(), each.what) for each in CONTROLS)]
-    replace("controls", markdown(("key", "what it does"), [(f"`{key}`", what) for key, what in live], texts=2))
+    live = [(f"`{key}`", what) for key, what in MOVING]
+    live += [(f"`{f'{each.key} {each.back}'.strip()}`{and_mouse(each)}", each.what) for each in CONTROLS]
+    replace("controls", markdown(("key", "what it does"), live, texts=2))
     answers = []
     for each in (each for each in ANSWERS if each.what):
         names = (each.written or each.key, *(key for key in each.also if "KP" not in key))

@@ -12,6 +12,7 @@ from .controls import MOVING as MOVING
 from .controls import Command as Command
 from .controls import Control as Control
 from .controls import Status as Status
+from .controls import and_mouse as and_mouse
 from .controls import control as control
 from .offscreen import OffscreenDisplay as OffscreenDisplay
 from .present import FRAMEBUFFER_SRGB as FRAMEBUFFER_SRGB

@@ -28,7 +28,8 @@ class Control:
     name: str  # as Command.control names it
     key: str  # as glfw names keys ("T", "[", "F11", "KP 1", "Left"); with shift it steps back
     what: str  # a short description for the help; "" omits it there
-    # "choice", "number", "switch", "action", or "step", which repeats while its key is held, as a
+    # "choice", "number", "switch", "action"; "hold", which lasts as long as its mouse button is
+    # held, or until its key is pressed again; "step", which repeats while its key is held, as a
     # number does
     kind: str
     back: str = ""  # a separate key for a step back, "" for shift
@@ -37,6 +38,7 @@ class Control:
     also: tuple[str, ...] = ()  # further keys
     value: object = None  # value of the command, where several keys are one control
     buttons: tuple[str, ...] = ()  # of controllers, by their names in display/openxr/actions.py
+    mouse: str = ""  # button of a mouse that turns the head: "left", "middle" or "right"
     written: str = ""  # how the help writes its keys, "" for their names
     # available only while a text panel lies over the picture: other pictures must stay free of text
     needs_text_panel: bool = False
@@ -51,6 +53,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("effects", "C", "compensate effects: auto or none", "choice"),
     Control("lens", "O", "lens on or off", "switch"),
     Control("view", "V", "both eyes or one flat view", "switch"),
+    Control("push", "Z", "push what is ahead, in a scene that reacts", "action", mouse="left"),
+    Control("switch", "L", "switch a lamp on or off", "action", mouse="middle"),
+    Control("grab", "B", "grab and move what is ahead, or let go", "hold", mouse="right"),
     Control("recentre", "R", "head back to where it began", "action", of_display=True),
     Control("full_screen", "F11", "full screen", "switch", of_display=True),
     Control("vsync", "Y", "wait for the screen's refresh", "switch", of_display=True),
@@ -61,6 +66,11 @@ CONTROLS: tuple[Control, ...] = (
 # Movement is no control: mouse (click into the window first) turns, W A S D walk, Q and E go down
 # and up, shift is faster.
 MOVING = (("mouse", "look around (click first)"), ("W A S D", "walk"), ("Q E", "down, up"), ("shift", "faster"))
+
+
+def and_mouse(control: Control) -> str:
+    """Return what follows the keys of a control in a list of them."""
+    return f" ({control.mouse} button)" if control.mouse else ""
 
 
 def control(name: str) -> Control:

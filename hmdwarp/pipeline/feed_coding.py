@@ -17,6 +17,7 @@ from ..link.codec import (
     DEPTH_VIDEOS,
     EXACT,
     STEP,
+    STOPS,
     Coding,
     ColourDecoder,
     ColourEncoder,
@@ -26,8 +27,11 @@ from ..link.codec import (
     DepthVideoEncoder,
     Packet,
     Undecodable,
+    bytes_from_light,
     codecs,
     depth_step,
+    light_from_bytes,
+    stops_of,
 )
 from ..sources.array_passes import LINEAR, SRGB8, Arrays
 from ..sources.feed import bounds
@@ -51,6 +55,8 @@ from ..sources.feed.message import (
 from .feed_layers import unpacked
 from .frame_coder import pixels_per_tangent
 
+# The layer of frames whose picture is light alone; its table may have how far that reaches.
+LIGHT = "light"
 _CODECS = {H264: "h264", HEVC: "hevc"}
 _RAW_COLOURS = {RGBA16F: "float16", RGBA8: "srgb8"}
 _RAW_DEPTHS = {INVERSE_DEPTH: "float32", DEPTH_CODES: "uint16"}
@@ -174,8 +180,14 @@ class FeedEncoder:
         coded = [eye.encode(colour, depth) for eye, colour, depth in pairs]
         place, self._place = self._place, self._place + 1
         colours, depths = (tuple(of_eye) for of_eye in zip(*coded, strict=True))
+        stops = [np.array([[eye.stops]], np.float64) for eye in self._eyes]
+        layers = tuple(
+            {**of_eye, LIGHT: [row]} if LIGHT in of_eye and row.any() else of_eye
+            for of_eye, row in zip(frame.layers, stops, strict=False)
+        )
         return attrs.evolve(
             frame,
+            layers=layers,
             colours=colours,
             inverse_depths=depths,
             colour=self.wish.colour or RGBA16F,
@@ -198,11 +210,16 @@ class _EyeEncoder:
             self._video = DepthVideoEncoder(size, wish.rate_hz, wish.depth_step or STEP, _VIDEOS[wish.depth])
         elif wish.depth == DEPTH_EXACT:
             self._depth = DepthEncoder(size, wish.depth_step or STEP)
-        self._first = True
+        # Powers of 2 beyond 1 that the bytes of light reach; see bytes_from_light.
+        self.stops, self._first = 0, True
 
     def encode(self, colour: Any, depth: Any) -> tuple[Any, Any]:
         first, self._first = self._first, False
         if self._colour is not None:
+            if colour.dtype == np.float16:
+                light = np.ascontiguousarray(colour[..., :3])
+                self.stops = max(stops_of(light), self.stops)
+                colour = bytes_from_light(light, self.stops)
             colour, _ = self._colour.encode(colour[..., :3], first)
         if self._video is not None:
             return colour, self._video.encode(depth).data
@@ -226,7 +243,7 @@ class FeedDecoder:
             found = self._decoded(frame)
         if not found.is_finite:
             raise Undecodable("numbers that are not finite in its pictures")
-        return unpacked(found)
+        return _with_light(unpacked(found))
 
     def _decoded(self, frame: FrameMessage) -> FrameMessage:
         if not frame.is_coded:
@@ -243,6 +260,23 @@ class FeedDecoder:
         self.wants_anew = False
         colours, depths = (tuple(of_eye) for of_eye in zip(*found, strict=True))
         return attrs.evolve(frame, colours=colours, inverse_depths=depths)
+
+
+def _with_light(frame: FrameMessage) -> FrameMessage:
+    """Return the frame with linear light where its bytes reach beyond 1. Errors: Undecodable."""
+    colours = list(frame.colours)
+    for eye, of_eye in enumerate(frame.layers):
+        colour, rows = colours[eye], of_eye.get(LIGHT, ())
+        stops = [number for row in rows if isinstance(row, np.ndarray) for number in row.flat]
+        if not stops or not isinstance(colour, np.ndarray) or colour.dtype != np.uint8:
+            continue
+        if len(stops) != 1 or stops[0] not in STOPS:
+            raise Undecodable(f"light that reaches 2^{stops}: expected one of {STOPS}")
+        covered = (colour[..., 3:] > 0).astype(np.float16)
+        colours[eye] = np.concatenate(
+            [light_from_bytes(np.asarray(colour[..., :3], np.uint8), int(stops[0])), covered], axis=-1
+        )
+    return attrs.evolve(frame, colours=tuple(colours))
 
 
 class _EyeDecoder:

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 import time
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import attrs
@@ -21,9 +22,11 @@ from ..frames.layers import PICTURE, layers
 from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
+from ..scenes import InputEvent
+from ..sources.feed import bounds
 from ..sources.feed.caller import Arrival, Caller
 from ..sources.feed.key_pairs import public_key
-from ..sources.feed.message import ANY, MOST_FATES, Ask, Fate, FrameMessage, Session, Wish, length_of
+from ..sources.feed.message import ANY, MOST_FATES, MOST_INPUTS, Ask, Fate, FrameMessage, Session, Wish, length_of
 from ..sources.feed.options import FeedOptions, secret_in
 from ..sources.feed.parts import Wanted
 from ..sources.feed.parts import length_of as part_bytes
@@ -56,6 +59,8 @@ class Pending:
     wanted: Wanted | None
     # Whether it was to be foveated.
     looks: bool
+    # How many inputs the server knows once it has answered.
+    acted: int = 0
 
 
 @attrs.frozen(eq=False)
@@ -126,6 +131,11 @@ class Remote:
         self.unchanged = 0
         # The scene's clock at an instant of the loop's.
         self.scene_ns: Callable[[int], int] = lambda now_ns: now_ns
+        # What people did, oldest first, and how many of these the server is known to have.
+        self._acted: list[InputEvent] = []
+        self._known_inputs, self._began = 0, -1
+        # Whether what the server draws reacts, as its frames say.
+        self.takes_inputs = False
         # Whether the link knows of a frame that is missing.
         self.needs_key: Callable[[int], bool] = lambda now_ns: False
 
@@ -156,13 +166,31 @@ class Remote:
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = self._session_at(now_ns) if self._takes_session else None
         fovea = fovea if self._takes_fovea else None
+        acted = self._acted_until(times[2]) if self.takes_inputs else self._known_inputs
+        inputs = tuple(self._acted[self._known_inputs : acted])
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, wanted=wanted)
-        sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea))
+        sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea, inputs=inputs))
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
         made = head, now_ns, sent_ns, small, grown, wide, wanted, fovea is not None
-        self._pending[self._number] = Pending(self._number, *made)
+        self._pending[self._number] = Pending(self._number, *made, acted)
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(next(iter(self._pending)))
+
+    def act(self, events: Iterable[InputEvent]) -> None:
+        """Send what people did with the requests of later instants, until the server has it.
+
+        Errors: InputError where nothing there reacts, or once it is too much for a session.
+        """
+        if not self.takes_inputs:
+            raise InputError(f"what {self._caller.address} draws does not react to what people do")
+        self._acted += events
+        if len(self._acted) > bounds.KEPT_INPUTS.most:
+            raise InputError(f"{len(self._acted)} inputs: a server keeps {bounds.KEPT_INPUTS.most:g} of a session")
+
+    def _acted_until(self, time_ns: int) -> int:
+        """Return how many inputs a request of that instant tells, with those that are known."""
+        until = bisect_right(self._acted, time_ns, key=lambda event: event.time_ns)
+        return min(until, self._known_inputs + MOST_INPUTS)
 
     def _session_at(self, now_ns: int) -> Session:
         """Return the session of a request at that instant, with the fates heard of by then."""
@@ -188,7 +216,9 @@ class Remote:
         for fate, told_in in list(self._fates.values()):
             if told_in is not None and told_in <= number:
                 del self._fates[fate.number]
-        return self._pending.pop(number)
+        pending = self._pending.pop(number)
+        self._known_inputs = max(self._known_inputs, pending.acted)
+        return pending
 
     def measure(
         self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs
@@ -212,7 +242,7 @@ class Remote:
         self._pending.clear()
         self._fates.clear()
         self._session += 1
-        self.unchanged = 0
+        self.unchanged = self._known_inputs = 0
 
     def _trial(self, head: PoseSample, views: Sequence[View], guard: Guard, size: tuple[int, int], needs: Needs) -> int:
         until_ns = time.monotonic_ns() + _ANSWER_NS
@@ -297,6 +327,9 @@ class Remote:
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
             self._takes_fovea = arrival.frame.takes_fovea
+            self.takes_inputs = arrival.frame.takes_inputs
+            if arrival.frame.began != self._began:  # it knows nothing of what it was sent before
+                self._began, self._known_inputs = arrival.frame.began, 0
             took_ns = arrival.heard_ns - pending.sent_ns
             if self._told_ns is not None:
                 # It came in just before a refresh that was shown without it: handed over after.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
@@ -20,7 +20,7 @@ from ..link import CHANGES, TransitStats
 from ..link.codec import Coding
 from ..poses import PoseSample
 from ..poses.track import Moment
-from ..scenes import Scene
+from ..scenes import InputEvent, Scene
 from ..sources.feed.key_pairs import public_key
 from ..sources.feed.message import RAW, FrameMessage
 from ..sources.feed.options import FULL, FeedOptions, secret_in
@@ -47,14 +47,14 @@ class NoTruth(HmdwarpError):
 class RemoteSource(Source):
     """Frames that a server elsewhere draws.
 
-    The truth is drawn here, of the scene that the options name, or there, where that is the
-    server's. draws_truth: False for a run that has none.
+    The scene is here as well if the options name it, for passes and for the truth, which the server
+    draws otherwise. draws_truth: False for a run that has none.
     """
 
     kind = REMOTE
 
     def __init__(self, options: PipelineOptions, feed: FeedOptions, *, draws_truth: bool) -> None:
-        self._is_here = draws_truth and options.scene != SERVER_SCENE
+        self._is_here = options.scene != SERVER_SCENE
         elsewhere = nothing(SERVER_SCENE, f"drawn by {feed.connect}")
         super().__init__(options, None if self._is_here else elsewhere)
         if feed.raw != FULL and options.coding.codec != "none":
@@ -77,7 +77,7 @@ class RemoteSource(Source):
 
     def fitted(self, options: Options) -> Options:
         """Return the options with the server in place of a scene, where there is none here."""
-        return options if self._draws_truth else attrs.evolve(options, scene=self.feed.connect)
+        return options if self._draws_truth or self._is_here else attrs.evolve(options, scene=self.feed.connect)
 
     def check(self, plans: Sequence[Plan], needs: Needs) -> None:
         """Check that plans get by with what frames of another process have. Errors: InputError."""
@@ -87,7 +87,7 @@ class RemoteSource(Source):
         ):
             raise InputError(
                 "--connect: the client draws some of the scene for this warp or fill, and the scene is at the server: "
-                "use another one"
+                "use another one, or name that scene by --scene, too"
             )
 
     def check_change(self, before: PipelineOptions, after: PipelineOptions) -> None:
@@ -106,6 +106,20 @@ class RemoteSource(Source):
         longest_ns += self._added_ns
         remote.wish = wish_of(*wanted, longest_ns * 1e-9 + 1 / first.rate_hz)
         return attrs.evolve(options, latency_ms=longest_ns / 1e6)
+
+    def act(self, event: InputEvent) -> InputEvent | None:
+        """Send what somebody does, and return it: what it means is known where the scene is.
+
+        Errors: as Source.act, and as Remote.act.
+        """
+        done = super().act(event) if self._is_here else event
+        if done is not None:
+            self.remote.act([done])
+        return done
+
+    def pass_on(self, events: Iterable[InputEvent]) -> None:
+        """Send what people do. Errors: as Remote.act."""
+        self.remote.act(events)
 
     @property
     def is_timed(self) -> bool:

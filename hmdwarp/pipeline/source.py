@@ -7,7 +7,7 @@ whose head they are for, and in which format.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import ExitStack
 from functools import cached_property
 from typing import Any, Protocol, TypeVar
@@ -28,7 +28,19 @@ from ..link.codec import Coding, codecs
 from ..poses import LoadedTrace, PoseSample, PoseSource
 from ..poses.assumptions import Assumption
 from ..poses.track import Gaze, Moment
-from ..scenes import EXTRAPOLATED, FORESEEN, KNOWS, ArrivedState, Scene, as_arrived, load_scene, moves
+from ..scenes import (
+    EXTRAPOLATED,
+    FORESEEN,
+    KNOWS,
+    ArrivedState,
+    InputEvent,
+    InputLog,
+    Scene,
+    as_arrived,
+    load_scene,
+    moves,
+    scenes,
+)
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled
 from .frame_coder import Coder
@@ -316,6 +328,24 @@ class Source:
         Errors: as Remote.measure.
         """
         return options
+
+    @property
+    def inputs(self) -> InputLog:
+        """What people do in the scene. Errors: InputError for one that does not react."""
+        if self.scene.inputs is None:
+            able = ", ".join(name for name in scenes.names() if scenes.get(name).reacts is not None)
+            raise InputError(f"{self.title} does not react to what people do: expected {able}")
+        return self.scene.inputs
+
+    def act(self, event: InputEvent) -> InputEvent | None:
+        """Do what somebody does, and return it with its target; None where it meant nothing.
+
+        Errors: as inputs, and as InputLog.add.
+        """
+        return self.inputs.add(event)
+
+    def pass_on(self, events: Iterable[InputEvent]) -> None:
+        """Tell a server elsewhere what people do, each from its own instant on."""
 
     @property
     def is_timed(self) -> bool:

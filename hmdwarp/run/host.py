@@ -17,14 +17,14 @@ from ..geometry import GuardBand, Pose
 from ..options import AUTO
 from ..pipeline.build import Pipeline
 from ..pipeline.frame_coder import Reads
-from ..pipeline.loop import Loop
+from ..pipeline.loop import Loop, Refresh
 from ..pipeline.planning import plans_for
 from ..pipeline.proxy import check_names, source_of
 from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample
 from ..poses.track import LoopedSource, Moment
-from ..scenes import SceneOptions, scenes
+from ..scenes import ACTIONS, GRAB, RELEASE, SWITCH, InputEvent, SceneOptions, scenes
 from .bench_levels import levels_from_file
 from .options import BOTH, FLAT, OFFSCREEN, LiveOptions
 from .setup import EmulatedScreen, RecentPoses, RunSetup
@@ -285,12 +285,59 @@ _STEPS: dict[str, Callable[[LiveOptions, int], object]] = {
 
 
 @attrs.define(eq=False)
+class Hand:
+    """What the user does in the scene: from where the head is, towards where it looks."""
+
+    host: PipelineHost
+    now_ns: Callable[[], int]
+    # Called with each input that meant something, and whether it only moves what is held.
+    took: Callable[[InputEvent, bool], None]
+    _head: Pose | None = None
+    _grabbed: InputEvent | None = None
+    _last_ns: int = 0
+
+    def follow(self, refresh: Refresh) -> None:
+        """Be where the head is; move what is held."""
+        self._head = refresh.head.pose
+        if self._grabbed is not None:
+            self._do(GRAB)
+
+    def act(self, command: Command) -> None:
+        """Push, switch, grab or let go. Errors: as Source.act."""
+        action = command.control
+        if action == GRAB:
+            grabs = self._grabbed is None if command.value is None else bool(command.value)
+            if grabs == (self._grabbed is not None):
+                return
+            action = GRAB if grabs else RELEASE
+        done = self._do(action)
+        self._grabbed = done if action == GRAB else self._grabbed if action == SWITCH else None
+
+    def _do(self, action: str) -> InputEvent | None:
+        if self._head is None:
+            return None
+        x, y, z = self._head.position_m.tolist()
+        dx, dy, dz = (-self._head.rotation_matrix[:, 2]).tolist()
+        held = self._grabbed
+        if action == GRAB and held is not None and (held.origin_m, held.direction) == ((x, y, z), (dx, dy, dz)):
+            return held  # no news
+        # Later than what was drawn by now, which does not show it.
+        self._last_ns = max(self.now_ns(), self._last_ns) + 1
+        done = self.host.source.act(InputEvent(self._last_ns, action, "", (x, y, z), (dx, dy, dz)))
+        if done is not None:
+            self.took(done, action == GRAB and held is not None)
+            self._grabbed = done if action == GRAB else held
+        return done
+
+
+@attrs.define(eq=False)
 class CommandHandler:
     """Apply user commands to the running pipeline."""
 
     host: PipelineHost
     # Called with each refusal.
     say: Callable[[str], None]
+    hand: Hand | None = None
     _refused: str = ""
     _until: float = 0.0
 
@@ -301,8 +348,17 @@ class CommandHandler:
         """
         before = self.host.options
         for command in commands:
-            self._handle(command)
+            if self.hand is not None and command.control in ACTIONS:
+                self._act(self.hand, command)
+            else:
+                self._handle(command)
         return self.host.options is not before
+
+    def _act(self, hand: Hand, command: Command) -> None:
+        try:
+            hand.act(command)
+        except InputError as error:  # the scene does not react
+            self._refuse(str(error))
 
     def _handle(self, command: Command) -> None:
         options = self.host.options

@@ -18,6 +18,7 @@ from ..gpu.textures import Canvas
 from ..link import ResponseTime, figures_of_parts
 from ..pipeline.channel import Channel
 from ..pipeline.loop import Refresh
+from .answers import Answers
 from .ending import Pauses
 from .frame_rows import STAGE_COLUMNS, Timeline
 from .misses import MissTally
@@ -259,3 +260,4 @@ class LiveFigures:
     counts: Counts = attrs.field(factory=Counts)
     misses: MissTally = attrs.field(factory=MissTally)
     fates: FrameFates = attrs.field(factory=FrameFates)
+    answers: Answers = attrs.field(factory=Answers)

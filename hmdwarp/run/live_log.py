@@ -17,6 +17,7 @@ from ..display import Display, Status, Tick
 from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder, live_lines, render_live_report
+from ..scenes import InputEvent
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, speeds_between, stage_columns
 from .host import PipelineHost, values
 from .late_client import DepthSamples, SeenOffset
@@ -145,6 +146,10 @@ class LiveLog:
         self._running.markers.changed(what, "")
         self._running.values = now
 
+    def acted(self, event: InputEvent) -> None:
+        """Log what somebody did in the scene."""
+        self._figures.answers.add(event)
+
     def on_display_lost(self, why: str) -> None:
         """Log the loss of the display."""
         self._figures.events.on_display_lost(self.count - 1, self._last.time_s, why)
@@ -199,6 +204,7 @@ class LiveLog:
             last.first_ns = refresh.shown_ns
             # Not sooner: GarbageControl starts with a large collection.
             self._figures.pauses.start()
+        self._figures.answers.see(refresh.shown_ns, refresh.frame.drawn_ns)
         speeds = speeds_between(last.refresh, refresh)
         moment = Moment.of(self.count, refresh, last.first_ns, speeds, submitted_ns)
         period_ms = (submitted_ns - last.submitted_ns) * 1e-6 if last.submitted_ns is not None else math.nan

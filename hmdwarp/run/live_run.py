@@ -26,13 +26,14 @@ from ..display import (
 from ..errors import MachineError
 from ..options import AUTO
 from ..pipeline.loop import Refresh
+from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample, load_trace
 from ..poses.synth import RATE_HZ, synthesise
 from ..report import refuse_source
-from ..scenes import check_scene_name
+from ..scenes import InputEvent, check_scene_name
 from .ending import Ending, GarbageControl, Watchdog, come_back
-from .host import CommandHandler, PipelineHost, checked_source, choices, values
+from .host import CommandHandler, Hand, PipelineHost, checked_source, choices, values
 from .live_log import LiveLog, LiveResult
 from .markers import LiveMarkers, Markers, NoMarkers, load_lsl, marker_stream
 from .options import DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
@@ -189,7 +190,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             markers = stack.enter_context(closing(marker_stream(display, STREAM, {})))
             say(markers.describe())
         if source.is_timed:
-            say(f"calling {options.feed.connect}; its scene is not loaded here")
+            of = "not loaded here" if source.scene.name == SERVER_SCENE else f"'{source.scene.name}', here too"
+            say(f"calling {options.feed.connect}; its scene is {of}")
         host = PipelineHost(display, options, source, say)
         stack.callback(host.close)
         for note in (*source.notes, *source.scene.notes):
@@ -199,11 +201,22 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             recorder.begin(display.about, display.rate_hz)
         log.begin(display, host, LiveMarkers(markers, say))
         try:
-            user = _UserRun(host, log, ending, _Pace(display, options, say))
+            hand = Hand(host, display.now_ns, _took(recorder, log))
+            user = _UserRun(host, log, ending, _Pace(display, options, say), hand)
             Driver(display, host, ending, say).run(user, log, recorder, after)
         except Closed as closed:
             say(str(closed))
     return log.result()
+
+
+def _took(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bool], None]:
+    def took(event: InputEvent, moves: bool) -> None:
+        if recorder is not None:
+            recorder.act(event)
+        if not moves:
+            log.acted(event)
+
+    return took
 
 
 def _last_words(recorder: Recorder | None, log: LiveLog) -> list[Callable[[], str]]:
@@ -255,9 +268,9 @@ class _UserRun(FrameHandler):
 
     pictures = True
 
-    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, pace: _Pace) -> None:
-        self._log, self._ending, self._host, self._pace = log, ending, host, pace
-        self._commands = CommandHandler(host, pace.say)
+    def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, pace: _Pace, hand: Hand) -> None:
+        self._log, self._ending, self._host, self._pace, self._hand = log, ending, host, pace, hand
+        self._commands = CommandHandler(host, pace.say, hand)
         log.status.choices = choices()
         log.status.values = values(host.options, host.pipeline.sizes.shown)
 
@@ -275,6 +288,7 @@ class _UserRun(FrameHandler):
 
     def arrived(self, refresh: Refresh) -> None:
         self._pace.picture()
+        self._hand.follow(refresh)
 
     def on_display_lost(self, why: str) -> None:
         return

@@ -133,6 +133,8 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
         "notes": [*facts.scene_notes, *options.notes, *_notes(figures.events, live, pictures)],
         "live": live,
     }
+    if (acted := figures.answers.entry())["count"]:
+        more |= {"input": acted, "notes": [*more["notes"], figures.answers.note()]}
     return facts.shared.summary(chosen_passes(options, facts.lens), frames, more)
 
 

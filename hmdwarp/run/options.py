@@ -30,7 +30,7 @@ from ..options import (
     several,
 )
 from ..pipeline.options import DISPLAYED, PipelineOptions, refuse_without_frames
-from ..pipeline.proxy_options import RECORDING, REMOTE, ProxyOptions, SourceKind, with_frames
+from ..pipeline.proxy_options import RECORDING, REMOTE, SERVER_SCENE, ProxyOptions, SourceKind, with_frames
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SEED, SceneOptions, seed_of
 from ..sources.feed.options import FeedOptions
@@ -43,7 +43,6 @@ SYNTHETIC = "synthetic"
 VIEWS = (BOTH, FLAT) = ("both", "flat")
 MOST_COMPARED = 2  # what a chart shows besides the run
 _BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's settings
-_SCENE = attrs.fields(PipelineOptions).scene.default
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
 _ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
@@ -175,8 +174,6 @@ class RunOptions(PipelineOptions):
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
         if self.miss.on:
             self._check_miss()
-        if self.input and self.source_kind is REMOTE:
-            raise InputError("--input with --connect: inputs do not cross the network; leave one of them out")
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
                 f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"
@@ -324,11 +321,8 @@ class LiveOptions(PipelineOptions):
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the fields whose options were set; a server elsewhere has the scene."""
-        values = super().values_of(said)
-        if said.get("connect") and values.get("scene", _SCENE) != _SCENE:
-            raise InputError(f"--scene {values['scene']} with --connect: the server has the scene; leave it out")
-        return values
+        """Return the fields whose options were set; the scene is the server's if none is named."""
+        return ({"scene": SERVER_SCENE} if said.get("connect") else {}) | super().values_of(said)
 
     def __attrs_post_init__(self) -> None:
         super().__attrs_post_init__()

@@ -159,6 +159,9 @@ class _Warping(Renderer):
     def take_back(self) -> None:
         """Do nothing: the links hold frames."""
 
+    def begin_anew(self, client: Hashable) -> None:
+        """Go on: its pictures build on none before, and calling the server again takes seconds."""
+
     def forget(self, client: Hashable) -> None:
         """Hang up for a client that has gone."""
         if client in self._clients:

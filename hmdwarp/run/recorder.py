@@ -15,6 +15,7 @@ from ..poses import Origin, PoseSample
 from ..poses.formats.native import header_text, row_text
 from ..report import counted, refuse_existing, write_error
 from ..resources import __version__
+from ..scenes import INPUTS_HEADER, InputEvent
 
 EVERY_S = 0.5  # plus the disk's own time, well below the second of data that a crash may cost
 MOST_WAITING = 1 << 24  # characters: twenty minutes of poses at 90 Hz
@@ -169,6 +170,10 @@ class Recorder:
         self._first_ns = self._last_ns = 0
         self._begun = False
         self._header_lines = 0
+        # Beside the trace, once there is an input.
+        self.inputs_path = path.with_suffix(".input.csv")
+        self._inputs: Lines | None = None
+        refuse_existing(self.inputs_path, force=force)
         self._lines = Lines(path, synced=True, force=force)
 
     @property
@@ -182,6 +187,7 @@ class Recorder:
         about: the recorded display, by name; rate_hz: of the poses.
         """
         self._begun = True
+        self.inputs_path.unlink(missing_ok=True)  # of a recording that is overwritten
         started = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
         notes = [
             f"recorded: {started}, hmdwarp {__version__}; time_ns is the source's own clock, poses are as they were "
@@ -203,6 +209,13 @@ class Recorder:
                 self._first_ns = head.time_ns
             self.count, self._last_ns = self.count + 1, head.time_ns
 
+    def act(self, event: InputEvent) -> None:
+        """Add what somebody did, on the clock of the poses."""
+        if self._inputs is None:
+            self._inputs = Lines(self.inputs_path, synced=True)
+            self._inputs.add(INPUTS_HEADER)
+        self._inputs.add(event.row)
+
     def _fell_behind(self, time_ns: int) -> None:
         self.behind += 1
         if self.behind == 1:
@@ -212,14 +225,19 @@ class Recorder:
 
     def flush(self) -> None:
         """Put the poses so far on the disk; from any thread."""
-        self._lines.flush()
+        for lines in self._files:
+            lines.flush()
+
+    @property
+    def _files(self) -> list[Lines]:
+        return [lines for lines in (self._inputs, self._lines) if lines is not None]
 
     def save(self) -> str:
         """Flush, and return where the recording is, "" if there is none; from any thread.
 
         For a program that cannot close its files any more.
         """
-        answered = self._lines.flush()
+        answered = min([lines.flush() for lines in self._files])
         if not self._is_worth_keeping():
             return ""
         return f"the recording until then is in {self.path}" + (
@@ -228,7 +246,8 @@ class Recorder:
 
     def _end(self) -> None:
         try:
-            self._lines.close()
+            for lines in self._files:
+                lines.close()
         finally:
             self._is_worth_keeping()
             if self._begun:
@@ -261,7 +280,8 @@ class Recorder:
         if self.kept < LEAST:
             came = counted(self.count, "pose") if self.count else "no pose"
             return f"{self.path}: nothing recorded, {came} came{beside}"
-        return f"{self.path}: {counted(self.kept, 'pose')}, {self._kept_s():.3f} s{beside}"
+        acted = f"; {self.inputs_path.name}: {counted(self._inputs.written - 1, 'input')}" if self._inputs else ""
+        return f"{self.path}: {counted(self.kept, 'pose')}, {self._kept_s():.3f} s{acted}{beside}"
 
     def _kept_s(self) -> float:
         """Return the seconds from the first pose to the last on the disk."""

@@ -27,7 +27,7 @@ from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
-from ..scenes import Scene, scenes, take_inputs
+from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
 from .cache import Cache, figures_as_arrays, figures_in, key_of_job
 from .options import BY_LIBRARY, RunOptions
@@ -198,10 +198,12 @@ def set_up_replay(
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
     with ExitStack() as stack:
         stack.callback(source.close)
-        notes += acted(options.input, source.scene, trace.track)
+        notes += acted(options.input, source, trace.track)
         run = run.measured(
             track.at(track.start_ns), holds=True, keeps=True, all_pictures=not alone, say=_both(say, notes.append)
         )
+        if options.input:
+            source.pass_on(source.inputs)
         options = run.options
         schedule = schedule or schedule_of(trace.track, options, rate_hz)
         name = track.name or trace.path.stem
@@ -226,19 +228,20 @@ def set_up_replay(
         return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile, cache=cache)
 
 
-def acted(spec: str, scene: Scene, track: PoseTrack) -> list[str]:
+def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
     """Add the inputs of a run to the scene, and return what there is to know of them.
 
     spec: as RunOptions.input. track: the head's, on the clock of a file's inputs.
-    Errors: InputError for a scene that does not react; as take_inputs.
+    Errors: as Source.inputs, and as take_inputs.
     """
     if not spec:
         return []
-    if scene.inputs is None:
-        able = ", ".join(name for name in scenes.names() if scenes.get(name).reacts is not None)
-        raise InputError(f"--input {spec}: scene '{scene.name}' does not react to what people do: expected {able}")
-    lost = take_inputs(scene.inputs, spec, (track.start_ns, track.end_ns), track.epoch_ns)
-    kinds = Counter(f"{event.action} {event.target}" for event in scene.inputs)
+    try:
+        inputs = source.inputs
+    except InputError as error:
+        raise InputError(f"--input {spec}: {error}") from error
+    lost = take_inputs(inputs, spec, (track.start_ns, track.end_ns), track.epoch_ns)
+    kinds = Counter(f"{event.action} {event.target}" for event in inputs)
     found = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items())) or "none"
     more = f"; {counted(lost, 'input')} meant nothing that takes it" if lost else ""
     return [f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import time
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, closing, nullcontext
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from ..frames.layers import RENDERED, Delivered, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
 from ..pipeline.channel import SEEN_PX, Changes
-from ..pipeline.feed_coding import FeedEncoder, check_work
+from ..pipeline.feed_coding import LIGHT, FeedEncoder, check_work
 from ..pipeline.feed_layers import FOVEA_GRID, needs_of_client, parts_of, sizes_of
 from ..pipeline.options import NEAREST, PipelineOptions
 from ..pipeline.recorded_renderer import RecordedRenderer
@@ -29,7 +29,7 @@ from ..pipeline.source import Source
 from ..poses import load_trace
 from ..poses.track import folded
 from ..resources import import_extra, recording_names
-from ..scenes import load_scene
+from ..scenes import InputBook, InputEvent, load_scene
 from ..sources import sequences
 from ..sources.feed import bounds
 from ..sources.feed.key_pairs import KeyPair, key_pair
@@ -188,6 +188,8 @@ class _Session:
     changes: Changes | None
     # What both ends remember of each frame whose fate is not told yet, by its id.
     sent: dict[int, Mapping[str, Any]] = attrs.field(factory=dict)
+    # What its people did: the scene is theirs alone, as its clock is.
+    book: InputBook = attrs.field(factory=InputBook)
 
 
 class _Sessions:
@@ -204,13 +206,24 @@ class _Sessions:
             del self._of[gone]
         told, found = asked.ask.session or Session(0), self._of.get(asked.client)
         if found is None or found.number != told.number:
-            self.server.forget(asked.client)
+            self.server.begin_anew(asked.client)
             changes = Changes(self.server.scene, self.server.content) if told.only_changes else None
             found = self._of[asked.client] = _Session(told.number, asked.ask.number, changes)
+        self._act(found.book, asked.ask.inputs)
         for fate in told.fates:
             if fate.number in found.sent:
                 self.server.heard_of(asked.client, found.sent.pop(fate.number), fate.arrived, fate.heard_ns)
         return found
+
+    def _act(self, book: InputBook, events: Sequence[InputEvent]) -> None:
+        """Turn the scene to a session's history. Errors: InputError for inputs it does not take."""
+        log = self.server.scene.inputs
+        if log is None:
+            return
+        bounds.KEPT_INPUTS.check(len(book) + len(events))
+        log.book = book
+        for event in events:
+            log.add(event)
 
     def is_unchanged(self, asked: Asked, session: _Session) -> bool:
         """Return whether a frame would show nothing new."""
@@ -277,9 +290,8 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
     drawn = FrameMessage(*times, views, colours, depths, layers=further)
-    drawn = attrs.evolve(
-        drawn, takes_hidden=True, takes_session=True, takes_fovea=not is_recorded, began=session.began & 0xFFFF
-    )
+    drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
+    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded, takes_inputs=server.scene.inputs is not None)
     coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
@@ -331,9 +343,10 @@ def _coarser(frame: Frame, ask: Ask) -> tuple[Frame, tuple[Layers, ...], Ask]:
 def _pictures(server: Renderer, frame: Frame, ask: Ask) -> Iterator[list[Picture]]:
     colour, depth = ask.wish.colour, ask.wish.depth
     for eye in frame.eyes:
-        half = server.give_codes(eye) if colour in BYTES or depth == DEPTH_CODES else None
+        as_bytes = colour in BYTES and LIGHT not in eye  # which keep no light beyond 1
+        half = server.give_codes(eye) if as_bytes or depth == DEPTH_CODES else None
         yield [
-            b"" if colour == NONE else half[0] if half and colour in BYTES else download(eye.colour),
+            b"" if colour == NONE else half[0] if half and as_bytes else download(eye.colour),
             b""
             if depth == NONE
             else DepthCodes(*half[1:])

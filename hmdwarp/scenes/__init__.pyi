@@ -49,9 +49,12 @@ from ._viewpoint import with_targets as with_targets
 from .input_events import ACTIONS as ACTIONS
 from .input_events import GRAB as GRAB
 from .input_events import INPUT_COLUMNS as INPUT_COLUMNS
+from .input_events import INPUTS_HEADER as INPUTS_HEADER
+from .input_events import LEAST_WAY as LEAST_WAY
 from .input_events import PUSH as PUSH
 from .input_events import RELEASE as RELEASE
 from .input_events import SWITCH as SWITCH
+from .input_events import InputBook as InputBook
 from .input_events import InputEvent as InputEvent
 from .input_events import InputLog as InputLog
 from .input_events import read_inputs as read_inputs

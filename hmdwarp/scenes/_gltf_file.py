@@ -258,7 +258,8 @@ def is_mirror(material: dict[str, Any]) -> bool:
     return isinstance(metallic, int | float) and isinstance(rough, int | float) and metallic >= 0.95 and rough <= 0.05
 
 
-DRACO, INSTANCING, LIGHTS, KTX2, VISIBILITY = (
+POINTER, DRACO, INSTANCING, LIGHTS, KTX2, VISIBILITY = (
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
@@ -266,6 +267,7 @@ DRACO, INSTANCING, LIGHTS, KTX2, VISIBILITY = (
     "KHR_node_visibility",
 )
 READ = {
+    POINTER,
     DRACO,
     INSTANCING,
     LIGHTS,

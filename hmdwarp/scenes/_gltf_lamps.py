@@ -42,14 +42,30 @@ def lamps_in(file: GltfFile, nodes: Nodes, shown: Iterable[int]) -> list[Lamp]:
         index = said.get("light")
         if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
             raise file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
-        found.append(_lamp(file, nodes, node, known[index]))
+        found.append(_lamp(file, nodes, node, known[index], index))
     return [lamp for lamp in found if max(lamp.colour) > 0]
 
 
-def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp:
+@attrs.frozen(eq=False)
+class _Animated:
+    """The intensity of a light that an animation changes, as a share of the most."""
+
+    nodes: Nodes
+    light: int
+    most: float
+
+    def share(self, time_ns: int) -> float:
+        """Return the share of its colour that it sends."""
+        return self.nodes.intensity(self.light, time_ns) / self.most
+
+
+def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: int) -> Lamp:
     kind, spot = said.get("type"), said.get("spot") or {}
     cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
-    light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * float(said.get("intensity", 1.0))
+    curve, most = nodes.intensities.get(index), float(said.get("intensity", 1.0))
+    if curve is not None:
+        most = max(0.0, *(float(curve.at(key_s)[0][0]) for key_s in curve.times_s))
+    light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * most
     sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
     if kind not in (_DIRECTIONAL, _POINT, _SPOT) or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
         raise file.error(
@@ -61,7 +77,8 @@ def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp
         raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
     motion = NodeMotion(nodes, node)
     placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
-    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None)
+    brightness = _Animated(nodes, index, most) if curve is not None and most > 0 else None
+    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None, brightness)
 
 
 def lit_by(

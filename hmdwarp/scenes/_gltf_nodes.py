@@ -7,6 +7,7 @@ and their interpolation).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -17,20 +18,22 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..geometry import Pose, RigidState
-from ._gltf_file import GltfFile
+from ._gltf_file import LIGHTS, POINTER, GltfFile
 from ._notes import Notes
 from .options import NONE, numbered
 
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
+# Of a light, by KHR_animation_pointer (Khronos 2024).
+_INTENSITY = re.compile(rf"/extensions/{LIGHTS}/lights/(\d+)/intensity")
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
 @attrs.frozen(eq=False)
 class Curve:
-    """Animated values of one property of a node."""
+    """Animated values of one property of a node, or of a light."""
 
-    path: str  # "translation", "rotation" or "scale"
+    path: str  # "translation", "rotation" or "scale"; "intensity"
     kind: str  # Interpolation: "LINEAR", "STEP" or "CUBICSPLINE"
     times_s: Array  # (k,) increasing
     values: Array  # (k, n); for CUBICSPLINE (k, 3, n): tangent in, value, tangent out
@@ -98,11 +101,14 @@ class Nodes:
         self.parents = self._parents_of()
         self._rest = [self._rest_of(index) for index in range(len(self._nodes))]
         self.curves: dict[int, dict[str, Curve]] = {}
+        # Of lights, by their numbers.
+        self.intensities: dict[int, Curve] = {}
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
-        ends = [curve.times_s[-1] for curves in self.curves.values() for curve in curves.values()]
+        every = [*self.intensities.values(), *(one for curves in self.curves.values() for one in curves.values())]
+        ends = [curve.times_s[-1] for curve in every]
         self.period_s = float(max(ends, default=0.0))
 
     @staticmethod
@@ -112,11 +118,11 @@ class Nodes:
             return []
         if wanted is not None:
             return [numbered(names, wanted, "animations", "--animation", NONE)]
-        moved: set[tuple[object, object]] = set()
+        moved: set[tuple[object, ...]] = set()
         playing, left = [], []
         for index, animation in enumerate(animations):
             targets = [channel.get("target", {}) for channel in animation.get("channels", [])]
-            things = {(target.get("node"), target.get("path")) for target in targets}
+            things = {(target.get("node"), target.get("path"), _pointer(target)) for target in targets}
             if moved & things:
                 left.append(names[index])
                 continue
@@ -141,12 +147,19 @@ class Nodes:
 
     def at(self, node: int, time_ns: int) -> tuple[Array, Array]:
         """Return 4x4 world_from_node and its change in 1/s."""
-        seconds = float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
+        seconds = self._seconds(time_ns)
         placed, moving = self.root, np.zeros((4, 4))
         for parent in self.line(node):
             local, change = self._local(parent, seconds)
             placed, moving = placed @ local, moving @ local + placed @ change
         return placed, moving
+
+    def _seconds(self, time_ns: int) -> float:
+        return float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
+
+    def intensity(self, light: int, time_ns: int) -> float:
+        """Return how bright an animated light is, in its unit."""
+        return max(0.0, float(self.intensities[light].at(self._seconds(time_ns))[0][0]))
 
     def _local(self, node: int, seconds: float) -> tuple[Array, Array]:
         rest, curves = self._rest[node], self.curves.get(node, {})
@@ -203,8 +216,10 @@ class Nodes:
         samplers, file = animation.get("samplers", []), self._file
         for channel in animation.get("channels", []):
             target = channel.get("target", {})
-            path = target.get("path")
-            if "node" not in target:
+            path, index = target.get("path"), channel.get("sampler")
+            if path == "pointer":
+                self._read_pointer(samplers, index, _pointer(target), name, notes)
+            if path == "pointer" or "node" not in target:
                 continue
             node = target["node"]
             target_name = f"{path} of node '{file.item('nodes', node, name).get('name', node)}'"
@@ -215,20 +230,34 @@ class Nodes:
                 continue
             if isinstance(self._rest[node], np.ndarray):
                 raise file.error(f"{name} moves node {node}, which has a matrix: expected translation, rotation, scale")
-            index = channel.get("sampler")
-            if not isinstance(index, int) or not 0 <= index < len(samplers):
-                raise file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
+            sampler = self._sampler(samplers, index, name)
             if path in self.curves.get(node, {}):
                 notes.add("an animation moves something twice; the first is played", f"{name}, {target_name}")
                 continue
-            self.curves.setdefault(node, {})[path] = self._curve(samplers[index], path, f"{name}, {target_name}")
+            self.curves.setdefault(node, {})[path] = self._curve(sampler, path, f"{name}, {target_name}")
+
+    def _sampler(self, samplers: list[dict[str, Any]], index: object, name: str) -> dict[str, Any]:
+        if not isinstance(index, int) or not 0 <= index < len(samplers):
+            raise self._file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
+        return samplers[index]
+
+    def _read_pointer(
+        self, samplers: list[dict[str, Any]], index: object, pointer: str, name: str, notes: Notes
+    ) -> None:
+        """Read what changes something else than a node."""
+        found = _INTENSITY.fullmatch(pointer)
+        if found is None or int(found[1]) in self.intensities:
+            notes.add("of what an animation points at, the intensity of lights alone is played", f"{name}, {pointer}")
+            return
+        curve = self._curve(self._sampler(samplers, index, name), "intensity", f"{name}, {pointer}")
+        self.intensities[int(found[1])] = curve
 
     def _curve(self, sampler: dict[str, Any], path: str, name: str) -> Curve:
         kind, error = sampler.get("interpolation", "LINEAR"), self._file.error
         if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
         times = self._file.numbers(sampler.get("input"), name, 1)[:, 0].astype(np.float64)
-        values = self._file.numbers(sampler.get("output"), name, _WIDTH[path])
+        values = self._file.numbers(sampler.get("output"), name, _WIDTH.get(path, 1))
         if values.dtype.kind != "f":
             raise error(f"{name}: its values are integers; expected floats or normalised integers")
         values = values.astype(np.float64)
@@ -252,6 +281,12 @@ class Nodes:
         if (size < 1e-6).any():
             raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
         return values if each == 3 else values / size
+
+
+def _pointer(target: dict[str, Any]) -> str:
+    """Return where a channel points by KHR_animation_pointer, "" for a channel of a node."""
+    said = (target.get("extensions") or {}).get(POINTER) or {}
+    return str(said.get("pointer", "")) if isinstance(said, dict) else ""
 
 
 def _matrix(parts: dict[str, Array]) -> Array:

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 import random
-from bisect import bisect_right, insort
+from bisect import bisect_right
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import attrs
 import numpy as np
@@ -25,6 +26,8 @@ INPUT_COLUMNS = ("time_ns", "action", "target", "x", "y", "z", "dx", "dy", "dz")
 EVERY_S = 0.7
 # A ray means a thing if it passes this close to its handle.
 _AIM_RAD = math.radians(15)
+# Length of a direction, at least: squares of it are normal numbers.
+LEAST_WAY = 1e-9
 Triple = tuple[float, float, float]
 
 
@@ -45,10 +48,10 @@ class InputEvent:
         if self.action not in ACTIONS:
             raise unknown_name("action", self.action, list(ACTIONS))
         numbers = (*self.origin_m, *self.direction)
-        if not all(map(math.isfinite, numbers)) or not any(self.direction):
+        if not all(map(math.isfinite, numbers)) or not LEAST_WAY <= math.hypot(*self.direction) <= 1 / LEAST_WAY:
             raise InputError(
                 f"a hand at {self.origin_m} that points along {self.direction}: expected finite numbers, and a "
-                "direction other than 0"
+                f"direction of a length from {LEAST_WAY:g} to {1 / LEAST_WAY:g}"
             )
 
     @property
@@ -58,7 +61,7 @@ class InputEvent:
         return ",".join([str(self.time_ns), self.action, self.target, *numbers]) + "\n"
 
 
-HEADER = ",".join(INPUT_COLUMNS) + "\n"
+INPUTS_HEADER = ",".join(INPUT_COLUMNS) + "\n"
 
 
 class Thing(Protocol):
@@ -73,6 +76,19 @@ class Thing(Protocol):
         ...
 
 
+@attrs.define(eq=False)
+class InputBook:
+    """What was done in a scene, and the states that follow: one for each of its histories."""
+
+    # Of each thing, oldest first.
+    events: dict[str, list[InputEvent]] = attrs.field(factory=lambda: defaultdict(list))
+    # Of each thing: at rest, and after each of its inputs as far as that was needed.
+    states: dict[str, list[Any]] = attrs.field(factory=lambda: defaultdict(list))
+
+    def __len__(self) -> int:
+        return sum(map(len, self.events.values()))
+
+
 class InputLog:
     """The inputs of one scene, in the order of their instants.
 
@@ -82,14 +98,12 @@ class InputLog:
 
     def __init__(self) -> None:
         self.things: dict[str, Thing] = {}
-        # Rises whenever an input has come that is older than another one of the same thing.
-        self.rewritten = 0
-        self._of: dict[str, list[InputEvent]] = {}
+        # That of whom the scene is drawn for; another one is another history.
+        self.book = InputBook()
 
     def react(self, thing: Thing) -> None:
         """Let a thing react to inputs that name it."""
         self.things[thing.name] = thing
-        self._of[thing.name] = []
 
     def add(self, event: InputEvent) -> InputEvent | None:
         """Add an input; return it with its target, None where its ray means nothing that takes it.
@@ -106,30 +120,34 @@ class InputLog:
             raise InputError(
                 f"{event.action} '{target}': expected {' or '.join(self.things[target].takes)} of what it takes"
             )
-        event, events = attrs.evolve(event, target=target), self._of[target]
+        event, events = attrs.evolve(event, target=target), self.book.events[target]
         if event in events[bisect_right(events, event.time_ns - 1, key=_time) :]:
             return event
-        if events and event.time_ns < events[-1].time_ns:
-            self.rewritten += 1
-        insort(events, event, key=_time)
+        at = bisect_right(events, event.time_ns, key=_time)
+        events.insert(at, event)
+        del self.book.states[target][at + 1 :]
         return event
 
     def of(self, target: str, time_ns: int) -> tuple[Sequence[InputEvent], int]:
         """Return the inputs that name a thing, oldest first, and how many are up to an instant."""
-        events = self._of[target]
+        events = self.book.events[target]
         return events, bisect_right(events, time_ns, key=_time)
 
     def __iter__(self) -> Iterator[InputEvent]:
         """Iterate over all inputs, oldest first."""
-        return iter(sorted((event for events in self._of.values() for event in events), key=_time))
+        return iter(sorted((event for events in self.book.events.values() for event in events), key=_time))
 
     def __len__(self) -> int:
-        return sum(map(len, self._of.values()))
+        return len(self.book)
 
     def _meant(self, event: InputEvent) -> str:
-        """Return the name of the thing that takes the action and is nearest to the ray, or ""."""
-        if event.action == RELEASE:  # wherever the hand points by then
-            return next((name for name in self.things if self._is_held(name, event.time_ns)), "")
+        """Return the name of the thing that takes the action and is nearest to the ray, or "".
+
+        A hand that holds something grabs that again, and releases it.
+        """
+        held = next((name for name in self.things if self._is_held(name, event.time_ns)), "")
+        if event.action == RELEASE or (event.action == GRAB and held):  # wherever the hand points by then
+            return held
         ray, found = np.array(event.direction), []
         for name, thing in self.things.items():
             if event.action in thing.takes:
@@ -195,7 +213,7 @@ def read_inputs(path: Path) -> list[InputEvent]:
     rows = [(number, line.strip()) for number, line in enumerate(lines, 1) if line.strip() and line[0] != "#"]
     if not rows or rows[0][1].split(",")[: len(INPUT_COLUMNS)] != [*INPUT_COLUMNS]:
         found = f"'{rows[0][1][:60]}'" if rows else "nothing"
-        raise InputError(f"{path}: begins with {found}: expected {HEADER.strip()}")
+        raise InputError(f"{path}: begins with {found}: expected {INPUTS_HEADER.strip()}")
     return [_of_row(path, number, text) for number, text in rows[1:]]
 
 

@@ -31,28 +31,26 @@ class Reacting(ABC, Generic[State]):
     takes: tuple[str, ...]
 
     def __init__(self, name: str, log: InputLog, rest: State) -> None:
-        self.name, self._log = name, log
-        # After each of its inputs, as far as they were needed; at rest before the first.
-        self._states, self._rewritten = [rest], 0
+        self.name, self._log, self._rest = name, log, rest
         log.react(self)
 
     def at(self, time_ns: int) -> State:
         """Return its state at an instant, by the inputs up to then."""
         events, count = self._log.of(self.name, time_ns)
-        if self._rewritten != self._log.rewritten:
-            del self._states[1:]
-            self._rewritten = self._log.rewritten
-        for number in range(len(self._states) - 1, count):
-            before = self._since(number, events[number].time_ns)
-            self._states.append(self.changed(before, events[number]))
+        states: list[State] = self._log.book.states[self.name]
+        if not states:
+            states.append(self._rest)
+        for number in range(len(states) - 1, count):
+            states.append(self.changed(self._since(number, events[number].time_ns), events[number]))
         return self._since(count, time_ns)
 
     def _since(self, number: int, time_ns: int) -> State:
         """Return the state at an instant after so many inputs."""
+        book = self._log.book
+        state: State = book.states[self.name][number]
         if not number:
-            return self._states[0]
-        since_ns = time_ns - self._log.of(self.name, time_ns)[0][number - 1].time_ns
-        return self.after(self._states[number], since_ns * 1e-9)
+            return state
+        return self.after(state, (time_ns - book.events[self.name][number - 1].time_ns) * 1e-9)
 
     @abstractmethod
     def after(self, state: State, seconds: float) -> State:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from contextlib import closing
+
 import numpy as np
 import pytest
 from client_scene import ClientScene
 from commands import hmdwarp
 from reference import difference as reference
 from replays import run
+from run.gl_objects import living
 
 from hmdwarp import warp_image
 from hmdwarp.client import PassInputs, ShownPicture, WholeScene, build_plan, parse_warp
@@ -83,6 +86,30 @@ def test_the_servers_pass_is_its_twin(gpu, lit):
     found = download(image["difference"][each])
     assert found[..., :3].astype(np.float64) == pytest.approx(wanted, rel=2**-10 + 1e-5)
     assert (found[..., 3] == 1).all() and scene.meshes
+
+
+def test_however_many_simplified_scenes_are_asked_for_few_are_kept(gpu):
+    """As by a hostile client: after the first eight, as many objects go as come."""
+    with closing(Server(gpu, load_scene("planes"))) as server:
+
+        def asked(number: int) -> np.ndarray:
+            each = Simplified(0.5, texture=1 / (2 + number))
+            made = server.draw_frame([HERE], 0, SIZE, 1.0, Needs(difference=frozenset({each})))
+            found = download(made.eyes[0]["difference"][each])
+            server.recycle(made)
+            return found
+
+        first = asked(0)
+        for number in range(1, 8):
+            asked(number)
+        kept = living()
+        for number in range(8, 12):
+            asked(number)
+        gone = living()
+        assert {kind: gone[kind] for kind in ("Texture", "Buffer", "VertexArray")} == {
+            kind: kept[kind] for kind in ("Texture", "Buffer", "VertexArray")
+        }
+        np.testing.assert_array_equal(asked(0), first)  # made anew
 
 
 @pytest.mark.parametrize("shown", [HERE, THERE], ids=["here", "there"])

@@ -6,8 +6,8 @@ import pytest
 
 glfw = pytest.importorskip("glfw", exc_type=ImportError)
 
-from hmdwarp.display import CONTROLS, MOVING, control  # noqa: E402
-from hmdwarp.display.desktop import FASTER, MOVES, Keys, direction, token  # noqa: E402
+from hmdwarp.display import CONTROLS, MOVING, Command, control  # noqa: E402
+from hmdwarp.display.desktop import BUTTONS, FASTER, MOVES, Keys, direction, token  # noqa: E402
 from hmdwarp.study.dialogs import CONTROLS as OF_STUDY  # noqa: E402
 
 command_of, help_text = Keys(CONTROLS).command_of, Keys(CONTROLS).help_text
@@ -46,6 +46,17 @@ def test_shift_turns_no_switch_around_and_no_key_that_has_its_own_way_back():
 @pytest.mark.parametrize("mods", [glfw.MOD_CONTROL, glfw.MOD_ALT, glfw.MOD_SUPER, glfw.MOD_ALT | glfw.MOD_SHIFT])
 def test_keys_of_the_desktop_are_left_to_it(mods):
     assert command_of(glfw.KEY_T, glfw.PRESS, mods) is None
+
+
+def test_a_button_of_the_mouse_does_what_its_key_does_and_a_hold_ends_with_it():
+    of_button = Keys(CONTROLS).command_of_button
+    buttons = {control.mouse: control for control in CONTROLS if control.mouse}
+    assert buttons.keys() == BUTTONS.keys()
+    for name, one in buttons.items():
+        pressed, released = (of_button(BUTTONS[name], action) for action in (glfw.PRESS, glfw.RELEASE))
+        assert pressed.control == one.name and pressed.value is (True if one.kind == "hold" else None)
+        assert released == (Command(one.name, False) if one.kind == "hold" else None)
+    assert of_button(glfw.MOUSE_BUTTON_5, glfw.PRESS) is None
 
 
 def test_other_keys_do_nothing():

@@ -165,6 +165,36 @@ def test_mouse_turns_once_caught_and_escape_lets_it_go(live):
     live.press("v")
 
 
+def test_keys_and_mouse_act_in_a_scene_and_the_recorder_keeps_it(screen, tmp_path):
+    """Ahead at the start: the switch 13 degrees off, and the cupboard's handle 11."""
+    written = tmp_path / "head.input.csv"
+
+    def done() -> list[str]:
+        lines = written.read_text().splitlines()[1:] if written.exists() else []
+        return [" ".join(line.split(",")[1:3]) for line in lines]
+
+    where = (*SMALL[:2], "--scene", "playroom", *SMALL[4:], "--record", "head.csv", "--force")
+    written.write_text("of a recording before\n")
+    with Live(screen, tmp_path, *where) as program:
+        screen.do("mousemove", 300, 200)
+        program.press("l")
+        until(lambda: done() == ["switch lamp"], "the lamp's switch")
+        screen.do("click", 1)  # catches the mouse, and does nothing else
+        screen.do("click", 2)
+        until(lambda: done()[1:] == ["switch lamp"], "the switch by mouse")
+        screen.do("mousedown", 3)
+        until(lambda: done()[2:] == ["grab door"], "a grab, which is no news while the head is still")
+        screen.do("mousemove_relative", "--", -60, 0)
+        until(lambda: len(done()) > 3 and {*done()[2:]} == {"grab door"}, "a hand that follows the head")
+        screen.do("mouseup", 3)
+        until(lambda: done()[-1] == "release door", "a hand that lets go")
+        screen.do("click", 1)
+        until(lambda: done()[-1] == "push door", "a push by mouse")
+        program.press("Escape", "Escape")
+        status, told = program.ended()
+    assert status == 0 and f"{len(done())} inputs" in told
+
+
 def settled(live: Live) -> np.ndarray:
     """A picture that no longer changes."""
     last = live.picture()

@@ -7,10 +7,16 @@ import csv
 import numpy as np
 import pytest
 from replays import each_refresh, run, small
+from scipy.spatial.transform import Rotation
 
+from hmdwarp.display import Command
 from hmdwarp.errors import InputError
 from hmdwarp.gpu import download
-from hmdwarp.sources.feed.options import FeedOptions
+from hmdwarp.poses import PoseTrack
+from hmdwarp.run import LiveOptions
+from hmdwarp.scenes import load_scene, read_inputs
+
+from .offscreen import RATE_HZ, OffscreenDisplay, closed_at, run_on
 
 MS = 1_000_000
 ACTED = {"scene": "playroom", "size": (48, 40), "rate_hz": 20.0, "samples": 1, "latency_ms": 100.0, "images": 2}
@@ -100,6 +106,76 @@ def test_a_seed_without_a_number_is_refused_with_the_options():
         small(scene="playroom", input="seed:x")
 
 
-def test_inputs_do_not_cross_a_network():
-    with pytest.raises(InputError, match="--input with --connect: inputs do not cross the network"):
-        small(**ACTED, input="seed:1", feed=FeedOptions(connect="127.0.0.1:5570"))
+class Seen(OffscreenDisplay):
+    """It keeps what each refresh shows, before the lens, by its instant."""
+
+    def __init__(self, **more) -> None:
+        super().__init__(**more)
+        self.seen: dict[int, np.ndarray] = {}
+
+    def show(self, refresh, label="") -> int:
+        if refresh is not None:
+            self.seen[refresh.shown_ns] = download(refresh.eyes[0].shown.texture)
+        return super().show(refresh, label)
+
+
+def looking_at(*seconds_and_names: tuple[float, str]) -> PoseTrack:
+    """Return a head that looks at a thing of the playroom, then at the next."""
+    things, eye = load_scene("playroom").inputs.things, np.array((0.1, 1.5, 0.2))
+    ways = [things[name].handle(0) - eye for _, name in seconds_and_names]
+    turns = [Rotation.align_vectors([way / np.linalg.norm(way)], [[0, 0, -1]])[0] for way in ways]
+    return PoseTrack(
+        time_ns=np.array([round(seconds * 1e9) for seconds, _ in seconds_and_names]),
+        position_m=np.array([eye] * len(ways)),
+        orientation_xyzw=np.array([turn.as_quat() for turn in turns]),
+    )
+
+
+ASKED = {
+    2: [Command("grab")],
+    6: [Command("push")],
+    22: [Command("switch"), Command("push")],  # what is ahead by now takes the first alone
+    30: [Command("grab", True), Command("grab", True)],
+    33: [Command("grab", False), Command("grab", False)],
+}
+LIVE = {"scene": "playroom", "latency_ms": 20.0, "fill": "none", "predict": "none", "samples": 1, "guard": 1.0}
+
+
+@pytest.mark.parametrize("warp", ["none", pytest.param("irradiance:updates=100", marks=pytest.mark.slow)])
+def test_a_session_with_inputs_is_recorded_and_replayed_bit_for_bit(monkeypatch, tmp_path, warp):
+    """A recorded clock begins at the first pose, so light is updated at each picture."""
+    track = looking_at((0.0, "ball"), (0.1, "ball"), (0.15, "lamp"), (0.24, "lamp"), (0.28, "door"), (0.45, "door"))
+    display = Seen(track=track, size=(48, 40), asked=dict(ASKED), events=closed_at(42))
+    held = {**LIVE, "warp": warp, "client_motion": "held", "size": (48, 40), "headset": "rift-dk1"}
+    recording = tmp_path / "head.csv"
+    result = run_on(monkeypatch, display, LiveOptions(**held, lens="none", record=recording, out=tmp_path / "live"))
+    inputs = read_inputs(tmp_path / "head.input.csv")
+    done = [f"{event.action} {event.target}" for event in inputs]
+    # The hand follows the head, which stands still at first: no news.
+    assert [what for number, what in enumerate(done) if what not in done[:number]] == [
+        "grab ball", "push ball", "switch lamp", "grab door", "release door",
+    ]  # fmt: skip
+    assert "5 inputs" in " ".join(display.said) or f"{len(inputs)} inputs" in " ".join(display.said)
+    # A picture is drawn in the refresh after an input, and shown 20 ms later: 30, less the 1 ns.
+    assert result.summary["input"]["answered"] == result.summary["input"]["count"] == 5
+    assert result.summary["input"]["response_time_ms"]["most"] == pytest.approx(30, abs=1e-3)
+
+    first_ns, again = min(display.seen), {}
+    each_refresh(
+        small(**held, rate_hz=RATE_HZ, trace=str(recording), input=str(tmp_path / "head.input.csv"), start_s=0.0,
+              seconds=None),
+        lambda setup, number, refresh: again.update({refresh.shown_ns: download(refresh.eyes[0].shown.texture)}),
+    )  # fmt: skip
+    both = [at_ns for at_ns in again if at_ns + first_ns in display.seen]
+    assert len(both) > 30
+    for at_ns in both:
+        np.testing.assert_array_equal(again[at_ns], display.seen[at_ns + first_ns], err_msg=str(at_ns))
+    assert len({again[at_ns].tobytes() for at_ns in both}) > 20
+
+
+def test_a_scene_that_does_not_react_says_so_and_a_run_without_inputs_writes_none(monkeypatch, tmp_path):
+    display = OffscreenDisplay(asked={3: [Command("push")]}, events=closed_at(6))
+    options = LiveOptions(scene="planes", latency_ms=0, warp="none", fill="none", record=tmp_path / "head.csv")
+    result = run_on(monkeypatch, display, options)
+    assert any("scene 'planes' does not react to what people do: expected playroom" in line for line in display.said)
+    assert "input" not in result.summary and not (tmp_path / "head.input.csv").exists()

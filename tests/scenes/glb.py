@@ -68,16 +68,17 @@ class Glb:
         self.header.setdefault("textures", []).append({"source": len(self.header["images"]) - 1})
         return {"index": len(self.header["textures"]) - 1}
 
-    def animate(self, path: str, times, values, kind: str = "LINEAR", node: int = 0) -> Glb:
+    def animate(self, path: str, times, values, kind: str = "LINEAR", node: int = 0, pointer: str = "") -> Glb:
         animation = self.header.setdefault("animations", [{"name": "walk", "samplers": [], "channels": []}])[0]
         ends = {
             "input": self.numbers(np.array(times, np.float32)),
             "output": self.numbers(np.array(values, np.float32)),
         }
         animation["samplers"].append(ends | {"interpolation": kind})
-        animation["channels"].append(
-            {"sampler": len(animation["samplers"]) - 1, "target": {"node": node, "path": path}}
-        )
+        target = {"node": node, "path": path}
+        if pointer:
+            target = {"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}}
+        animation["channels"].append({"sampler": len(animation["samplers"]) - 1, "target": target})
         return self
 
     def skin(self, weights=((1, 0, 0, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0.5, 0.5, 0, 0)), joints=(0, 1, 0, 0)) -> Glb:

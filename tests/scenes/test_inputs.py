@@ -18,6 +18,7 @@ from hmdwarp.scenes import (
     ArrivedState,
     Bouncing,
     Hinged,
+    InputBook,
     InputEvent,
     InputLog,
     Switched,
@@ -160,9 +161,23 @@ def test_a_ray_means_what_it_points_at_and_takes_the_action():
             assert (found is not None and found.target == name) == (action in thing.takes)
         away = log.add(InputEvent(0, thing.takes[0], "", tuple(eye), tuple(-way)))
         assert away is None
-    released = log.add(InputEvent(1, "release", "", tuple(eye), (0.0, 1.0, 0.0)))
-    assert released.target == "ball"  # wherever the hand points; the door is let go next
-    assert log.add(InputEvent(2, "release", "", tuple(eye), (0.0, 1.0, 0.0))).target == "door"
+        # What a hand holds it grabs again, and releases, wherever it points; it holds one thing.
+        for action in ("grab", "release"):
+            found = log.add(InputEvent(0, action, "", tuple(eye), (0.0, 1.0, 0.0)))
+            assert (found is not None and found.target == name) == ("grab" in thing.takes)
+
+
+def test_each_book_is_a_history_of_its_own():
+    scene = load_scene("playroom")
+    log, moment, seen = scene.inputs, 900 * MS, {}
+    for book in (mine := InputBook(), other := InputBook(), mine, other):
+        log.book = book
+        if book is mine and not len(book):
+            log.add(InputEvent(0, "push", "ball"))
+            log.add(InputEvent(0, "switch", "lamp"))
+        now = scene.bodies[0].motion.state(moment).pose.matrix().tobytes(), scene.lamps[0].light(moment)
+        assert seen.setdefault(id(book), now) == now
+    assert len(set(seen.values())) == 2 and (len(mine), len(other)) == (2, 0)
 
 
 def test_each_loaded_scene_has_inputs_of_its_own():
@@ -235,7 +250,7 @@ def test_a_file_gives_the_inputs_that_were_written(tmp_path):
         ("HEADER1,kick,ball,0,0,0,0,0,1\n", "line 2: .*unknown action 'kick'"),
         ("HEADER1.5,push,ball,0,0,0,0,0,1\n", "line 2: .*invalid literal for int"),
         ("HEADER1,push,ball,0,0,nan,0,0,1\n", "line 2: .*expected finite numbers"),
-        ("HEADER\n1,push,ball,0,0,0,0,0,0\n", "line 3: .*a direction other than 0"),
+        ("HEADER\n1,push,ball,0,0,0,0,0,0\n", "line 3: .*direction of a length from 1e-09"),
         ("HEADER1,push,bell,0,0,0,0,0,1\n", "unknown thing that reacts 'bell': did you mean 'ball'"),
         ("HEADER1,switch,ball,0,0,0,0,0,1\n", "switch 'ball': expected push or grab or release"),
     ],

@@ -107,6 +107,25 @@ def test_lamps_stand_and_shine_as_the_file_says():
     assert f"times {factor:.3g}" in scene.notes[-1]
 
 
+@pytest.mark.parametrize("kind", ["LINEAR", "STEP"])
+def test_an_animation_of_a_light_is_its_brightness_and_what_else_it_points_at_is_said(tmp_path, kind):
+    """It repeats with the animation of nodes, of 1 s; below 0 there is no light."""
+    glb, lights = room_file(), f"/extensions/{LIGHTS}/lights"
+    glb.header["extensionsUsed"].append("KHR_animation_pointer")
+    glb.animate("", [0, 0.5, 1.0], [[20.0], [80.0], [-20.0]], kind, pointer=f"{lights}/1/intensity")
+    glb.animate("", [0, 1.0], [[0.1], [0.2]], pointer=f"{lights}/1/spot/innerConeAngle")
+    scene = glb.load(tmp_path)
+    spot, still = scene.lamps[1], scene.lamps[0]
+    assert still.brightness is None and spot.cone == (0.35, 0.6)
+    found = [spot.light(ns)[0] / spot.colour[0] for ns in (0, 250_000_000, 500_000_000, 980_000_000, 1_250_000_000)]
+    expected = {"LINEAR": (0.25, 0.625, 1, 0, 0.625), "STEP": (0.25, 0.25, 1, 1, 0.25)}[kind]
+    assert np.allclose(found, expected)
+    assert np.allclose(np.divide(spot.colour, still.colour), np.outer(80, SPOT["color"])[0] / np.multiply(
+        POINT["intensity"], POINT["color"]))  # fmt: skip
+    (note,) = [note for note in scene.notes if "points at" in note]
+    assert "the intensity of lights alone is played" in note and "spot/innerConeAngle" in note
+
+
 def test_a_spot_fades_between_its_angles():
     """By the extension's formula, from arc cosines, on a floor below it."""
     scene = load_scene(ROOM, IN_PLACE)

@@ -4,6 +4,7 @@ from .control_panel import make_control_panel as make_control_panel
 from .desktop_display import DesktopDisplay as DesktopDisplay
 from .pacing import UNSYNCED as UNSYNCED
 from .pacing import Pacer as Pacer
+from .window_input import BUTTONS as BUTTONS
 from .window_input import FASTER as FASTER
 from .window_input import MOVES as MOVES
 from .window_input import Keys as Keys

@@ -11,7 +11,7 @@ import glfw
 from ...poses import PoseSample
 from ...poses.walker import Walker
 from .. import Command
-from ..controls import MOVING, Control
+from ..controls import MOVING, Control, and_mouse
 from .window_system import WindowHandle
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control
@@ -29,6 +29,7 @@ MOVES = {
 STEPS_BACK = ("choice", "number")
 HELD = ("number", "step")  # repeat while their key is held
 FASTER = (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)
+BUTTONS = {"left": glfw.MOUSE_BUTTON_LEFT, "middle": glfw.MOUSE_BUTTON_MIDDLE, "right": glfw.MOUSE_BUTTON_RIGHT}
 _OTHERS = glfw.MOD_CONTROL | glfw.MOD_ALT | glfw.MOD_SUPER
 
 
@@ -62,6 +63,15 @@ class Keys:
             return None
         shifted = bool(mods & glfw.MOD_SHIFT) and not control.back and control.kind in STEPS_BACK
         return Command(control.name, control.value, back=back or shifted)
+
+    def command_of_button(self, button: int, action: int) -> Command | None:
+        """Return the command of a captured mouse, None for none. Arguments: as in glfw."""
+        for control in self.controls:
+            if control.mouse and BUTTONS[control.mouse] == button:
+                if control.kind == "hold":
+                    return Command(control.name, action == glfw.PRESS)
+                return Command(control.name, control.value) if action == glfw.PRESS else None
+        return None
 
     def first_words(self, looks: bool, named: Callable[[str], str] | None = None) -> list[str]:
         """Return a line for the first picture, none where nothing may be written over pictures.
@@ -111,7 +121,8 @@ def _keys_of(control: Control, named: Callable[[str], str]) -> str:
         return control.written
     if control.back:
         return f"{named(control.back)} {named(control.key)}"
-    return f"{named(control.key)} (shift: back)" if control.kind in STEPS_BACK else named(control.key)
+    key = named(control.key)
+    return f"{key} (shift: back)" if control.kind in STEPS_BACK else f"{key}{and_mouse(control)}"
 
 
 TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so) for a quarter turn
@@ -227,7 +238,13 @@ class WindowInput:
             self.commands.append(Command("type", chr(code)))
 
     def _click(self, _: object, button: int, action: int, ___: int) -> None:
-        if action != glfw.PRESS or self.captured or self._is_for_control_panel:
+        if self.captured or action != glfw.PRESS:
+            command = self._keys.command_of_button(button, action)
+            # What was held is let go wherever the mouse is by then.
+            if command is not None and (self.captured or command.value is False):
+                self.commands.append(command)
+            return
+        if self._is_for_control_panel:
             return
         if self._locate is None:
             self.capture()

@@ -18,9 +18,13 @@ from .depth_codec import DepthVideoDecoder as DepthVideoDecoder
 from .depth_codec import DepthVideoEncoder as DepthVideoEncoder
 from .depth_codec import VectorDecoder as VectorDecoder
 from .depth_codec import VectorEncoder as VectorEncoder
+from .stream import STOPS as STOPS
 from .stream import ColourDecoder as ColourDecoder
 from .stream import ColourEncoder as ColourEncoder
 from .stream import Packet as Packet
 from .stream import Undecodable as Undecodable
+from .stream import bytes_from_light as bytes_from_light
+from .stream import light_from_bytes as light_from_bytes
 from .stream import pack as pack
+from .stream import stops_of as stops_of
 from .stream import unpack as unpack

@@ -6,6 +6,8 @@ import math
 
 import attrs
 
+from ...scenes import ACTIONS, LEAST_WAY
+
 
 class OutOfBounds(ValueError):
     """A number that no message may hold; the text says what was expected."""
@@ -62,6 +64,11 @@ AMOUNT = Bound("amount of a layer", 1, 16, or_none=True)
 SETTINGS = Bound("rows, or columns, of a layer's settings", 1, 8)
 GAZE = Bound("length of a gaze", 0.999, 1.001)
 FATES = Bound("frames whose fate a request tells", 0, 512)
+INPUTS = Bound("inputs of a request", 0, 512)
+ACTION = Bound("action of an input", 1, len(ACTIONS))
+WAY = Bound("length of the direction of an input", LEAST_WAY, 1 / LEAST_WAY)
+# 45 minutes of four a second, or 3 of a hand that moves something at 90 Hz.
+KEPT_INPUTS = Bound("inputs of a session that `hmdwarp serve` keeps", 0, 2**14)
 MESSAGE = Bound("length of a message", 12, 2**29, "bytes")
 UNPACKED = Bound("length of a frame, or of its layers, as numbers", 0, 2**29, "bytes")
 # 1.5 s of a core, and four times the memory.

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...colour import linear_from_srgb
 from ...errors import InputError
 from ...geometry import AHEAD, Fovea, FoveaGrid, Pose, View, looking
+from ...scenes import ACTIONS, InputEvent
 from . import bounds, options, parts, seen_columns
 from .parts import Layers, Part, Wanted
 
@@ -47,7 +48,7 @@ _ASK = struct.Struct("<QqqqQ32sIIBBBBBBBB3d")
 # number of parts of further layers, what requests may have, where the session began.
 _FRAME = struct.Struct("<QqqqqqIIBBBBIBBH")
 # Bits of what requests have, and of what frames say that they may have.
-_HIDES, _SESSION, _FOVEA = 1, 2, 4
+_HIDES, _SESSION, _FOVEA, _INPUTS = 1, 2, 4, 8
 # Number of the session, age of a frame when it is seen, whether to leave out what has not changed,
 # number of frames whose fate is told.
 _SESSION_HEAD = struct.Struct("<IqBxH")
@@ -55,6 +56,10 @@ _SESSION_HEAD = struct.Struct("<IqBxH")
 _FATE = struct.Struct("<QBq")
 # The gaze in the head's axes, degrees across that are sharp, pixels that one beyond holds.
 _LOOK = struct.Struct("<4dI")
+# How many inputs; of each its instant, action, target, and the hand's ray.
+_COUNT = struct.Struct("<H")
+_INPUT = struct.Struct("<qB16s6d")
+MOST_OF_TARGET = 16
 # Bytes of one eye's colour and depth.
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
@@ -120,7 +125,7 @@ class Session:
     fates: tuple[Fate, ...] = ()
 
 
-MOST_FATES = int(bounds.FATES.most)
+MOST_FATES, MOST_INPUTS = int(bounds.FATES.most), int(bounds.INPUTS.most)
 
 
 class Malformed(ValueError):
@@ -166,6 +171,8 @@ class Ask:
     session: Session | None = None
     # Likewise: pictures come coarser away from the views' gaze, on the grid in layer "foveated".
     fovea: Fovea | None = None
+    # What people did until the instant to draw; likewise.
+    inputs: tuple[InputEvent, ...] = ()
 
 
 @attrs.frozen(eq=False)
@@ -233,6 +240,8 @@ class FrameMessage:
     # Whether requests may have a fovea; the client's: the grid of each eye's foveated pictures.
     takes_fovea: bool = False
     grids: tuple[FoveaGrid, ...] = ()
+    # Whether requests may have inputs: what is drawn reacts to them.
+    takes_inputs: bool = False
 
     @property
     def is_coded(self) -> bool:
@@ -326,6 +335,8 @@ LARGEST_ASK = (
     + _SESSION_HEAD.size
     + _FATE.size * MOST_FATES
     + _LOOK.size
+    + _COUNT.size
+    + _INPUT.size * MOST_INPUTS
 )
 
 
@@ -388,13 +399,16 @@ def pieces_of(message: Message) -> list[Piece]:
         areas = map(seen_columns.packed_area, one.views) if _hides(one.views) else ()
         session = [] if one.session is None else _packed_session(one.session)
         look = [] if one.fovea is None else [_packed_look(one.views[0], one.fovea)]
-        return _framed(ASK, [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session, *look])
+        inputs = [_COUNT.pack(len(one.inputs)), *map(_packed_input, one.inputs)] if one.inputs else ()
+        body = [start, _packed(one.head), *map(_packed_eye, one.views), *wanted, *areas, *session, *look, *inputs]
+        return _framed(ASK, body)
     if isinstance(message, FrameMessage):
         it = message
         numbers = (it.number, it.asked_ns, it.received_ns, it.sent_ns, it.render_ns, it.time_ns)
         colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
         heads, contents = parts.packed_layers(it.layers)
-        takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session + _FOVEA * it.takes_fovea
+        takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session
+        takes += _FOVEA * it.takes_fovea + _INPUTS * it.takes_inputs
         form = (*it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), takes, it.began)
         start = _FRAME.pack(*numbers, *form)
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
@@ -414,7 +428,8 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     wish = ask.wish
     quality = 0 if wish.crf is None else 1 + wish.crf
     layers = 0 if ask.wanted is None else len(ask.wanted.layers)
-    has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None) + _FOVEA * (ask.fovea is not None)
+    has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None)
+    has += _FOVEA * (ask.fovea is not None) + _INPUTS * bool(ask.inputs)
     bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares, has)
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
@@ -443,6 +458,28 @@ def _session(data: Data, at: int) -> tuple[Session, int]:
     fates = [Fate(of, arrived != 0, heard_ns) for of, arrived, heard_ns in _FATE.iter_unpack(data[at:end])]
     bounds.INSTANT.check(*(one.heard_ns for one in fates))
     return Session(number, age_ns, only_changes != 0, tuple(fates)), end
+
+
+def _packed_input(event: InputEvent) -> bytes:
+    target = event.target.encode("ascii")
+    if len(target) > MOST_OF_TARGET:
+        raise InputError(f"'{event.target}': expected a name of at most {MOST_OF_TARGET} letters for a network")
+    return _INPUT.pack(event.time_ns, 1 + ACTIONS.index(event.action), target, *event.origin_m, *event.direction)
+
+
+def _inputs(data: Data, at: int) -> tuple[tuple[InputEvent, ...], int]:
+    (count,) = _COUNT.unpack_from(data, at)
+    bounds.INPUTS.check(count)
+    at += _COUNT.size
+    end, found = at + count * _INPUT.size, []
+    for time_ns, action, target, *ray in _INPUT.iter_unpack(data[at:end]):
+        bounds.INSTANT.check(time_ns)
+        bounds.ACTION.check(action)
+        bounds.COORDINATE.check(*ray[:3])
+        bounds.WAY.check(math.hypot(*ray[3:]))
+        name = target.rstrip(b"\0").decode("ascii")
+        found.append(InputEvent(time_ns, ACTIONS[action - 1], name, (ray[0], ray[1], ray[2]), (ray[3], ray[4], ray[5])))
+    return tuple(found), end
 
 
 def _hides(views: Sequence[View]) -> bool:
@@ -513,6 +550,7 @@ def _ask(data: Data) -> Ask:
     end = hidden_at + (eyes * seen_columns.BYTES if hides else 0)
     session, end = _session(data, end) if has & _SESSION else (None, end)
     gaze, fovea, end = _look(data, end) if has & _FOVEA else (None, None, end)
+    inputs, end = _inputs(data, end) if has & _INPUTS else ((), end)
     _check_length(data, end)
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
     if hides:
@@ -522,7 +560,8 @@ def _ask(data: Data) -> Ask:
     views = tuple(looking(views, gaze))
     wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    return Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0, session, fovea)
+    form = (width, height), head, views, token, wish, anew != 0, wanted, shares != 0
+    return Ask(*times, *form, session, fovea, inputs)
 
 
 def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: float, step: float) -> Wish:
@@ -563,7 +602,7 @@ def _frame(data: Data) -> FrameMessage:
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
-    says = (takes & _HIDES != 0, takes & _SESSION != 0, began, takes & _FOVEA != 0)
+    says = (takes & _HIDES != 0, takes & _SESSION != 0, began, takes & _FOVEA != 0, (), takes & _INPUTS != 0)
     return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says)
 
 

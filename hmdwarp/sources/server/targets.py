@@ -20,6 +20,8 @@ from ...scenes import Scene
 from ..array_passes import Arrays, GiveCodes, Upload
 from .passes import ScenePasses
 
+# Settings of a layer for which something is kept, of all clients: those of one request, at most.
+MOST_SETTINGS = 8
 K = TypeVar("K")
 V = TypeVar("V")
 # After so many hand-outs what none of them needed is freed: half a minute of two eyes at 30 Hz.
@@ -44,6 +46,10 @@ class LastUsed(dict[K, V]):
     def use(self, key: K) -> None:
         """Note that what there is for a key is in use."""
         self._used.add(key)
+
+    def beyond(self, most: int) -> list[V]:
+        """Take out what is more than so many, the longest unused, and return it."""
+        return [self.pop(key) for key in list(self)[: max(0, len(self) - most)]]
 
     def trimmed(self, bytes_of: Callable[[K, V], int]) -> list[tuple[K, V]]:
         """Take out what was not used since the last call, but a little: see MOST_IDLE."""
@@ -261,6 +267,10 @@ class Renderer:
 
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         """Take note of whether a client's frame with these layers arrived."""
+
+    def begin_anew(self, client: Hashable) -> None:
+        """Begin anew what builds on the frames before, for a client that has none of them."""
+        self.forget(client)
 
     def forget(self, client: Hashable) -> None:
         """Free what depends on the frames that were drawn for a client."""

@@ -278,11 +278,10 @@ class MovingBody(Moving):
         self.number = meshes[0].body
         self.buffers = SceneBuffers(gpu, meshes, textures)
         self._motion, self._origin_m = scene.bodies[self.number - 1].motion, scene.origin_m
-        self._set_ns: int | None = None
 
     def set_time(self, time_ns: int) -> None:
-        if time_ns != self._set_ns:
-            self._pose, self._set_ns = self._motion.state(time_ns).pose, time_ns
+        # Not kept for the next time: what people did by that instant may have come since.
+        self._pose = self._motion.state(time_ns).pose
 
     def place(self, view: View) -> Place:
         return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)

@@ -60,15 +60,23 @@ def request(
     received: int = 0,
     token: bytes = bytes(32),
     head: bytes = pose(),
+    inputs: tuple[bytes, ...] = (),
 ) -> bytes:
     sent = time.monotonic_ns() if sent is None else sent
     start = struct.pack("<Qqqq", number, sent, *instants) + struct.pack("<Q32s", received, token)
-    how = struct.pack("<II7Bx", *size, len(eyes), *formats, quality, anew, len(layers), shares)
+    how = struct.pack("<II8B", *size, len(eyes), *formats, quality, anew, len(layers), shares, 8 * bool(inputs))
     body = start + how + struct.pack("<3d", rate, mbit, step) + head + b"".join(eyes)
     if layers:
         body += struct.pack("<2I", *shown) + len(eyes) * struct.pack("<4d", *shown_angles)
         body += b"".join(struct.pack("<16sI", name.encode(), amount) for name, amount in layers)
+    if inputs:
+        body += struct.pack("<H", len(inputs)) + b"".join(inputs)
     return message(REQUEST, body)
+
+
+def acted(time_ns=0, action=1, name=b"", place=HEAD, way=(0.0, 0.0, -1.0)) -> bytes:
+    """What somebody did."""
+    return struct.pack("<qB16s6d", time_ns, action, name, *place, *way)
 
 
 def frame(
@@ -170,5 +178,13 @@ def any_request(rng: random.Random, number: int, pixels: int = 1 << 12) -> bytes
         instants=(rng.choice(INSTANTS), rng.choice(INSTANTS)),
         received=rng.choice((0, number - 1, 2**64 - 1)),
         head=pose(place(), any_turn(rng)),
+        inputs=tuple(any_input(rng) for _ in range(rng.choice((0, 0, 1, 3)))),
         **more,
     )
+
+
+def any_input(rng: random.Random) -> bytes:
+    """What somebody did, of any numbers within their bounds, to what the hand means."""
+    ray = (rng.choice(COORDINATES) for _ in range(3)), any_turn(rng)[:3]
+    way = ray[1] if math.hypot(*ray[1]) > 1e-9 else (0.0, 1e-9, 0.0)
+    return acted(rng.choice(INSTANTS), rng.randint(1, 4), b"", tuple(ray[0]), way)

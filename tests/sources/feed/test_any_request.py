@@ -178,6 +178,32 @@ def test_encoders_of_all_clients_are_bounded_and_the_oldest_begins_anew(monkeypa
     assert list(coders._of) == [5]
 
 
+def test_whatever_people_are_said_to_do_is_drawn():
+    """Also at the ends of what there is; too many inputs are refused, and other clients go on."""
+    rng = random.Random(SEED)
+    with Serving("--scene", "playroom", "--samples", "1") as serving, zmq.Context() as context:
+        first, other = made = [context.socket(zmq.DEALER) for _ in range(2)]
+        for client in made:
+            client.linger = 0
+            client.connect(serving.address)
+        for number in range(1, 30):
+            inputs = tuple(foreign.any_input(rng) for _ in range(rng.randint(0, 20)))
+            instants = (rng.choice(foreign.INSTANTS), 0)
+            kind, _, text = asked(first, foreign.request(number, inputs=inputs, instants=instants))
+            assert kind == "frame", text
+        kind, _, text = asked(first, foreign.request(40, inputs=(foreign.acted(name=b"cat"),)))
+        assert kind == "refusal" and "unknown thing that reacts 'cat'" in text
+        kind, number = "frame", 40
+        while kind == "frame":  # each of an instant of its own
+            number += 1
+            many = tuple(foreign.acted(512 * number + k, 2, b"lamp") for k in range(512))
+            kind, _, text = asked(first, foreign.request(number, inputs=many))
+        assert kind == "refusal" and "inputs of a session" in text and 30 < number - 40 < 34
+        assert asked(other, foreign.request(1))[:2] == ("frame", 1)
+        for client in made:
+            client.close()
+
+
 def test_every_request_within_the_bounds_is_answered_and_none_costs_much(serving, clients, capsys):
     rng, found, refused, worst, longest_s = random.Random(SEED), Counter(), Counter(), 0.0, 0.0
     for client in clients:

@@ -100,6 +100,33 @@ def test_a_video_beside_depth_in_16_bits_is_decoded():
     np.testing.assert_array_equal(back.colours[0][..., 3] == 0, codes.codes == 65535)
 
 
+@pytest.mark.parametrize("largest", [0.9, 3.0, 300.0])
+@pytest.mark.parametrize("wished", [H264, RGBA8])
+def test_light_beyond_1_is_kept_where_the_picture_is_light_alone(wished, largest):
+    """A byte beyond 1 is a 64th of the powers of 2 that it reaches: of 16 a ratio of 2^(1/4)."""
+    frame = drawn(0, light=True)
+    colour = (frame.colours[0] * (largest, largest, largest, 1)).astype(np.float16)
+    of_eye = {"light": [np.zeros((0, 0))]}
+    frame = attrs.evolve(frame, colours=(colour,) * 2, layers=(of_eye,) * 2)
+    wish = Wish(wished, INVERSE_DEPTH, crf=0 if wished == H264 else None, rate_hz=60.0)
+    back = FeedDecoder().decode(decode(encode(FeedEncoder(attrs.evolve(ASK, size=SIZE, wish=wish)).encode(frame))))
+    for eye in (0, 1):
+        bright, found = frame.light(eye).astype(float)[..., :3] > 1, back.light(eye).astype(float)
+        assert (found[..., 3] == 1).all() and bright.any() == (largest > 1)
+        if bright.any():
+            ratio = found[..., :3][bright] / frame.light(eye)[..., :3].astype(float)[bright]
+            # The rounding of a byte and the codec's at its best are half of that each.
+            assert np.median(np.abs(np.log2(ratio))) < 1 / 4 and found.max() > largest / 2
+        assert np.median(np.abs(found[..., :3] - frame.light(eye)[..., :3])[~bright]) < 0.02
+
+
+def test_how_far_light_reaches_is_one_of_few_numbers():
+    coded = asked(H264, INVERSE_DEPTH).encode(drawn(0))
+    for stops in ([[3.0]], [[2.0, 2.0]], [[np.nan]], [[-1.0]]):
+        with pytest.raises(Undecodable, match="light that reaches"):
+            FeedDecoder().decode(attrs.evolve(coded, layers=({"light": [np.array(stops)]},) * 2))
+
+
 def test_a_lost_frame_stops_decoding_until_the_stream_begins_anew():
     encoder, decoder = asked(H264, DEPTH_VIDEO), FeedDecoder()
     frames = [encoder.encode(drawn(number)) for number in range(4)]

@@ -17,12 +17,13 @@ import numpy as np
 import pytest
 
 from hmdwarp.geometry import Fovea, Hidden
+from hmdwarp.scenes import InputEvent
 from hmdwarp.sources.feed import listener as listening
 from hmdwarp.sources.feed import sockets
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.key_pairs import KeyPair
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import LARGEST_ASK, MOST_FATES, Fate, Session, encode
+from hmdwarp.sources.feed.message import LARGEST_ASK, MOST_FATES, MOST_INPUTS, Fate, Session, encode
 from hmdwarp.sources.feed.parts import Wanted
 from hmdwarp.sources.feed.shared_frames import IS_ABLE, MOST_OF_CLIENT, SHARED
 from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST_UNREAD
@@ -135,12 +136,13 @@ def test_a_message_that_is_too_long_ends_the_connection(listener):
 
 
 def test_the_longest_request_is_taken_and_one_byte_more_is_not(listener):
-    # Sixteen layers are the most, each with eight rows of eight settings, and 512 fates.
+    # Sixteen layers are the most, each with eight rows of eight settings, 512 fates and inputs.
     most = ((1.0,) * 8,) * 8
     wanted = Wanted(tuple(("a" * count, most) for count in range(1, 17)), (4, 3), tuple(view.fov for view in ASK.views))
     views = tuple(attrs.evolve(view, hidden=Hidden((((-1, -1), (0, -1), (-1, 0)),), view.fov)) for view in ASK.views)
     session = Session(1, fates=tuple(Fate(number, True, 0) for number in range(MOST_FATES)))
-    longest = encode(attrs.evolve(ASK, views=views, wanted=wanted, session=session, fovea=Fovea()))
+    inputs = (InputEvent(0, "push"),) * MOST_INPUTS
+    longest = encode(attrs.evolve(ASK, views=views, wanted=wanted, session=session, fovea=Fovea(), inputs=inputs))
     assert len(longest) == LARGEST_ASK
     with raw(listener) as one:
         one.sendall(b"\x02" + struct.pack(">Q", LARGEST_ASK) + longest)

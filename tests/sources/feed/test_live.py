@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from replays import rows_of
 from run.offscreen import OffscreenDisplay, run_on
+from run.test_inputs import looking_at
 from serving import Serving
 
 from hmdwarp.display import Closed, Command
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
+from hmdwarp.scenes import read_inputs
 
 from .exchange import feeder
 
@@ -83,6 +85,59 @@ def test_settings_of_the_server_are_not_changed_and_others_are(serving, monkeypa
     changed = [name for change in summary["live"]["changes"] for name in change["what"]]
     assert changed == ["guard", "warp"]
     assert max(picture.std() for picture in display.pictures[-3:]) > 10
+
+
+def test_a_scene_that_is_named_is_here_too_for_passes_that_draw_it(serving, monkeypatch):
+    display = OffscreenDisplay(keeps=True)
+    asked = options(serving.address, pictures=6, scene="planes", warp="model")
+    summary = run_on(monkeypatch, display, asked).summary
+    assert any("its scene is 'planes', here too" in line for line in display.said)
+    assert summary["scene"] == "planes" and summary["link"]["feed"]["malformed"] == 0
+    assert display.pictures[-1].std() > 10
+
+
+class Switching(Closable):
+    """Its user presses the switch with the third picture, and goes with one that was drawn since.
+
+    The mean of each is kept.
+    """
+
+    def __init__(self, **more) -> None:
+        super().__init__(keeps=True, **more)
+        self.means: list[float] = []
+        self.pressed_ns = 2**62
+
+    def show(self, refresh, label="") -> int:
+        submitted_ns = super().show(refresh, label)
+        if refresh is not None:
+            self.means.append(float(self.pictures[-1].mean()))
+            if len(self.means) == 3:
+                self._asked[self._number], self.pressed_ns = [Command("switch")], self.now_ns()
+            elif refresh.frame.drawn_ns > self.pressed_ns + 1_000_000_000:
+                self.ask_to_close()
+        return submitted_ns
+
+
+@pytest.mark.parametrize("scene", ["server", "playroom"])
+def test_what_people_do_in_a_live_run_reaches_the_server_and_comes_back(monkeypatch, tmp_path, scene):
+    """The lamp is switched off as soon as there is a picture, and frames come until it shows."""
+    recording = tmp_path / "head.csv"
+    with Serving("--scene", "playroom", "--samples", "1") as server:
+        display = Switching(track=looking_at((0.0, "lamp"), (1.0, "lamp")))
+        asked = options(server.address, scene=scene, warp="none", record=recording)
+        summary = run_on(monkeypatch, display, asked).summary
+    (event,) = read_inputs(tmp_path / "head.input.csv")
+    assert (event.action, event.target) == ("switch", {"server": "", "playroom": "lamp"}[scene])
+    assert summary["input"]["answered"] == 1
+    # That lamp gives more than half of the light.
+    assert display.means[-1] < 0.75 * display.means[0]
+
+
+def test_inputs_where_nothing_reacts_are_refused_and_the_run_goes_on(serving, monkeypatch):
+    display = OffscreenDisplay(asked={3: [Command("push")]})
+    summary = run_on(monkeypatch, display, options(serving.address, warp="none", pictures=6)).summary
+    assert any("draws does not react to what people do" in line for line in display.said)
+    assert "input" not in summary
 
 
 def test_a_warp_whose_layer_the_server_lacks_is_reported_and_can_be_left(monkeypatch):
@@ -160,7 +215,7 @@ def test_a_lost_server_is_announced_over_the_picture_and_taken_up_again(monkeypa
 @pytest.mark.parametrize(
     ("more", "told"),
     [
-        ({"scene": "planes"}, "the server has the scene"),
+        ({"scene": "no such"}, "unknown scene 'no such'"),
         ({"fill": "model"}, "the scene is at the server"),
         ({"response": "sum"}, "the server's times are the real ones"),
         ({"jitter": "uniform:20"}, "--added-latency 0 ms"),

@@ -1,6 +1,7 @@
 """Messages: what is encoded comes back bit for bit; whatever else comes in is refused."""
 
 import importlib
+import math
 import random
 import struct
 import tracemalloc
@@ -12,9 +13,11 @@ import numpy as np
 import pytest
 
 from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Hidden, Pose, View, looking
 from hmdwarp.link.codec import Undecodable
 from hmdwarp.pipeline.feed_layers import grids_of
+from hmdwarp.scenes import InputEvent
 from hmdwarp.sources.feed.bounds import BOUNDS
 from hmdwarp.sources.feed.message import (
     DEPTH_CODES,
@@ -28,15 +31,19 @@ from hmdwarp.sources.feed.message import (
     Ask,
     BadRequest,
     DepthCodes,
+    Fate,
     FrameMessage,
     Malformed,
     Refusal,
+    Session,
     Wish,
     decode,
     encode,
     token_of,
 )
 from hmdwarp.sources.feed.parts import BadPart, Packed, Wanted, packed
+
+from . import foreign
 
 HEAD = Pose((0.1, 1.6, -1e-9), (0.1, 0.2, 0.3, 0.9))
 VIEWS = tuple(View(HEAD @ Pose((x, 0, 0)), Fov(-0.8, 0.7, -0.6, 0.65), Pose((x, 0, 0))) for x in (-0.03, 0.03))
@@ -90,6 +97,38 @@ def test_a_request_comes_back_bit_for_bit():
     plain = ("number", "sent_ns", "time_ns", "head_ns", "received", "size", "token")
     assert [getattr(back, name) for name in plain] == [getattr(ASK, name) for name in plain]
     assert all(map(same_view, back.views, VIEWS))
+
+
+def test_inputs_come_back_bit_for_bit_behind_whatever_else_there_is():
+    inputs = (
+        InputEvent(-(2**62), "push", "ball", (1e-300, -1e9, 0.1), (0.1 + 0.2, 1e-9, 0.0)),
+        InputEvent(2**62, "release", "a" * 16, direction=(0.0, 3e8, -1.0)),
+        InputEvent(0, "switch"),
+    )
+    for session in (None, Session(3, fates=(Fate(1, True, 5),))):
+        back = decode(encode(attrs.evolve(ASK, session=session, inputs=inputs)))
+        assert (back.inputs, back.session) == (inputs, session)
+    with pytest.raises(InputError, match="at most 16 letters"):
+        encode(attrs.evolve(ASK, inputs=(InputEvent(0, "push", "a" * 17),)))
+    says = decode(encode(attrs.evolve(FRAME, takes_inputs=True)))
+    assert says.takes_inputs and not says.takes_session and not decode(encode(FRAME)).takes_inputs
+
+
+@pytest.mark.parametrize(
+    ("wrong", "why"),
+    [
+        ({"action": 0}, "action of an input 0"),
+        ({"action": 5}, "action of an input 5"),
+        ({"time_ns": 2**62 + 1}, "instant"),
+        ({"place": (math.nan, 0, 0)}, "coordinate"),
+        ({"way": (0.0, 0.0, 0.0)}, "direction of an input 0"),
+        ({"way": (math.inf, 0.0, 0.0)}, "direction of an input inf"),
+        ({"name": b"\xff"}, "ascii"),
+    ],
+)
+def test_an_input_that_cannot_be_is_malformed(wrong, why):
+    with pytest.raises(BadRequest, match=why):
+        decode(foreign.request(1, inputs=(foreign.acted(), foreign.acted(**wrong))))
 
 
 def test_a_hidden_area_comes_back_and_hides_nothing_that_is_seen():

@@ -239,3 +239,56 @@ def test_frames_that_are_of_no_use_are_told_and_what_they_brought_comes_again(gp
     here, there = found
     for ours, theirs in zip(here, there, strict=True):
         np.testing.assert_array_equal(ours, theirs)
+
+
+ACTED = {"input": "seed:2", "start_s": 0.5}
+
+
+@pytest.mark.parametrize("name", ["imposter", "irradiance:updates=5", "points:budget=6000,room=4096,spacing=2"])
+def test_what_people_do_crosses_and_each_client_has_a_world_of_its_own(gpu, serving_of, monkeypatch, name):
+    """Another client of the same server acts otherwise, in between and at the same instants."""
+    address = serving_of("playroom")
+    with ready(gpu, "imposter", scene="playroom", feed=FeedOptions(connect=address), input="seed:9") as other:
+        other.loop.draw(other.schedule.first_ns)
+        with monkeypatch.context() as patched:
+            original, others = Remote.ask, other.source.remote
+
+            def beside(remote, head, views, guard, size, now_ns, needs=None):
+                if remote is not others:
+                    other.loop.draw(now_ns)
+                    patient(others, now_ns)
+                original(remote, head, views, guard, size, now_ns, needs)
+
+            patched.setattr(Remote, "ask", beside)
+            told, _ = compared(gpu, address, name, "playroom", monkeypatch=monkeypatch, **ACTED)
+    assert told["frames"]["shown"] > 0
+
+
+def test_a_server_that_was_started_again_is_told_of_all_that_people_did(gpu, tmp_path, monkeypatch):
+    """The lamp that was switched off before stays off: by the scene here, bit for bit."""
+    acts, where = tmp_path / "acts.csv", f"ipc://{tmp_path}/frames"
+    acts.write_text("time_ns,action,target,x,y,z,dx,dy,dz\n900000000,switch,lamp,0,0,0,0,0,1\n")
+    command = ("--scene", "playroom", "--listen", where, "--samples", "1")
+    monkeypatch.setattr(Remote, "pace", patient)
+    with ExitStack() as stack:
+        with Serving(*command):
+            more = {"seconds": 60.0, "feed": FeedOptions(connect=where), "input": str(acts)}
+            setup = stack.enter_context(ready(gpu, "imposter", scene="playroom", **more))
+            remote, numbered = setup.source.remote, setup.schedule.numbered()
+            flown(setup, itertools.islice(numbered, 12))
+            patient(remote, 0)
+            setup.channel.newest(next(numbered)[1])
+        with Serving(*command):
+            monkeypatch.setattr(Remote, "pace", unhurried)
+            before = len(remote.delays_ns)
+            while len(remote.delays_ns) == before:
+                flown(setup, itertools.islice(numbered, 1))
+            monkeypatch.setattr(Remote, "pace", patient)
+            refresh = None
+            for _, instant_ns in itertools.islice(numbered, 8):
+                setup.loop.draw(instant_ns)
+                refresh = setup.loop.show(instant_ns)
+            eye = refresh.frame.eyes[0]
+            truth = setup.server.draw(eye.view, eye.size, time_ns=refresh.frame.drawn_ns)
+            np.testing.assert_array_equal(download(eye.colour), download(truth.colour))
+            assert refresh.frame.drawn_ns > 900_000_000

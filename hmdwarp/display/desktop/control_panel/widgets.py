@@ -21,6 +21,7 @@ STATES = {
     "view": (("both", "both eyes"), ("flat", "one flat view"))
 }  # switches between two states, neither of which is off
 PATIENCE_S = 0.5  # how long a requested value is shown before the run's own is shown again
+ACTING = ("action", "hold")  # kinds of controls that have no value
 ACTIONS = ("recentre", "full_screen", "vsync", "help", "panel", "quit")
 LIT = ("full_screen", "vsync", "help")  # actions drawn lit while on; the panel itself is on wherever it is visible
 LABELS = {
@@ -57,6 +58,7 @@ class Widgets:
         self._commands: list[Command] = []
         self._dragged: dict[str, float] = {}
         self._by_kind: dict[str, Widget] = {"choice": self._choice, "number": self._number, "switch": self._switch}
+        self._by_kind |= dict.fromkeys(ACTING, self._act)
 
     def draw(self, status: Status, scale: float, now_s: float) -> list[Command]:
         """Draw the rows of controls that change the run; return the requests.
@@ -69,7 +71,7 @@ class Widgets:
             imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch)
             imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed, KEY * scale)
             for control in self._controls:
-                if not control.of_display and control.name in status.values:
+                if not control.of_display and (control.name in status.values or control.kind in ACTING):
                     self._row(control, status, now_s)
             imgui.end_table()
         commands, self._commands = self._commands, []
@@ -83,7 +85,7 @@ class Widgets:
         imgui.table_next_column()
         imgui.set_next_item_width(-1)
         requested = self._requested.get(control.name)
-        value = requested.value if requested else status.values[control.name]
+        value = requested.value if requested else status.values.get(control.name)
         new = self._by_kind[control.kind](control, value, status)
         if new is not None:
             self._requested[control.name] = _Requested(new, now_s + PATIENCE_S)
@@ -137,6 +139,11 @@ class Widgets:
             self._dragged.pop(name, None)
         new = round(new, 3)
         return new if (follows or ended) and new != value else None
+
+    def _act(self, control: Control, _: object, __: Status) -> object | None:
+        if button(f"{control.name}##acts", -1, lit=False):
+            self._commands.append(Command(control.name))
+        return None
 
     def _switch(self, control: Control, value: object, _: Status) -> object | None:
         states = STATES.get(control.name)

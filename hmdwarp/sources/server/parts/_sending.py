@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ....frames import EyeImage
 from ....geometry import View
 from ....scenes import Scene
+from ..targets import MOST_SETTINGS, LastUsed
 from ..visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 from . import DrawContext, Drawing, Part
 
@@ -55,7 +56,7 @@ class Sending(Part, Generic[Wanted, S]):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._senders: dict[Wanted, S] = {}
+        self._senders: LastUsed[Wanted, S] = LastUsed()
 
     @abstractmethod
     def make_sender(self, wanted: Wanted) -> S:
@@ -63,20 +64,23 @@ class Sending(Part, Generic[Wanted, S]):
 
     def sender(self, wanted: Wanted) -> S:
         """Return the sender of a variant, made when it is first needed."""
-        if wanted not in self._senders:
-            self._senders[wanted] = self.make_sender(wanted)
-        return self._senders[wanted]
+        return self._senders.made(wanted, lambda: self.make_sender(wanted))
 
     def needed(self, drawing: Drawing) -> list[Wanted]:
-        """Return the variants that a picture needs, in their order."""
-        return sorted(drawing.needs.get(self.name, frozenset()))
+        """Return the variants that a picture needs, in their order; others are kept, but a few."""
+        found = sorted(drawing.needs.get(self.name, frozenset()))
+        for wanted in found:
+            self.sender(wanted)
+        self._senders.beyond(max(MOST_SETTINGS, len(found)))
+        return found
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         return eye
 
     def heard(self, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         for wanted, update in carried.get(self.name, {}).items():
-            self._senders[wanted].book.heard(update, arrived, heard_ns)
+            if wanted in self._senders:
+                self._senders[wanted].book.heard(update, arrived, heard_ns)
 
     def has_more(self, now_ns: int) -> bool:
         return any(sender.has_more(now_ns) for sender in self._senders.values())

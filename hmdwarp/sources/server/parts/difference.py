@@ -6,7 +6,7 @@ from ....frames import EyeImage
 from ....frames.layers.difference import Simplified
 from ....gpu.textures import COLOUR
 from ....scenes import partial_scene
-from ..targets import BYTES_BINDING, display_bytes
+from ..targets import BYTES_BINDING, MOST_SETTINGS, LastUsed, display_bytes
 from . import DrawContext, Drawing, Part, Renderer, parts
 
 
@@ -21,7 +21,7 @@ class Difference(Part):
         super().__init__(context)
         self._program = context.gpu.shaders.compute("server/difference.comp")
         self._bytes = display_bytes(context.gpu.gl)
-        self._renderers: dict[Simplified, Renderer] = {}
+        self._renderers: LastUsed[Simplified, Renderer] = LastUsed()
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         needed: frozenset[Simplified] = drawing.needs.get("difference", frozenset())
@@ -40,14 +40,14 @@ class Difference(Part):
             self._program.uniforms.set(full=0, simplified=1, difference=2, rendered_size=eye.size)
             self._program.run(*eye.size)
             self.context.gpu.barrier()
+        for unused in self._renderers.beyond(max(MOST_SETTINGS, len(needed))):
+            unused.close()
         return eye.having(difference=made)
 
     def _renderer(self, each: Simplified) -> Renderer:
         """Return what draws the simplified scene, as the client draws it."""
-        if each not in self._renderers:
-            scene = partial_scene(self.context.scene, each.share, each.texture, lit=each.lit)
-            self._renderers[each] = self.context.renderer(scene)
-        return self._renderers[each]
+        of = self.context.scene, each.share, each.texture
+        return self._renderers.made(each, lambda: self.context.renderer(partial_scene(*of, lit=each.lit)))
 
     def close(self) -> None:
         for renderer in self._renderers.values():

@@ -7,7 +7,7 @@ Voxel Cone Tracing; Crassin et al. 2013, CloudLight.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -23,7 +23,7 @@ from ....gpu.shaders import Compute, Uniforms
 from ....gpu.textures import COLOUR, allocate, release_all
 from ....scenes import Scene, VoxelGrid, voxel_surfaces
 from ..passes import Indirect, Lighting, ScenePasses, Viewport
-from ..targets import Framebuffers
+from ..targets import MOST_SETTINGS, Framebuffers, LastUsed
 from ..upload import Moving, SceneBuffers
 from . import DrawContext, Drawing, Part, parts
 
@@ -41,23 +41,31 @@ class Voxels(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._made: dict[VoxelLight, tuple[VoxelLighting, NearLight, VoxelPasses]] = {}
+        self._made: LastUsed[VoxelLight, tuple[VoxelLighting, NearLight, VoxelPasses]] = LastUsed()
 
     def passes_for(self, drawing: Drawing) -> ScenePasses | None:
         context, settings = self.context, drawing.needs.get("voxels")
         if settings is None or not context.scene.lamps:
             return None
-        if settings not in self._made:
+
+        def make() -> tuple[VoxelLighting, NearLight, VoxelPasses]:
             lighting = VoxelLighting(context.gpu, context.scene, settings)
             near = NearLight(lighting, context.scene, context.colour, context.framebuffers)
-            self._made[settings] = lighting, near, VoxelPasses(lighting, near, context.colour)
-        return self._made[settings][-1]
+            return lighting, near, VoxelPasses(lighting, near, context.colour)
+
+        passes = self._made.made(settings, make)[-1]
+        self._free(self._made.beyond(MOST_SETTINGS))
+        return passes
 
     def add(self, eye: EyeImage, drawing: Drawing) -> EyeImage:
         return eye.having(voxels=drawing.needs["voxels"]) if "voxels" in drawing.needs else eye
 
     def close(self) -> None:
-        for lighting, near, passes in self._made.values():
+        self._free(self._made.values())
+
+    @staticmethod
+    def _free(made: Iterable[tuple[VoxelLighting, NearLight, VoxelPasses]]) -> None:
+        for lighting, near, passes in made:
             passes.close()
             near.close()
             lighting.close()
