@@ -560,8 +560,8 @@ def _ask(data: Data) -> Ask:
     views = tuple(looking(views, gaze))
     wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    form = (width, height), head, views, token, wish, anew != 0, wanted, shares != 0
-    return Ask(*times, *form, session, fovea, inputs)
+    ask = Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0, session)
+    return attrs.evolve(ask, fovea=fovea, inputs=inputs)
 
 
 def _wish(colour: int, depth: int, quality: int, rate_hz: float, bitrate_mbit: float, step: float) -> Wish:
