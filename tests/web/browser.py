@@ -6,9 +6,12 @@ import asyncio
 import base64
 import itertools
 import json
+import os
 import re
+import signal
 import subprocess
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -37,7 +40,8 @@ PACKED = """(numbers) => {
   return btoa(text);
 }"""
 HARNESS = (
-    """<!doctype html><meta charset="utf-8"><title>chain</title><canvas id="shown"></canvas>
+    """<!doctype html><meta charset="utf-8"><title>chain</title><link rel="icon" href="data:,">
+<canvas id="shown"></canvas>
 <script type="module">
 import { Chain } from "./chain.js";
 import { VideoEye } from "./coded.js";
@@ -75,20 +79,53 @@ def page(shaders: dict[str, str]) -> Iterator[str]:
         server.shutdown()
 
 
+# What the page has told people so far, also what is gone by now.
+HEARD = """
+globalThis.heard = [];
+addEventListener("DOMContentLoaded", () => {
+  const told = document.getElementById("told");
+  if (told) new MutationObserver(() => heard.push(told.textContent)).observe(told, { childList: true });
+});
+"""
+
+
+def says(text: str) -> str:
+    """Return a condition: the page has told people this, if only for a moment."""
+    return f"heard.some((line) => line.includes('{text}'))"
+
+
+class Ended(Exception):
+    """Chromium or the page in it is gone, so that nothing it was asked will be answered."""
+
+
 class Browser:
     """One page. Use it in a `with`."""
 
+    # A session of its own, so that all of its processes end with it: each holds stderr open.
+    _PIPES: Any = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True, "start_new_session": True}
+
     def __init__(self, profile: Path, size: tuple[int, int] = (960, 600)) -> None:
         command = [CHROMIUM, *FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}", "about:blank"]
-        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        self._process = subprocess.Popen(command, **self._PIPES)
         self._numbers = itertools.count(1)
         # What the page itself said: errors, warnings, refused loads.
         self.said: list[str] = []
+        # Whether its scripts threw something that nobody caught.
+        self.has_failed = False
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
         self._answers: dict[int, asyncio.Future] = {}
-        self._run(self._connect(self._address()))
+        self._why_ended = ""
+        try:
+            self._run(self._connect(self._address()))
+        except BaseException:
+            self._kill()
+            raise
+
+    def _kill(self) -> None:
+        os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
 
     def _address(self) -> str:
         assert self._process.stderr is not None
@@ -109,8 +146,9 @@ class Browser:
         page = (await self._send("Target.createTarget", {"url": "about:blank"}, ""))["targetId"]
         attached = await self._send("Target.attachToTarget", {"targetId": page, "flatten": True}, "")
         self._session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
+        for domain in ("Page", "Runtime", "Log", "Inspector"):
             await self._send(f"{domain}.enable")
+        await self._send("Page.addScriptToEvaluateOnNewDocument", {"source": HEARD})
 
     async def _read(self) -> None:
         async for message in self._socket:
@@ -119,8 +157,20 @@ class Browser:
                 self._answers.pop(told["id"]).set_result(told)
             elif told["method"] in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
                 self.said.append(json.dumps(told["params"]))
+                self.has_failed = self.has_failed or told["method"] == "Runtime.exceptionThrown"
+            elif told["method"] in ("Inspector.targetCrashed", "Target.detachedFromTarget"):
+                self._end(told["method"])
+        self._end("its socket closed")
+
+    def _end(self, why: str) -> None:
+        self._why_ended = self._why_ended or why
+        for answer in self._answers.values():
+            if not answer.done():
+                answer.set_exception(Ended(why))
 
     async def _send(self, method: str, params: dict[str, Any] | None = None, session: str | None = None) -> Any:
+        if self._why_ended:
+            raise Ended(self._why_ended)
         number = next(self._numbers)
         self._answers[number] = self._loop.create_future()
         which = self._session if session is None else session
@@ -137,7 +187,8 @@ class Browser:
 
     def open(self, address: str) -> None:
         """Open a page."""
-        self.send("Page.navigate", url=address)
+        found = self.send("Page.navigate", url=address)
+        assert "errorText" not in found, found["errorText"]
 
     def does(self, script: str) -> Any:
         """Return what an expression is, awaited, as JSON."""
@@ -145,14 +196,11 @@ class Browser:
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def until(self, condition: str) -> Any:
-        """Wait until an expression is true; return it. Waits as long as the test may."""
-        return self.does(
-            "new Promise((done) => { const look = () => { let found; try { found = ("
-            + condition
-            + "); } catch { found = "
-            "false; } if (found) done(found); else setTimeout(look, 50); }; look(); })"
-        )
+    def until(self, condition: str) -> None:
+        """Wait until an expression is true; it ends with the browser, and where a script fails."""
+        while not self.does(f"(() => {{ try {{ return Boolean({condition}); }} catch {{ return false; }} }})()"):
+            assert not self.has_failed, self.said
+            time.sleep(0.05)
 
     def picture(self) -> bytes:
         """Return a PNG of the page."""
@@ -163,8 +211,7 @@ class Browser:
 
     def __exit__(self, *_: object) -> None:
         self._run(self._http.close())
-        self._process.terminate()
-        self._process.wait()
+        self._kill()
         self._drain.join()
         assert self._process.stderr is not None
         self._process.stderr.close()
