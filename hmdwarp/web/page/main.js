@@ -37,7 +37,7 @@ function told(text, by = "page") {
   lines[by] = text;
   telling = $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
 }
-const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
+const figures = { all: 0, refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
 
 /** A view's guarded field of view and the size that keeps its pixels per tangent: whole ones are added on each side. */
 function guarded(fov, shown) {
@@ -220,6 +220,7 @@ class Session {
     const isTimed = this.watch.begin();
     views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k]));
     if (isTimed) this.watch.end();
+    figures.all += 1;
     figures.refreshes += 1;
     const now = performance.now();
     this.judge(now - figures.last);

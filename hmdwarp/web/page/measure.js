@@ -9,7 +9,7 @@ export class Stopwatch {
   /** most: draws of one burst. */
   constructor(chain, most = 8) {
     const gl = chain.gl, timer = gl.getExtension(TIMED.gpu);
-    Object.assign(this, { chain, gl, timer, most, clock: timer ? "gpu" : "wall", waiting: [] });
+    Object.assign(this, { chain, gl, timer, most, clock: timer ? "gpu" : "wall", waiting: [], free: [] });
   }
 
   /** How times are taken, for people. */
@@ -74,7 +74,7 @@ export class Stopwatch {
   begin() {
     const { gl, timer } = this;
     if (this.clock !== "gpu" || this.waiting.length > 3) return false;
-    this.waiting.push(gl.createQuery());
+    this.waiting.push(this.free.pop() ?? gl.createQuery());
     gl.beginQuery(timer.TIME_ELAPSED_EXT, this.waiting.at(-1));
     return true;
   }
@@ -88,7 +88,7 @@ export class Stopwatch {
     const { gl } = this, [query] = this.waiting;
     if (!query || !gl.getQueryParameter(query, gl.QUERY_RESULT_AVAILABLE)) return NaN;
     const ms = gl.getQueryParameter(query, gl.QUERY_RESULT) / 1e6;
-    gl.deleteQuery(this.waiting.shift());
+    this.free.push(this.waiting.shift());
     return ms;
   }
 }
