@@ -116,7 +116,7 @@ class _Session:
         speeds, period_ms = speeds_between(self._last, now), math.nan
         if self._last is not None:
             period_ms = (now.shown_ns - self._last.shown_ns) * 1e-6
-            self._miss(period_ms)
+            self._miss(period_ms, speeds[0] or 0.0)
         self._figures.misses.add(False, 0.0)
         moment = Moment(
             frame=self.count,
@@ -146,11 +146,12 @@ class _Session:
         response = (transit.hold_ns * 1e-6, 0.0, transit.delay_ns * 1e-6, transit.decode_ns * 1e-6, busy)
         self._responses.add((transit.render_ns * 1e-6, 0.0, *response))
 
-    def _miss(self, period_ms: float) -> None:
-        """Count refreshes that showed the last picture again; how far off is not known."""
-        missed = min(round(period_ms * self.display.rate_hz / 1e3) - 1, _MOST_REFRESHES)
-        for _ in range(missed):
-            self._figures.misses.add(True, 0.0)
+    def _miss(self, period_ms: float, deg_s: float) -> None:
+        """Count refreshes that showed the last picture again, off by how far the head turned."""
+        rate_hz = self.display.rate_hz
+        missed = min(round(period_ms * rate_hz / 1e3) - 1, _MOST_REFRESHES)
+        for late in range(missed):
+            self._figures.misses.add(True, deg_s * (1 + late) / rate_hz)
         self._figures.counts.missed += max(missed, 0)
 
     def close(self) -> str:

@@ -17,7 +17,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.run import ServeOptions
 from hmdwarp.run.browser_log import COLUMNS, MOST_TEXT, BrowserLogs
 
-from .browser import Browser
+from .browser import Browser, enter_vr
 
 DISPLAY = {
     "browser": "a browser", "renderer": "a GPU", "trace": "walk", "eyes": 2, "width": 120, "height": 130,
@@ -124,20 +124,37 @@ def test_reports_come_by_the_door():
         ServeOptions(out="out")
 
 
+def _rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "frames.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def _refreshes(folder: Path) -> list[dict[str, str]]:
+    return [row for row in _rows(folder) if row["eye"] == "0"]
+
+
 @needs.programs("chromium")
-def test_a_session_can_be_replayed(tmp_path):
-    """The replay's frames are drawn at even times, the browser's when it asked: ages may differ by
-    an interval of frames and a refresh.
+@pytest.mark.parametrize("eyes", [1, pytest.param(2, marks=needs.from_npm("iwer"))])
+def test_a_session_can_be_replayed(tmp_path, eyes):
+    """That of a window, and of an emulated headset.
+
+    The replay's frames are drawn at even times, the browser's when it asked: ages may differ by an
+    interval of frames and a refresh. The head is the one that the page was warped to.
     """
     with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
-        with Browser(tmp_path / "profile") as browser:
-            browser.open(server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96")
-            browser.until("hmdwarp.session.shown && hmdwarp.session.report.number > 40")
+        with Browser(tmp_path / "profile", (240, 130)) as browser:
+            address = server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96"
+            enter_vr(browser, address) if eyes == 2 else browser.open(address)
+            browser.until("hmdwarp.session.shown && hmdwarp.session.report.number > 0")
+            browser.does("globalThis.begun = hmdwarp.session.report.number")
+            browser.until("hmdwarp.session.report.number > begun + 30")
             browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
-        folder = Path(server.line("a browser's session").split()[-1])
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    with (folder / "frames.csv").open(encoding="utf-8") as file:
-        session = list(csv.DictReader(file))
+        trace, summary = "webxr" if eyes == 2 else "walk", {}
+        while summary.get("trace") != trace:  # a headset's window has a session before it
+            folder = Path(server.line("a browser's session").split()[-1])
+            summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    session = _refreshes(folder)
+    assert {row["eye"] for row in _rows(folder)} == {str(eye) for eye in range(eyes)}
     frames, seconds = summary["link"]["frames"]["shown"], summary["live"]["seconds"]
     rate, server_rate = len(session) / seconds, frames / seconds
     width, height = summary["size"]
@@ -149,7 +166,13 @@ def test_a_session_can_be_replayed(tmp_path):
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    with (tmp_path / "replay" / "frames.csv").open(encoding="utf-8") as file:
-        replayed = [float(row["age_ms"]) for row in csv.DictReader(file)]
-    ages = [float(row["age_ms"]) for row in session]
-    assert abs(np.mean(replayed) - np.mean(ages)) <= 1e3 / rate + 1e3 / server_rate
+    replayed = _refreshes(tmp_path / "replay")
+    ages, again = (np.array([float(row["age_ms"]) for row in rows]) for rows in (session, replayed))
+    assert abs(again.mean() - ages.mean()) <= 1e3 / rate + 1e3 / server_rate
+    between = [row for row in replayed if row["pose_origin"] == "interpolated"]  # over a gap the head is held
+    for part in ("shown_x_m", "shown_y_m", "shown_z_m"):
+        (at, place), (at_again, place_again) = (
+            np.array([(float(row["time_s"]), float(row[part])) for row in rows]).T for rows in (session, between)
+        )
+        # Both interpolate linearly; times are written in nanoseconds, in which a head moves less.
+        np.testing.assert_allclose(place_again, np.interp(at_again, at, place), atol=1e-6)

@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-import tarfile
-
 import needs
 import numpy as np
 import pytest
 from serving import Serving
 from sources.feed.relay import Relay
 
-from .browser import Browser, says
+from .browser import Browser, enter_vr, says
 from .looks import Own, looks, pictures_of
 
 pytestmark = [needs.programs("chromium"), needs.from_npm("iwer")]
 
-# Turned by up to 17 degrees and moved by up to 0.2 m, at up to 15 deg/s and 0.2 m/s: in the two
-# seconds that a busy machine may take for a frame, much of it stays in view.
-HEADSET = """
-globalThis.headset = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, visibilityMask: null });
-headset.ipd = 0.068;
-headset.installRuntime({ forceInstall: true });
-setInterval(() => {
-  const t = performance.now() / 1000, yaw = 0.15 * Math.sin(0.9 * t), pitch = 0.06 * Math.sin(1.1 * t);
-  headset.position.set(0.2 * Math.sin(0.8 * t), 1.6 + 0.05 * Math.sin(1.3 * t), 0.15 * Math.cos(0.7 * t));
-  headset.quaternion.set(Math.sin(pitch) * Math.cos(yaw), Math.sin(yaw) * Math.cos(pitch),
-    -Math.sin(yaw) * Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch));
-}, 4);
-"""
 # As WebXR tells what a lens hides: what is left is a rhombus, of tangents.
 HIDES = """
 (async () => {
@@ -42,14 +27,8 @@ HIDES = """
 TOLD = "document.getElementById('told').textContent"
 
 
-@pytest.fixture(scope="module")
-def runtime() -> str:
-    with tarfile.open(needs.packed("iwer")) as package:
-        return package.extractfile("package/build/iwer.min.js").read().decode() + HEADSET
-
-
 @pytest.fixture
-def worn(runtime, tmp_path):
+def worn(tmp_path):
     """A function that opens a page and enters VR, in a headset of 2 x 120 x 130 pixels."""
     opened = []
 
@@ -57,12 +36,7 @@ def worn(runtime, tmp_path):
         browser = Browser(tmp_path / "profile").__enter__()
         opened.append(browser)
         browser.send("Emulation.setDeviceMetricsOverride", width=240, height=130, deviceScaleFactor=1, mobile=False)
-        browser.send("Page.addScriptToEvaluateOnNewDocument", source=runtime)
-        browser.open(address)
-        browser.until("hmdwarp.session.shown")
-        browser.until("!document.getElementById('enter').hidden")
-        browser.does("document.getElementById('enter').click()")
-        browser.until("hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2")
+        enter_vr(browser, address)
         return browser
 
     yield enter

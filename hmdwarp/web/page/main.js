@@ -227,8 +227,9 @@ class Session {
     figures.period += 0.1 * (Math.min(now - figures.last, 1000) - figures.period);
     figures.last = now;
     this.looks.splice(0).forEach((look) => look(this.seen(views, target, corners)));
-    this.head = head;
-    if (`${eyes.length} ${eyes[0].size}` !== this.reported) {
+    const isOwn = this.shown.eyes.length === eyes.length; // not still a window's, in a headset
+    this.head = isOwn ? head : null;
+    if (isOwn && `${eyes.length} ${eyes[0].size}` !== this.reported) {
       this.report?.changed(this.time());
       [this.reported, this.eyes] = [`${eyes.length} ${eyes[0].size}`, eyes];
       if (asked.has("bench")) this.bench();
