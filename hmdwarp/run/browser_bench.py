@@ -20,15 +20,15 @@ from .browser_display import CHAINS, FILL, BadLog, BrowserDisplay, facts_of, num
 MOST_TEXT = 1 << 16  # characters of the message
 FILLS = ("none", FILL)
 _CLOCKS = ("gpu", "wall")
-_MOST_INSTANTS, _MOST_TIMES = 16, 64
+_MOST_INSTANTS, _MOST_TIMES = 16, 256  # of a row
 _STEPS = 256  # of a level that the means of parts of a picture come in
 _COPIED = 8 + 4  # bytes a pixel that the pass without a fill reads and writes
 _OF_ROW = {"chain", "fill", "warp_ms", "total_ms", "square", "means"}
 
 
-def _numbers(values: object, most: float, count: int | None = None) -> list[float]:
+def _numbers(values: object, most: float, count: int | None = None, longest: int = _MOST_TIMES) -> list[float]:
     """Return a list of numbers from 0. Errors: BadLog."""
-    if not isinstance(values, list) or not 1 <= len(values) <= _MOST_TIMES * _MOST_INSTANTS:
+    if not isinstance(values, list) or not 1 <= len(values) <= (count or longest):
         raise BadLog("a bench without figures, or with too many")
     good = all(
         isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= most for value in values
@@ -47,7 +47,7 @@ class BrowserBench:
     clock: str = attrs.field()
     how: str = words(100)
     seconds: float = number(0, 1e5)
-    instants_ms: list[float] = attrs.field(converter=lambda values: _numbers(values, 1e9))
+    instants_ms: list[float] = attrs.field(converter=lambda values: _numbers(values, 1e9, longest=_MOST_INSTANTS))
     rows: list[dict[str, Any]] = attrs.field()
 
     @clock.validator
@@ -63,7 +63,7 @@ class BrowserBench:
             if (
                 not isinstance(row, dict)
                 or set(row) != _OF_ROW
-                or row["chain"] not in CHAINS
+                or row["chain"] not in [*CHAINS]
                 or row["fill"] not in FILLS
             ):
                 raise BadLog("a row of no chain")
@@ -84,7 +84,7 @@ class BrowserBench:
     def of(cls, said: object) -> BrowserBench:
         """Read what a page said. Errors: BadLog."""
         own = {field.name for field in attrs.fields(cls)} - {"display"}
-        if not isinstance(said, dict) or not own <= set(said) or len(said.get("instants_ms") or ()) > _MOST_INSTANTS:
+        if not isinstance(said, dict) or not own <= set(said):
             raise BadLog(f"a bench: expected the keys {', '.join(sorted(own))}")
         display = BrowserDisplay.of({key: value for key, value in said.items() if key not in own})
         return cls(display, **{key: said[key] for key in own})

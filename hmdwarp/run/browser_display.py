@@ -69,7 +69,7 @@ class BrowserDisplay:
 
     @chains.validator
     def _check_chains(self, _: object, value: object) -> None:
-        if not (isinstance(value, tuple) and value and all(one in (*CHAINS,) for one in value)):
+        if not (isinstance(value, tuple) and value and all(one in [*CHAINS] for one in value)):
             raise BadLog(f"chains: expected some of {', '.join(CHAINS)}")
 
     def __attrs_post_init__(self) -> None:

@@ -70,6 +70,27 @@ def test_a_session_is_written_as_a_live_run(logs, tmp_path):
     assert "Frame age at display" in (folder / "report.html").read_text(encoding="utf-8")
 
 
+ROW = {"chain": "iterative", "fill": "none", "warp_ms": [2, 3], "total_ms": [3, 4]}
+ROW |= {"square": [9.0], "means": [[7] * 192]}
+BENCH = {"clock": "gpu", "how": "a timer", "seconds": 2, "instants_ms": [500.0], "rows": [ROW]}
+
+
+def bench(**changed) -> str:
+    return json.dumps({"bench": DISPLAY | BENCH | changed})
+
+
+def test_a_bench_is_kept_beside_the_sessions(logs, tmp_path):
+    log = logs.begin()
+    log.take(bench())
+    log.close()
+    data = json.loads((tmp_path / "out" / "bench-0001" / "bench.json").read_text(encoding="utf-8"))
+    (row,) = data["rows"]
+    assert (row["warp"], row["fill"], row["clock"]) == ("iterative:seed=rotation,steps=5", "none", "gpu")
+    assert row["time_ms"]["warp"]["median"] == 2.5 and row["time_ms"]["fill"]["median"] == 1
+    assert row["quality"]["psnr_db"]["mean"] == pytest.approx(20 * np.log10(255 / 3))
+    assert data["copy_gb_s"] == pytest.approx(12 * 120 * 130 / 1e-3 * 1e-9)
+
+
 WRONG = {
     "no JSON": "{",
     "deep JSON": "[" * MOST_TEXT,
@@ -83,6 +104,21 @@ WRONG = {
     "a chain that is none": json.dumps(DISPLAY | {"chains": ["../../etc"]}),
     "a list of lists": json.dumps(DISPLAY | {"chains": [[]]}),
     "long": json.dumps(DISPLAY | {"browser": "x" * MOST_TEXT}),
+    "a bench of nothing": json.dumps({"bench": {}}),
+    "a bench that is a list": json.dumps({"bench": [[]]}),
+    "a long bench": json.dumps({"bench": "x" * 70_000}),
+    "a bench at no instants": bench(instants_ms=5),
+    "a bench at many instants": bench(instants_ms=[1.0] * 17),
+    "a bench of another clock": bench(clock=["gpu"]),
+    "a bench of no rows": bench(rows=[]),
+    "a bench of many rows": bench(rows=[ROW] * 7),
+    "a bench of another chain": bench(rows=[ROW | {"chain": ["iterative"]}]),
+    "a bench's time that is none": bench(rows=[ROW | {"warp_ms": [True, 3]}]),
+    "a bench's time that is NaN": bench(rows=[ROW | {"total_ms": [3, float("nan")]}]),
+    "a bench's times too few": bench(rows=[ROW | {"total_ms": [3]}]),
+    "a bench's error that is huge": bench(rows=[ROW | {"square": [1e300]}]),
+    "a bench's picture too small": bench(rows=[ROW | {"means": [[7] * 191]}]),
+    "a bench's picture that is none": bench(rows=[ROW | {"means": 7}]),
     "half a row": rows().tobytes()[:-3],
     "no row": b"",
     "NaN": rows(shown_x_m=np.nan).tobytes(),
