@@ -38,17 +38,21 @@ def _numbers(values: object, most: float, count: int | None = None, longest: int
     return [float(value) for value in values]
 
 
+def _instants(values: object) -> list[float]:
+    return _numbers(values, 1e9, longest=_MOST_INSTANTS)
+
+
 @attrs.frozen
 class BrowserBench:
     """The times of every chain on one display. Errors: BadLog for anything out of range."""
 
     display: BrowserDisplay
-    # "gpu" or "wall", and how that was measured.
-    clock: str = attrs.field()
+    clock: str = attrs.field()  # "gpu" or "wall"
+    instants_ms: list[float] = attrs.field(converter=_instants)
+    rows: list[dict[str, Any]] = attrs.field()
+    # How times were taken.
     how: str = words(100)
     seconds: float = number(0, 1e5)
-    instants_ms: list[float] = attrs.field(converter=lambda values: _numbers(values, 1e9, longest=_MOST_INSTANTS))
-    rows: list[dict[str, Any]] = attrs.field()
 
     @clock.validator
     def _check_clock(self, _: object, value: object) -> None:

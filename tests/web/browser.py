@@ -6,9 +6,6 @@ import asyncio
 import base64
 import itertools
 import json
-import os
-import re
-import signal
 import subprocess
 import tarfile
 import threading
@@ -102,12 +99,12 @@ class Ended(Exception):
 class Browser:
     """One page. Use it in a `with`."""
 
-    # A session of its own, so that all of its processes end with it: each holds stderr open.
-    _PIPES: Any = {"stderr": subprocess.PIPE, "stdout": subprocess.DEVNULL, "text": True, "start_new_session": True}
-
     def __init__(self, profile: Path, size: tuple[int, int] = (960, 600)) -> None:
         command = [CHROMIUM, *FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}", "about:blank"]
-        self._process = subprocess.Popen(command, **self._PIPES)
+        # Where it says its address; a pipe would stay open in what it starts.
+        self._told = profile / "DevToolsActivePort"
+        self._told.unlink(missing_ok=True)
+        self._process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self._numbers = itertools.count(1)
         # What the page itself said: errors, warnings, refused loads.
         self.said: list[str] = []
@@ -127,17 +124,16 @@ class Browser:
             raise
 
     def _kill(self) -> None:
-        os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.kill()
         self._process.wait()
 
     def _address(self) -> str:
-        assert self._process.stderr is not None
-        for line in self._process.stderr:
-            if found := re.search(r"DevTools listening on (ws://\S+)", line):
-                self._drain = threading.Thread(target=self._process.stderr.read)
-                self._drain.start()
-                return found[1]
-        raise AssertionError("Chromium ended before it listened")
+        while True:
+            ended, told = self._process.poll() is not None, self._told
+            if len(lines := told.read_text(encoding="utf-8").splitlines() if told.exists() else []) == 2:
+                return f"ws://127.0.0.1:{lines[0]}{lines[1]}"
+            assert not ended, "Chromium ended before it listened"
+            time.sleep(0.02)
 
     def _run(self, task: Any) -> Any:
         return asyncio.run_coroutine_threadsafe(task, self._loop).result()
@@ -228,9 +224,6 @@ class Browser:
     def __exit__(self, *_: object) -> None:
         self._run(self._http.close())
         self._kill()
-        self._drain.join()
-        assert self._process.stderr is not None
-        self._process.stderr.close()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()

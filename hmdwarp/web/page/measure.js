@@ -2,7 +2,7 @@
 
 const LEAST_MS = 4; // of a burst by the page's clock, which is coarse: 0.1 ms in some browsers
 const TRIES = 3; // where something else took the device meanwhile
-const LOOK_MS = 2; // between looks at whether the timer has a result
+const LOOK_MS = 2, MOST_LOOKS = 2000; // between looks at whether the timer has a result, and how many
 const TIMED = { gpu: "EXT_disjoint_timer_query_webgl2", wall: "waiting until a pixel can be read" };
 
 export class Stopwatch {
@@ -49,8 +49,12 @@ export class Stopwatch {
   async result(query) {
     const { gl } = this;
     gl.flush();
-    while (!gl.isContextLost() && !gl.getQueryParameter(query, gl.QUERY_RESULT_AVAILABLE)) await new Promise((go) => setTimeout(go, LOOK_MS));
-    const ms = gl.getQueryParameter(query, gl.QUERY_RESULT) / 1e6;
+    let isKnown = false;
+    for (let k = 0; k < MOST_LOOKS && !isKnown; k += 1) {
+      await new Promise((go) => setTimeout(go, LOOK_MS));
+      isKnown = gl.getQueryParameter(query, gl.QUERY_RESULT_AVAILABLE);
+    }
+    const ms = isKnown ? gl.getQueryParameter(query, gl.QUERY_RESULT) / 1e6 : NaN;
     gl.deleteQuery(query);
     return ms;
   }
