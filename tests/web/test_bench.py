@@ -13,8 +13,8 @@ from serving import Serving
 
 from hmdwarp.errors import MachineError
 from hmdwarp.experiments.bench import MergeOptions, merge
+from hmdwarp.pipeline import QualityLevel
 from hmdwarp.pipeline.governor import Governor
-from hmdwarp.pipeline.levels import QualityLevel
 from hmdwarp.run.browser_display import CHAINS
 from hmdwarp.web.es_shaders import shaders
 
