@@ -1,4 +1,4 @@
-"""Draw web.png and web-phone.png: the page of `serve --web` in a headless Chromium."""
+"""Draw web*.png: the page of `serve --web` in a headless Chromium, and in an emulated headset."""
 
 from __future__ import annotations
 
@@ -12,27 +12,48 @@ from PIL import Image
 DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 from serving import Serving  # noqa: E402
-from web.browser import Browser  # noqa: E402
+from web.browser import Browser, enter_vr  # noqa: E402
 from web.looks import CLOCK  # noqa: E402
 
 PICTURES = {"web.png": (1400, 800), "web-phone.png": (390, 780)}
+HEADSET = {"web-headset.png": (1000, 560)}  # both eyes
+SHOWN = "hmdwarp.session.shown.number > 20"  # the pace of a new session has settled
+
+
+def sized(browser: Browser, size: tuple[int, int]) -> None:
+    """Give a page exactly so many pixels."""
+    width, height = size
+    browser.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+
+
+def keep(browser: Browser, name: str) -> None:
+    """Write what is shown."""
+    picture = Image.open(BytesIO(browser.picture())).convert("RGB")
+    picture.quantize(192).save(DOCS / name, optimize=True)
 
 
 def main() -> None:
-    """Walk for a moment, 200 ms late; without figures, as the clock is not real."""
+    """Walk for a moment, 200 ms late; without figures, as the clock is not real.
+
+    Then look about in a headset, whose clock is real.
+    """
     with tempfile.TemporaryDirectory() as folder, Serving("--scene", "room", "--web", "127.0.0.1:*") as server:
         address = server.line("for a browser").split()[-1]
-        for name, (width, height) in PICTURES.items():
-            with Browser(Path(folder) / name, (width, height)) as browser:
+        for name, size in PICTURES.items():
+            with Browser(Path(folder) / name, size) as browser:
                 browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK)
-                browser.send(
-                    "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False
-                )
+                sized(browser, size)
                 browser.open(f"{address}&trace=walk&latency=200&warp=iterative&crf=18&size=800")
                 browser.until("hmdwarp.session.feed.socket.readyState === 1")
                 browser.does("stepped(45)")
-                picture = Image.open(BytesIO(browser.picture())).convert("RGB")
-                picture.quantize(192).save(DOCS / name, optimize=True)
+                keep(browser, name)
+            address = server.line("for another one").split()[-1]
+        for name, size in HEADSET.items():
+            with Browser(Path(folder) / name, size) as browser:
+                sized(browser, size)
+                enter_vr(browser, f"{address}&latency=200&warp=iterative&crf=18&size=160")
+                browser.until(SHOWN)
+                keep(browser, name)
             address = server.line("for another one").split()[-1]
 
 

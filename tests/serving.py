@@ -21,7 +21,8 @@ class Serving:
         self.process = subprocess.Popen(
             arguments, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True, env=os.environ
         )
-        self.lines: queue.Queue[str] = queue.Queue()
+        self.lines: queue.Queue[str | None] = queue.Queue()  # None once it has ended
+        self._said: list[str] = []
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
         self.address = self.line("listening at").split()[2].rstrip(":")
@@ -29,14 +30,16 @@ class Serving:
     def _read(self) -> None:
         assert self.process.stderr is not None
         for line in self.process.stderr:
+            self._said.append(line)
             self.lines.put(line)
+        self.lines.put(None)
 
     def line(self, start: str) -> str:
-        """Wait for a line of the log; the limit is a fail-safe."""
-        while True:
-            line = self.lines.get(timeout=300)
+        """Wait for a line of the log, as long as the server lives; the limit is a fail-safe."""
+        while (line := self.lines.get(timeout=300)) is not None:
             if start in line:
                 return line
+        raise AssertionError(f"the server ended and never said '{start}': {''.join(self._said[-20:])}")
 
     def __enter__(self) -> Serving:
         return self

@@ -30,6 +30,7 @@ from .metric import measure as measure
 from .metric import metrics as metrics
 from .metric import metrics_in_order as metrics_in_order
 from .pair_pass import PairPass as PairPass
+from .picture_pairs import BLOCKS as BLOCKS
 from .picture_pairs import BOUND as BOUND
 from .picture_pairs import PSNR_CAP_DB as PSNR_CAP_DB
 from .picture_pairs import Alike as Alike

@@ -6,7 +6,6 @@ a stranger: every value is checked, and how much is written is bounded.
 
 from __future__ import annotations
 
-import json
 import math
 import threading
 from collections.abc import Callable, Mapping
@@ -18,95 +17,28 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import HmdwarpError, InputError, counted
-from ..frames import EyeSizes
-from ..geometry import Fov, Pose
+from ..errors import HmdwarpError, counted
+from ..geometry import Pose
 from ..link import ResponseTime, TransitStats, figures_of_parts
 from ..poses import Origin, PoseSample
 from ..report import POSE_PARTS, OutputFolder, render_live_report
+from .browser_bench import MOST_TEXT as MOST_OF_BENCH
+from .browser_bench import BrowserBench, write_bench
+from .browser_display import FILL, MOST_TEXT, BadLog, BrowserDisplay, facts_of, said_in
 from .frame_rows import HEADER, NOT_KNOWN, Moment, Timeline, rows_text, speeds_between
 from .live_figures import LiveFigures, Thinned
-from .live_summary import LiveFacts, live_summary_of
-from .options import DESKTOP, LiveOptions
+from .live_summary import live_summary_of
 from .recorder import Lines, Recorder
-from .run_summary import OWNED, Facts
-
-
-class BadLog(ValueError):
-    """What a page says is none of its reports."""
-
+from .run_summary import OWNED
 
 COLUMNS = (
     *("shown_ms", "asked_ms", "frame", "chain", "warp_ms", "script_ms", "render_ms", "decode_ms", "round_ms"),
     *(f"{which}_{part}" for which in ("shown", "drawn") for part in POSE_PARTS),
 )
-MOST_TEXT = 4096  # characters of the line about a display
 _MOST_SESSIONS, _MOST_REFRESHES = 1000, 1 << 19  # of a server, and of a session: 97 minutes at 90 Hz
 _LEAST_REFRESHES = 2
 _MOST_MS, _MOST_M = 1e9, 1e7
 _RESPONSE = tuple(ResponseTime().parts())
-CHAINS, FILL = ("iterative", "mesh:grid=64", "rotation"), "pyramid"  # as page/chain.js has them
-
-
-def _number(least: float, most: float) -> Any:
-    def check(_: object, field: attrs.Attribute[Any], value: object) -> None:
-        if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= most:
-            raise BadLog(f"{field.name} {value!r:.40}: expected a number from {least:g} to {most:g}")
-
-    return attrs.field(validator=check)
-
-
-def _words(most: int) -> Any:
-    def check(_: object, field: attrs.Attribute[Any], value: object) -> None:
-        if not (isinstance(value, str) and len(value) <= most and value.isprintable()):
-            raise BadLog(f"{field.name}: expected at most {most} printable characters")
-
-    return attrs.field(validator=check)
-
-
-@attrs.frozen
-class BrowserDisplay:
-    """What a page says of its display. Errors: BadLog for anything out of range."""
-
-    chains: tuple[str, ...] = attrs.field()
-    browser: str = _words(300)
-    renderer: str = _words(300)
-    trace: str = _words(80)
-    eyes: int = _number(1, 2)
-    width: int = _number(1, 16384)
-    height: int = _number(1, 16384)
-    rendered_width: int = _number(1, 16384)
-    rendered_height: int = _number(1, 16384)
-    left: float = _number(-1.57, 1.57)
-    right: float = _number(-1.57, 1.57)
-    down: float = _number(-1.57, 1.57)
-    up: float = _number(-1.57, 1.57)
-    rate_hz: float = _number(1, 1000)
-    latency_ms: float = _number(0, 60_000)
-    guard: float = _number(1, 4)
-
-    @chains.validator
-    def _check_chains(self, _: object, value: object) -> None:
-        if not (isinstance(value, tuple) and value and all(one in CHAINS for one in value)):
-            raise BadLog(f"chains: expected some of {', '.join(CHAINS)}")
-
-    def __attrs_post_init__(self) -> None:
-        if not (self.left < self.right and self.down < self.up):
-            raise BadLog("a field of view that is empty")
-
-    @classmethod
-    def of(cls, text: str) -> BrowserDisplay:
-        """Read the line of JSON. Errors: BadLog."""
-        if len(text) > MOST_TEXT:
-            raise BadLog(f"{len(text)} characters: expected at most {MOST_TEXT}")
-        try:
-            said = json.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise BadLog(f"no JSON ({type(error).__name__})") from error
-        names = {field.name for field in attrs.fields(cls)}
-        if not isinstance(said, dict) or set(said) != names:
-            raise BadLog(f"expected the keys {', '.join(sorted(names))}")
-        return cls(**{**said, "chains": tuple(said["chains"]) if isinstance(said["chains"], list) else ()})
 
 
 def rows_of(data: bytes, after_ms: float, chains: int) -> NDArray[np.float64]:
@@ -143,7 +75,7 @@ class _Session:
     """One display's session: a folder as of a live run, with trace.csv and delays.csv."""
 
     def __init__(self, display: BrowserDisplay, folder: Path, scene: str, command: str) -> None:
-        self.display, self._facts, self._command = display, _facts_of(display, scene), command
+        self.display, self._facts, self._command = display, facts_of(display, scene), command
         self._figures, self._timeline, self._responses = LiveFigures(), Timeline(), Thinned(_RESPONSE)
         self._out = OutputFolder(folder, owned=(*OWNED, "trace.csv"))
         self._ending = ExitStack()
@@ -184,7 +116,7 @@ class _Session:
         speeds, period_ms = speeds_between(self._last, now), math.nan
         if self._last is not None:
             period_ms = (now.shown_ns - self._last.shown_ns) * 1e-6
-            self._miss(period_ms)
+            self._miss(period_ms, speeds[0] or 0.0)
         self._figures.misses.add(False, 0.0)
         moment = Moment(
             frame=self.count,
@@ -214,11 +146,12 @@ class _Session:
         response = (transit.hold_ns * 1e-6, 0.0, transit.delay_ns * 1e-6, transit.decode_ns * 1e-6, busy)
         self._responses.add((transit.render_ns * 1e-6, 0.0, *response))
 
-    def _miss(self, period_ms: float) -> None:
-        """Count refreshes that showed the last picture again; how far off is not known."""
-        missed = min(round(period_ms * self.display.rate_hz / 1e3) - 1, _MOST_REFRESHES)
-        for _ in range(missed):
-            self._figures.misses.add(True, 0.0)
+    def _miss(self, period_ms: float, deg_s: float) -> None:
+        """Count refreshes that showed the last picture again, off by how far the head turned."""
+        rate_hz = self.display.rate_hz
+        missed = min(round(period_ms * rate_hz / 1e3) - 1, _MOST_REFRESHES)
+        for late in range(missed):
+            self._figures.misses.add(True, deg_s * (1 + late) / rate_hz)
         self._figures.counts.missed += max(missed, 0)
 
     def close(self) -> str:
@@ -248,24 +181,6 @@ class _Session:
         return summary
 
 
-def _facts_of(display: BrowserDisplay, scene: str) -> LiveFacts:
-    """Return what a live run here would know of the display. Errors: BadLog."""
-    fov, size = Fov(display.left, display.right, display.down, display.up), (display.width, display.height)
-    try:
-        options = LiveOptions(
-            scene=scene, source=DESKTOP, warp=display.chains[0], fill=FILL, lens="none", latency_ms=display.latency_ms,
-            guard=display.guard,
-        )  # fmt: skip
-    except InputError as error:
-        raise BadLog(str(error)) from error
-    shared = Facts(
-        options, display.trace, scene, [], "browser",
-        EyeSizes((display.rendered_width, display.rendered_height), size, (fov,) * display.eyes), display.rate_hz,
-        fov.pixels_per_degree(size), {"gl_renderer": display.renderer, "gl_version": "WebGL 2", "cpu_count": 1}, "wall",
-    )  # fmt: skip
-    return LiveFacts(shared, options, "browser", {"browser": display.browser}, "none", ())
-
-
 def _pose(row: Mapping[str, float], which: str) -> Pose:
     values = [row[f"{which}_{part}"] for part in POSE_PARTS]
     return Pose(values[:3], values[3:])
@@ -291,10 +206,20 @@ class BrowserLogs:
 
     def session(self, display: BrowserDisplay) -> _Session:
         """Begin a folder that is new. Errors: BadLog where there are too many."""
+        return _Session(display, self._new("session"), self._scene, self._command)
+
+    def bench(self, said: object) -> None:
+        """Write what a page's bench found. Errors: BadLog; as OutputFolder."""
+        found = BrowserBench.of(said)
+        with OutputFolder(self._new("bench")) as out:
+            write_bench(found, out, self._scene, self._command)
+        self._say(f"a browser's bench, {counted(len(found.rows), 'row')}: {out.folder}")
+
+    def _new(self, kind: str) -> Path:
         with self._lock:
-            for number in self._numbers:
-                if not (folder := self._folder / f"session-{number:04d}").exists():
-                    return _Session(display, folder, self._scene, self._command)
+            for count in self._numbers:
+                if not (folder := self._folder / f"{kind}-{count:04d}").exists():
+                    return folder
         raise BadLog(f"there were {_MOST_SESSIONS} sessions already")
 
     def refuse(self, error: Exception) -> None:
@@ -337,7 +262,11 @@ class BrowserLog:
 
     def _take(self, data: str | bytes) -> None:
         if isinstance(data, str):
-            session = self._logs.session(BrowserDisplay.of(data))
+            said = said_in(data, MOST_TEXT if '"bench"' not in data[:20] else MOST_OF_BENCH)
+            if isinstance(said, dict) and set(said) == {"bench"}:
+                self._logs.bench(said["bench"])
+                return
+            session = self._logs.session(BrowserDisplay.of(said))
             self._end()
             self._session = session
         elif self._session is None:

@@ -6,9 +6,10 @@ import asyncio
 import base64
 import itertools
 import json
-import re
 import subprocess
+import tarfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -37,7 +38,8 @@ PACKED = """(numbers) => {
   return btoa(text);
 }"""
 HARNESS = (
-    """<!doctype html><meta charset="utf-8"><title>chain</title><canvas id="shown"></canvas>
+    """<!doctype html><meta charset="utf-8"><title>chain</title><link rel="icon" href="data:,">
+<canvas id="shown"></canvas>
 <script type="module">
 import { Chain } from "./chain.js";
 import { VideoEye } from "./coded.js";
@@ -75,29 +77,63 @@ def page(shaders: dict[str, str]) -> Iterator[str]:
         server.shutdown()
 
 
+# What the page has told people so far, also what is gone by now.
+HEARD = """
+globalThis.heard = [];
+addEventListener("DOMContentLoaded", () => {
+  const told = document.getElementById("told");
+  if (told) new MutationObserver(() => heard.push(told.textContent)).observe(told, { childList: true });
+});
+"""
+
+
+def says(text: str) -> str:
+    """Return a condition: the page has told people this, if only for a moment."""
+    return f"heard.some((line) => line.includes('{text}'))"
+
+
+class Ended(Exception):
+    """Chromium or the page in it is gone, so that nothing it was asked will be answered."""
+
+
 class Browser:
     """One page. Use it in a `with`."""
 
     def __init__(self, profile: Path, size: tuple[int, int] = (960, 600)) -> None:
         command = [CHROMIUM, *FLAGS, f"--window-size={size[0]},{size[1]}", f"--user-data-dir={profile}", "about:blank"]
-        self._process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+        # Where it says its address; a pipe would stay open in what it starts.
+        self._told = profile / "DevToolsActivePort"
+        self._told.unlink(missing_ok=True)
+        self._process = subprocess.Popen(command, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self._numbers = itertools.count(1)
         # What the page itself said: errors, warnings, refused loads.
         self.said: list[str] = []
+        # Whether its scripts threw something that nobody caught.
+        self.has_failed = False
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
         self._answers: dict[int, asyncio.Future] = {}
-        self._run(self._connect(self._address()))
+        self._why_ended = ""
+        self._traced: list[dict[str, Any]] = []
+        self._is_traced = threading.Event()
+        try:
+            self._run(self._connect(self._address()))
+        except BaseException:
+            self._kill()
+            raise
+
+    def _kill(self) -> None:
+        self._process.kill()
+        self._process.wait()
 
     def _address(self) -> str:
-        assert self._process.stderr is not None
-        for line in self._process.stderr:
-            if found := re.search(r"DevTools listening on (ws://\S+)", line):
-                self._drain = threading.Thread(target=self._process.stderr.read)
-                self._drain.start()
-                return found[1]
-        raise AssertionError("Chromium ended before it listened")
+        while True:
+            ended, told = self._process.poll() is not None, self._told
+            if len(lines := told.read_text(encoding="utf-8").splitlines() if told.exists() else []) == 2:
+                return f"ws://127.0.0.1:{lines[0]}{lines[1]}"
+            assert not ended, "Chromium ended before it listened"
+            time.sleep(0.02)
 
     def _run(self, task: Any) -> Any:
         return asyncio.run_coroutine_threadsafe(task, self._loop).result()
@@ -109,8 +145,9 @@ class Browser:
         page = (await self._send("Target.createTarget", {"url": "about:blank"}, ""))["targetId"]
         attached = await self._send("Target.attachToTarget", {"targetId": page, "flatten": True}, "")
         self._session = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log"):
+        for domain in ("Page", "Runtime", "Log", "Inspector"):
             await self._send(f"{domain}.enable")
+        await self._send("Page.addScriptToEvaluateOnNewDocument", {"source": HEARD})
 
     async def _read(self) -> None:
         async for message in self._socket:
@@ -119,8 +156,25 @@ class Browser:
                 self._answers.pop(told["id"]).set_result(told)
             elif told["method"] in ("Runtime.exceptionThrown", "Log.entryAdded", "Runtime.consoleAPICalled"):
                 self.said.append(json.dumps(told["params"]))
+                self.has_failed = self.has_failed or told["method"] == "Runtime.exceptionThrown"
+            elif told["method"] == "Tracing.dataCollected":
+                self._traced += told["params"]["value"]
+            elif told["method"] == "Tracing.tracingComplete":
+                self._is_traced.set()
+            elif told["method"] in ("Inspector.targetCrashed", "Target.detachedFromTarget"):
+                self._end(told["method"])
+        self._end("its socket closed")
+
+    def _end(self, why: str) -> None:
+        self._why_ended = self._why_ended or why
+        self._is_traced.set()
+        for answer in self._answers.values():
+            if not answer.done():
+                answer.set_exception(Ended(why))
 
     async def _send(self, method: str, params: dict[str, Any] | None = None, session: str | None = None) -> Any:
+        if self._why_ended:
+            raise Ended(self._why_ended)
         number = next(self._numbers)
         self._answers[number] = self._loop.create_future()
         which = self._session if session is None else session
@@ -137,7 +191,8 @@ class Browser:
 
     def open(self, address: str) -> None:
         """Open a page."""
-        self.send("Page.navigate", url=address)
+        found = self.send("Page.navigate", url=address)
+        assert "errorText" not in found, found["errorText"]
 
     def does(self, script: str) -> Any:
         """Return what an expression is, awaited, as JSON."""
@@ -145,14 +200,19 @@ class Browser:
         assert "exceptionDetails" not in found, found["exceptionDetails"]
         return found["result"].get("value")
 
-    def until(self, condition: str) -> Any:
-        """Wait until an expression is true; return it. Waits as long as the test may."""
-        return self.does(
-            "new Promise((done) => { const look = () => { let found; try { found = ("
-            + condition
-            + "); } catch { found = "
-            "false; } if (found) done(found); else setTimeout(look, 50); }; look(); })"
-        )
+    def until(self, condition: str) -> None:
+        """Wait until an expression is true; it ends with the browser, and where a script fails."""
+        while not self.does(f"(() => {{ try {{ return Boolean({condition}); }} catch {{ return false; }} }})()"):
+            assert not self.has_failed, self.said
+            time.sleep(0.05)
+
+    @contextmanager
+    def traced(self) -> Iterator[list[dict[str, Any]]]:
+        """Record what Chromium's own tracing says of the page; the events are there at the end."""
+        self.send("Tracing.start", transferMode="ReportEvents", categories="devtools.timeline")
+        yield self._traced
+        self.send("Tracing.end")
+        self._is_traced.wait()
 
     def picture(self) -> bytes:
         """Return a PNG of the page."""
@@ -163,11 +223,34 @@ class Browser:
 
     def __exit__(self, *_: object) -> None:
         self._run(self._http.close())
-        self._process.terminate()
-        self._process.wait()
-        self._drain.join()
-        assert self._process.stderr is not None
-        self._process.stderr.close()
+        self._kill()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
         self._loop.close()
+
+
+# Turned by up to 17 degrees and moved by up to 0.2 m, at up to 15 deg/s and 0.2 m/s: in the two
+# seconds that a busy machine may take for a frame, much of it stays in view.
+HEADSET = """
+globalThis.headset = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, visibilityMask: null });
+headset.ipd = 0.068;
+headset.installRuntime({ forceInstall: true });
+setInterval(() => {
+  const t = performance.now() / 1000, yaw = 0.15 * Math.sin(0.9 * t), pitch = 0.06 * Math.sin(1.1 * t);
+  headset.position.set(0.2 * Math.sin(0.8 * t), 1.6 + 0.05 * Math.sin(1.3 * t), 0.15 * Math.cos(0.7 * t));
+  headset.quaternion.set(Math.sin(pitch) * Math.cos(yaw), Math.sin(yaw) * Math.cos(pitch),
+    -Math.sin(yaw) * Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch));
+}, 4);
+"""
+
+
+def enter_vr(browser: Browser, address: str) -> None:
+    """Open the page in an emulated headset that moves, and wait until it shows both eyes."""
+    with tarfile.open(needs.packed("iwer")) as package:
+        runtime = package.extractfile("package/build/iwer.min.js")
+        assert runtime is not None
+        browser.send("Page.addScriptToEvaluateOnNewDocument", source=runtime.read().decode() + HEADSET)
+    browser.open(address)
+    browser.until("hmdwarp.session.shown && !document.getElementById('enter').hidden")
+    browser.does("document.getElementById('enter').click()")
+    browser.until("hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2")

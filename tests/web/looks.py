@@ -12,7 +12,7 @@ from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.gpu import download
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
-from hmdwarp.web.es_shaders import STEPS
+from hmdwarp.web import STEPS
 
 from .browser import PACKED
 

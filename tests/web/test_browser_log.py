@@ -17,7 +17,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.run import ServeOptions
 from hmdwarp.run.browser_log import COLUMNS, MOST_TEXT, BrowserLogs
 
-from .browser import Browser
+from .browser import Browser, enter_vr
 
 DISPLAY = {
     "browser": "a browser", "renderer": "a GPU", "trace": "walk", "eyes": 2, "width": 120, "height": 130,
@@ -70,6 +70,27 @@ def test_a_session_is_written_as_a_live_run(logs, tmp_path):
     assert "Frame age at display" in (folder / "report.html").read_text(encoding="utf-8")
 
 
+ROW = {"chain": "iterative", "fill": "none", "warp_ms": [2, 3], "total_ms": [3, 4]}
+ROW |= {"square": [9.0], "means": [[7] * 192]}
+BENCH = {"clock": "gpu", "how": "a timer", "seconds": 2, "instants_ms": [500.0], "rows": [ROW]}
+
+
+def bench(**changed) -> str:
+    return json.dumps({"bench": DISPLAY | BENCH | changed})
+
+
+def test_a_bench_is_kept_beside_the_sessions(logs, tmp_path):
+    log = logs.begin()
+    log.take(bench())
+    log.close()
+    data = json.loads((tmp_path / "out" / "bench-0001" / "bench.json").read_text(encoding="utf-8"))
+    (row,) = data["rows"]
+    assert (row["warp"], row["fill"], row["clock"]) == ("iterative:seed=rotation,steps=5", "none", "gpu")
+    assert row["time_ms"]["warp"]["median"] == 2.5 and row["time_ms"]["fill"]["median"] == 1
+    assert row["quality"]["psnr_db"]["mean"] == pytest.approx(20 * np.log10(255 / 3))
+    assert data["copy_gb_s"] == pytest.approx(12 * 120 * 130 / 1e-3 * 1e-9)
+
+
 WRONG = {
     "no JSON": "{",
     "deep JSON": "[" * MOST_TEXT,
@@ -83,6 +104,21 @@ WRONG = {
     "a chain that is none": json.dumps(DISPLAY | {"chains": ["../../etc"]}),
     "a list of lists": json.dumps(DISPLAY | {"chains": [[]]}),
     "long": json.dumps(DISPLAY | {"browser": "x" * MOST_TEXT}),
+    "a bench of nothing": json.dumps({"bench": {}}),
+    "a bench that is a list": json.dumps({"bench": [[]]}),
+    "a long bench": json.dumps({"bench": "x" * 70_000}),
+    "a bench at no instants": bench(instants_ms=5),
+    "a bench at many instants": bench(instants_ms=[1.0] * 17),
+    "a bench of another clock": bench(clock=["gpu"]),
+    "a bench of no rows": bench(rows=[]),
+    "a bench of many rows": bench(rows=[ROW] * 7),
+    "a bench of another chain": bench(rows=[ROW | {"chain": ["iterative"]}]),
+    "a bench's time that is none": bench(rows=[ROW | {"warp_ms": [True, 3]}]),
+    "a bench's time that is NaN": bench(rows=[ROW | {"total_ms": [3, float("nan")]}]),
+    "a bench's times too few": bench(rows=[ROW | {"total_ms": [3]}]),
+    "a bench's error that is huge": bench(rows=[ROW | {"square": [1e300]}]),
+    "a bench's picture too small": bench(rows=[ROW | {"means": [[7] * 191]}]),
+    "a bench's picture that is none": bench(rows=[ROW | {"means": 7}]),
     "half a row": rows().tobytes()[:-3],
     "no row": b"",
     "NaN": rows(shown_x_m=np.nan).tobytes(),
@@ -124,20 +160,37 @@ def test_reports_come_by_the_door():
         ServeOptions(out="out")
 
 
+def _rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "frames.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def _refreshes(folder: Path) -> list[dict[str, str]]:
+    return [row for row in _rows(folder) if row["eye"] == "0"]
+
+
 @needs.programs("chromium")
-def test_a_session_can_be_replayed(tmp_path):
-    """The replay's frames are drawn at even times, the browser's when it asked: ages may differ by
-    an interval of frames and a refresh.
+@pytest.mark.parametrize("eyes", [1, pytest.param(2, marks=needs.from_npm("iwer"))])
+def test_a_session_can_be_replayed(tmp_path, eyes):
+    """That of a window, and of an emulated headset.
+
+    The replay's frames are drawn at even times, the browser's when it asked: ages may differ by an
+    interval of frames and a refresh. The head is the one that the page was warped to.
     """
     with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
-        with Browser(tmp_path / "profile") as browser:
-            browser.open(server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96")
-            browser.until("hmdwarp.session.shown && hmdwarp.session.report.number > 40")
-            browser.until("hmdwarp.session.report.count === 0")
-        folder = Path(server.line("a browser's session").split()[-1])
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    with (folder / "frames.csv").open(encoding="utf-8") as file:
-        session = list(csv.DictReader(file))
+        with Browser(tmp_path / "profile", (240, 130)) as browser:
+            address = server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96"
+            enter_vr(browser, address) if eyes == 2 else browser.open(address)
+            browser.until("hmdwarp.session.shown && hmdwarp.session.report.number > 0")
+            browser.does("globalThis.begun = hmdwarp.session.report.number")
+            browser.until("hmdwarp.session.report.number > begun + 30")
+            browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
+        trace, summary = "webxr" if eyes == 2 else "walk", {}
+        while summary.get("trace") != trace:  # a headset's window has a session before it
+            folder = Path(server.line("a browser's session").split()[-1])
+            summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    session = _refreshes(folder)
+    assert {row["eye"] for row in _rows(folder)} == {str(eye) for eye in range(eyes)}
     frames, seconds = summary["link"]["frames"]["shown"], summary["live"]["seconds"]
     rate, server_rate = len(session) / seconds, frames / seconds
     width, height = summary["size"]
@@ -149,7 +202,13 @@ def test_a_session_can_be_replayed(tmp_path):
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    with (tmp_path / "replay" / "frames.csv").open(encoding="utf-8") as file:
-        replayed = [float(row["age_ms"]) for row in csv.DictReader(file)]
-    ages = [float(row["age_ms"]) for row in session]
-    assert abs(np.mean(replayed) - np.mean(ages)) <= 1e3 / rate + 1e3 / server_rate
+    replayed = _refreshes(tmp_path / "replay")
+    ages, again = (np.array([float(row["age_ms"]) for row in rows]) for rows in (session, replayed))
+    assert abs(again.mean() - ages.mean()) <= 1e3 / rate + 1e3 / server_rate
+    between = [row for row in replayed if row["pose_origin"] == "interpolated"]  # over a gap the head is held
+    for part in ("shown_x_m", "shown_y_m", "shown_z_m"):
+        (at, place), (at_again, place_again) = (
+            np.array([(float(row["time_s"]), float(row[part])) for row in rows]).T for rows in (session, between)
+        )
+        # Both interpolate linearly; times are written in nanoseconds, in which a head moves less.
+        np.testing.assert_allclose(place_again, np.interp(at_again, at, place), atol=1e-6)

@@ -16,7 +16,8 @@ from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.message import DEPTH_VIDEO8, H264, Ask, FrameMessage, Wish, encode
 from hmdwarp.sources.server import Server
-from hmdwarp.web.es_shaders import STEPS, shaders
+from hmdwarp.web import STEPS
+from hmdwarp.web.es_shaders import shaders
 
 from .browser import Browser, page
 

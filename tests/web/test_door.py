@@ -67,19 +67,19 @@ def test_the_token_counts_once(serving, inside):
     assert opened(serving.door)[0] == 403
     jar = CookieJar()
     assert opened(serving.next, jar)[0] == 200
+    serving.next = serving.line("for another one").split()[-1]
     (cookie,) = jar
     assert cookie.has_nonstandard_attr("HttpOnly") and cookie.get_nonstandard_attr("SameSite") == "Strict"
 
 
 def test_what_a_page_asks_stays_when_the_token_goes(serving, inside):
-    newest = serving.line("for another one").split()[-1]
-
     class Stay(urllib.request.HTTPRedirectHandler):
         def redirect_request(self, *_):
             return None
 
     with pytest.raises(urllib.error.HTTPError) as told:
-        urllib.request.build_opener(Stay).open(f"{newest}&trace=walk&latency=200")
+        urllib.request.build_opener(Stay).open(f"{serving.next}&trace=walk&latency=200")
+    serving.next = serving.line("for another one").split()[-1]
     assert told.value.headers["Location"] == "/?trace=walk&latency=200"
     told.value.close()
 

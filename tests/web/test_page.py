@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from serving import Serving
 
-from .browser import Browser
+from .browser import Browser, says
 from .looks import CLOCK, LOOK, Own, look_after, pictures_of
 
 pytestmark = needs.programs("chromium")
@@ -86,7 +86,7 @@ def test_with_videos_the_codecs_loss_is_all_that_is_added(page, gpu):
 def test_a_server_that_goes_is_told_and_taken_up_again(page):
     browser = page("raw&trace=walk&size=128")
     browser.does("hmdwarp.session.feed.socket.close()")
-    browser.until("document.getElementById('told').textContent.includes('not there')")
+    browser.until(says("not there"))
     browser.does("globalThis.before = hmdwarp.session.shown.number")
     browser.until("hmdwarp.session.shown.number > before && !document.getElementById('told').textContent")
 
@@ -94,7 +94,7 @@ def test_a_server_that_goes_is_told_and_taken_up_again(page):
 def test_a_lost_context_is_told(page):
     browser = page("raw&trace=walk&size=128")
     browser.does("hmdwarp.chain.gl.getExtension('WEBGL_lose_context').loseContext()")
-    browser.until("document.getElementById('told').textContent.includes('graphics')")
+    browser.until(says("graphics"))
 
 
 def test_nothing_is_wrong_on_the_page(page):

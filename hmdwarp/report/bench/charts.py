@@ -323,6 +323,8 @@ def region_parts(row: Row) -> list[tuple[float, float | None]] | None:
     if not all(name in regions for name in REGIONS):
         return None
     entries = [regions[name] for name in REGIONS]
+    if all(entry.get("share") is None for entry in entries):
+        return None
     return [((entry.get("share") or 0.0) * (entry.get("flip") or 0.0), entry.get("flip")) for entry in entries]
 
 

@@ -302,18 +302,20 @@ def _first(rows: Sequence[Row]) -> list[str]:
 
 def _fronts(groups: Sequence[Case], rows: Sequence[Row]) -> Section:
     markers = markers_of(row["fill"] for row in rows)
+    known = [name for name in MEASURES if any(row["quality"][name]["mean"] is not None for row in rows)] or MEASURES
     charts = [
         Chart(
             group.label,
-            tuple((name, pareto_chart(group, name, markers=markers), pareto_text(group, name)) for name in MEASURES),
+            tuple((name, pareto_chart(group, name, markers=markers), pareto_text(group, name)) for name in known),
         )
         for group in groups
     ]
-    return Section("Error against time", [_measures("time"), *charts], id="time", link="Error against time")
+    choice = [_measures("time", known)] if len(known) > 1 else []
+    return Section("Error against time", [*choice, *charts], id="time", link="Error against time")
 
 
-def _measures(section: str) -> Choice:
-    return Choice(f"measure-{section}", [(name, measure_label(name).partition(",")[0]) for name in MEASURES])
+def _measures(section: str, names: Sequence[str] = MEASURES) -> Choice:
+    return Choice(f"measure-{section}", [(name, measure_label(name).partition(",")[0]) for name in names])
 
 
 def _displacement(grid: Sequence[Mapping[str, Any]], at: Mapping[str, Any] | None) -> Section:

@@ -11,6 +11,8 @@ const LEAST_SIDE = 4; // pixels of the pyramid's top
 /** Every chain, the best first; each says which warp it runs. */
 export const CHAINS = { iterative: "iterative", "mesh:grid=64": "mesh", rotation: "rotation" };
 
+export const FILLS = ["none", "pyramid"];
+
 const tangents = (fov) => fov.map(Math.tan);
 
 /** The matrix from eye points (x, y, -1) to pixels; the origin is bottom left, or top left. */
@@ -31,6 +33,9 @@ export function mapBetween(from, to) {
   const there = relativeTo(from.pose, to.pose), k = camera(to.fov, to.size, to.isTopFirst);
   return { H: times(times(k, matrixOf(there.orientation)), inverted(camera(from.fov, from.size, from.isTopFirst))), e: apply(k, there.position) };
 }
+
+/** What seen.vert reads. */
+const seen = ({ mask, fov }) => (mask ? { edges: tangents(fov) } : {});
 
 const movesWholePixels = ({ H: [[a, b, x], [c, d, y], [f, g, h]], e }) =>
   [a - 1, b, x - Math.round(x), c, f, g, h - 1, Math.abs(d) - 1, y - Math.round(y), ...e].every((off) => Math.abs(off) <= 1e-9);
@@ -107,12 +112,48 @@ export class Chain {
     return target;
   }
 
-  draw(target, [width, height], count = 3, [x, y] = [0, 0]) {
+  draw(target, [width, height], count = 3, [x, y] = [0, 0], mask = null) {
     const gl = this.gl;
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
     gl.viewport(x, y, width, height);
-    gl.bindVertexArray(this.vertices);
-    gl.drawArrays(gl.TRIANGLES, 0, count);
+    gl.bindVertexArray(mask ? mask.vertices : this.vertices);
+    if (mask) gl.drawElements(gl.TRIANGLES, mask.count, gl.UNSIGNED_INT, 0);
+    else gl.drawArrays(gl.TRIANGLES, 0, count);
+  }
+
+  /** Triangles of a view that can be seen, as WebXR has them: tangents x, y, and three indices each; null for all of it. */
+  mask(places, indices) {
+    const gl = this.gl, vertices = gl.createVertexArray();
+    if (!indices.length) return null;
+    gl.bindVertexArray(vertices);
+    for (const [target, values] of [[gl.ARRAY_BUFFER, places], [gl.ELEMENT_ARRAY_BUFFER, indices]]) {
+      gl.bindBuffer(target, gl.createBuffer());
+      gl.bufferData(target, values, gl.STATIC_DRAW);
+    }
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
+    gl.bindVertexArray(null);
+    return { vertices, count: indices.length };
+  }
+
+  /** A picture to draw into that is not shown, until it is dropped. */
+  scratch(size) {
+    const texture = this.texture(this.gl.RGBA8, size);
+    return { texture, target: this.target([texture]) };
+  }
+
+  dropped({ texture, target }) {
+    this.gl.deleteFramebuffer(target);
+    this.gl.deleteTexture(texture);
+  }
+
+  /** (h, w, 4) bytes of what was drawn, the top row first. */
+  pixels(target, [width, height]) {
+    const gl = this.gl, found = new Uint8Array(4 * width * height), turned = new Uint8Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    for (let row = 0; row < height; row += 1) turned.set(found.subarray(4 * width * row, 4 * width * (row + 1)), 4 * width * (height - 1 - row));
+    return turned;
   }
 
   /** The textures of an eye's rendered picture, made once for a size. */
@@ -195,30 +236,54 @@ export class Chain {
     gl.bindTexture(gl.TEXTURE_2D, eye.colour);
     const filter = movesWholePixels(map) ? gl.NEAREST : gl.LINEAR; // an unmoved head stays bit-exact
     for (const which of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, which, filter);
-    this.use(this.program(name), { ...sizes, ...map, ...limits, rendered_pixel: eye.size.map((side) => 1 / side), depth_ratio: [...back.H[2], back.e[2]] });
-    this.draw(level.into, shown.size);
+    if (shown.mask) {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, level.into);
+      gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]); // a hole, as what the fill reads is never of a frame before
+      gl.clearBufferfv(gl.COLOR, 1, [-1, 0, 0, 0]);
+    }
+    this.use(this.over(shown, name), { ...sizes, ...map, ...limits, ...seen(shown), rendered_pixel: eye.size.map((side) => 1 / side), depth_ratio: [...back.H[2], back.e[2]] });
+    this.draw(level.into, shown.size, 3, [0, 0], shown.mask);
   }
 
-  /** Show an eye in a framebuffer (null: the canvas), at a corner of it. shown: {pose, fov, size}. */
-  show(k, shown, chain, target = null, corner = [0, 0]) {
-    const levels = this.pyramid(shown.size), eye = this.eyes[k];
-    this.warp(CHAINS[chain], eye, shown, levels[0]);
-    for (let n = 1; n < levels.length; n += 1) {
+  /** A program over all of a view that can be seen. */
+  over({ mask }, fragment, defines = "") {
+    return this.program(fragment, { vertex: mask ? "seen.vert" : "whole.vert", defines });
+  }
+
+  /** Warp alone, before holes are filled. */
+  warpInto(k, shown, chain) {
+    const [level] = this.pyramid(shown.size);
+    this.warp(CHAINS[chain], this.eyes[k], shown, level);
+    return level;
+  }
+
+  /** Show an eye in a framebuffer (null: the canvas), at a corner of it. shown: {pose, fov, size, mask}. */
+  show(k, shown, chain, target = null, corner = [0, 0], fill = "pyramid") {
+    const levels = this.pyramid(shown.size), [finest] = levels, last = levels.length - 1;
+    this.warpInto(k, shown, chain);
+    if (fill === "none") {
+      this.use(this.over(shown, "push.frag", "#define ALONE"), { colours: finest.colour, is_last: true, corner, ...seen(shown) });
+      this.draw(target, shown.size, 3, corner, shown.mask);
+      return;
+    }
+    for (let n = 1; n <= last; n += 1) {
       this.use(this.program("pull.frag"), { colours: levels[n - 1].colour, depths: levels[n - 1].depth });
       this.draw(levels[n].into, levels[n].size);
     }
-    for (let n = levels.length - 2; n >= 0; n -= 1) {
-      const above = levels[n + 1], first = n === levels.length - 2, last = n === 0;
-      this.use(this.program("push.frag"), { colours: levels[n].colour, above: first ? above.colour : above.whole, is_last: last, corner: last ? corner : [0, 0] });
-      this.draw(last ? target : levels[n].pushed, levels[n].size, 3, last ? corner : [0, 0]);
+    for (let n = last - 1; n > 0; n -= 1) {
+      const above = levels[n + 1];
+      this.use(this.program("push.frag"), { colours: levels[n].colour, above: n === last - 1 ? above.colour : above.whole, is_last: false, corner: [0, 0] });
+      this.draw(levels[n].pushed, levels[n].size);
     }
+    const above = levels[Math.min(1, last)];
+    this.use(this.over(shown, "push.frag"), { colours: finest.colour, above: last > 1 ? above.whole : above.colour, is_last: true, corner, ...seen(shown) });
+    this.draw(target, shown.size, 3, corner, shown.mask);
   }
 
-  /** Warp alone, before holes are filled: (h, w, 4) floats of light and coverage, the bottom row first. */
+  /** What a warp finds: (h, w, 4) floats of light and coverage, the bottom row first. */
   read(k, shown, chain) {
-    const gl = this.gl, [level] = this.pyramid(shown.size), found = new Float32Array(4 * shown.size[0] * shown.size[1]);
-    this.warp(CHAINS[chain], this.eyes[k], shown, level);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, level.into);
+    const gl = this.gl, found = new Float32Array(4 * shown.size[0] * shown.size[1]);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.warpInto(k, shown, chain).into);
     gl.readPixels(0, 0, ...shown.size, gl.RGBA, gl.FLOAT, found);
     return found;
   }

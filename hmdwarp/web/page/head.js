@@ -56,6 +56,11 @@ export class Recording {
     this.samples = samples.map(([seconds, ...pose]) => ({ ms: 1000 * seconds, position: pose.slice(0, 3), orientation: pose.slice(3) }));
   }
 
+  /** ms from its first to its last sample. */
+  get length() {
+    return this.samples.at(-1).ms;
+  }
+
   at(ms) {
     const last = this.samples.at(-1).ms || 1, passed = ms % (2 * last), wanted = Math.min(passed, 2 * last - passed);
     let low = 0, high = this.samples.length - 1;

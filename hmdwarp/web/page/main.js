@@ -1,9 +1,12 @@
 // A session: asks for frames, shows the newest that is old enough, warped to where the head is now.
 
+import { bench } from "./bench.js";
 import { Chain, CHAINS } from "./chain.js";
 import { VideoEye } from "./coded.js";
 import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
+import { Governor } from "./governor.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
+import { Stopwatch } from "./measure.js";
 import { Pace } from "./pace.js";
 import { Predictor } from "./predict.js";
 import { Report } from "./report.js";
@@ -18,11 +21,12 @@ const GUARD = number("guard", 1.25, 1, 2); // the rendered picture's tangents ov
 const LONG_SIDE = number("size", 640, 64, 4096); // pixels of the shown picture in a window
 const UP_RAD = 0.61; // half a window's field of view, up and down
 const QUALITY = number("crf", 18, 0, 51);
+const BENCHED = "walk"; // the recording of ?bench, where none is chosen
 const MOST_KEPT = 128; // frames that wait until they are old enough
 const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
-const LEAST_SHARE = 0.8, MOST_SLOW = 3; // of the display's refreshes; seconds below it
-const LEAST_SAVING = 0.75; // of a chain's time that a cheaper one takes at most
+const LEAST_BUDGET = 1.5; // times the cheapest chain, where none fits
+const MISSED = 1.5; // of the display's interval: a refresh that took longer was missed
 const NAMES = Object.keys(CHAINS);
 const $ = (name) => document.getElementById(name);
 
@@ -33,7 +37,7 @@ function told(text, by = "page") {
   lines[by] = text;
   telling = $("told").textContent = Object.values(lines).filter(Boolean).join(" ");
 }
-const figures = { refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
+const figures = { all: 0, refreshes: 0, stale: 0, frames: 0, since: performance.now(), script: 0, decode: 0, period: 0, last: 0 };
 
 /** A view's guarded field of view and the size that keeps its pixels per tangent: whole ones are added on each side. */
 function guarded(fov, shown) {
@@ -61,7 +65,7 @@ class Session {
     this.chosen = CHAINS[asked.get("warp")] ? asked.get("warp") : null;
     this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
-    this.costs = {};
+    [this.costs, this.watch, this.why] = [{}, new Stopwatch(chain), "being measured"]; // ms of an eye, by chain
     this.pace = new Pace(RATE_HZ);
     this.predictor = new Predictor();
     this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
@@ -143,31 +147,56 @@ class Session {
     return this.shown !== undefined;
   }
 
-  /** Measure every chain on what is shown, and choose the best that fits a refresh of `interval` ms. */
-  choose(shown, interval) {
-    this.interval = interval;
-    if (this.chosen && this.costs[this.chosen] !== undefined) return;
-    for (const name of NAMES) {
-      this.chain.show(0, shown, name); // compiles
-      this.chain.finish();
-      const begun = performance.now();
-      for (let k = 0; k < TRIES; k += 1) this.chain.show(0, shown, name);
-      this.chain.finish();
-      this.costs[name] = (performance.now() - begun) / TRIES;
-    }
-    const eyes = this.shown.eyes.length, fits = NAMES.filter((name) => eyes * this.costs[name] <= SHARE * interval);
-    const cheapest = Math.min(...Object.values(this.costs)); // where none fits, the best of those that cost about as little
-    this.chosen ??= fits[0] ?? NAMES.find((name) => this.costs[name] <= 1.5 * cheapest);
-    $("chain").value = this.chosen;
+  /** The chain in use: the cheapest until it is known what each takes. */
+  get inUse() {
+    return this.chosen ?? NAMES.at(-1);
   }
 
-  /** Take the next cheaper chain after seconds in a row with too few refreshes, unless somebody chose this one. */
-  govern(refreshes) {
-    this.slow = refreshes < LEAST_SHARE * (1000 / this.interval) ? (this.slow ?? 0) + 1 : 0;
-    const cheaper = NAMES.filter((name) => this.costs[name] < LEAST_SAVING * this.costs[this.chosen]);
-    if (this.isForced || this.slow < MOST_SLOW || !cheaper.length) return;
-    [this.chosen, this.slow] = [cheaper[0], 0];
-    $("chain").value = this.chosen;
+  /** What an eye's chain may take, in ms: a share of the refresh; where that is too little for any, a bit more than the least. */
+  budget(levels) {
+    const share = (SHARE * this.interval) / this.shown.eyes.length;
+    return levels[0].ms <= share ? share : LEAST_BUDGET * levels[0].ms;
+  }
+
+  /** Measure every chain on what is shown, as it is shown; then the governor chooses. Somebody's own choice is measured alone. */
+  async measure(shown, eyes) {
+    const key = `${shown.size} ${eyes} ${this.isForced ? this.chosen : ""}`;
+    if (this.measured === key) return;
+    [this.measured, this.governor] = [key, null];
+    const scratch = this.chain.scratch(shown.size), costs = {};
+    for (const name of this.isForced ? [this.chosen] : NAMES) {
+      const times = await this.watch.times(() => this.chain.show(0, shown, name, scratch.target), TRIES);
+      costs[name] = Math.min(...times); // other load can only make a chain slower
+    }
+    this.chain.dropped(scratch);
+    if (this.measured !== key) return; // another size, or somebody's choice, meanwhile
+    Object.assign(this.costs, costs);
+    if (this.isForced) this.why = "chosen by hand";
+    else this.govern(costs);
+  }
+
+  /** Begin with the best chain that fits; those that take longer than a better one are left out. */
+  govern(costs) {
+    const front = NAMES.filter((name, k) => NAMES.slice(0, k).every((better) => costs[better] > costs[name]));
+    const levels = front.map((name) => ({ name, ms: Math.max(costs[name], 1e-3) })).reverse();
+    this.governor = new Governor(levels, this.budget(levels));
+    const { name, ms } = this.governor.level, least = levels[0].ms <= (SHARE * this.interval) / this.shown.eyes.length;
+    this.take(name, `${least ? "the best" : "none fits: the best"} within ${this.governor.budget.toFixed(2)} ms an eye: ${ms.toFixed(2)}`);
+  }
+
+  take(name, why) {
+    [this.chosen, this.why, $("chain").value] = [name, why, name];
+  }
+
+  /** Tell the governor what a refresh took: by the device's timer, else by whether it came in time. */
+  judge(period) {
+    const governor = this.governor, timed = this.watch.take();
+    if (!governor) return;
+    governor.budget = this.budget(governor.levels);
+    const inTime = period < MISSED * this.interval, paced = inTime ? Math.min(governor.level.ms, governor.budget) : (governor.budget * period) / this.interval;
+    const ms = this.watch.clock === "gpu" ? timed / this.shown.eyes.length : paced;
+    const before = governor.level.name, why = Number.isNaN(ms) ? "" : governor.measured(ms);
+    if (why) this.take(governor.level.name, `after ${before}, ${why}`);
   }
 
   /** What the next refresh shows: its views, their late eyes, and the pixels of each, the bottom row first. */
@@ -180,24 +209,48 @@ class Session {
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
     views.forEach((_, k) => gl.readPixels(...corners[k], width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels.subarray(k * bytes, (k + 1) * bytes)));
     const { eyes, size, time, asked } = this.shown;
-    return { views, pixels, late: eyes.map(({ world_from_eye, fov }) => ({ pose: world_from_eye, fov, size })), time, age: performance.now() - asked, chain: this.chosen };
+    return { views, pixels, late: eyes.map(({ world_from_eye, fov }) => ({ pose: world_from_eye, fov, size })), time, age: performance.now() - asked, chain: this.inUse };
   }
 
   show(head, eyes, target, corners, interval) {
-    if (!this.takeIn()) return;
-    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), fov: eye.fov, size: eye.size }));
-    this.choose(views[0], interval);
-    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.chosen, target, corners[k]));
+    if (this.isBusy || !this.takeIn()) return;
+    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), fov: eye.fov, size: eye.size, mask: eye.mask ?? null }));
+    this.interval = interval;
+    this.measure(views[0], eyes.length);
+    const isTimed = this.watch.begin();
+    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k]));
+    if (isTimed) this.watch.end();
+    figures.all += 1;
     figures.refreshes += 1;
     const now = performance.now();
+    this.judge(now - figures.last);
     figures.period += 0.1 * (Math.min(now - figures.last, 1000) - figures.period);
     figures.last = now;
     this.looks.splice(0).forEach((look) => look(this.seen(views, target, corners)));
-    this.head = head;
-    if (this.report && `${eyes.length} ${eyes[0].size}` !== this.reported) {
-      this.report.changed(this.time());
+    const isOwn = this.shown.eyes.length === eyes.length; // not still a window's, in a headset
+    this.head = isOwn ? head : null;
+    if (isOwn && `${eyes.length} ${eyes[0].size}` !== this.reported) {
+      this.report?.changed(this.time());
       [this.reported, this.eyes] = [`${eyes.length} ${eyes[0].size}`, eyes];
+      if (asked.has("bench")) this.bench();
     }
+  }
+
+  /** Measure every chain at this display's resolution, while nothing else is drawn. */
+  async bench() {
+    const [eye] = this.eyes, names = this.about.traces, played = $("head").value === "hand" ? (names.includes(BENCHED) ? BENCHED : names[0]) : $("head").value;
+    this.isBusy = true;
+    try {
+      const found = await bench({
+        chain: this.chain, address: this.feed.address, head: await headOf(played, this.about), eye, wide: ({ fov, size }) => guarded(fov, size),
+        latency: Number($("latency").value), display: { ...this.display(), trace: played }, reports: this.about.reports, told: (text) => told(text, "bench"),
+      });
+      this.benched = found;
+      told(`Measured by ${found.how}${this.about.reports ? "; the server keeps it" : "; start the server with --out to keep it"}.`, "bench");
+    } catch (error) {
+      told(`Not measured: ${error.message}`, "bench");
+    }
+    this.isBusy = false;
   }
 
   /** Note what a refresh took that began at `begun`. */
@@ -205,7 +258,7 @@ class Session {
     const took = performance.now() - begun;
     figures.script += took;
     if (!this.report || !this.head) return;
-    this.report.add(this.time(), this.shown, this.head, NAMES.indexOf(this.chosen), this.costs[this.chosen] ?? 0, took);
+    this.report.add(this.time(), this.shown, this.head, NAMES.indexOf(this.inUse), this.costs[this.inUse] ?? 0, took);
     this.head = null;
   }
 
@@ -223,13 +276,13 @@ class Session {
 function tellFigures(session) {
   const passed = (performance.now() - figures.since) / 1000, frame = session.shown;
   if (!frame) return;
-  session.govern(figures.refreshes / passed);
   const rows = {
     "age of the shown frame": `${(performance.now() - frame.asked).toFixed(0)} ms`,
     "round trip": `${session.feed.round.toFixed(0)} ms`,
     "drawn by the server in": `${frame.drawing.toFixed(1)} ms`,
     "decoded in": `${figures.decode.toFixed(1)} ms`,
-    [`warped by ${session.chosen}, an eye`]: `${(session.costs[session.chosen] ?? NaN).toFixed(2)} ms`,
+    [`warped by ${session.inUse}, an eye`]: `${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms`,
+    [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "waited for",
     "script, a refresh": `${(figures.script / Math.max(figures.refreshes, 1)).toFixed(2)} ms`,
     "refreshes a second": (figures.refreshes / passed).toFixed(0),
     "frames a second": (figures.frames / passed).toFixed(0),
@@ -264,6 +317,8 @@ async function enterVr(session, gl) {
   const refused = (error) => told(`No VR: ${error.message}`, "xr");
   const xr = await navigator.xr.requestSession("immersive-vr", { optionalFeatures: ["local-floor"] }).catch(refused);
   if (!xr?.requestReferenceSpace) return;
+  const masks = []; // by a view's number, where the browser tells what its lens hides
+  xr.addEventListener("visibilitymaskchange", ({ index, vertices, indices }) => (masks[index] = session.chain.mask(vertices, indices)));
   await gl.makeXRCompatible();
   const layer = new XRWebGLLayer(xr, gl, { antialias: false, depth: false });
   xr.updateRenderState({ baseLayer: layer });
@@ -285,7 +340,7 @@ async function enterVr(session, gl) {
       const own = poseOf(viewer.transform), head = compose(place, own);
       const ports = viewer.views.map((view) => layer.getViewport(view));
       const eyes = viewer.views.map((view, k) => ({
-        head_from_eye: relativeTo(poseOf(view.transform), own), fov: fovOf(view.projectionMatrix), size: [ports[k].width, ports[k].height],
+        head_from_eye: relativeTo(poseOf(view.transform), own), fov: fovOf(view.projectionMatrix), size: [ports[k].width, ports[k].height], mask: masks[view.index ?? k],
       }));
       seen = [head, eyes, layer.framebuffer, ports.map(({ x, y }) => [x, y])];
       session.size = eyes[0].size;
@@ -308,7 +363,7 @@ async function begin() {
   const session = new Session(about, chain, (frame) => new Feed(address, { frame, told: (text) => told(text, "feed") }));
   $("scene").textContent = about.scene;
   $("chain").append(...NAMES.map((name) => new Option(name)));
-  $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true });
+  $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true, governor: null });
   $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
   $("latency").value = number("latency", 200, 0, 800);
   const tellLatency = () => ($("latency-told").textContent = `${$("latency").value} ms`);
@@ -361,4 +416,7 @@ async function begin() {
   globalThis.hmdwarp = { session, chain, figures };
 }
 
-if (!asked.has("quiet")) begin().catch((error) => told(error.message));
+begin().catch((error) => {
+  told(error.message);
+  throw error; // for the console
+});

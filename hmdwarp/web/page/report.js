@@ -7,7 +7,7 @@ const COLUMNS = 23, MOST_ROWS = 256, EVERY_MS = 1000, MAGIC = [72, 87, 76, 71]; 
 export class Report {
   /** display(): what the server is told of the display, while it stays the same. */
   constructor(feed, display) {
-    Object.assign(this, { feed, display, count: 0, last: 0, told: null, socket: null, number: -1, drawn: null });
+    Object.assign(this, { feed, display, count: 0, last: 0, told: null, isNew: false, socket: null, number: -1, drawn: null });
     this.message = new Uint8Array(4 + 8 * COLUMNS * MOST_ROWS);
     this.message.set(MAGIC);
     this.view = new DataView(this.message.buffer);
@@ -24,6 +24,7 @@ export class Report {
 
   /** Add a refresh. now: ms of the session; frame: what it shows; head: what it was warped to. */
   add(now, frame, head, chain, warp, script) {
+    if (this.told === null) [this.told, this.isNew] = [JSON.stringify(this.display()), true];
     if (this.number !== frame.number) {
       const [eye] = frame.eyes;
       [this.number, this.drawn] = [frame.number, compose(eye.world_from_eye, inverse(eye.head_from_eye))];
@@ -53,8 +54,8 @@ export class Report {
     const { socket } = this.feed, count = this.count;
     [this.count, this.last] = [0, now];
     if (!count || socket.readyState !== WebSocket.OPEN) return;
-    if (this.told === null || socket !== this.socket) socket.send((this.told ??= JSON.stringify(this.display())));
-    this.socket = socket;
+    if (this.isNew || socket !== this.socket) socket.send(this.told);
+    [this.socket, this.isNew] = [socket, false];
     socket.send(this.message.subarray(0, 4 + 8 * COLUMNS * count));
   }
 }
