@@ -33,7 +33,7 @@ class Control:
     # number does
     kind: str
     back: str = ""  # a separate key for a step back, "" for shift
-    of_display: bool = False  # whether the display handles it itself; all others change the run
+    of_display: bool = False  # whether the display handles it itself; others change the run or act in its scene
     span: tuple[float, float] = (0.0, 0.0)  # smallest and largest value of a number
     also: tuple[str, ...] = ()  # further keys
     value: object = None  # value of the command, where several keys are one control
