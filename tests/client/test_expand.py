@@ -30,7 +30,6 @@ from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.poses import foreseen_gaze, synthesise, write_synthetic
 from hmdwarp.scenes import load_scene
-from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.server import Server
 
 FOVEA = Fovea(30.0, 3)
@@ -314,7 +313,6 @@ def test_nothing_is_paid_where_all_is_sharp():
 @pytest.mark.parametrize(
     ("sets", "why"),
     [
-        ({"feed": FeedOptions(connect="127.0.0.1:1")}, "requests say no gaze yet"),
         ({"network": LinkOptions(send="changes")}, "the eyes move where nothing else does"),
         ({"frames": Path("nowhere"), "trace": None}, "they came as sharp everywhere"),
     ],
