@@ -114,6 +114,7 @@ def run_live(here: Here, remote_head, out: Path, recording: Path, passes: dict[s
         # A gather that writes its depth for the runtime places colours by other rounding.
         quick(
             scene=SCENE,
+            samples=1,
             latency_ms=LATENCY_MS,
             pictures=POSES,
             record=recording,
