@@ -56,6 +56,7 @@ class PictureRun:
     guard: tuple[float, float] = (1.0, 1.0)
     scene: str = "room"
     effects: str = "auto"
+    mirrors: str = "geometry"  # how the server draws them's
     # Of each side of the picture.
     scale: float = 1.0
     # Whether the passes are timed and the change from picture to picture is measured.
@@ -70,7 +71,7 @@ class PictureRun:
     @property
     def shared(self) -> tuple[Any, ...]:
         """What runs have in common that are measured on the same frames."""
-        return (self.scene, self.effects, self.motion, self.latency_ms, self.guard, self.scale)
+        return (self.scene, self.effects, self.mirrors, self.motion, self.latency_ms, self.guard, self.scale)
 
     @property
     def caption(self) -> str:
@@ -79,6 +80,7 @@ class PictureRun:
         more = [
             *([f"rendered {size_text(self.guard)} for {size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
             *([f"effects {self.effects}"] if self.effects != "auto" else []),
+            *([f"mirrors {self.mirrors}"] if self.mirrors != "geometry" else []),
         ]
         return ", ".join([f"{self.motion}, {self.latency_ms:g} ms: {self.warp}{fill}", *more])
 
@@ -95,11 +97,16 @@ class StreamRun:
     trace: str = "walk"
     # Mbit/s of the link; then rendering, encoding and decoding delay a frame as well.
     bandwidth_mbit: float | None = None
+    scene: str = "room"
+    # None for the display's.
+    server_hz: float | None = None
 
     def __str__(self) -> str:
         link = "" if self.bandwidth_mbit is None else f" {self.bandwidth_mbit:g} Mbit/s,"
         code = "" if self.depth == EXACT else f", depth as {self.depth}"
-        return f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}{code}"
+        rate = "" if self.server_hz is None else f", drawn at {self.server_hz:g} Hz"
+        front = f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}"
+        return f"{front}{code}, {self.scene}{rate}"
 
     @property
     def caption(self) -> str:
@@ -307,6 +314,13 @@ def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
         named = () if found == all_columns[row] else tuple(found)
         rows_of.setdefault(named, []).append(row)
     return "; ".join(_together(rows) + (f" ({_together(named)})" if named else "") for named, rows in rows_of.items())
+
+
+def share_text(findings: Sequence[Finding], holds: bool) -> str:
+    """Return how many of the judged settings are so, and which: see settings_text; "" for none."""
+    judged = [finding.holds for finding in findings if finding.holds is not None]
+    which = settings_text(findings, holds)
+    return f"{judged.count(holds)} of {len(judged)} settings: {which}" if which else ""
 
 
 def _together(texts: Sequence[str]) -> str:

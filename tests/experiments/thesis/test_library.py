@@ -33,6 +33,19 @@ CLAIMS = (
     "depth adds little to the bandwidth",
     "environment map costs several times",
     "14 Mbit/s",
+    "all methods fall with latency",
+    "a larger picture costs bandwidth",
+    "a larger picture costs latency",
+    "silhouettes of a reduced model are coarse",
+    "copies texture into the holes, in streaks",
+    "costs more where there are more holes",
+    "in screen space miss",
+    "edges of the warped picture are doubled",
+    "draws more often than the client shows",
+    "k pictures with depth cost k times",
+    "loads the network as a video stream",
+    "a third of the work of a photon mapper",
+    "clients of a class can run",
 )
 PICTURE_RUNS = sorted({run for each in EXPERIMENTS for run in each.runs() if isinstance(run, PictureRun)}, key=repr)
 

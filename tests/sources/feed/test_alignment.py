@@ -36,6 +36,9 @@ def test_a_drift_is_found(drift):
         assert not found.add(exchange(number * 100 * MS, 5 * MS, 5 * MS, 10**12, drift))
     # Both ways take the same, so only rounding to 1 ns is left, over seconds.
     assert abs(found.drift - drift) < 1e-6 + 1e-3 * abs(drift)
+    # Ten seconds after the last one, too: the drift's error over half a minute.
+    later = 30_000 * MS
+    assert abs(found.offset_at(later) - (10**12 + drift * later)) < 2 + (1e-6 + 1e-3 * abs(drift)) * later
 
 
 @given(st.integers(400 * MS, 10**15), st.sampled_from((1, -1)))
