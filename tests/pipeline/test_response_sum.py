@@ -9,7 +9,7 @@ import pytest
 from replays import rows_of, run, small
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import LinkOptions, StageTimes
+from hmdwarp.link import LinkOptions, ResponseTime, StageTimes, TransitStats
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import LiveOptions, live
 
@@ -23,6 +23,20 @@ def network(response: str = GIVEN, **more: object) -> LinkOptions:
 
 def ages_ms(folder) -> list[float]:
     return [float(row["age_ms"]) for row in rows_of(folder) if row["eye"] == "0"]
+
+
+def test_the_response_time_is_the_whole_way_of_a_frame():
+    """Work at both ends is measured; the rest of the way is the link's, each part once."""
+    way = dict.fromkeys(("queue_ns", "transfer_ns", "delay_ns", "hold_ns"), 0)
+    for name in way:
+        transit = TransitStats(3, 0, **way | {name: 7_000_000})
+        time = ResponseTime.of(transit, render_ms=1.0, encode_ms=2.0, decode_ms=3.0, warp_ms=4.0)
+        assert time.total_ms == transit.ready_ns / 1e6 + 10.0 == 17.0
+
+
+def test_a_given_time_is_in_proportion_to_the_pixels_and_a_measured_one_is_as_it_was():
+    taken = StageTimes(8.0, None, 4.0).taken_ns({"encode": 3.0, "decode": 9.0}, 0.25)
+    assert [*taken] == [2_000_000, 3_000_000, 1_000_000]
 
 
 def test_the_texts_of_the_option():

@@ -99,6 +99,13 @@ def test_a_request_comes_back_bit_for_bit():
     assert all(map(same_view, back.views, VIEWS))
 
 
+def test_a_wish_comes_back_with_the_field_of_each_eye_and_every_row_of_settings():
+    rows = ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
+    fovs = (VIEWS[0].fov, Fov(-0.5, 0.9, -0.4, 0.3))
+    wanted = Wanted((("points", rows), ("peeled", 2), ("difference", ((0.25,),))), (5, 2), fovs)
+    assert decode(encode(attrs.evolve(ASK, wanted=wanted))).wanted == wanted
+
+
 def test_inputs_come_back_bit_for_bit_behind_whatever_else_there_is():
     inputs = (
         InputEvent(-(2**62), "push", "ball", (1e-300, -1e9, 0.1), (0.1 + 0.2, 1e-9, 0.0)),

@@ -12,6 +12,8 @@ from serving import Serving
 
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.errors import InputError
+from hmdwarp.frames import Needs
+from hmdwarp.frames.layers import layers
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
@@ -23,10 +25,10 @@ from hmdwarp.pipeline.remote_source import RemoteFrames, RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.frame_rows import ReplayLog
-from hmdwarp.scenes import load_scene
+from hmdwarp.scenes import InputEvent, load_scene
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Refusal, Wish, decode, encode
+from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Fate, Refusal, Wish, decode, encode
 from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
@@ -421,6 +423,85 @@ def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     assert found[0].took_ns > 5_000_000_000
     remote.close()
     listener.close()
+
+
+class Session:
+    """A client's session and the server's end of it: what one asks, and answers by hand."""
+
+    def __init__(self) -> None:
+        self.listener, self._asked = Listener("127.0.0.1:*"), 0
+        self.remote = Remote(FeedOptions(connect=self.listener.address), holds=False)
+        self.eyes, self.head = load_headset("flat-90"), PoseSample(0, Pose(), Origin.MEASURED)
+
+    def ask(self, now_ns, needs=None):
+        self.remote.ask(self.head, self.eyes.views(self.head.pose), 1.0, (4, 3), now_ns, needs)
+        self._asked += 1
+
+    def asked(self, now_ns, needs=None):
+        """Ask; return the request as it arrived, once the ones before it have."""
+        self.ask(now_ns, needs)
+        while (found := next_asked(self.listener)).ask.number < self._asked:
+            pass
+        return found
+
+    def answer(self, asked, **says):
+        says = {"takes_inputs": True, "takes_session": True, **says}
+        self.listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, **says))
+        while not (found := self.remote.arrived(0)):
+            pass
+        return found[-1].pending
+
+    def begin(self) -> None:
+        """Answer one request, so that the client knows what it may tell."""
+        found = None
+        while found is None:  # until the connection is there
+            self.ask(0)
+            found = self.listener.next(200)
+        self.answer(found)
+
+    def close(self) -> None:
+        self.remote.close()
+        self.listener.close()
+
+
+def test_what_people_did_is_told_until_the_server_has_it():
+    events = [InputEvent(at, "push", "ball") for at in (100, 200, 300)]
+    with closing(Session()) as session:
+        session.begin()
+        session.remote.act(events)
+        told = [session.asked(at) for at in (199, 200, 250, 300)]
+        # With that of the very instant; what was not answered is told again.
+        assert [list(one.ask.inputs) for one in told] == [events[:1], events[:2], events[:2], events]
+        session.answer(told[2])
+        last = session.asked(400)
+        assert list(last.ask.inputs) == events[2:]
+        session.answer(last)
+        after = session.asked(500)
+        assert after.ask.inputs == ()
+        session.answer(after, began=7)  # another server in its place, which knows nothing
+        assert list(session.asked(600).ask.inputs) == events
+
+
+def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_answered():
+    needs = Needs(irradiance=layers.get("irradiance").something)
+
+    def told(asked):
+        return asked.ask.session.fates
+
+    with closing(Session()) as session:
+        session.begin()
+        of = session.answer(session.asked(500, needs))
+        fate = Fate(of.number, True, 1000)
+        session.remote.tell(of, arrived=True, heard_ns=1000)
+        before, first, second = (session.asked(at, needs) for at in (999, 1000, 1001))
+        assert [told(one) for one in (before, first, second)] == [(), (fate,), (fate,)]
+        session.answer(before)  # it was not in there
+        third = session.asked(1100, needs)
+        assert told(third) == (fate,)
+        session.answer(second)
+        # The first will have no answer: its frame is lost, which is known at once.
+        lost = Fate(first.ask.number, False, 1000)
+        assert told(session.asked(1200, needs)) == (lost,)
 
 
 def test_every_client_has_its_own_rate():
