@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import functools
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -201,10 +202,10 @@ def _least_growth(runs: Sequence[Figures], name: str) -> float | None:
     return None if len(known) < len(runs) else min(after / before for before, after in itertools.pairwise(known))
 
 
-def _least_step(runs: Sequence[Figures], name: str) -> float | None:
-    """Return the least difference of a figure from that of the run before it."""
+def _step(runs: Sequence[Figures], name: str, of: Callable[[Iterable[float]], float]) -> float | None:
+    """Return that one of the differences of a figure from that of the run before it."""
     known = [figure for run in runs if (figure := run.get(name)) is not None]
-    return None if len(known) < len(runs) else min(after - before for before, after in itertools.pairwise(known))
+    return None if len(known) < len(runs) else of(after - before for before, after in itertools.pairwise(known))
 
 
 def _closed(runs: Sequence[Figures], left: str, whole: str) -> float | None:
@@ -224,7 +225,8 @@ _NUMBERS: Mapping[str, Callable[..., float | None]] = {
     "change": _change,
     "ratio": _ratio,
     "least_growth": _least_growth,
-    "least_step": _least_step,
+    "least_step": functools.partial(_step, of=min),
+    "greatest_step": functools.partial(_step, of=max),
     "closed": _closed,
     "growth_exponent": _growth_exponent,
     # The program has no such thing.
