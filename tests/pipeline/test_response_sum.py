@@ -9,7 +9,7 @@ import pytest
 from replays import rows_of, run, small
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import LinkOptions, ResponseTime, StageTimes, TransitStats
+from hmdwarp.link import LinkOptions, ResponseTime, StageTimes, TransitStats, response_figures
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import LiveOptions, live
 
@@ -32,6 +32,15 @@ def test_the_response_time_is_the_whole_way_of_a_frame():
         transit = TransitStats(3, 0, **way | {name: 7_000_000})
         time = ResponseTime.of(transit, render_ms=1.0, encode_ms=2.0, decode_ms=3.0, warp_ms=4.0)
         assert time.total_ms == transit.ready_ns / 1e6 + 10.0 == 17.0
+
+
+def test_figures_of_response_times_are_means_of_the_parts_and_ends_of_the_sums():
+    times = [ResponseTime(render_ms=1.0, warp_ms=float(number)) for number in range(101)]
+    found = response_figures(times)
+    assert {name: found[f"{name}_ms"] for name in ("render", "warp", "total", "median", "p95")} == pytest.approx(
+        {"render": 1.0, "warp": 50.0, "total": 51.0, "median": 51.0, "p95": 96.0}
+    )
+    assert response_figures([]) is None
 
 
 def test_a_given_time_is_in_proportion_to_the_pixels_and_a_measured_one_is_as_it_was():

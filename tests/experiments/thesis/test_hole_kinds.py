@@ -89,6 +89,9 @@ def test_false_edges_are_those_that_the_truth_has_not_within_a_pixel():
     # Of the last row's 6 edges across one is true; down, its 3 columns differ from the row above.
     assert false_edges(doubled, truth) == pytest.approx((5 + 3) / (6 + 5 + 3))
     assert false_edges(np.zeros_like(truth), truth) is None
+    corner = np.zeros_like(truth)
+    corner[-1, -1] = 200  # in the last row and column alone
+    assert false_edges(corner, corner) == 0.0 and false_edges(corner, truth) == 1.0
 
 
 def test_shares_of_holes_are_parts_of_each_other(tmp_path):

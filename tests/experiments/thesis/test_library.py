@@ -9,7 +9,7 @@ import pytest
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.experiments.thesis import PictureRun, experiments, experiments_named
-from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S
+from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S, is_quick
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 
@@ -110,6 +110,12 @@ def test_a_motion_is_swept_over_all_speeds():
         for kind in {run.motion.kind for run in runs}:
             expected = SPEEDS_DEG_S if kind == "rotate" else SPEEDS_M_S
             assert {run.motion.speed for run in runs if run.motion.kind == kind} == set(expected), each.name
+
+
+def test_quick_keeps_the_middle_speed():
+    speeds = {run.motion.speed for run in PICTURE_RUNS if is_quick(run)}
+    assert speeds == {SPEEDS_M_S[1], SPEEDS_DEG_S[1]}
+    assert all(is_quick(run) for each in EXPERIMENTS for run in each.runs() if not isinstance(run, PictureRun))
 
 
 def test_runs_name_what_there_is():

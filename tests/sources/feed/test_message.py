@@ -106,6 +106,14 @@ def test_a_wish_comes_back_with_the_field_of_each_eye_and_every_row_of_settings(
     assert decode(encode(attrs.evolve(ASK, wanted=wanted))).wanted == wanted
 
 
+def test_a_packed_part_is_as_wide_and_high_as_it_was():
+    for kind, shape in ((np.float16, (3, 5, 4)), (np.float32, (5, 3)), (np.uint8, (1, 7))):
+        numbers = RNG.integers(0, 200, shape).astype(kind)
+        back = packed(numbers)
+        assert back.size == shape[1::-1] and back.numbers().dtype == kind
+        np.testing.assert_array_equal(back.numbers(), numbers)
+
+
 def test_inputs_come_back_bit_for_bit_behind_whatever_else_there_is():
     inputs = (
         InputEvent(-(2**62), "push", "ball", (1e-300, -1e9, 0.1), (0.1 + 0.2, 1e-9, 0.0)),

@@ -14,13 +14,13 @@ from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.errors import InputError
 from hmdwarp.frames import Needs
 from hmdwarp.frames.layers import layers
-from hmdwarp.geometry import Pose
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.feed_coding import arrays_of
-from hmdwarp.pipeline.remote import Remote
+from hmdwarp.pipeline.remote import Remote, ViewsApart
 from hmdwarp.pipeline.remote_source import RemoteFrames, RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
@@ -423,6 +423,32 @@ def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     assert found[0].took_ns > 5_000_000_000
     remote.close()
     listener.close()
+
+
+def test_views_apart_keep_the_largest_difference_of_each_kind():
+    right = np.arctan(1.0)
+    asked, apart = View(Pose(), Fov(-right, right, -right, right)), ViewsApart()
+    apart.take(asked, asked)
+    assert not apart
+    # Three quarters of the width, half of the height; the next one is as large, and elsewhere.
+    apart.take(asked, View(Pose(), Fov(-right, np.arctan(0.5), -right, 1e-12)))
+    apart.take(asked, View(Pose((0, 0.3, 0.4)), Fov(-1.2, right, -right, 1.2)))
+    assert apart and apart.field_share == pytest.approx(0.375)
+    assert (apart.moved_m, apart.turned_deg) == (pytest.approx(0.5), 0.0)
+
+
+def test_a_request_that_comes_again_is_left_out():
+    lines = []
+    with closing(Listener("127.0.0.1:*", say=lines.append)) as listener, closing(Caller(listener.address)) as caller:
+        exchanged(caller, listener)
+        for number in (10**9, 10**9, 10**9 - 1, 10**9 + 1):
+            caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
+        # They come in order, so all before the last one have been read by then.
+        while next_asked(listener).ask.number <= 10**9:
+            pass
+    assert [line.partition("request ")[2] for line in lines if "left out" in line] == [
+        f"{number} after {10**9}" for number in (10**9, 10**9 - 1)
+    ]
 
 
 class Session:
