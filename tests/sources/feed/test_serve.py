@@ -430,10 +430,10 @@ def test_views_apart_keep_the_largest_difference_of_each_kind():
     asked, apart = View(Pose(), Fov(-right, right, -right, right)), ViewsApart()
     apart.take(asked, asked)
     assert not apart
-    # Three quarters of the width, half of the height; the next one is as large, and elsewhere.
-    apart.take(asked, View(Pose(), Fov(-right, np.arctan(0.5), -right, 1e-12)))
+    # Three quarters of the width and of the height; the next one is wider, and elsewhere.
+    apart.take(asked, View(Pose(), Fov(-right, np.arctan(0.5), -np.arctan(0.5), right)))
     apart.take(asked, View(Pose((0, 0.3, 0.4)), Fov(-1.2, right, -right, 1.2)))
-    assert apart and apart.field_share == pytest.approx(0.375)
+    assert apart and apart.field_share == pytest.approx(0.5625)
     assert (apart.moved_m, apart.turned_deg) == (pytest.approx(0.5), 0.0)
 
 
