@@ -136,6 +136,8 @@ def test_a_still_head_sends_once_and_sees_the_same(tmp_path):
     assert (frames["drawn"], frames["shown"], frames["unchanged"]) == (1, 1, 62)
     assert changes["quality"] == all_["quality"]
     assert changes["link"]["mbit_s"] == pytest.approx(all_["link"]["mbit_s"] / 63)
+    # It asks as often, whatever it gets.
+    assert changes["link"]["up_mbit_s"] == all_["link"]["up_mbit_s"] > 0
     assert float(rows_of(tmp_path / "changes")[-1]["age_ms"]) == pytest.approx(50 + 59 * 1000 / 60, abs=0.01)
 
 
