@@ -263,14 +263,19 @@ def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, 
     assert feed["malformed"] == 0 and feed["clock"]["jumps"] == 0
 
 
-def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
-    headset, planes, size = load_headset("flat-90"), load_scene("planes"), (96, 80)
-    view = headset.views(Pose((0.2, 1.7, 0.1), (0.0, 0.1, 0.0, 0.995)))[0]
-    with Gpu() as gpu, closing(RemoteRenderer(gpu, planes, FeedOptions(connect=serving.address))) as there:
-        with closing(Server(gpu, planes)) as here:
-            ours, theirs = here.draw(view, size), there.draw(view, size)
-            for name in ("colour", "inverse_depth"):
-                np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
+def test_the_truth_that_the_server_draws_is_the_one_drawn_here(parade):
+    """Of the instant, in a scene that moves."""
+    headset, scene, size = load_headset("flat-90"), load_scene("parade"), (96, 80)
+    view = headset.views(scene.viewpoint)[0]
+    with Gpu() as gpu, closing(RemoteRenderer(gpu, scene, FeedOptions(connect=parade.address))) as there:
+        seen = set()
+        with closing(Server(gpu, scene)) as here:
+            for time_ns in (0, 700_000_000):
+                ours, theirs = here.draw(view, size, time_ns=time_ns), there.draw(view, size, time_ns=time_ns)
+                for name in ("colour", "inverse_depth"):
+                    np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
+                seen.add(download(theirs.inverse_depth).tobytes())
+        assert len(seen) == 2
         assert (
             there.truth_facts([], 0, 1.0, own_head=True)[1] == "The truth is what the server drew for the shown views."
         )
