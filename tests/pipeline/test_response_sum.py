@@ -43,11 +43,6 @@ def test_figures_of_response_times_are_means_of_the_parts_and_ends_of_the_sums()
     assert response_figures([]) is None
 
 
-def test_a_given_time_is_in_proportion_to_the_pixels_and_a_measured_one_is_as_it_was():
-    taken = StageTimes(8.0, None, 4.0).taken_ns({"encode": 3.0, "decode": 9.0}, 0.25)
-    assert [*taken] == [2_000_000, 3_000_000, 1_000_000]
-
-
 def test_the_texts_of_the_option():
     assert network("fixed").response is None and network("").response is None
     assert network("sum").response == StageTimes(None, None, None)
