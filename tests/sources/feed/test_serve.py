@@ -263,6 +263,18 @@ def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, 
     assert feed["malformed"] == 0 and feed["clock"]["jumps"] == 0
 
 
+def test_what_a_server_says_that_drawing_took_is_a_part_of_the_measured_delay(tmp_path, monkeypatch):
+    """It says a minute, which is all of the delay, and nothing is left for the way."""
+    with feeder(as_sent=lambda frame: attrs.evolve(frame, render_ns=60_000_000_000)) as address:
+        feed = FeedOptions(connect=address)
+        options = small(tmp_path / "out", feed=feed, scene="server", warp="none", fill="none", seconds=0.2)
+        _, summary = pictures(monkeypatch, options)
+    shown = summary["link"]["timeline"]
+    assert shown and all(one["parts"]["network"] == 0 < one["parts"]["render"] for one in shown)
+    # Rounding of the two instants.
+    assert all(one["drawn"] + sum(one["parts"].values()) <= one["shown"] + 1e-6 for one in shown)
+
+
 def test_the_truth_that_the_server_draws_is_the_one_drawn_here(parade):
     """Of the instant, in a scene that moves."""
     headset, scene, size = load_headset("flat-90"), load_scene("parade"), (96, 80)
