@@ -136,6 +136,10 @@ def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of(top, end
     still[0, 23:] = NOW.fov.left, NOW.fov.right, NOW.fov.down, NOW.fov.up
     found = velocity_of((picture(vectors), still), NOW, depth)
     np.testing.assert_array_equal(found[..., 3] == 1, moves)
+    # Across by 0.01 of half the field, at the depth of the surface, which its vector's pixel has.
+    field = np.tan(NOW.fov.right) - np.tan(NOW.fov.left)
+    expected = 0.01 * field / 2 / 0.5 / SECONDS
+    np.testing.assert_allclose(found[moves][:, 0], expected, rtol=2.0**-10)
 
 
 @pytest.mark.parametrize(
