@@ -348,6 +348,14 @@ def test_the_sender_hears_of_a_loss_one_delay_after_it_and_once_a_key_frame_has_
     assert [link.needs_key(t) for t in (519, 520)] == [False, True]
 
 
+def test_of_several_losses_the_one_heard_of_first_wants_the_key_frame():
+    link = Link(iter([100, 20, 300]), iter([True, True, True]))
+    for number in range(3):
+        link.send(number, number * 10, key=False)
+    # Sent at 0, 10 and 20, and known to be missing at 200, 50 and 620.
+    assert [link.needs_key(t) for t in (49, 50)] == [False, True]
+
+
 def test_each_frame_is_settled_once_and_heard_of_one_delay_after_it_came():
     """Shown or not. A lost one is settled when it is sent, one in transit at the end never."""
     delays, losses = iter([30, 10, 20, 5, 40]), iter([False, False, True, False, False])

@@ -105,6 +105,28 @@ def test_moving_bodies_count_as_changes(gpu, scene_name):
     assert bounds[0] < 1e-9 < bounds[1] < bounds[2]
 
 
+def test_what_moves_is_bounded_from_the_nearer_place_and_in_the_farthest_corner(gpu):
+    scene, at_ns = load_scene("workshop"), 100_000_000
+    server = Server(gpu, scene)
+
+    def by_bodies(fov: Fov, step=(0.0, 0.0, 0.0)) -> float:
+        changes, pose = Changes(scene), scene.viewpoint
+        changes.sent(frame_of(server, [View(pose, fov)]))
+        after = View(Pose(pose.position_m + step, pose.orientation_xyzw), fov)
+        return changes.moved_px([after], at_ns) - changes.moved_px([after], 0)
+
+    try:
+        still = by_bodies(FOV)
+        steps = [by_bodies(FOV, sign * 0.3 * axis) for axis in np.eye(3) for sign in (-1, 1)]
+        wide, half = by_bodies(Fov(-0.6, 0.6, -0.9, 0.9)), by_bodies(Fov(-0.6, 0.2, -0.9, 0.9))
+    finally:
+        server.close()
+    # Seen from both ends of the step: a farther one leaves it, a nearer one counts. Rounding.
+    assert min(steps) >= still * (1 - 1e-9) and max(steps) > 1.05 * still
+    # The corner is as far out, and a pixel is as much smaller as the field is narrower.
+    assert half == pytest.approx(wide * 2 * math.tan(0.6) / (math.tan(0.6) + math.tan(0.2)))
+
+
 def test_a_still_head_sends_once_and_sees_the_same(tmp_path):
     options = {"trace": trace_of(tmp_path / "still.txt"), "latency_ms": 50.0, "seconds": 1.0}
     all_, changes = (
@@ -114,6 +136,8 @@ def test_a_still_head_sends_once_and_sees_the_same(tmp_path):
     assert (frames["drawn"], frames["shown"], frames["unchanged"]) == (1, 1, 62)
     assert changes["quality"] == all_["quality"]
     assert changes["link"]["mbit_s"] == pytest.approx(all_["link"]["mbit_s"] / 63)
+    # It asks as often, whatever it gets.
+    assert changes["link"]["up_mbit_s"] == all_["link"]["up_mbit_s"] > 0
     assert float(rows_of(tmp_path / "changes")[-1]["age_ms"]) == pytest.approx(50 + 59 * 1000 / 60, abs=0.01)
 
 

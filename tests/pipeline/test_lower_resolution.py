@@ -41,9 +41,11 @@ def test_without_a_limit_there_is_nothing_to_lower_for(tmp_path):
 
 
 def test_given_times_are_in_proportion_to_the_pixels(tmp_path):
-    link = run(tmp_path, latency_ms=30.0, network=network("resolution", SLOW), seconds=1.0).summary["link"]
+    slow = {"response": f"{SLOW['response']},decode=20"}
+    link = run(tmp_path, latency_ms=30.0, network=network("resolution", slow), seconds=1.0).summary["link"]
     assert link["frames"]["skipped"] <= 6
-    assert link["timeline"][-1]["parts"]["render"] == pytest.approx(50 * 0.5**2)
+    parts = link["timeline"][-1]["parts"]
+    assert (parts["render"], parts["decode"]) == pytest.approx((50 * 0.5**2, 20 * 0.5**2))
 
 
 @pytest.mark.parametrize("name", sorted(suited()))

@@ -14,10 +14,13 @@ from hypothesis import strategies as st
 from replays import each_refresh, run, small
 
 from hmdwarp.errors import InputError, PlanError
+from hmdwarp.geometry import Pose
 from hmdwarp.gpu import download
+from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
+from hmdwarp.pipeline.proxy import GuardedEyes
 from hmdwarp.pipeline.proxy_options import ProxyOptions
 from hmdwarp.poses import angle_between
 from hmdwarp.report import coding_rows
@@ -62,6 +65,25 @@ def test_next_to_the_server_it_changes_no_bit(warp):
 def test_next_to_the_client_it_shows_what_the_client_would_have_made(warp, fill):
     alone = pictures(warp=warp, fill=fill, guard=1.5, latency_ms=100.0)
     assert same(pictures(**proxied(0.0, 100.0, warp=warp, fill=fill)), alone)
+
+
+def test_what_it_sends_is_drawn_for_the_clients_eyes_at_the_instant_of_the_request():
+    """With the guard band alone in between: poses, places in the head and instants stay."""
+    eyes, head = load_headset("quest-3"), Pose((0.1, 1.6, 0.2), (0.1, 0.2, 0.3, 0.9))
+    for own, wide in zip(eyes.views(head), GuardedEyes(eyes, 1.5, (48, 40)).views(head), strict=True):
+        assert str(wide.pose) == str(own.pose) and str(wide.head_from_eye) == str(own.head_from_eye)
+        assert (wide.fov.tangents[[1, 3]] > own.fov.tangents[[1, 3]]).all()
+    found: list[tuple[int, ...]] = []
+    each_refresh(
+        small(start_s=1.0, seconds=0.05, scene="planes", **proxied(50.0, 50.0)),
+        lambda setup, number, refresh: found.append(
+            (
+                refresh.shown_ns - refresh.frame.drawn_ns,
+                *(refresh.frame.drawn_ns - eye.drawn_ns for eye in refresh.frame.eyes),
+            )
+        ),
+    )
+    assert found and set(found) == {(50 * MS, 0, 0)}
 
 
 def test_effects_are_compensated_by_the_proxy():

@@ -9,7 +9,7 @@ import pytest
 from replays import rows_of, run, small
 
 from hmdwarp.errors import InputError
-from hmdwarp.link import LinkOptions, StageTimes
+from hmdwarp.link import LinkOptions, ResponseTime, StageTimes, TransitStats, response_figures
 from hmdwarp.link.codec import Coding
 from hmdwarp.run import LiveOptions, live
 
@@ -23,6 +23,24 @@ def network(response: str = GIVEN, **more: object) -> LinkOptions:
 
 def ages_ms(folder) -> list[float]:
     return [float(row["age_ms"]) for row in rows_of(folder) if row["eye"] == "0"]
+
+
+def test_the_response_time_is_the_whole_way_of_a_frame():
+    """Work at both ends is measured; the rest of the way is the link's, each part once."""
+    way = dict.fromkeys(("queue_ns", "transfer_ns", "delay_ns", "hold_ns"), 0)
+    for name in way:
+        transit = TransitStats(3, 0, **way | {name: 7_000_000})
+        time = ResponseTime.of(transit, render_ms=1.0, encode_ms=2.0, decode_ms=3.0, warp_ms=4.0)
+        assert time.total_ms == transit.ready_ns / 1e6 + 10.0 == 17.0
+
+
+def test_figures_of_response_times_are_means_of_the_parts_and_ends_of_the_sums():
+    times = [ResponseTime(render_ms=1.0, warp_ms=float(number)) for number in range(101)]
+    found = response_figures(times)
+    assert {name: found[f"{name}_ms"] for name in ("render", "warp", "total", "median", "p95")} == pytest.approx(
+        {"render": 1.0, "warp": 50.0, "total": 51.0, "median": 51.0, "p95": 96.0}
+    )
+    assert response_figures([]) is None
 
 
 def test_the_texts_of_the_option():

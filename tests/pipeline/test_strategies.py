@@ -105,3 +105,11 @@ def test_a_client_that_cannot_run_it_is_refused_with_the_reason(tmp_path: Path):
 def test_depth_image_leaves_warp_and_fill_free():
     chosen = PipelineOptions.of({"strategy": "depth_image", "warp": "forward", "fill": "interpolate"})
     assert (chosen.warp, chosen.fill) == ("forward", "interpolate")
+
+
+def test_a_strategy_does_what_it_says_of_holes_and_of_pictures():
+    for name in strategies.names():
+        if "fills" in strategies.get(name).client:
+            assert options_of_strategy(name).get("fill") != "none", name
+    # Several besides the newest frame's own.
+    assert parse_warp(options_of_strategy("views")["warp"]).settings.views > 1

@@ -9,6 +9,7 @@ from .run_kinds import PictureRun as PictureRun
 from .run_kinds import Rule as Rule
 from .run_kinds import Verdict as Verdict
 from .run_kinds import settings_text as settings_text
+from .run_kinds import share_text as share_text
 from .run_kinds import verdict_of as verdict_of
 from .thesis_run import ThesisWork as ThesisWork
 from .thesis_run import cases_of as cases_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,8 +13,11 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ...client.capability import lacking
+from ...client.classes import load_client
 from ...client.compensator import EyeResult
 from ...client.plan import needs_of
+from ...client.strategies import strategies
 from ...colour import picture_from_linear
 from ...geometry import View, WarpMap
 from ...gpu import flip_rows
@@ -97,14 +101,48 @@ def seam(shown: Map, truth: Map, filled: NDArray[np.bool_], warped: NDArray[np.b
     return total / count / 255 if count else None
 
 
+# Mean of the three bytes by which neighbours differ at an edge.
+_EDGE = 24
+
+
+def false_edges(shown: Map, truth: Map) -> float | None:
+    """Return the part of the picture's edges that the truth has not within a pixel; None for none.
+
+    shown, truth: (h, w, 3) sRGB bytes.
+    """
+    false = count = 0
+    for axis in (0, 1):
+        found, true = (
+            np.abs(np.diff(one.astype(np.float32), axis=axis)).mean(axis=2) >= _EDGE for one in (shown, truth)
+        )
+        wide = np.pad(true, 1)
+        (height, width), ends = true.shape, range(3)
+        near = np.any([wide[y : y + height, x : x + width] for y in ends for x in ends], axis=0)
+        false, count = false + int((found & ~near).sum()), count + int(found.sum())
+    return false / count if count else None
+
+
 HEADSET = "flat-90"
 # By the wall clock a shorter pass is mostly the driver's overhead.
 LEAST_WALL_MS = 1.0
 Picture = NDArray[np.uint8]
 EYES = (0, 1)
+
+
+def _of_class(number: int) -> float:
+    """Return the share of the strategies meant for a class that take nothing which it lacks."""
+    client, headset, fits = load_client(f"class-{number}"), load_headset(HEADSET), list[bool]()
+    for name in strategies.names():
+        if number in strategies.get(name).classes:
+            plan = build_plan_for(RunOptions.of({"strategy": name, "lens": "none"}, trace="walk"), headset, None)
+            fits.append(not lacking(plan, client))
+    return fmean(fits)
+
+
 FACTS: Mapping[str, Callable[[], float]] = {
     "triangles": lambda: float(load_scene("room").triangle_count),
     "place_of_500_ms": lambda: float(refreshes_of(500.0, RATE_HZ)),
+    **{f"class_{number}": functools.partial(_of_class, number) for number in (1, 2, 3)},
 }
 
 
@@ -172,6 +210,7 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
         warp="none",  # the loop's own; those of the runs see the same frames
         fill="none",
         effects=run.effects,
+        mirrors=run.mirrors,
         lens="none",
         headset=HEADSET,
         size=(width, height),
@@ -258,6 +297,7 @@ class _Watcher:
             "empty_share": float(empty.mean()),
             "cracks_left_share": float((kinds.cracks & empty).mean()),
             "inner_left_share": float((~kinds.border & empty).mean()),
+            "false_edges": false_edges(now.shown, now.truth),
             "seam": seam(now.shown, now.truth, ~there & ~empty, there),
             "flicker": None,
         }
@@ -293,12 +333,13 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
     scale: of each side of the pictures. Errors: as replay.
     """
     width, height = (max(16, round(side * scale)) for side in run.size)
-    network = LinkOptions()
+    network = LinkOptions(server_rate_hz=run.server_hz)
     if run.bandwidth_mbit is not None:  # all that a frame goes through delays it
-        network = LinkOptions(bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
+        network = attrs.evolve(network, bandwidth=Bandwidth(run.bandwidth_mbit), response=StageTimes())
     summary = figures(
         RunOptions(
             trace=run.trace,
+            scene=run.scene,
             latency_ms=run.latency_ms,
             warp=run.warp,
             fill="none",
@@ -319,9 +360,11 @@ def stream(run: StreamRun, scale: float, seconds: float) -> tuple[Figures, str]:
         )
     )
     link = summary["link"]
-    per_eye = link["mbit_s"] / 2
+    per_eye, frames = link["mbit_s"] / 2, link["frames"]
+    settled = frames["never_shown"] + frames["shown"]  # the rest is still under way
     found: Figures = {
         "mbit_s": per_eye,
+        "never_shown_share": frames["never_shown"] / settled if settled else None,
         **{f"{name}_mbit_s": value / 2 for name, value in link["layers_mbit_s"].items()},
     }
     if scale == 1:  # smaller pictures tell nothing of these

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import functools
 import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -56,6 +57,7 @@ class PictureRun:
     guard: tuple[float, float] = (1.0, 1.0)
     scene: str = "room"
     effects: str = "auto"
+    mirrors: str = "geometry"  # how the server draws them's
     # Of each side of the picture.
     scale: float = 1.0
     # Whether the passes are timed and the change from picture to picture is measured.
@@ -70,7 +72,7 @@ class PictureRun:
     @property
     def shared(self) -> tuple[Any, ...]:
         """What runs have in common that are measured on the same frames."""
-        return (self.scene, self.effects, self.motion, self.latency_ms, self.guard, self.scale)
+        return (self.scene, self.effects, self.mirrors, self.motion, self.latency_ms, self.guard, self.scale)
 
     @property
     def caption(self) -> str:
@@ -79,6 +81,7 @@ class PictureRun:
         more = [
             *([f"rendered {size_text(self.guard)} for {size_text((1.0, 1.0))}"] if self.guard != (1.0, 1.0) else []),
             *([f"effects {self.effects}"] if self.effects != "auto" else []),
+            *([f"mirrors {self.mirrors}"] if self.mirrors != "geometry" else []),
         ]
         return ", ".join([f"{self.motion}, {self.latency_ms:g} ms: {self.warp}{fill}", *more])
 
@@ -95,11 +98,16 @@ class StreamRun:
     trace: str = "walk"
     # Mbit/s of the link; then rendering, encoding and decoding delay a frame as well.
     bandwidth_mbit: float | None = None
+    scene: str = "room"
+    # None for the display's.
+    server_hz: float | None = None
 
     def __str__(self) -> str:
         link = "" if self.bandwidth_mbit is None else f" {self.bandwidth_mbit:g} Mbit/s,"
         code = "" if self.depth == EXACT else f", depth as {self.depth}"
-        return f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}{code}"
+        rate = "" if self.server_hz is None else f", drawn at {self.server_hz:g} Hz"
+        front = f"{'x'.join(map(str, self.size))}, {self.codec},{link} {self.latency_ms:g} ms, {self.warp}"
+        return f"{front}{code}, {self.scene}{rate}"
 
     @property
     def caption(self) -> str:
@@ -194,10 +202,10 @@ def _least_growth(runs: Sequence[Figures], name: str) -> float | None:
     return None if len(known) < len(runs) else min(after / before for before, after in itertools.pairwise(known))
 
 
-def _least_step(runs: Sequence[Figures], name: str) -> float | None:
-    """Return the least difference of a figure from that of the run before it."""
+def _step(runs: Sequence[Figures], name: str, of: Callable[[Iterable[float]], float]) -> float | None:
+    """Return that one of the differences of a figure from that of the run before it."""
     known = [figure for run in runs if (figure := run.get(name)) is not None]
-    return None if len(known) < len(runs) else min(after - before for before, after in itertools.pairwise(known))
+    return None if len(known) < len(runs) else of(after - before for before, after in itertools.pairwise(known))
 
 
 def _closed(runs: Sequence[Figures], left: str, whole: str) -> float | None:
@@ -217,7 +225,8 @@ _NUMBERS: Mapping[str, Callable[..., float | None]] = {
     "change": _change,
     "ratio": _ratio,
     "least_growth": _least_growth,
-    "least_step": _least_step,
+    "least_step": functools.partial(_step, of=min),
+    "greatest_step": functools.partial(_step, of=max),
     "closed": _closed,
     "growth_exponent": _growth_exponent,
     # The program has no such thing.
@@ -307,6 +316,13 @@ def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:
         named = () if found == all_columns[row] else tuple(found)
         rows_of.setdefault(named, []).append(row)
     return "; ".join(_together(rows) + (f" ({_together(named)})" if named else "") for named, rows in rows_of.items())
+
+
+def share_text(findings: Sequence[Finding], holds: bool) -> str:
+    """Return how many of the judged settings are so, and which: see settings_text; "" for none."""
+    judged = [finding.holds for finding in findings if finding.holds is not None]
+    which = settings_text(findings, holds)
+    return f"{judged.count(holds)} of {len(judged)} settings: {which}" if which else ""
 
 
 def _together(texts: Sequence[str]) -> str:

@@ -37,6 +37,7 @@ from .run_kinds import (
     Verdict,
     is_quick,
     settings_text,
+    share_text,
     verdict_of,
 )
 
@@ -76,8 +77,8 @@ def run_thesis(
     work = ThesisWork(runs, ratings)
     with experiment(options, FILES, work, cases, progress, say) as (out, swept, described):
         made_on = swept.rows(lambda data: (data,))[0]
-        figures = _figures(swept.results())
-        judged = [_judged(each, figures) for each in chosen]
+        figures = figures_by_run(swept.results())
+        judged = [judge(each, figures) for each in chosen]
         counts = Counter(each["verdict"] for each in judged)
         data = described(
             {
@@ -90,7 +91,7 @@ def run_thesis(
             }
         )
         out.write_text(PAGE, render_thesis_page(data, _pictures(chosen, swept)))
-        out.write_csv(TABLE, _rows(judged), COLUMNS)
+        out.write_csv(TABLE, csv_rows(judged), COLUMNS)
         out.write_json(DATA, data)
     return ExperimentResult(options.out, data, options.out / PAGE, swept)
 
@@ -195,7 +196,7 @@ def _quick(experiment: Experiment) -> Experiment:
     return attrs.evolve(experiment, cells=cells or experiment.cells)
 
 
-def _figures(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:
+def figures_by_run(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run, Figures]:
     """Return the figures of every run; times of another machine than the first's are left out."""
     found: dict[Run, Figures] = {}
     timed_on: Any = None
@@ -209,7 +210,7 @@ def _figures(results: Iterable[tuple[SweepCase, Mapping[str, Any]]]) -> dict[Run
     return found
 
 
-def _judged(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, Any]:
+def judge(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, Any]:
     """Return an experiment as plain data, with the number of each cell and the verdict.
 
     A cell one of whose runs failed has no number.
@@ -227,15 +228,16 @@ def _judged(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str,
         "rule": experiment.rule_words(),
         "ours": f"{' to '.join(ends)} {experiment.unit}".strip() if values else "",
         "verdict": verdict_of(findings).value,
-        "holds_at": settings_text(findings, True),
-        "fails_at": settings_text(findings, False),
+        "holds_at": share_text(findings, True),
+        "fails_at": share_text(findings, False),
         "unknown_at": settings_text(findings, None),
         "note": experiment.note,
         "cells": [attrs.asdict(finding) for finding in findings],
     }
 
 
-def _rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+def csv_rows(judged: Sequence[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Yield the rows of results.csv, one for each cell of what `judge` returned."""
     for each in judged:
         for cell in each["cells"]:
             value = None if cell["value"] is None else cell["value"] * each["scale"]

@@ -9,7 +9,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
-from hmdwarp.experiments.bench.suite_means import clustered_interval, over_all, suite_entry
+from hmdwarp.experiments.bench.suite_means import Clusters, clustered_interval, over_all, ranks_of, suite_entry
 from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
 from hmdwarp.poses import KINDS
 from hmdwarp.report.bench import render_bench_page
@@ -44,6 +44,47 @@ def test_an_interval_takes_cases_of_one_head_for_dependent():
     assert (low + high) / 2 == pytest.approx(2)
     assert high - 2 == pytest.approx(T_OF_2 * 3**-0.5, rel=1e-5)
     assert clustered_interval([1, 3, 1, 3], list("AABB"), list("xyxy")) is None
+
+
+def test_an_interval_is_that_of_all_pairs_of_cases_that_share_a_head_or_a_scene():
+    """By pairs, in place of sums by cluster: 4 heads, 3 scenes, some cases missing."""
+    cases = [(head, scene) for head in "ABCD" for scene in "xyz" if (head, scene) not in {("A", "x"), ("C", "z")}]
+    values = [("ABCD".index(head) + 1) ** 2 + 9 * "xyz".index(scene) for head, scene in cases]
+    off = np.array(values) - np.mean(values)
+    one, other = np.meshgrid(range(len(cases)), range(len(cases)))
+    same = [
+        np.array([case[kind] for case in cases])[one] == np.array([case[kind] for case in cases])[other]
+        for kind in (0, 1)
+    ]
+    by_head, by_scene, single = (
+        count / (count - 1) * float((np.outer(off, off) * shares).sum()) / len(cases) ** 2
+        for count, shares in ((4, same[0]), (3, same[1]), (len(cases), one == other))
+    )
+    low, high = clustered_interval(values, *zip(*cases, strict=True))
+    assert by_head + by_scene - single > max(by_head, by_scene)
+    # t of the rarer kind, 3 scenes.
+    assert (high - low) / 2 == pytest.approx(T_OF_2 * (by_head + by_scene - single) ** 0.5, rel=1e-5)
+
+
+def test_the_tail_is_the_worst_that_95_of_100_pictures_stay_within():
+    rows = [
+        {"at_instants": {"flip": {str(n): float(n) for n in some}, "psnr_db": {str(n): -float(n) for n in some}}}
+        for some in (range(1, 8), range(8, 21))
+    ]
+    of = Clusters.of([("A", "x"), ("B", "y")])
+    assert of.tail(rows, "flip") == {"p95": 19.0, "p95_interval": None}  # 19 of 20 pictures
+    assert of.tail(rows, "psnr_db") == {"p95": -19.0, "p95_interval": None}
+
+
+def test_equals_share_the_better_rank():
+    cases = [(head, scene) for head in "ABC" for scene in "xyz"]
+    methods = {
+        (name, ""): [{"trace": head, "scene": scene, "quality": {"flip": {"mean": value}}} for head, scene in cases]
+        for name, value in (("a", 0.1), ("b", 0.1), ("c", 0.2))
+    }
+    found = {name: rank for (name, _), rank in ranks_of(methods).items()}
+    assert found["a"] == found["b"] == {"best": 1.0, "interval": [1, 1]}
+    assert found["c"] == {"best": 0.0, "interval": [3, 3]}
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

@@ -226,9 +226,12 @@ def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
     able = load_client(client)
     row = next(row for row in data["rows"] if row["strategy"] == "imposter")
     assert unfit(row, plan, EyeSizes((96, 60), (96, 60)), able) == ""
-    narrow = attrs.evolve(able, download_mbit_s=row["mbit_s"] / 10)
+    takes = decoded_mpx_s(row, plan, EyeSizes((96, 60), (96, 60)))
+    enough = attrs.evolve(able, download_mbit_s=row["mbit_s"], decoder_mpx_s=takes)
+    assert unfit(row, plan, EyeSizes((96, 60), (96, 60)), enough) == ""
+    narrow = attrs.evolve(able, download_mbit_s=row["mbit_s"] * 0.999)
     assert "Mbit/s" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), narrow)
-    slow = attrs.evolve(able, decoder_mpx_s=1e-3)
+    slow = attrs.evolve(able, decoder_mpx_s=takes * 0.999)
     assert "the client decodes" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), slow)
     timed = {**row, "clock": "gpu", "time_ms": {"total": {"median": 100.0}}}
     assert "ms an eye" in unfit(timed, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, budget_ms=1.0))

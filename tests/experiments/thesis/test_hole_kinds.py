@@ -1,4 +1,4 @@
-"""Holes are told apart by where their true surface was in the late frame."""
+"""Holes are told apart by where their true surface was; shares, edges and streams are counted."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis.run_figures import holes_of, seam
+from hmdwarp.experiments.thesis import Motion, PictureRun, Thoroughness
+from hmdwarp.experiments.thesis.run_figures import false_edges, holes_of, look, seam, stream
+from hmdwarp.experiments.thesis.run_kinds import RATE_HZ, StreamRun
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import border_holes
 
@@ -74,3 +76,55 @@ def test_a_seam_is_the_false_step_between_filled_and_warped():
     shown[:, 3:] += 51
     assert seam(shown, truth, filled, ~filled) == pytest.approx(51 / 255)
     assert seam(shown, truth, filled, np.zeros_like(filled)) is None
+
+
+def test_false_edges_are_those_that_the_truth_has_not_within_a_pixel():
+    truth = np.zeros((6, 12, 3), np.uint8)
+    truth[:, 6:] = 200
+    beside, doubled = np.roll(truth, 1, axis=1), truth.copy()
+    beside[:, :6] = 0  # the same edge, a pixel to the right
+    doubled[:, 9:] = 90  # the true edge, and another
+    doubled[-1] = truth[-1]  # not in the last row
+    assert false_edges(truth, truth) == false_edges(beside, truth) == 0.0
+    # Of the last row's 6 edges across one is true; down, its 3 columns differ from the row above.
+    assert false_edges(doubled, truth) == pytest.approx((5 + 3) / (6 + 5 + 3))
+    assert false_edges(np.zeros_like(truth), truth) is None
+    corner = np.zeros_like(truth)
+    corner[-1, -1] = 200  # in the last row and column alone
+    assert false_edges(corner, corner) == 0.0 and false_edges(corner, truth) == 1.0
+
+
+def test_shares_of_holes_are_parts_of_each_other(tmp_path):
+    motion = Motion("rotate", 60.0)
+    late, bare, filled = runs = [
+        PictureRun(motion=motion, latency_ms=400.0, scene="spheres", **{"warp": warp, "fill": fill})
+        for warp, fill in (("none", "none"), ("forward", "none"), ("forward", "interpolate"))
+    ]
+    found = {looked.run: looked.figures for looked in look(runs, Thoroughness((48, 30), 2, 1), tmp_path)}
+    # The late picture is the late picture: it gains nothing, and has no holes.
+    assert found[late]["gain_db"] == 0.0 == found[late]["hole_share"]
+    one = found[bare]
+    assert one["hole_share"] == pytest.approx(one["border_share"] + one["inner_share"])
+    assert one["border_share"] > 0.01 and one["inner_share"] > one["crack_share"] > 0
+    # Nothing is filled, so all that was a hole is left.
+    assert one["empty_share"] == one["hole_share"] and one["seam"] is None
+    assert one["inner_left_share"] == one["inner_share"] and one["cracks_left_share"] == one["crack_share"]
+    other = found[filled]
+    assert {name: other[name] for name in ("hole_share", "inner_share")} == {
+        name: one[name] for name in ("hole_share", "inner_share")
+    }
+    assert other["cracks_left_share"] <= other["inner_left_share"] < one["inner_share"]
+
+
+@pytest.mark.parametrize(("server_hz", "lost"), [(None, 0.0), (120.0, 0.5)])
+def test_a_stream_is_that_of_one_eye_at_the_servers_rate(server_hz, lost):
+    run = StreamRun(codec="h264", size=(48, 32), scene="planes", latency_ms=50.0, server_hz=server_hz)
+    raw = StreamRun(codec="none", depth="video", size=(48, 32), scene="planes", latency_ms=50.0, server_hz=server_hz)
+    coded, bare = (stream(each, 1.0, 0.25)[0] for each in (run, raw))
+    # Four halves a pixel, and at each refresh as many frames as the rates' ratio.
+    per_eye = 48 * 32 * 8 * 8 * (server_hz or RATE_HZ) / 1e6
+    # A frame more or less at the ends of the 20 refreshes or more that it lasts.
+    assert bare["mbit_s"] == bare["full_size_mbit_s"] == pytest.approx(per_eye, rel=0.05)
+    assert bare["mbit_s"] == pytest.approx(sum(value for name, value in bare.items() if name == "colour_mbit_s"))
+    for each in (coded, bare):
+        assert each["never_shown_share"] == pytest.approx(lost, abs=0.05)

@@ -9,7 +9,7 @@ import pytest
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
 from hmdwarp.experiments.thesis import PictureRun, experiments, experiments_named
-from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S
+from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S, is_quick
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 
@@ -33,6 +33,19 @@ CLAIMS = (
     "depth adds little to the bandwidth",
     "environment map costs several times",
     "14 Mbit/s",
+    "all methods fall with latency",
+    "a larger picture costs bandwidth",
+    "a larger picture costs latency",
+    "silhouettes of a reduced model are coarse",
+    "copies texture into the holes, in streaks",
+    "costs more where there are more holes",
+    "in screen space miss",
+    "edges of the warped picture are doubled",
+    "draws more often than the client shows",
+    "k pictures with depth cost k times",
+    "loads the network as a video stream",
+    "a third of the work of a photon mapper",
+    "clients of a class can run",
 )
 PICTURE_RUNS = sorted({run for each in EXPERIMENTS for run in each.runs() if isinstance(run, PictureRun)}, key=repr)
 
@@ -97,6 +110,12 @@ def test_a_motion_is_swept_over_all_speeds():
         for kind in {run.motion.kind for run in runs}:
             expected = SPEEDS_DEG_S if kind == "rotate" else SPEEDS_M_S
             assert {run.motion.speed for run in runs if run.motion.kind == kind} == set(expected), each.name
+
+
+def test_quick_keeps_the_middle_speed():
+    speeds = {run.motion.speed for run in PICTURE_RUNS if is_quick(run)}
+    assert speeds == {SPEEDS_M_S[1], SPEEDS_DEG_S[1]}
+    assert all(is_quick(run) for each in EXPERIMENTS for run in each.runs() if not isinstance(run, PictureRun))
 
 
 def test_runs_name_what_there_is():

@@ -8,8 +8,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis import Finding, Rule, Verdict, settings_text, verdict_of
+from hmdwarp.experiments.thesis import (
+    Finding,
+    Motion,
+    PictureRun,
+    Rule,
+    Thoroughness,
+    Verdict,
+    cases_of,
+    experiments,
+    experiments_named,
+    settings_text,
+    share_text,
+    verdict_of,
+)
 from hmdwarp.experiments.thesis.run_kinds import number_of
+from hmdwarp.experiments.thesis.thesis_run import csv_rows, figures_by_run, judge
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])
@@ -97,6 +111,7 @@ RUNS = [
         ("ratio a a 5", RUNS, 5.0 / 2.0 / 5),
         ("least_growth a", RUNS, 5.0 / 6.0),
         ("least_step a", RUNS, 5.0 - 6.0),
+        ("greatest_step a", RUNS, 6.0 - 2.0),
         ("closed b a", RUNS, 1 - 0.1 / 5.0),
         ("growth_exponent a", RUNS[:2], math.log(3) / math.log(4)),
         ("none", RUNS, None),
@@ -108,3 +123,104 @@ RUNS = [
 )
 def test_numbers_are_those_of_the_figures(text, runs, expected):
     assert number_of(text, runs) == (None if expected is None else pytest.approx(expected))
+
+
+@given(st.lists(HOLDS))
+def test_a_share_counts_the_judged_settings(holds):
+    for so in (True, False):
+        count, judged = holds.count(so), len(holds) - holds.count(None)
+        text = share_text(findings(holds), so)
+        assert text.startswith(f"{count} of {judged} settings: row") if count else text == ""
+
+
+def judged(name: str, *numbers: dict[str, float | None]) -> dict:
+    """What an experiment says whose every cell has runs with these figures, first to last."""
+    (experiment,) = experiments_named([name])
+    figures = {run: one for cell in experiment.cells for run, one in zip(cell.runs, numbers, strict=True)}
+    return judge(experiment, figures)
+
+
+@pytest.mark.parametrize(
+    ("name", "holding", "failing"),
+    [
+        ("size-bandwidth", [{"mbit_s": 10.0}, {"mbit_s": 14.0}], [{"mbit_s": 10.0}, {"mbit_s": 10.0}]),
+        ("size-latency", [{"response_ms": 60.0}, {"response_ms": 66.0}], [{"response_ms": 60.0}] * 2),
+        ("model-silhouettes", [{"psnr_db": 25.0}, {"psnr_db": 24.0}], [{"psnr_db": 25.0}, {"psnr_db": 24.95}]),
+        ("composite-copies", [{"psnr_db": 25.0}, {"psnr_db": 26.0}], [{"psnr_db": 25.0}, {"psnr_db": 24.0}]),
+        ("composite-cost", [{"fill_ms": 2.0}, {"fill_ms": 3.0}], [{"fill_ms": 3.0}, {"fill_ms": 2.0}]),
+        ("edges-doubled", [{"false_edges": 0.2}], [{"false_edges": 0.02}]),
+        ("reflections-missed", [{"psnr_db": 25.0}, {"psnr_db": 25.5}], [{"psnr_db": 25.0}, {"psnr_db": 25.0}]),
+        ("irradiance-bandwidth", [{"mbit_s": 10.0}, {"mbit_s": 12.0}], [{"mbit_s": 10.0}, {"mbit_s": 2.0}]),
+        ("classes", [{"value": 1.0}], [{"value": 0.75}]),
+    ],
+)
+def test_a_verdict_is_that_of_made_up_figures(name, holding, failing):
+    assert judged(name, *holding)["verdict"] == "holds"
+    one = judged(name, *failing)
+    count = len(one["cells"])
+    assert one["verdict"] == "does not hold" and one["fails_at"].startswith(f"{count} of {count} settings: ")
+    assert (one["holds_at"], one["unknown_at"]) == ("", "")
+    unknown = judged(name, *({} for _ in failing))
+    assert unknown["verdict"] == "cannot be told" and unknown["unknown_at"] and not unknown["fails_at"]
+
+
+def test_rates_and_pictures_are_judged_against_what_the_thesis_computes():
+    (frames,) = experiments_named(["frames-lost"])
+    figures = {run: {"never_shown_share": 1 - 60 / run.server_hz} for cell in frames.cells for run in cell.runs}
+    assert [cell["value"] for cell in judge(frames, figures)["cells"]] == pytest.approx([1.0, 1.0], rel=1e-4)
+    (pictures,) = experiments_named(["pictures-bandwidth"])
+    figures = {
+        run: {"mbit_s": 7.0 * (k if run.warp != "forward" else 1)}
+        for k, cell in zip((2, 3), pictures.cells, strict=True)
+        for run in cell.runs
+    }
+    assert [cell["value"] for cell in judge(pictures, figures)["cells"]] == pytest.approx([1.0, 1.0])
+
+
+def test_the_later_the_worse_from_each_latency_to_the_next():
+    (falls,) = experiments_named(["quality-latency"])
+    runs = [run for cell in falls.cells for run in cell.runs]
+    assert judge(falls, {run: {"psnr_db": -run.latency_ms} for run in runs})["ours"] == "-200.00 dB"
+    rises = judge(falls, {run: {"psnr_db": max(400.0, run.latency_ms)} for run in runs})
+    # It is the same at 200 and 400 ms, and 200 dB more at 600.
+    assert (rises["verdict"], rises["ours"]) == ("does not hold", "200.00 dB")
+
+
+def test_some_settings_of_a_claim_that_was_measured_in_part():
+    """A cell one of whose runs is missing has no number; the others are told apart and counted."""
+    (classes,) = experiments_named(["classes"])
+    one, two, three = (run for cell in classes.cells for run in cell.runs)
+    found = judge(classes, {one: {"value": 0.5}, two: {"value": 1.0}})
+    assert (found["verdict"], found["ours"]) == ("holds under conditions", "50 to 100 %")
+    assert (found["holds_at"], found["fails_at"]) == ("1 of 2 settings: class 2", "1 of 2 settings: class 1")
+    assert found["unknown_at"] == "class 3"
+    rows = [*csv_rows([found])]
+    # In the unit of the page.
+    assert [(row["row"], row["value"], row["holds"]) for row in rows] == [
+        ("class 1", 50.0, "no"), ("class 2", 100.0, "yes"), ("class 3", None, None),
+    ]  # fmt: skip
+    (size,) = experiments_named(["size-bandwidth"])
+    first, last = size.cells[0].runs
+    for alone in (first, last):  # half of a ratio is none
+        assert judge(size, {alone: {"mbit_s": 1.0}})["verdict"] == "cannot be told"
+    assert three not in figures_by_run([])
+
+
+def test_times_of_another_machine_are_left_out():
+    motion = Motion("sideways", 0.5)
+    runs = [
+        PictureRun(motion=motion, latency_ms=latency, timed=timed)
+        for latency, timed in ((200.0, True), (400.0, True), (600.0, False))
+    ]
+    cases = cases_of(runs, set(), Thoroughness((48, 30), 1, 1))
+    made_on = ["this", "that", "that"]
+    order = [runs.index(case.what.run) for case in cases]
+    data = [{"machine": made_on[at], "figures": {"warp_ms": 1.0, "psnr_db": 20.0}} for at in order]
+    found = figures_by_run(zip(cases, data, strict=True))
+    assert found[runs[0]] == {"warp_ms": 1.0, "psnr_db": 20.0}
+    assert found[runs[1]] == {"psnr_db": 20.0}
+    assert found[runs[2]] == {"warp_ms": 1.0, "psnr_db": 20.0}  # none of the runs that are timed
+
+
+def test_every_experiment_without_a_figure_cannot_be_told():
+    assert {judge(each, {})["verdict"] for each in experiments()} == {"cannot be told"}

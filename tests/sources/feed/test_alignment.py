@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.sources.feed.alignment import Alignment, Exchange
+from hmdwarp.sources.feed.alignment import MOST_DRIFT, Alignment, Exchange
 
 MS = 1_000_000
 
@@ -36,6 +36,9 @@ def test_a_drift_is_found(drift):
         assert not found.add(exchange(number * 100 * MS, 5 * MS, 5 * MS, 10**12, drift))
     # Both ways take the same, so only rounding to 1 ns is left, over seconds.
     assert abs(found.drift - drift) < 1e-6 + 1e-3 * abs(drift)
+    # Ten seconds after the last one, too: the drift's error over half a minute.
+    later = 30_000 * MS
+    assert abs(found.offset_at(later) - (10**12 + drift * later)) < 2 + (1e-6 + 1e-3 * abs(drift)) * later
 
 
 @given(st.integers(400 * MS, 10**15), st.sampled_from((1, -1)))
@@ -48,6 +51,22 @@ def test_a_jump_is_reported_once_and_followed(jump, sign):
     assert told.count(True) == 1 and told[10] and found.jumps == 1
     # The two ways differ by 10 ms, and half of that is taken for offset.
     assert abs(found.offset_at(29 * 16 * MS) - sign * jump) <= 5 * MS + 2
+
+
+def test_what_a_quartz_may_drift_in_a_pause_is_no_jump():
+    found = Alignment()
+    for at in (0, 100_000 * MS):
+        assert not found.add(exchange(at, MS, MS, 10**12, 0.9 * MOST_DRIFT))
+    # 60 ms in 100 s are more than that, and than the two ways.
+    assert found.add(exchange(200_000 * MS, MS, MS, 10**12 + 60 * MS, 0.9 * MOST_DRIFT))
+
+
+def test_a_drift_stays_within_what_a_quartz_may():
+    """The ways differ by 100 ms, and that is not taken for a drift."""
+    found = Alignment()
+    for number in range(8):
+        found.add(exchange(number * 3000 * MS, 100 * MS * (number % 2), 100 * MS * ((number + 1) % 2), 0))
+    assert abs(found.drift) == MOST_DRIFT
 
 
 def test_impossible_exchanges_are_left_out():

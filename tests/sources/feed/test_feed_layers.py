@@ -25,6 +25,7 @@ from .test_message import FRAME
 from .test_motion_vectors import told
 
 SIZE, SHOWN = (24, 20), (16, 12)
+DRAWN_NS = 70_000_000
 VIEWS = [View(Pose((x, 1.6, 1.0)), Fov.symmetric(1.0, 0.8)) for x in (-0.03, 0.03)]
 FED = [layer.name for layer in layers if not (layer.of_client or layer.always)]
 TURNED = Pose((1, 2, 3), (0.1, 0.2, 0.3, 0.9))
@@ -43,7 +44,7 @@ def drawn(server: Server, name: str) -> tuple[Wanted, list[EyeImage]]:
     needs = Needs(**{name: layers.get(name).something})
     wanted = wanted_of(needs, VIEWS, SHOWN)
     assert needs_of_client(wanted) == needs
-    frame = server.draw_guarded(VIEWS, 0, SIZE, needs, wanted.fovs, SHOWN)
+    frame = server.draw_guarded(VIEWS, DRAWN_NS, SIZE, needs, wanted.fovs, SHOWN)
     eyes = []
     for eye in frame.eyes:
         for texture in layers.get(name).sent(eye[name]):
@@ -95,6 +96,7 @@ def test_a_layer_arrives_as_it_was_drawn(server, name, packs):
             assert data == eye[name]
         if name in ("views", "wide"):
             assert layer.numbers(data).tobytes() == layer.numbers(eye[name]).tobytes()
+            assert {one.drawn_ns for one in (data if name == "views" else [data])} == {DRAWN_NS}
         if name == "ids":
             assert [str(body) for body in data.bodies] == [str(body) for body in eye[name].bodies]
         if name == "reflection":

@@ -99,6 +99,21 @@ def test_a_request_comes_back_bit_for_bit():
     assert all(map(same_view, back.views, VIEWS))
 
 
+def test_a_wish_comes_back_with_the_field_of_each_eye_and_every_row_of_settings():
+    rows = ((1.0, 2.0, 3.0), (4.0, 5.0, 6.0))
+    fovs = (VIEWS[0].fov, Fov(-0.5, 0.9, -0.4, 0.3))
+    wanted = Wanted((("points", rows), ("peeled", 2), ("difference", ((0.25,),))), (5, 2), fovs)
+    assert decode(encode(attrs.evolve(ASK, wanted=wanted))).wanted == wanted
+
+
+def test_a_packed_part_is_as_wide_and_high_as_it_was():
+    for kind, shape in ((np.float16, (3, 5, 4)), (np.float32, (5, 3)), (np.uint8, (1, 7))):
+        numbers = RNG.integers(0, 200, shape).astype(kind)
+        back = packed(numbers)
+        assert back.size == shape[1::-1] and back.numbers().dtype == kind
+        np.testing.assert_array_equal(back.numbers(), numbers)
+
+
 def test_inputs_come_back_bit_for_bit_behind_whatever_else_there_is():
     inputs = (
         InputEvent(-(2**62), "push", "ball", (1e-300, -1e9, 0.1), (0.1 + 0.2, 1e-9, 0.0)),
@@ -229,12 +244,12 @@ def test_a_frame_comes_back_bit_for_bit():
 
 def test_bytes_of_colour_come_back_and_are_srgb():
     colours = BYTES.colours
-    colours[0][0, 0, 3] = 0
+    colours[0][0, :2, 3] = 0, 1
     back = decode(encode(BYTES))
     assert isinstance(back, FrameMessage)
     np.testing.assert_array_equal(back.colours[1], colours[1])
     np.testing.assert_array_equal(srgb8_from_linear(back.light(0)[..., :3]), colours[0][..., :3])
-    assert back.light(0)[0, 0, 3] == 0 and (back.light(1)[..., 3] == (colours[1][..., 3] > 0)).all()
+    assert back.light(0)[0, :2, 3].tolist() == [0, 1] and (back.light(1)[..., 3] == (colours[1][..., 3] > 0)).all()
 
 
 def test_depth_in_16_bits_comes_back_and_is_its_step_times_the_codes():

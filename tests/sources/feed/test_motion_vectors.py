@@ -118,10 +118,12 @@ def test_vectors_of_two_numbers_keep_the_depth():
     np.testing.assert_allclose(found[..., :3], in_eye(across), atol=2 * 2.0**-11)
 
 
-def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of():
+# In the middle, and all that the last row or column of vectors tells.
+@pytest.mark.parametrize(("top", "end", "left", "right"), [(11, 23, 9, 25), (HIGH - 1, HIGH, 9, 25), (11, 23, 39, 40)])
+def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of(top, end, left, right):
     """A near square moves before a far wall: its edge stays where the picture's depth has it."""
     depth, moves = np.full((HIGH, WIDE), 0.1), np.zeros((HIGH, WIDE), bool)
-    moves[11:23, 9:25] = True
+    moves[top:end, left:right] = True
     depth[moves] = 0.5
     low = (HIGH // 2, WIDE // 2)
     vectors = np.zeros((*low, 3))
@@ -134,6 +136,10 @@ def test_vectors_of_lower_resolution_go_to_the_surface_that_they_are_of():
     still[0, 23:] = NOW.fov.left, NOW.fov.right, NOW.fov.down, NOW.fov.up
     found = velocity_of((picture(vectors), still), NOW, depth)
     np.testing.assert_array_equal(found[..., 3] == 1, moves)
+    # Across by 0.01 of half the field, at the depth of the surface, which its vector's pixel has.
+    field = np.tan(NOW.fov.right) - np.tan(NOW.fov.left)
+    expected = 0.01 * field / 2 / 0.5 / SECONDS
+    np.testing.assert_allclose(found[moves][:, 0], expected, rtol=2.0**-10)
 
 
 @pytest.mark.parametrize(

@@ -12,21 +12,23 @@ from serving import Serving
 
 from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Pose
+from hmdwarp.frames import Needs
+from hmdwarp.frames.layers import layers
+from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import Gpu, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
 from hmdwarp.link.codec import Coding
 from hmdwarp.pipeline.feed_coding import arrays_of
-from hmdwarp.pipeline.remote import Remote
+from hmdwarp.pipeline.remote import Remote, ViewsApart
 from hmdwarp.pipeline.remote_source import RemoteFrames, RemoteRenderer
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.frame_rows import ReplayLog
-from hmdwarp.scenes import load_scene
+from hmdwarp.scenes import InputEvent, load_scene
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Refusal, Wish, decode, encode
+from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Fate, Refusal, Wish, decode, encode
 from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
@@ -261,14 +263,31 @@ def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, 
     assert feed["malformed"] == 0 and feed["clock"]["jumps"] == 0
 
 
-def test_the_truth_that_the_server_draws_is_the_one_drawn_here(serving):
-    headset, planes, size = load_headset("flat-90"), load_scene("planes"), (96, 80)
-    view = headset.views(Pose((0.2, 1.7, 0.1), (0.0, 0.1, 0.0, 0.995)))[0]
-    with Gpu() as gpu, closing(RemoteRenderer(gpu, planes, FeedOptions(connect=serving.address))) as there:
-        with closing(Server(gpu, planes)) as here:
-            ours, theirs = here.draw(view, size), there.draw(view, size)
-            for name in ("colour", "inverse_depth"):
-                np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
+def test_what_a_server_says_that_drawing_took_is_a_part_of_the_measured_delay(tmp_path, monkeypatch):
+    """It says a minute, which is all of the delay, and nothing is left for the way."""
+    with feeder(as_sent=lambda frame: attrs.evolve(frame, render_ns=60_000_000_000)) as address:
+        feed = FeedOptions(connect=address)
+        options = small(tmp_path / "out", feed=feed, scene="server", warp="none", fill="none", seconds=0.2)
+        _, summary = pictures(monkeypatch, options)
+    shown = summary["link"]["timeline"]
+    assert shown and all(one["parts"]["network"] == 0 < one["parts"]["render"] for one in shown)
+    # Rounding of the two instants.
+    assert all(one["drawn"] + sum(one["parts"].values()) <= one["shown"] + 1e-6 for one in shown)
+
+
+def test_the_truth_that_the_server_draws_is_the_one_drawn_here(parade):
+    """Of the instant, in a scene that moves."""
+    headset, scene, size = load_headset("flat-90"), load_scene("parade"), (96, 80)
+    view = headset.views(scene.viewpoint)[0]
+    with Gpu() as gpu, closing(RemoteRenderer(gpu, scene, FeedOptions(connect=parade.address))) as there:
+        seen = set()
+        with closing(Server(gpu, scene)) as here:
+            for time_ns in (0, 700_000_000):
+                ours, theirs = here.draw(view, size, time_ns=time_ns), there.draw(view, size, time_ns=time_ns)
+                for name in ("colour", "inverse_depth"):
+                    np.testing.assert_array_equal(download(getattr(theirs, name)), download(getattr(ours, name)))
+                seen.add(download(theirs.inverse_depth).tobytes())
+        assert len(seen) == 2
         assert (
             there.truth_facts([], 0, 1.0, own_head=True)[1] == "The truth is what the server drew for the shown views."
         )
@@ -421,6 +440,126 @@ def test_a_frame_that_missed_its_refresh_is_counted_as_later_than_it():
     assert found[0].took_ns > 5_000_000_000
     remote.close()
     listener.close()
+
+
+def test_views_apart_keep_the_largest_difference_of_each_kind():
+    right = np.arctan(1.0)
+    asked, apart = View(Pose(), Fov(-right, right, -right, right)), ViewsApart()
+    apart.take(asked, asked)
+    assert not apart
+    # Three quarters of the width and of the height; the next one is wider, and elsewhere.
+    apart.take(asked, View(Pose(), Fov(-right, np.arctan(0.5), -np.arctan(0.5), right)))
+    apart.take(asked, View(Pose((0, 0.3, 0.4)), Fov(-1.2, right, -right, 1.2)))
+    assert apart and apart.field_share == pytest.approx(0.5625)
+    assert (apart.moved_m, apart.turned_deg) == (pytest.approx(0.5), 0.0)
+
+
+def test_a_request_that_comes_again_is_left_out():
+    lines = []
+    with closing(Listener("127.0.0.1:*", say=lines.append)) as listener, closing(Caller(listener.address)) as caller:
+        exchanged(caller, listener)
+        for number in (10**9, 10**9, 10**9 - 1, 10**9 + 1):
+            caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
+        # They come in order, so all before the last one have been read by then.
+        while next_asked(listener).ask.number <= 10**9:
+            pass
+    assert [line.partition("request ")[2] for line in lines if "left out" in line] == [
+        f"{number} after {10**9}" for number in (10**9, 10**9 - 1)
+    ]
+
+
+def test_a_frame_that_was_not_requested_is_left_out():
+    with closing(Listener("127.0.0.1:*")) as listener, closing(Caller(listener.address)) as caller:
+        exchanged(caller, listener)
+        caller.ask(attrs.evolve(ASK, number=10**9, token=bytes(32)))
+        while (asked := next_asked(listener)).ask.number < 10**9:
+            pass
+        caller.take()
+        for number in (10**9 + 1, 10**9):
+            listener.answer(asked, attrs.evolve(FRAME, number=number))
+        found = []
+        while not any(arrival.frame.number == 10**9 for arrival in found):
+            found += caller.take()
+        assert max(arrival.frame.number for arrival in found) == 10**9 and caller.malformed == 1
+
+
+class Session:
+    """A client's session and the server's end of it: what one asks, and answers by hand."""
+
+    def __init__(self) -> None:
+        self.listener, self._asked = Listener("127.0.0.1:*"), 0
+        self.remote = Remote(FeedOptions(connect=self.listener.address), holds=False)
+        self.eyes, self.head = load_headset("flat-90"), PoseSample(0, Pose(), Origin.MEASURED)
+
+    def ask(self, now_ns, needs=None):
+        self.remote.ask(self.head, self.eyes.views(self.head.pose), 1.0, (4, 3), now_ns, needs)
+        self._asked += 1
+
+    def asked(self, now_ns, needs=None):
+        """Ask; return the request as it arrived, once the ones before it have."""
+        self.ask(now_ns, needs)
+        while (found := next_asked(self.listener)).ask.number < self._asked:
+            pass
+        return found
+
+    def answer(self, asked, **says):
+        says = {"takes_inputs": True, "takes_session": True, **says}
+        self.listener.answer(asked, attrs.evolve(FRAME, number=asked.ask.number, **says))
+        while not (found := self.remote.arrived(0)):
+            pass
+        return found[-1].pending
+
+    def begin(self) -> None:
+        """Answer one request, so that the client knows what it may tell."""
+        found = None
+        while found is None:  # until the connection is there
+            self.ask(0)
+            found = self.listener.next(200)
+        self.answer(found)
+
+    def close(self) -> None:
+        self.remote.close()
+        self.listener.close()
+
+
+def test_what_people_did_is_told_until_the_server_has_it():
+    events = [InputEvent(at, "push", "ball") for at in (100, 200, 300)]
+    with closing(Session()) as session:
+        session.begin()
+        session.remote.act(events)
+        told = [session.asked(at) for at in (199, 200, 250, 300)]
+        # With that of the very instant; what was not answered is told again.
+        assert [list(one.ask.inputs) for one in told] == [events[:1], events[:2], events[:2], events]
+        session.answer(told[2])
+        last = session.asked(400)
+        assert list(last.ask.inputs) == events[2:]
+        session.answer(last)
+        after = session.asked(500)
+        assert after.ask.inputs == ()
+        session.answer(after, began=7)  # another server in its place, which knows nothing
+        assert list(session.asked(600).ask.inputs) == events
+
+
+def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_answered():
+    needs = Needs(irradiance=layers.get("irradiance").something)
+
+    def told(asked):
+        return asked.ask.session.fates
+
+    with closing(Session()) as session:
+        session.begin()
+        of = session.answer(session.asked(500, needs))
+        fate = Fate(of.number, True, 1000)
+        session.remote.tell(of, arrived=True, heard_ns=1000)
+        before, first, second = (session.asked(at, needs) for at in (999, 1000, 1001))
+        assert [told(one) for one in (before, first, second)] == [(), (fate,), (fate,)]
+        session.answer(before)  # it was not in there
+        third = session.asked(1100, needs)
+        assert told(third) == (fate,)
+        session.answer(second)
+        # The first will have no answer: its frame is lost, which is known at once.
+        lost = Fate(first.ask.number, False, 1000)
+        assert told(session.asked(1200, needs)) == (lost,)
 
 
 def test_every_client_has_its_own_rate():
