@@ -69,10 +69,10 @@ class BrowserDisplay:
     """What a page says of its display. Errors: BadLog for anything out of range."""
 
     chains: tuple[str, ...] = attrs.field()
+    views: tuple[list[float], ...] = attrs.field(validator=_views)
     browser: str = words(300)
     renderer: str = words(300)
     trace: str = words(80)
-    views: tuple[list[float], ...] = attrs.field(validator=_views)
     width: int = number(1, 16384)
     height: int = number(1, 16384)
     rendered_width: int = number(1, 16384)
