@@ -17,6 +17,7 @@ from web.looks import CLOCK  # noqa: E402
 
 PICTURES = {"web.png": (1400, 800), "web-phone.png": (390, 780)}
 HEADSET = {"web-headset.png": (1000, 560)}  # both eyes
+SERVED = ("--scene", "room", "--web", "127.0.0.1:*", "--samples", "4")  # as by default
 SHOWN = "hmdwarp.session.shown.number > 20"  # the pace of a new session has settled
 
 
@@ -37,7 +38,7 @@ def main() -> None:
 
     Then look about in a headset, whose clock is real.
     """
-    with tempfile.TemporaryDirectory() as folder, Serving("--scene", "room", "--web", "127.0.0.1:*") as server:
+    with tempfile.TemporaryDirectory() as folder, Serving(*SERVED) as server:
         address = server.line("for a browser").split()[-1]
         for name, size in PICTURES.items():
             with Browser(Path(folder) / name, size) as browser:

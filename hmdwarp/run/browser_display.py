@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 from typing import Any
 
 import attrs
 
 from ..errors import InputError
 from ..frames import EyeSizes
-from ..geometry import Fov
+from ..geometry import Fov, Pose
+from ..headsets import Headset, HeadsetEye
 from ..web import STEPS
 from .live_summary import LiveFacts
 from .options import DESKTOP, LiveOptions
@@ -28,6 +30,7 @@ CHAINS = {
     "rotation": "rotation",
 }
 FILL = "pyramid"
+_NUMBERS, _MOST_RAD = 11, 1.57  # of a view
 
 
 def number(least: float, most: float) -> Any:
@@ -46,23 +49,34 @@ def words(most: int) -> Any:
     return attrs.field(validator=check)
 
 
+def _views(_: object, __: object, value: object) -> None:
+    """Check each eye's place and direction in the head, then four angles. Errors: BadLog."""
+    if not (isinstance(value, tuple) and 1 <= len(value) <= 2 and all(isinstance(one, list) for one in value)):
+        raise BadLog("views: expected those of one eye or two")
+    for view in value:
+        if len(view) != _NUMBERS or any(isinstance(n, bool) or not isinstance(n, int | float) for n in view):
+            raise BadLog(f"views: expected {_NUMBERS} numbers each")
+        *pose, left, right, down, up = view
+        # A head's bones and a lens allow much less.
+        if not (all(abs(n) <= 1 for n in pose) and abs(math.hypot(*pose[3:]) - 1) <= 1e-6):
+            raise BadLog("views: an eye that is beside the head, or an orientation that is no unit quaternion")
+        if not (-_MOST_RAD <= left < right <= _MOST_RAD and -_MOST_RAD <= down < up <= _MOST_RAD):
+            raise BadLog("views: a field of view that is empty or out of range")
+
+
 @attrs.frozen
 class BrowserDisplay:
     """What a page says of its display. Errors: BadLog for anything out of range."""
 
     chains: tuple[str, ...] = attrs.field()
+    views: tuple[list[float], ...] = attrs.field(validator=_views)
     browser: str = words(300)
     renderer: str = words(300)
     trace: str = words(80)
-    eyes: int = number(1, 2)
     width: int = number(1, 16384)
     height: int = number(1, 16384)
     rendered_width: int = number(1, 16384)
     rendered_height: int = number(1, 16384)
-    left: float = number(-1.57, 1.57)
-    right: float = number(-1.57, 1.57)
-    down: float = number(-1.57, 1.57)
-    up: float = number(-1.57, 1.57)
     rate_hz: float = number(1, 1000)
     latency_ms: float = number(0, 60_000)
     guard: float = number(1, 4)
@@ -72,9 +86,25 @@ class BrowserDisplay:
         if not (isinstance(value, tuple) and value and all(one in [*CHAINS] for one in value)):
             raise BadLog(f"chains: expected some of {', '.join(CHAINS)}")
 
-    def __attrs_post_init__(self) -> None:
-        if not (self.left < self.right and self.down < self.up):
-            raise BadLog("a field of view that is empty")
+    @property
+    def eyes(self) -> int:
+        """How many views there are."""
+        return len(self.views)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Pixels of an eye's picture."""
+        return self.width, self.height
+
+    @property
+    def headset(self) -> Headset:
+        """Its views as a headset's, a window's for both eyes. Errors: BadLog."""
+        eyes = tuple(HeadsetEye(Pose(view[:3], view[3:7]), Fov(*view[7:])) for view in self.views)
+        about = "the views of a browser's display"
+        try:
+            return Headset("browser", about, about, self.size, self.rate_hz, (eyes[0], eyes[-1]))
+        except InputError as error:
+            raise BadLog(str(error)) from error
 
     @classmethod
     def of(cls, said: object) -> BrowserDisplay:
@@ -82,7 +112,8 @@ class BrowserDisplay:
         names = {field.name for field in attrs.fields(cls)}
         if not isinstance(said, dict) or set(said) != names:
             raise BadLog(f"expected the keys {', '.join(sorted(names))}")
-        return cls(**{**said, "chains": tuple(said["chains"]) if isinstance(said["chains"], list) else ()})
+        lists = {name: tuple(said[name]) if isinstance(said[name], list) else () for name in ("chains", "views")}
+        return cls(**{**said, **lists})
 
 
 def said_in(text: str, most: int) -> Any:
@@ -97,7 +128,8 @@ def said_in(text: str, most: int) -> Any:
 
 def facts_of(display: BrowserDisplay, scene: str) -> LiveFacts:
     """Return what a live run here would know of the display. Errors: BadLog."""
-    fov, size = Fov(display.left, display.right, display.down, display.up), (display.width, display.height)
+    headset, size = display.headset, display.size
+    fovs = (headset.fov(0), headset.fov(1))[: display.eyes]
     try:
         options = LiveOptions(
             scene=scene, source=DESKTOP, warp=display.chains[0], fill=FILL, lens="none", latency_ms=display.latency_ms,
@@ -107,7 +139,8 @@ def facts_of(display: BrowserDisplay, scene: str) -> LiveFacts:
         raise BadLog(str(error)) from error
     shared = Facts(
         options, display.trace, scene, [], "browser",
-        EyeSizes((display.rendered_width, display.rendered_height), size, (fov,) * display.eyes), display.rate_hz,
-        fov.pixels_per_degree(size), {"gl_renderer": display.renderer, "gl_version": "WebGL 2", "cpu_count": 1}, "wall",
+        EyeSizes((display.rendered_width, display.rendered_height), size, fovs), display.rate_hz,
+        fovs[0].pixels_per_degree(size), {"gl_renderer": display.renderer, "gl_version": "WebGL 2", "cpu_count": 1},
+        "wall",
     )  # fmt: skip
     return LiveFacts(shared, options, "browser", {"browser": display.browser}, "none", ())

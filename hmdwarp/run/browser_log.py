@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..errors import HmdwarpError, counted
 from ..geometry import Pose
+from ..headsets import headset_toml
 from ..link import ResponseTime, TransitStats, figures_of_parts
 from ..poses import Origin, PoseSample
 from ..report import POSE_PARTS, OutputFolder, render_live_report
@@ -72,12 +73,12 @@ class _Shown:
 
 
 class _Session:
-    """One display's session: a folder as of a live run, with trace.csv and delays.csv."""
+    """One display's session: a folder as of a live run, with what a replay of it takes."""
 
     def __init__(self, display: BrowserDisplay, folder: Path, scene: str, command: str) -> None:
         self.display, self._facts, self._command = display, facts_of(display, scene), command
         self._figures, self._timeline, self._responses = LiveFigures(), Timeline(), Thinned(_RESPONSE)
-        self._out = OutputFolder(folder, owned=(*OWNED, "trace.csv"))
+        self._out = OutputFolder(folder, owned=(*OWNED, "trace.csv", "headset.toml"))
         self._ending = ExitStack()
         self._rows = Lines(self._out.path("frames.csv"))
         self._rows.add(HEADER)
@@ -163,6 +164,7 @@ class _Session:
             return ""
         summary = self._summary()
         self._out.write_text("delays.csv", "".join(self._delays))
+        self._out.write_text("headset.toml", headset_toml(self.display.headset))
         page = render_live_report(summary, self._figures.times.column, command=self._command)
         self._out.write_text("report.html", page)
         self._out.write_json("summary.json", summary)

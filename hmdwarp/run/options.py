@@ -462,7 +462,9 @@ class ServeOptions(ListenOptions):
         "needs --certificate, or a cable that forwards the port.",
     )
     certificate: Path | None = option(
-        None, "PEM file with the private key and certificate of --web, for https.", kind=Path
+        None,
+        "PEM file with the private key and certificate of --web, for https; made by openssl if missing.",
+        kind=Path,
     )
     out: Path | None = out_field(
         None, "With --web: folder for what browsers report of their sessions, each as a live run; by default none."

@@ -29,6 +29,7 @@ from ..errors import InputError
 from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
 from ..sources.feed.sockets import is_local, set_options
+from .certificate import certified, hosts_at
 from .es_shaders import PAGE, shaders
 
 _TOKEN_BYTES = 16
@@ -67,8 +68,8 @@ class Door:
     """Serve the page at HOST:PORT, and pass browsers' messages on to a server of the feed.
 
     feed: its address, as the server says it. about: what the page is told, by key. files: by path,
-    what makes JSON, such as a trace. certificate: a PEM file with key and certificate, None for
-    plain HTTP. log: makes what takes the reports of a connection.
+    what makes JSON, such as a trace. certificate: a PEM file with key and certificate, made if
+    missing; None for plain HTTP. log: makes what takes the reports of a connection.
     Errors: InputError for an address that cannot be listened at, and for one beyond this machine
     without a certificate unless is_open.
     """
@@ -88,12 +89,17 @@ class Door:
     ) -> None:
         if not (is_local(_checked(address)) or certificate or is_open):
             raise InputError(
-                f"--web {address}: beyond this machine it wants --certificate FILE.pem, without which a browser offers "
-                "no VR; or give --open to send pictures and cookies unencrypted"
+                f"--web {address}: beyond this machine it wants --certificate FILE.pem, made if missing, without "
+                "which a browser offers no VR; or give --open to send pictures and cookies unencrypted"
             )
         self._feed, self._lock, self._say = feed.replace("0.0.0.0", "127.0.0.1"), lock or Lock(), say
         self._log = log
-        self._tls = _tls(certificate)
+        self._tls: ssl.SSLContext | None = None
+        if certificate is not None:
+            self._tls, fingerprint, is_new = certified(certificate, address.rpartition(":")[0])
+            if is_new:
+                say(f"made {certificate}, with a private key, which stays here")
+            say(f"the SHA-256 fingerprint of {certificate}: {fingerprint}")
         self._files = {"/session.json": _as_json(about), "/shaders.json": _as_json(shaders())}
         self._made = {f"/{name}": make for name, make in files.items()}
         for path in PAGE.iterdir():
@@ -105,6 +111,7 @@ class Door:
         self._key = self._lock.secret.encode() or secrets.token_bytes(_TOKEN_BYTES)
         self._listener = _listener(address)
         host, port = self._listener.getsockname()[:2]
+        host = hosts_at(host)[0]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         self._context, self._pages = zmq.asyncio.Context(), 0
         self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
@@ -269,19 +276,6 @@ class _File:
 
 def _as_json(content: Any) -> _File:
     return _File(json.dumps(content).encode(), "application/json")
-
-
-def _tls(certificate: Path | None) -> ssl.SSLContext | None:
-    if certificate is None:
-        return None
-    found = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    try:
-        found.load_cert_chain(certificate)
-    except (OSError, ssl.SSLError) as error:
-        raise InputError(
-            f"--certificate {certificate}: expected a PEM file with a private key and its certificate ({error})"
-        ) from error
-    return found
 
 
 def _checked(address: str) -> str:

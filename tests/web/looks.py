@@ -66,8 +66,8 @@ def pictures_of(looked: dict[str, Any]) -> list[np.ndarray]:
 class Own:
     """hmdwarp's own warp of what the server drew for the views sent. Use it in a `with`."""
 
-    def __init__(self, gpu, scene: str = "room", samples: int = 1) -> None:
-        self._gpu, self._server, self._warpers = gpu, Server(gpu, load_scene(scene), samples=samples), {}
+    def __init__(self, gpu, samples: int = 1) -> None:
+        self._gpu, self._server, self._warpers = gpu, Server(gpu, load_scene("room"), samples=samples), {}
         self._drawn: dict[str, list] = {}
 
     def _late(self, looked: dict[str, Any]) -> list:

@@ -11,19 +11,27 @@ from pathlib import Path
 import needs
 import numpy as np
 import pytest
+from PIL import Image
 from serving import Serving
 
 from hmdwarp.errors import InputError
+from hmdwarp.headsets import load_headset
 from hmdwarp.run import ServeOptions
 from hmdwarp.run.browser_log import COLUMNS, MOST_TEXT, BrowserLogs
+from hmdwarp.web import STEPS
 
 from .browser import Browser, enter_vr
+from .looks import CLOCK, look_after, pictures_of
 
 DISPLAY = {
-    "browser": "a browser", "renderer": "a GPU", "trace": "walk", "eyes": 2, "width": 120, "height": 130,
-    "rendered_width": 150, "rendered_height": 162, "left": -0.7, "right": 0.7, "down": -0.7, "up": 0.7,
+    "browser": "a browser", "renderer": "a GPU", "trace": "walk", "width": 120, "height": 130,
+    "rendered_width": 150, "rendered_height": 162,
+    "views": [[x, 0, 0, 0, 0, 0, 1, -0.7, 0.7, -0.7, 0.7] for x in (-0.034, 0.034)],
     "rate_hz": 90, "latency_ms": 100, "guard": 1.25, "chains": ["iterative", "mesh:grid=64", "rotation"],
 }  # fmt: skip
+
+KNOWN_MS = 120  # of a head's motion, that the predictor knows
+REFRESH_MS, LATENCY_MS = 16, 100  # whole in ns; between two refreshes, so that no rounding of theirs matters
 
 
 def rows(count: int = 200, **changed) -> np.ndarray:
@@ -99,7 +107,14 @@ WRONG = {
     "not a number": json.dumps(DISPLAY | {"rate_hz": "90"}),
     "no finite number": json.dumps(DISPLAY | {"rate_hz": float("nan")}),
     "a size that is huge": json.dumps(DISPLAY | {"width": 1e9}),
-    "an empty view": json.dumps(DISPLAY | {"left": 0.7}),
+    "an empty view": json.dumps(DISPLAY | {"views": [[0, 0, 0, 0, 0, 0, 1, 0.7, 0.7, -0.7, 0.7]]}),
+    "a view of no numbers": json.dumps(DISPLAY | {"views": [["x"] * 11]}),
+    "a view that is turned by nothing": json.dumps(DISPLAY | {"views": [[0] * 7 + [-0.7, 0.7, -0.7, 0.7]]}),
+    "an eye that is NaN": json.dumps(DISPLAY | {"views": [[float("nan"), 0, 0, 0, 0, 0, 1, -0.7, 0.7, -0.7, 0.7]]}),
+    "eyes that look past each other": json.dumps(
+        DISPLAY | {"views": [[0, 0, 0, 0, turn, 0, 0.6, -0.7, 0.7, -0.7, 0.7] for turn in (-0.8, 0.8)]}
+    ),
+    "three eyes": json.dumps(DISPLAY | {"views": DISPLAY["views"][:1] * 3}),
     "letters of a terminal": json.dumps(DISPLAY | {"browser": "\x1b[2J"}),
     "a chain that is none": json.dumps(DISPLAY | {"chains": ["../../etc"]}),
     "a list of lists": json.dumps(DISPLAY | {"chains": [[]]}),
@@ -198,10 +213,11 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
         *(sys.executable, "-m", "hmdwarp", "replay", f"{folder}/trace.csv", "--scene", "room", "--against", ""),
         *("--delay-trace", f"{folder}/delays.csv", "--rate", str(rate), "--server-rate", str(server_rate)),
         *("--size", f"{width}x{height}", "--metrics-every", "1000", "--workers", "0", "--images", "0", "--quiet"),
-        *("--fill", "none", "--out", str(tmp_path / "replay")),
+        *("--headset", f"{folder}/headset.toml", "--fill", "none", "--out", str(tmp_path / "replay")),
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+    assert abs(load_headset(f"{folder}/headset.toml").ipd_m - (0.068 if eyes == 2 else 0)) < 1e-6
     replayed = _refreshes(tmp_path / "replay")
     ages, again = (np.array([float(row["age_ms"]) for row in rows]) for rows in (session, replayed))
     assert abs(again.mean() - ages.mean()) <= 1e3 / rate + 1e3 / server_rate
@@ -212,3 +228,64 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
         )
         # Both interpolate linearly; times are written in nanoseconds, in which a head moves less.
         np.testing.assert_allclose(place_again, np.interp(at_again, at, place), atol=1e-6)
+
+
+def _picture(folder: Path, number: int, size: tuple[int, int]) -> np.ndarray:
+    """Return what a replay showed: of truth, late frame, warped and error, below their labels."""
+    with Image.open(folder / "images" / f"frame-{number:06d}-left.png") as file:
+        strip = np.asarray(file.convert("RGB"))
+    width, height = size
+    at = 2 * (width + (strip.shape[1] - 4 * width) // 3)
+    return strip[-height:, at : at + width]
+
+
+@needs.programs("chromium")
+def test_a_replay_shows_what_the_page_showed(tmp_path):
+    """The clock is stepped, so frames are even; poses are those of the page's own predictor.
+
+    Frames cross without a codec. Off by half a level of 255 for the late frame's bytes, half for
+    each program's picture, and half for both's half floats: 2 in all, except where a comparison of
+    depths stands on the brink and another surface is taken.
+    """
+    with (
+        Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
+        Browser(tmp_path / "profile", (960, 640)) as browser,
+    ):
+        browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK.replace("1000 / 60", str(REFRESH_MS)))
+        browser.send("Emulation.setDeviceMetricsOverride", width=960, height=640, deviceScaleFactor=1, mobile=False)
+        asks = f"&raw&trace=walk&warp=iterative&size=96&rate=120&latency={LATENCY_MS}"
+        browser.open(server.line("for a browser").split()[-1] + asks)
+        browser.until("hmdwarp.session.feed.socket.readyState === 1")
+        browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
+        looked = [browser.does(look_after(1)) for _ in range(60)]
+        browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
+        browser.does("hmdwarp.session.feed.close()")
+        folder = Path(server.line("a browser's session").split()[-1])
+    size, rate = tuple(looked[0]["views"][0]["size"]), str(1e3 / REFRESH_MS)
+    ahead = LATENCY_MS + 500 / 120  # as the page predicts
+    command = [
+        *(sys.executable, "-m", "hmdwarp", "replay", f"{folder}/trace.csv", "--scene", "room", "--samples", "1"),
+        *("--delay-trace", f"{folder}/delays.csv", "--headset", f"{folder}/headset.toml", "--guard", "1.25"),
+        *("--rate", rate, "--server-rate", rate, "--size", f"{size[0]}x{size[1]}", "--predict", "cautious"),
+        *("--horizon", str(ahead), "--warp", f"iterative:seed=rotation,steps={STEPS}", "--fill", "none"),
+        *("--against", "", "--metrics-every", "16", "--images", "1000", "--workers", "0", "--quiet"),
+        *("--out", str(tmp_path / "replay")),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    shown = {tuple(look["views"][0]["pose"]["position"]): pictures_of(look)[0] for look in looked}
+    rows = {round(1e3 * float(row["time_s"])): row for row in _refreshes(folder)}
+    compared = 0
+    for again in _refreshes(tmp_path / "replay"):
+        row = rows[round(1e3 * float(again["time_s"]))]
+        if int(row["drawn_ns"]) - int(rows[0]["shown_ns"]) < 1e6 * KNOWN_MS:
+            continue  # the page knew how the head had moved before
+        assert row["age_ms"] == again["age_ms"]
+        for name in (f"{which}_{axis}_m" for which in ("shown", "drawn") for axis in "xyz"):
+            assert abs(float(row[name]) - float(again[name])) < 1e-6  # both interpolate, at times in whole ns
+        if again["hole_share"]:  # it is measured, and so kept
+            off = shown[tuple(float(row[f"shown_{axis}_m"]) for axis in "xyz")].astype(int)
+            off -= _picture(tmp_path / "replay", int(again["frame"]), size)
+            assert np.mean(np.abs(off).max(axis=-1) > 2) <= 0.01 + float(again["hole_share"])
+            compared += 1
+    assert compared >= 2

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import json
+import socket
 import ssl
-import subprocess
 import urllib.error
 import urllib.request
 from contextlib import suppress
@@ -25,7 +26,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import ServeOptions
 from hmdwarp.sources.feed.message import RGBA8, Ask, FrameMessage, Refusal, Wish, decode, encode
-from hmdwarp.web import Door, Lock
+from hmdwarp.web import Door
 
 EYES = (View(Pose((0, 1.6, 0)), Fov.symmetric_deg(90, 80)),)
 
@@ -248,25 +249,53 @@ def test_a_port_that_is_taken_is_told(serving):
         Door(taken, "tcp://127.0.0.1:1", {}, {})
 
 
+def https(address: str, pem: Path):
+    """(answer, SHA-256 of its certificate) of a page, by a client that trusts this one alone."""
+    trusting, place = ssl.create_default_context(cafile=str(pem)), urlsplit(address)
+    with (
+        socket.create_connection((place.hostname, place.port)) as plain,
+        trusting.wrap_socket(plain, server_hostname=place.hostname) as safe,
+    ):
+        safe.sendall(f"GET /?{place.query} HTTP/1.0\r\nHost: {place.netloc}\r\n\r\n".encode())
+        answer = b"".join(iter(lambda: safe.recv(4096), b"")).decode()
+        return answer, hashlib.sha256(safe.getpeercert(binary_form=True)).hexdigest()
+
+
 @needs.programs("openssl")
-def test_a_certificate_makes_it_https(tmp_path):
-    pem = tmp_path / "pair.pem"
-    made = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=localhost", "-days", "2"]
-    subprocess.run([*made, "-keyout", str(pem), "-out", str(tmp_path / "c.pem")], check=True, capture_output=True)
-    pem.write_text(pem.read_text() + (tmp_path / "c.pem").read_text())
-    door = Door("127.0.0.1:*", "tcp://127.0.0.1:1", {"scene": "x"}, {}, lock=Lock(), certificate=pem)
-    try:
-        trusting = ssl.create_default_context(cafile=str(tmp_path / "c.pem"))
-        trusting.check_hostname = False
-        opener = urllib.request.build_opener(
-            urllib.request.HTTPSHandler(context=trusting), urllib.request.HTTPCookieProcessor()
-        )
-        with opener.open(door.address) as found:
-            assert found.status == 200 and "wss://" in found.headers["Content-Security-Policy"]
-    finally:
-        door.close()
-    with pytest.raises(InputError, match="expected a PEM file with a private key"):
-        Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}, certificate=tmp_path / "c.pem")
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost", "0.0.0.0"])
+def test_a_certificate_is_made_once_for_where_it_listens(tmp_path, host):
+    """Python's client checks the name too; what is printed of 0.0.0.0 is an address to open."""
+    pem, said, seen = tmp_path / "made.pem", [], []
+    for _ in range(2):
+        door = Door(f"{host}:*", "tcp://127.0.0.1:1", {}, {}, certificate=pem, say=said.append)
+        try:
+            assert "0.0.0.0" not in door.address
+            answer, fingerprint = https(door.address, pem)
+        finally:
+            door.close()
+        assert "303 See Other" in answer and "; Secure" in answer
+        seen.append(fingerprint)
+    assert seen[0] == seen[1] and pem.stat().st_mode & 0o777 == 0o600 and [*tmp_path.iterdir()] == [pem]
+    assert [line.startswith("made ") for line in said if str(pem) in line] == [True, False, False]
+    assert {line.split()[-1].replace(":", "").lower() for line in said if "fingerprint" in line} == {*seen}
+
+
+def test_what_is_no_certificate_is_told(tmp_path, monkeypatch):
+    wrong, missing = tmp_path / "wrong.pem", tmp_path / "missing.pem"
+    wrong.write_text("no key\n", encoding="utf-8")
+
+    def refused(pem: Path, why: str) -> None:
+        with pytest.raises(InputError, match=why) as told:
+            Door("127.0.0.1:*", "tcp://127.0.0.1:1", {}, {}, certificate=pem)
+        assert len(str(told.value).splitlines()) == 1
+
+    refused(wrong, "expected a PEM file with a private key")
+    refused(tmp_path, "is a directory")
+    if needs.program("openssl"):
+        refused(tmp_path / "none" / "in.pem", "cannot be made")
+    monkeypatch.setenv("PATH", "")
+    refused(missing, "without the program openssl: install it, or name a PEM file")
+    assert not missing.exists()
 
 
 def test_recorded_frames_are_given_as_the_camera_took_them(tmp_path):

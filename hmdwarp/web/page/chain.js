@@ -8,6 +8,7 @@ const TOLD = { size: [768, 192], half: [0.3, 0.075], ahead: { position: [0, 0, -
 const LIMITS = { depth_tolerance: 0.03, depth_floor: 0.02 }, SHEET = 1, CONVERGED = 0.75;
 const GRID = 64; // cells a side, as CloudXR.js draws
 const LEAST_SIDE = 4; // pixels of the pyramid's top
+const MOST_PYRAMIDS = 2; // sizes of shown pictures: the window's and the headset's
 /** Every chain, the best first; each says which warp it runs. */
 export const CHAINS = { iterative: "iterative", "mesh:grid=64": "mesh", rotation: "rotation" };
 
@@ -210,11 +211,22 @@ export class Chain {
         gl.bindRenderbuffer(gl.RENDERBUFFER, nearest);
         gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
       }
-      levels.push({ size: [width, height], colour, whole, depth, into: this.target([colour, depth], nearest), pushed: this.target([whole]) });
+      levels.push({ size: [width, height], colour, whole, depth, nearest, into: this.target([colour, depth], nearest), pushed: this.target([whole]) });
       if (Math.max(width, height) <= LEAST_SIDE) break;
     }
     this.pyramids.set(key, levels);
+    if (this.pyramids.size > MOST_PYRAMIDS) this.forget(...this.pyramids.entries().next().value);
     return levels;
+  }
+
+  forget(key, levels) {
+    const gl = this.gl;
+    for (const { colour, whole, depth, nearest, into, pushed } of levels) {
+      for (const texture of [colour, whole, depth]) gl.deleteTexture(texture);
+      for (const target of [into, pushed]) gl.deleteFramebuffer(target);
+      gl.deleteRenderbuffer(nearest);
+    }
+    this.pyramids.delete(key);
   }
 
   warp(name, eye, shown, level) {

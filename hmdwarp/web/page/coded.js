@@ -42,6 +42,7 @@ class Video {
 
   close() {
     if (this.decoder.state !== "closed") this.decoder.close();
+    this.waiting.splice(0).forEach((take) => take(null)); // a closed decoder gives nothing any more
   }
 }
 
@@ -77,7 +78,10 @@ export class VideoEye {
     const before = this.kinds; // after a key frame the map says what changed
     if (!begins) for (let k = 0; k < told.length; k += 1) told[k] ^= before[k];
     this.kinds = told;
-    if (!shown || !luma) return null;
+    if (!shown || !luma) {
+      for (const one of [shown, luma]) one?.close();
+      return null;
+    }
     const codes = new Uint8Array(luma.allocationSize({ rect: luma.visibleRect }));
     const [plane] = await luma.copyTo(codes, { rect: luma.visibleRect });
     luma.close();

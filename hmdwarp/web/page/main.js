@@ -111,6 +111,7 @@ class Session {
       this.adapt(frame);
       pictures = await Promise.all(frame.eyes.map((eye, k) => this.coded[k].decode(frame, eye)));
       if (pictures.includes(null)) {
+        this.drop({ pictures: pictures.filter((one) => one !== null) });
         this.anew = true; // a picture before it is missing: the streams begin again
         return;
       }
@@ -264,10 +265,11 @@ class Session {
 
   /** What a report says of the display. */
   display() {
-    const [{ size: [width, height], fov: [left, right, down, up] }] = this.eyes, [wide, high] = this.shown.size;
+    const [{ size: [width, height] }] = this.eyes, [wide, high] = this.shown.size;
     return {
       browser: navigator.userAgent.slice(0, 300), renderer: this.chain.renderer().slice(0, 300), trace: this.xr ? "webxr" : $("head").value,
-      eyes: this.eyes.length, width, height, rendered_width: wide, rendered_height: high, left, right, down, up,
+      views: this.eyes.map(({ head_from_eye: { position, orientation }, fov }) => [...position, ...orientation, ...fov]),
+      width, height, rendered_width: wide, rendered_height: high,
       rate_hz: Math.min(Math.max(Math.round(1000 / this.interval), 1), 1000), latency_ms: Number($("latency").value), guard: GUARD, chains: NAMES,
     };
   }
@@ -300,8 +302,10 @@ function tellFigures(session) {
   session.feed.bytes = 0;
 }
 
+let byHand = null; // one for all of a page's life, as it listens
+
 async function headOf(name, about) {
-  if (name === "hand") return new ByHand($("shown"), about.viewpoint);
+  if (name === "hand") return (byHand ??= new ByHand($("shown"), about.viewpoint));
   return new Recording((await (await fetch(`traces/${name}.json`)).json()).samples);
 }
 
