@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import signal
+import sys
+import threading
 
+_AGAIN_S = 0.05  # after which a callback that swallowed the exception has returned
 _came: list[int] = []
 
 
@@ -12,15 +16,28 @@ class Ended(BaseException):
 
 
 def end_cleanly() -> None:
-    """From now on SIGTERM and SIGHUP raise Ended, the first time.
+    """From now on SIGTERM and SIGHUP raise Ended, the first time that anybody hears of it.
 
-    Later ones are ignored, for cleaning up is under way.
+    Later ones are ignored, for cleaning up is under way. Python drops what is raised inside a
+    destructor or a callback of C code; then the signal comes again, after a moment.
     """
 
     def end(number: int, _: object) -> None:
         signal.signal(number, signal.SIG_IGN)
-        _came.append(number)
+        _came[:] = [number]
         raise Ended(number)
+
+    def dropped(about: sys.UnraisableHookArgs) -> None:
+        if not isinstance(about.exc_value, Ended):
+            usual(about)
+            return
+        (number,) = about.exc_value.args
+        signal.signal(number, end)
+        again = threading.Timer(_AGAIN_S, lambda: os.kill(os.getpid(), number) if _came else None)
+        again.daemon = True
+        again.start()
+
+    usual, sys.unraisablehook = sys.unraisablehook, dropped
 
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
