@@ -30,7 +30,7 @@ def sized(browser: Browser, size: tuple[int, int]) -> None:
 def keep(browser: Browser, name: str) -> None:
     """Write what is shown."""
     picture = Image.open(BytesIO(browser.picture())).convert("RGB")
-    picture.quantize(192).save(DOCS / name, optimize=True)
+    picture.save(DOCS / name, optimize=True)  # a palette would show bands where there are none
 
 
 def main() -> None:
