@@ -25,7 +25,7 @@ from hmdwarp.sources.server import Server
 
 # Random cases, by default each misreading once; docs/check.md has the figures of 1000.
 CASES = int(os.environ.get("HMDWARP_CHECK_CASES", len(MISREADINGS)))
-TWO = max(6, CASES // 5)
+TWO = max(10, CASES // 5)
 CAMERA = DepthCamera(noise=0.002, near_m=0.2, far_m=8.0, edge_gaps=0.5)
 
 

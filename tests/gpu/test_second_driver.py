@@ -27,7 +27,7 @@ ZINK = {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "zink", "ZINK_INLINE_UNI
 ZINK |= {"LP_NUM_THREADS": "2"}  # with none (conftest.py) its timers at times do not agree with the wall
 NAME = "Zink over lavapipe"
 RENDERER = "from hmdwarp.gpu import Gpu; print(Gpu().renderer)"
-# The timers, the 64-bit path, blocks of 4 of meshes, hard cases, and whole replays. That warps
+# The timers, the 64-bit path, blocks of 4 of meshes, the hard cases, and whole replays. That warps
 # and fills equal their twins follows: they make llvmpipe's pictures.
 SELECTED = (
     "tests/gpu/test_timers.py",
@@ -37,9 +37,7 @@ SELECTED = (
     "tests/hard_cases",
     "tests/test_golden.py",
 )
-# Of the hard cases those of warps that scatter, search or draw triangles, with their defaults; what
-# gathers at places that are given has nothing else to go wrong than in the pairs above.
-FEWER = "not test_hard_cases.py or not : and (forward or mesh or splat or iterative or search or backward)"
+FEWER = "not test_hard_cases.py or not :"  # of the hard cases each warp with its defaults
 # Fills that sum many terms, which another compiler may round otherwise. Each of the levels of a
 # pyramid, halves of the picture down to one texel and up again, stores means as half floats: one
 # that falls to the other side of a rounding is off by a unit, 2^-10 of it, and a mean of such

@@ -189,9 +189,9 @@ def _refreshes(folder: Path) -> list[dict[str, str]]:
 def test_a_session_can_be_replayed(tmp_path, eyes):
     """That of a window, and of an emulated headset.
 
-    The replay's frames are drawn at even times, the browser's when it asked: ages may differ by the
-    longest interval of frames, a refresh, and what ages differ by, as delays may meet other frames.
-    The head is the one that the page was warped to.
+    The replay's frames are drawn at even times, the browser's when it asked: ages may differ by an
+    interval of frames and a refresh. It is their median, which a stall of a busy machine does not
+    move. The head is the one that the page was warped to.
     """
     with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
         with Browser(tmp_path / "profile", (240, 130)) as browser:
@@ -221,9 +221,7 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
     assert abs(load_headset(f"{folder}/headset.toml").ipd_m - (0.068 if eyes == 2 else 0)) < 1e-6
     replayed = _refreshes(tmp_path / "replay")
     ages, again = (np.array([float(row["age_ms"]) for row in rows]) for rows in (session, replayed))
-    drawn_ms = np.unique([1e3 * float(row["time_s"]) - float(row["age_ms"]) for row in session])
-    longest_ms = max(1e3 / server_rate, *np.diff(drawn_ms))
-    assert abs(again.mean() - ages.mean()) <= 1e3 / rate + longest_ms + np.ptp(ages)
+    assert abs(np.median(again) - np.median(ages)) <= 1e3 / rate + 1e3 / server_rate
     between = [row for row in replayed if row["pose_origin"] == "interpolated"]  # over a gap the head is held
     for part in ("shown_x_m", "shown_y_m", "shown_z_m"):
         (at, place), (at_again, place_again) = (

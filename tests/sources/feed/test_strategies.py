@@ -151,11 +151,7 @@ def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypat
 EMULATED = {"jitter": "uniform:90", "loss": "0.2", "bandwidth": "12", "queue": 20.0, "link_seed": 4}
 
 
-# Order and loss matter to a client that keeps what arrives; of the others one is tried.
-LOSSY = ["depth_image", "multi", "views", "irradiance", "photons", "soft_bodies", "in pieces", "points"]
-
-
-@pytest.mark.parametrize("name", LOSSY)
+@pytest.mark.parametrize("name", TRIED)
 def test_over_an_emulated_network_too_with_loss_and_reorder(gpu, serving_of, monkeypatch, name):
     """Behind the real one: what was lost comes again, and what is late overwrites nothing newer."""
     scene = scene_for(TRIED[name])

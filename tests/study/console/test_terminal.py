@@ -117,7 +117,7 @@ def test_pasted_text_is_no_row_of_keys(log):
     assert asked(log) == [("pause", None)]
 
 
-SIZES = [(80, 24), (120, 40), (60, 20)]
+SIZES = [(80, 24), (120, 40), (60, 20), (100, 21)]
 SHOWN = ("participant P07", "trial 3 of 12", "25 %", "12:04", "0:14 left", "SHOWING", "89.9", "missed 3", "+1.62",
          "yaw  -35°",
          "pitch   +3°", "roll   +0°", "the session begins", "p:pause", "s:stop", "?:help")  # fmt: skip
