@@ -17,9 +17,8 @@ from hmdwarp.scenes import load_scene
 from hmdwarp.sources.feed.message import DEPTH_VIDEO8, H264, Ask, FrameMessage, Wish, encode
 from hmdwarp.sources.server import Server
 from hmdwarp.web import STEPS
-from hmdwarp.web.es_shaders import shaders
 
-from .browser import Browser, page
+from .browser import Browser
 
 pytestmark = needs.programs("chromium")
 
@@ -63,14 +62,6 @@ def rendered(gpu):
     depth[:20, 30:50], depth[50:60, 10:25] = 0, -1
     coverage = np.where(depth < 0, 0, 255).astype(np.uint8)
     return np.dstack([srgb8_from_linear(colour[..., :3]), coverage]) * (coverage > 0)[..., None], depth
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with Browser(tmp_path_factory.mktemp("profile")) as driven, page(shaders()) as address:
-        driven.open(address)
-        driven.until("globalThis.chain")
-        yield driven
 
 
 def _view(view: View) -> dict:

@@ -7,12 +7,11 @@ import re
 from pathlib import Path
 
 import needs
-import pytest
 from serving import Serving
 
 from hmdwarp.web.es_shaders import shaders
 
-from .browser import Browser, page
+from .browser import Browser
 
 pytestmark = needs.programs("chromium")
 
@@ -155,14 +154,6 @@ async (twins, side, size) => {
 }
 """
 SIZE = (640, 400)
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    with Browser(tmp_path_factory.mktemp("profile")) as driven, page(shaders()) as address:
-        driven.open(address)
-        driven.until("globalThis.chain")
-        yield driven
 
 
 def test_the_page_says_what_each_chain_reads_and_moves(browser):

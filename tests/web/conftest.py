@@ -1,0 +1,17 @@
+"""A page with the shaders alone, for tests of the warp in a browser."""
+
+from __future__ import annotations
+
+import pytest
+
+from hmdwarp.web.es_shaders import shaders
+
+from .browser import Browser, page
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with Browser(tmp_path_factory.mktemp("profile")) as driven, page(shaders()) as address:
+        driven.open(address)
+        driven.until("globalThis.chain")
+        yield driven
