@@ -176,19 +176,7 @@ class Compensator:
 
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
-        made = self._eyes[inputs.eye]
-        inputs = inputs if self.plan.scanout else inputs.at_once()
-        if self._expand is not None:
-            with self._stage("effects"):
-                inputs = self._expand.run(inputs)
-        for taker in self._takers:
-            with self._stage("effects"):
-                inputs = taker.take_out(inputs)
-        if self._rendered:
-            inputs = attrs.evolve(inputs, drawn=inputs.rendered)
-        for effect_pass in self._rendered:
-            with self._stage("effects"):
-                inputs = effect_pass.run(inputs)
+        made, inputs = self._eyes[inputs.eye], self._prepared(inputs)
         others = self._warp_others.of(self._plan_others, inputs.others)
         inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
         if self._client_depth is not None:
@@ -206,6 +194,29 @@ class Compensator:
                     shown.run_through_lens(inputs, made.panel)
             return EyeResult(inputs.middle, None, None, made.panel)
         return self._finish(inputs, made, made.warped, panels)
+
+    def learn(self, inputs: PassInputs) -> None:
+        """Let fills that remember learn from a rendered picture as run() does; show nothing."""
+        inputs = self._prepared(inputs)
+        with self._stage("fill"):
+            for fill in self._fills:
+                fill.learn(inputs)
+
+    def _prepared(self, inputs: PassInputs) -> PassInputs:
+        """Return the inputs as the warp takes them: passes on the rendered picture have run."""
+        inputs = inputs if self.plan.scanout else inputs.at_once()
+        if self._expand is not None:
+            with self._stage("effects"):
+                inputs = self._expand.run(inputs)
+        for taker in self._takers:
+            with self._stage("effects"):
+                inputs = taker.take_out(inputs)
+        if self._rendered:
+            inputs = attrs.evolve(inputs, drawn=inputs.rendered)
+        for effect_pass in self._rendered:
+            with self._stage("effects"):
+                inputs = effect_pass.run(inputs)
+        return inputs
 
     def _panels(self, inputs: PassInputs) -> tuple[HeldPanel, ...]:
         """Return the panels for the display: of those that ask to be hidden none, if a pass can."""

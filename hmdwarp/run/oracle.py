@@ -27,9 +27,13 @@ class Oracle:
     def __init__(self, server: Renderer, plan: Plan, shown_size: tuple[int, int]) -> None:
         self._server, self.plan, self._size = server, plan, shown_size
         self._warped, self._shown = ([Canvas(server.gpu.gl, shown_size) for _ in range(2)] for _ in range(2))
+        self._made: dict[int, tuple[PassInputs, EyeResult]] = {}
 
     def run(self, inputs: PassInputs) -> EyeResult:
-        """Make one eye's picture; it takes no time of any client."""
+        """Make one eye's picture, once for each refresh; it takes no time of any client."""
+        before = self._made.get(inputs.eye)
+        if before is not None and before[0].shown is inputs.shown and before[0].shown_ns == inputs.shown_ns:
+            return before[1]
         truth = self._server.draw(inputs.shown, self._size, time_ns=inputs.shown_ns)
         try:
             picture, true_depth = download(truth.colour)[..., :3], np.maximum(download(truth.inverse_depth), 0)
@@ -43,7 +47,9 @@ class Oracle:
         warped, shown = self._warped[inputs.eye], self._shown[inputs.eye]
         upload(warped.texture, np.dstack([colour * seen[..., None], seen]))
         upload(shown.texture, np.dstack([np.where(seen[..., None], colour, picture), np.ones(seen.shape)]))
-        return EyeResult(inputs.middle, warped, shown, shown)
+        result = EyeResult(inputs.middle, warped, shown, shown)
+        self._made[inputs.eye] = inputs, result
+        return result
 
     def renew(self) -> None:
         """Nothing to do: it remembers nothing."""

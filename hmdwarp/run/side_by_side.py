@@ -117,9 +117,9 @@ class SideBySide:
     def teach(self, refresh: Refresh) -> None:
         """Show a refresh to fills that remember."""
         for compensator, combination in zip(self.compensators, self._combinations, strict=True):
-            if combination.remembers:
+            if combination.remembers and isinstance(compensator, Compensator):
                 for inputs in self.inputs(compensator, refresh):
-                    compensator.run(inputs)
+                    compensator.learn(inputs)
         self._setup.gpu.timer.collect()
 
     def inputs(self, compensator: Compensator | OpenCvWarp | Oracle, refresh: Refresh) -> tuple[PassInputs, ...]:
@@ -293,14 +293,24 @@ class Comparison:
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray[np.floating]]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
+        limits = (
+            result[eye]
+            for result, each in zip(self._last, self.measured, strict=True)
+            if each.combination.warp == ORACLE
+        )
+        seen = next((coverage(result) > 0 for result in limits), None)
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
             warp = measured.combination.group
             if warp not in coverages:
                 coverages[warp] = [coverage(result) for result in results]
             if shared is not None:
                 measured.mismatch.append(shared.compare(*coverages[warp]))
+            shown = shown_picture(results[eye])
+            if seen is not None:
+                error = error_image(shown[seen], truth.picture[seen])
+                measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))
             job = QualityJob(
-                Compared(shown_picture(results[eye]), truth.picture, results[eye].view),
+                Compared(shown, truth.picture, results[eye].view),
                 before[index] if before else None,
                 coverages[warp][eye],
                 truth.inverse_depth,
@@ -315,13 +325,6 @@ class Comparison:
             if same is None:
                 handed_in.setdefault(warp, []).append((key, job))
                 self._setup.hand_in(self._pool, key, job)
-        if ORACLE in coverages:
-            self._judge_seen(eye, truth, coverages[ORACLE][eye] > 0)
-
-    def _judge_seen(self, eye: int, truth: TruePicture, seen: NDArray[np.bool_]) -> None:
-        for results, measured in zip(self._last, self.measured, strict=True):
-            error = error_image(shown_picture(results[eye])[seen], truth.picture[seen])
-            measured.where_seen.append((seen.size, int(seen.sum()), float((error**2).sum() / 3)))
 
 
 def _same_pictures(one: QualityJob, other: QualityJob) -> bool:

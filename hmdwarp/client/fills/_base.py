@@ -81,6 +81,9 @@ class Fill(ABC):
         assert self.geometry is not None
         return self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
 
+    def learn(self, inputs: PassInputs) -> None:  # noqa: B027 (most remember nothing)
+        """Remember what run() would of these inputs; called before run() of later ones."""
+
     def renew(self) -> None:  # noqa: B027 (most remember nothing)
         """Take the next frame for a new one, even if it is the last one again: for timing."""
 

@@ -92,10 +92,7 @@ class Memory(Fill):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         rendered, shown = inputs.rendered, inputs.middle
-        before = self._last.get(inputs.eye)
-        if before is None or before[0] is not rendered.view or before[1] != rendered.drawn_ns:
-            self._last[inputs.eye] = rendered.view, rendered.drawn_ns
-            self._learn(inputs)
+        self.learn(inputs)
         self._keeper.seed(rendered.inverse_depth, self._seeds)
         self._holes.start(shown, picture, into)
         self._holes.add(
@@ -109,8 +106,13 @@ class Memory(Fill):
     def renew(self) -> None:
         self._last.clear()
 
-    def _learn(self, inputs: PassInputs) -> None:
+    def learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
+        newest = inputs.rendered
+        before = self._last.get(inputs.eye)
+        if before is not None and before[0] is newest.view and before[1] == newest.drawn_ns:
+            return
+        self._last[inputs.eye] = newest.view, newest.drawn_ns
         rendered = inputs.as_drawn  # moving things can still be distinguished in it
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
