@@ -9,6 +9,7 @@ markers by hand. A name may have files of earlier runs to use instead of a new o
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import itertools
 import json
@@ -18,6 +19,7 @@ import subprocess
 import sys
 import tempfile
 import textwrap
+import time
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -32,6 +34,8 @@ REPLAYS = tomllib.loads((DOCS / "tables.toml").read_text(encoding="utf-8"))
 COLUMNS = REPLAYS.pop("columns")
 BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv2.warpFrame")
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
+TRIED = ("interpolate", "constant", "interpolate_full+constant", "stretch+constant", "stretch+pyramid", "pyramid")
+TRIED += ("memory+pyramid",)
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
     "trace formats": ("-m hmdwarp list formats --markdown", True),
@@ -263,6 +267,66 @@ def live_cost(folder: Path) -> None:
     replace("live-cost", "\n\n".join(f"```text\n{part}\n```" for part in parts))
 
 
+def fill_fronts(folder: Path, *sequences: str) -> None:
+    """Show which fills are on a front of time and error: of made borders and of recorded frames."""
+    if not sequences:
+        print("fill-fronts is left out: it takes folders of recorded frames, as in fill-fronts:FOLDER,FOLDER")
+        return
+    sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests" / "client")]
+    import test_fill_regions as made
+
+    seconds = _least_seconds(made)
+    found = {fill: {"of `pyramid`'s time": seconds[fill] / seconds["pyramid"]} for fill in TRIED}
+    by_region: dict[str, list[dict[str, float]]] = {}
+    for name in made.SCENES:
+        for region, (_, by_fill) in made.of_regions(name, TRIED).items():
+            by_region.setdefault(f"made: {region}", []).append(by_fill)
+    for column, parts in by_region.items():
+        for fill in TRIED:
+            found[fill][column] = sum(part[fill] for part in parts) / len(parts)
+    for number, place in enumerate(sequences):
+        more = "--warp iterative --size 320x240 --guard 1.25 --instants 4 --rounds 1 --no-grid --no-fused"
+        command = f"bench --frames {place} {more} --fill {','.join(TRIED)}"
+        for row in hmdwarp(command, folder / str(number), "bench.json")["rows"]:
+            for region in ("border", "inside"):
+                found[row["fill"]][f"{row['scene']}: {region}"] = row["regions"][f"{region}_holes"]["psnr_db"]
+            found[row["fill"]][f"{row['scene']}: all"] = row["quality"]["psnr_db"]["mean"]
+    heads = list(found[TRIED[0]])
+    rows = []
+    for fill, figures in found.items():
+        fronts = [head for head in heads[1:] if _is_on_front(found, fill, heads[0], head)]
+        cells = (format(figures[head], ".2f") for head in heads)
+        marked = (f"**{cell}**" if head in fronts else cell for head, cell in zip(heads, cells, strict=True))
+        rows.append([f"`{fill}`", *marked])
+    replace("fill fronts", markdown(["fill", *heads], rows))
+
+
+def _is_on_front(found: Mapping[str, Mapping[str, float]], fill: str, cost: str, head: str) -> bool:
+    """Return whether no other fill is at most as slow and better, by 0.05 dB or more."""
+    own = found[fill]
+    return not any(each[cost] <= own[cost] and each[head] > own[head] + 0.05 for each in found.values())
+
+
+def _least_seconds(made: Any) -> dict[str, float]:
+    """Return the CPU time of each fill beyond that of `none`, in turns: the least of each."""
+    from hmdwarp import Warper
+    from hmdwarp.geometry import Pose, View
+
+    scene, head = made.SCENES["a step back from a post, and a turn"]
+    rendered, shown = View(Pose(), made.FOV), View(head, made.FOV)
+    colour, depth = made.drawn(scene, rendered)
+    with contextlib.ExitStack() as stack:
+        warpers = {
+            fill: stack.enter_context(Warper(made.SIZE, warp="iterative", fill=fill)) for fill in ("none", *TRIED)
+        }
+        least = dict.fromkeys(warpers, float("inf"))
+        for _, (fill, warper) in itertools.product(range(9), warpers.items()):
+            started = time.process_time()
+            warper.warp(colour, depth, rendered, shown)
+            least[fill] = min(least[fill], time.process_time() - started)
+    return {fill: least[fill] - least["none"] for fill in TRIED}
+
+
 def profile(folder: Path) -> None:
     """Say where a replay's CPU time goes, measured by the libraries and on the GPU."""
     options = "--seconds 0.4 --size 640x400 --fill memory+pyramid --lens radial --headset rift-dk1 "
@@ -343,6 +407,7 @@ OWN: Mapping[str, Callable[..., None]] = {
     "thesis": thesis,
     "live-cost": live_cost,
     "profile": profile,
+    "fill-fronts": fill_fronts,
     "kills": kills,
     "keys": keys,
     "hard-cases": lists_of_tests,

@@ -293,12 +293,8 @@ class Comparison:
         rendered, truth = refresh.frame.eyes[eye], truths[eye]
         coverages: dict[str, list[NDArray[np.floating]]] = {}
         handed_in: dict[str, list[tuple[Key, QualityJob]]] = {}
-        limits = (
-            result[eye]
-            for result, each in zip(self._last, self.measured, strict=True)
-            if each.combination.warp == ORACLE
-        )
-        seen = next((coverage(result) > 0 for result in limits), None)
+        warps = [each.combination.warp for each in self.measured]
+        seen = coverage(self._last[warps.index(ORACLE)][eye]) > 0 if ORACLE in warps else None
         for index, (results, measured) in enumerate(zip(self._last, self.measured, strict=True)):
             warp = measured.combination.group
             if warp not in coverages:
