@@ -34,8 +34,7 @@ REPLAYS = tomllib.loads((DOCS / "tables.toml").read_text(encoding="utf-8"))
 COLUMNS = REPLAYS.pop("columns")
 BASELINES = ("none", "rotation:edge=clamp", "mesh:grid=64", "mesh:grid=512", "cv2.warpFrame")
 SHOWN = (*BASELINES, "planar", "forward", "iterative", "layered", "multi")
-TRIED = ("interpolate", "constant", "interpolate_full+constant", "stretch+constant", "stretch+pyramid", "pyramid")
-TRIED += ("memory+pyramid",)
+TRIED = ("interpolate", "constant", "stretch+constant", "stretch+pyramid", "pyramid", "memory+pyramid")
 # Tables that a command or a script of tests/ prints; True for Markdown, False for a block of text.
 PRINTED: Mapping[str, tuple[str, bool]] = {
     "trace formats": ("-m hmdwarp list formats --markdown", True),
@@ -302,9 +301,9 @@ def fill_fronts(folder: Path, *sequences: str) -> None:
 
 
 def _is_on_front(found: Mapping[str, Mapping[str, float]], fill: str, cost: str, head: str) -> bool:
-    """Return whether no other fill is at most as slow and better, by 0.05 dB or more."""
+    """Return whether it is better by 0.05 dB than each fill that is quicker."""
     own = found[fill]
-    return not any(each[cost] <= own[cost] and each[head] > own[head] + 0.05 for each in found.values())
+    return all(each[head] < own[head] - 0.05 for each in found.values() if each[cost] < own[cost])
 
 
 def _least_seconds(made: Any) -> dict[str, float]:

@@ -177,6 +177,11 @@ class Compensator:
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made, inputs = self._eyes[inputs.eye], self._prepared(inputs)
+        if self._rendered:
+            inputs = attrs.evolve(inputs, drawn=inputs.rendered)
+        for effect_pass in self._rendered:
+            with self._stage("effects"):
+                inputs = effect_pass.run(inputs)
         others = self._warp_others.of(self._plan_others, inputs.others)
         inputs = attrs.evolve(inputs, others=others) if len(others) < len(inputs.others) else inputs
         if self._client_depth is not None:
@@ -203,7 +208,7 @@ class Compensator:
                 fill.learn(inputs)
 
     def _prepared(self, inputs: PassInputs) -> PassInputs:
-        """Return the inputs as the warp takes them: passes on the rendered picture have run."""
+        """Return the inputs with the rendered picture whole, and without what panels take out."""
         inputs = inputs if self.plan.scanout else inputs.at_once()
         if self._expand is not None:
             with self._stage("effects"):
@@ -211,11 +216,6 @@ class Compensator:
         for taker in self._takers:
             with self._stage("effects"):
                 inputs = taker.take_out(inputs)
-        if self._rendered:
-            inputs = attrs.evolve(inputs, drawn=inputs.rendered)
-        for effect_pass in self._rendered:
-            with self._stage("effects"):
-                inputs = effect_pass.run(inputs)
         return inputs
 
     def _panels(self, inputs: PassInputs) -> tuple[HeldPanel, ...]:

@@ -13,9 +13,6 @@ layout(rgba16f) writeonly uniform image2D filled;
 layout(r32f) readonly uniform image2D warped_depth;
 layout(r32f) writeonly uniform image2D filled_depth;
 #endif
-#if TWICE
-layout(rgba16f) writeonly uniform image2D filled_too;
-#endif
 uniform uint stamp; // unique to each run
 const uint PIECES_OF_GROUP = uint(GROUP_X / PIECE_WIDE);
 #if COARSE
@@ -57,9 +54,6 @@ void main() {
         if (p.y >= size.y) break;
         vec4 colour = imageLoad(warped, p);
         imageStore(filled, p, colour);
-#if TWICE
-        imageStore(filled_too, p, colour);
-#endif
 #if WITH_DEPTH
         imageStore(filled_depth, p, imageLoad(warped_depth, p));
 #endif

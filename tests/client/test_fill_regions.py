@@ -14,12 +14,14 @@ import attrs
 import numpy as np
 import pytest
 from reference._rays import project, world_directions
+from reference.interpolate import repeated
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial.transform import Rotation
 
 import hmdwarp
 from hmdwarp.client import CLIENT_MODEL
 from hmdwarp.client.fills import fills
+from hmdwarp.client.fills.interpolate import minimum_count
 from hmdwarp.colour import srgb_from_linear
 from hmdwarp.geometry import Fov, Pose, View
 
@@ -28,14 +30,13 @@ FILLS = [
     fill.name if fill.complete else f"{fill.name}+pyramid"
     for fill in fills
     if fill.is_pass and CLIENT_MODEL not in fill.reads and not fill.needs(fill.Settings())
-    if fill.name not in ("constant", "interpolate_full")
+    if fill.name != "constant"
 ]
-"""Those that use pictures alone, completed. `constant` is as simple as what they are held to, and
-`interpolate_full` blurs both sides of a wide hole into each other: 6 dB below the mean behind a
-post, as its page says of holes wider than ten pixels.
+"""Those that use pictures alone, completed. `constant` is as simple as what they are held to."""
+SIMPLE = ("constant", "stretch")
+"""What they are held to, beside the mean of the picture, `interpolate` repeated, OpenCV's, and the
+nearest pixel inside.
 """
-SIMPLE = ("constant", "interpolate_full", "stretch")
-"""What they are held to, beside the mean of the picture, OpenCV's, and the nearest pixel inside."""
 MARGIN_DB = 0.5
 ACROSS = ("the hall beside a dark wall leaves the view", "a step beside a post", "a step back from a post, and a turn")
 """Where a strip beyond the border meets an edge of two surfaces, Telea continues the edge;
@@ -118,12 +119,13 @@ def regions(holes: np.ndarray, depth: np.ndarray, shown: View, rendered: View) -
 
 
 def simple_fills(colour: np.ndarray, holes: np.ndarray, region: str) -> list[np.ndarray]:
-    """The mean of what is no hole; inside the nearest pixel too.
+    """The mean of what is no hole, 3x3 medians again and again; inside the nearest pixel too.
 
     Beyond the border that one is hard to beat where surfaces are smooth, and worse than `pyramid`
     on textured ones.
     """
-    found = [np.broadcast_to(colour[~holes].mean(axis=0), colour.shape)]
+    medians = repeated(np.dstack([colour.astype(float), ~holes]), minimum_count(3), 16)
+    found = [np.broadcast_to(colour[~holes].mean(axis=0), colour.shape), medians[..., :3]]
     if region == "inside":
         found.append(colour[tuple(distance_transform_edt(holes, return_distances=False, return_indices=True))])
     return found

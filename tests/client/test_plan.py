@@ -52,7 +52,7 @@ _PAIRS = [
 ]
 _PAIRS += [
     ("iterative", "memory+pyramid"),
-    ("none", "wide+interpolate_full+constant"),
+    ("none", "wide+stretch+constant"),
     ("rotation", "memory+model:share=0.05"),
 ]
 _MANY = [(w, f, n, g) for (w, f), n, g in itertools.product(dict.fromkeys(_PAIRS), ("none", "radial"), (True, False))]

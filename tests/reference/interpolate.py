@@ -24,7 +24,7 @@ def interpolate(colour: Array, minimum_count: int, size: int = 3) -> Array:
     return out
 
 
-def interpolate_full(colour: Array, minimum_count: int, reach: int) -> Array:
+def repeated(colour: Array, minimum_count: int, reach: int) -> Array:
     """The same again and again, on the whole picture: `reach` times, or until nothing changes."""
     for _ in range(reach):
         before, colour = colour, interpolate(colour, minimum_count)

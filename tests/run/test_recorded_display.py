@@ -80,7 +80,7 @@ def masked(folder: Path, size: tuple[int, int] = SIZE) -> NDArray[np.bool_]:
     return seen
 
 
-@pytest.mark.parametrize("chain", ["rotation/pyramid", "iterative/stretch+constant", "forward/interpolate_full"])
+@pytest.mark.parametrize("chain", ["rotation/pyramid", "iterative/stretch+constant", "forward/interpolate+pyramid"])
 def test_what_a_mask_hides_of_recorded_frames_is_no_picture(run, tmp_path, chain):
     """Its black is neither warped into view nor filled from, nor counted."""
     folder, (warp, fill) = tmp_path / "masked", chain.split("/")

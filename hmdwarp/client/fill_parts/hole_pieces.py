@@ -20,15 +20,14 @@ from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, DepthGuesses, DepthPictur
 
 PIECE = (8, 4)  # pixels, as in shaders/lib/holes.glsl
 _HEADER = np.array([0, 1, 1, 0], np.uint32).tobytes()  # three work-group counts, one count of pieces
-_WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH, _FILLED_TOO = range(5)  # image units
+_WARPED, _FILLED, _WARPED_DEPTH, _FILLED_DEPTH = range(4)  # image units
 
 
 class HolePieces:
     """The list of pieces with holes of the newest picture; owns its buffers.
 
-    with_depth: copies the inverse depth too. twice: copies the colour to a second texture as well.
-    coarse: also lists the pieces of the picture at half the resolution that see a hole. hiding: a
-    fill's.
+    with_depth: copies the inverse depth too. coarse: also lists the pieces of the picture at half
+    the resolution that see a hole. hiding: a fill's.
     """
 
     def __init__(
@@ -38,12 +37,11 @@ class HolePieces:
         size: tuple[int, int],
         *,
         with_depth: bool = False,
-        twice: bool = False,
         coarse: bool = False,
         hiding: Mapping[str, object] | None = None,
     ) -> None:
         self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
-        parts = {"WITH_DEPTH": int(with_depth), "TWICE": int(twice), "COARSE": int(coarse), **(hiding or {})}
+        parts = {"WITH_DEPTH": int(with_depth), "COARSE": int(coarse), **(hiding or {})}
         self._program = gpu.shaders.compute("fills/holes.comp", **parts)
         self.count = _pieces_in(size)
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
@@ -58,7 +56,7 @@ class HolePieces:
         self._coarse = gpu.gl.buffer(reserve=len(_HEADER) + 4 * at_half) if coarse else None
         self._coarse_stamps = gpu.gl.buffer(bytes(4 * at_half)) if coarse else None
 
-    def find(self, view: View, picture: ShownPicture, into: ShownPicture, too: moderngl.Texture | None = None) -> int:
+    def find(self, view: View, picture: ShownPicture, into: ShownPicture) -> int:
         """Copy the picture, which is shown in `view`, and list its pieces with holes.
 
         Return the stamp that marks its pieces with covered pixels.
@@ -70,9 +68,6 @@ class HolePieces:
         if self._with_depth and picture.inverse_depth is not None:
             _bind(picture.inverse_depth, into.depth, _WARPED_DEPTH)
             uniforms |= {"warped_depth": _WARPED_DEPTH, "filled_depth": _FILLED_DEPTH}
-        if too is not None:
-            too.bind_to_image(_FILLED_TOO, read=False, write=True)
-            uniforms["filled_too"] = _FILLED_TOO
         self.list.bind_to_storage_buffer(0)
         self._stamps.bind_to_storage_buffer(1)
         if self._coarse is not None and self._coarse_stamps is not None:

@@ -82,7 +82,7 @@ class Fill(ABC):
         return self.geometry.store(ReducedModel, (share, texture)).drawn(lit=lit)
 
     def learn(self, inputs: PassInputs) -> None:  # noqa: B027 (most remember nothing)
-        """Remember what run() would of these inputs; called before run() of later ones."""
+        """Remember what run() would of the picture as it was drawn, and show nothing."""
 
     def renew(self) -> None:  # noqa: B027 (most remember nothing)
         """Take the next frame for a new one, even if it is the last one again: for timing."""

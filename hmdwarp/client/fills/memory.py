@@ -108,12 +108,11 @@ class Memory(Fill):
 
     def learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
-        newest = inputs.rendered
-        before = self._last.get(inputs.eye)
-        if before is not None and before[0] is newest.view and before[1] == newest.drawn_ns:
-            return
-        self._last[inputs.eye] = newest.view, newest.drawn_ns
         rendered = inputs.as_drawn  # moving things can still be distinguished in it
+        before = self._last.get(inputs.eye)
+        if before is not None and before[0] is rendered.view and before[1] == rendered.drawn_ns:
+            return
+        self._last[inputs.eye] = rendered.view, rendered.drawn_ns
         self._drop_old(rendered.drawn_ns)
         concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:

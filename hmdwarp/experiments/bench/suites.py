@@ -17,8 +17,9 @@ from ...errors import InputError
 # Halves of scenes and heads.
 FIT, HELD_OUT = "fit", "held_out"
 _FILE = Path(__file__).with_name("suites.toml")
-# FLIP and SSIM of a 1280x800 picture take 0.6 s of a core.
-_S_PER_PIXEL = 0.6 / (1280 * 800)
+# FLIP and SSIM of a 1280x800 picture take 0.6 s of a core; drawing and warping for 30 pictures of
+# 480x300, two instants of a case of `standard`, 8 to 13 s without a GPU.
+_S_PER_PIXEL, _DRAWN_S_PER_PIXEL = 0.6 / (1280 * 800), 10 / (30 * 480 * 300)
 
 
 @attrs.frozen
@@ -82,10 +83,10 @@ def cost_text(name: str, sizes: Sequence[tuple[int, int]], pictures: Sequence[in
 
     sizes, pictures: (w, h) and the number of measured pictures of each case.
     """
-    suite, count = suites()[name], metrics.worker_count(workers)
-    seconds = sum(w * h * n for (w, h), n in zip(sizes, pictures, strict=True)) * _S_PER_PIXEL
+    suite, count = suites()[name], max(metrics.worker_count(workers), 1)
+    pixels = sum(w * h * n for (w, h), n in zip(sizes, pictures, strict=True))
     return (
         f"suite {name} {suite.version}: {len(sizes)} cases, {sum(pictures)} pictures to measure, about "
-        f"{math.ceil(seconds / max(count, 1) / 60)} min for the metrics of {max(count, 1)} processes; "
-        "drawing and warping come on top, most of them without a GPU"
+        f"{math.ceil(pixels * _S_PER_PIXEL / count / 60)} min for the metrics of {count} processes; without a GPU "
+        f"drawing and warping take about {math.ceil(pixels * _DRAWN_S_PER_PIXEL / 60)} min of one core more"
     )
