@@ -218,8 +218,8 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
     from hmdwarp.client.fills import memory as module
 
     client = Client(gpu, "memory:frames=3")
-    learned, learn = [], module.Memory._learn
-    monkeypatch.setattr(module.Memory, "_learn", lambda self, inputs: (learned.append(inputs), learn(self, inputs)))
+    learned, overlapping = [], module.overlapping
+    monkeypatch.setattr(module, "overlapping", lambda *seen: learned.append(seen) or overlapping(*seen))
 
     def refuse(*_, **__):
         raise AssertionError("run() allocates")
@@ -235,6 +235,19 @@ def test_it_learns_once_from_each_frame_and_never_allocates(gpu, monkeypatch):
     assert len(client.fill._kept) == 3
     assert len({picture.slot for picture in client.fill._kept}) == 3
     client.close()
+
+
+def test_learning_alone_teaches_what_a_shown_refresh_does(gpu):
+    """Bit for bit, also where a frame is shown again after it was learned."""
+    frames = [seconds(drawn(gpu, BEFORE_A_WALL, turned(25 * k)), k) for k in range(4)]
+    seeing, learning = Client(gpu), Client(gpu)
+    for rendered in frames:
+        seeing.sees(rendered, rendered.view)
+        learning.fill.learn(PassInputs(rendered, rendered.view))
+    pictures = [each.sees(frames[-1], turned(20)) for each in (seeing, learning)]
+    assert np.array_equal(*pictures) and (pictures[0][..., 3] > 0).mean() > 0.9
+    for each in (seeing, learning):
+        each.close()
 
 
 @pytest.mark.parametrize(("scene", "forgets"), [("room", False), ("workshop", True), ("lantern", True)])

@@ -173,4 +173,4 @@ def test_halves_share_no_scene_and_no_head_and_each_suite_has_both():
 def test_the_cost_is_told_before():
     text = cost_text("quick", [(1280, 800), (640, 400)], [100, 400], 1)
     assert "2 cases, 500 pictures" in text and "about 2 min for the metrics of 1 processes" in text
-    assert "about 9 min of one core" in text  # 230.4 Mpx
+    assert "about 8 min of one core" in text  # 205 Mpx at 2.3 us
