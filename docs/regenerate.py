@@ -4,7 +4,8 @@
 lists their names; without OPTIONS all that need nothing but this machine. Edit nothing between the
 markers by hand. A name may have files of earlier runs to use instead of a new one:
 `bench:FILE,FILE` takes bench.json at 200 ms and at later ones, `strategies:FILE` compare.json,
-`thesis:FILE,..` results.json, `gpu:FILE,..` gpu.json of `make bench-gpu`.
+`thesis:FILE,..` results.json, `gpu:FILE,..` gpu.json of `make bench-gpu`, `fill-fronts:FOLDER,..`
+recorded frames.
 """
 
 from __future__ import annotations
