@@ -288,10 +288,10 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     views = tuple(eye.view for eye in frame.eyes) if is_recorded else ask.views
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
-    times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
+    times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, frame.shows_ns)
     drawn = FrameMessage(*times, views, colours, depths, layers=further)
     drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
-    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded, takes_inputs=server.scene.inputs is not None)
+    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded, takes_inputs=server.reacts_to(asked.client))
     coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))
