@@ -190,6 +190,8 @@ class _Session:
     sent: dict[int, Mapping[str, Any]] = attrs.field(factory=dict)
     # What its people did: the scene is theirs alone, as its clock is.
     book: InputBook = attrs.field(factory=InputBook)
+    # Whether the log says that nothing reacts to it.
+    is_told: bool = False
 
 
 class _Sessions:
@@ -278,6 +280,9 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     look = Needs() if fovea is None else Needs(foveated=fovea, foveated_depth=fovea)
     frame = sessions.draw(asked, needs | look)
     sessions.drawn(asked, session, frame)
+    if ask.inputs and not session.is_told and not server.reacts_to(asked.client):
+        session.is_told = True
+        listener.tell(asked, f"its inputs are left out: {server.scene.name} does not react to what people do")
     server.gpu.wait()
     sent, grids, ask = (frame, (), ask) if fovea is None else _coarser(frame, ask)
     pictures = list(_pictures(server, sent, ask))

@@ -30,6 +30,7 @@ from hmdwarp.sources.feed import caller
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Fate, Refusal, Wish, decode, encode
+from hmdwarp.sources.feed.message import Session as Told
 from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
@@ -539,6 +540,27 @@ def test_what_people_did_is_told_until_the_server_has_it():
         assert after.ask.inputs == ()
         session.answer(after, began=7)  # another server in its place, which knows nothing
         assert list(session.asked(600).ask.inputs) == events
+
+
+def test_inputs_to_a_scene_that_does_not_react_are_said_and_frames_go_on(serving):
+    """Once a session, by the server, whose frames say that it takes none; and by the client."""
+    events, said = tuple(InputEvent(at, "push", "ball") for at in (1, 2)), []
+    with closing(Caller(serving.address)) as client:
+        found = []
+        number = 1
+        while len(found) < 2:
+            client.ask(attrs.evolve(ASK, number=number, token=bytes(32), inputs=events, session=Told(1)))
+            client.wait_until(time.monotonic_ns() + 200_000_000)
+            found, number = found + client.take(), number + 1
+    assert not any(arrival.frame.takes_inputs for arrival in found)
+    assert "its inputs are left out: planes does not react" in serving.line("inputs are left out")
+    with closing(Session()) as session:
+        session.remote._say = said.append
+        session.begin()
+        session.remote.act(events)
+        session.answer(session.asked(5), takes_inputs=False)
+        session.answer(session.asked(6), takes_inputs=False)
+    assert sum("does not react any more" in line for line in said) == 1
 
 
 def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_answered():
