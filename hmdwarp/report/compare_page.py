@@ -259,12 +259,14 @@ def _ordered(rows: Iterable[Row]) -> list[Row]:
 
 
 def _facts(rows: Sequence[Row]) -> list[str]:
-    first = rows[0]
+    first, several = rows[0], dict.fromkeys(row["scene"] for row in rows)
+    lived = ", ".join(dict.fromkeys(f"({row['over']})" for row in rows if row.get("over")))
     facts = [
         ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
         *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
-        *source_facts(first),
+        *([("scenes", ", ".join(several))] if len(several) > 1 else source_facts(first)),
+        *([("links", lived)] if lived else []),
         ("an eye", "x".join(map(str, first["size"]))),
         ("codec", first["link"]["codec"]),
         ("refreshes a run", first["frames"]),

@@ -73,7 +73,7 @@ def compare(
     cases = [_case(run, options.clients) for run in runs]
     if options.suite:
         say(cost_text(options.suite, [run.size or SIZE for run in runs], pictures, options.workers))
-        say(f"{sum(run.seconds or 0 for run in runs) / 3600:.1f} h of motion are drawn, sent and shown")
+        say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
     with experiment(options, FILES, Separate(run_part), cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
