@@ -66,7 +66,7 @@ def compare(
     the run where none of several was done.
     """
     clients = [load_client(name) for name in options.clients]
-    runs, left_out, pictures = [], [], []
+    runs, left_out, pictures = list[RunOptions](), list[dict[str, str]](), list[int]()
     for scene in options.scenes:
         own, left, counts = _checked(attrs.evolve(options, scene=scene))
         runs, left_out, pictures = runs + own, left_out + left, pictures + counts
