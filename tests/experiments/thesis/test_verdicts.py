@@ -25,7 +25,7 @@ from hmdwarp.experiments.thesis import (
 from hmdwarp.experiments.thesis.run_figures import beyond
 from hmdwarp.experiments.thesis.run_kinds import number_of
 from hmdwarp.experiments.thesis.thesis_run import csv_rows, figures_by_run, judge
-from hmdwarp.report.thesis_page import summary_markdown
+from hmdwarp.report import summary_markdown
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])
