@@ -358,7 +358,7 @@ def keys(_: Path) -> None:
     answers = []
     for each in (each for each in ANSWERS if each.what):
         names = (each.written or each.key, *(key for key in each.also if "KP" not in key))
-        answers.append((", ".join(f"`{name}`" for name in names), each.what))
+        answers.append((", ".join(f"`{name}`" for name in names) + and_mouse(each), each.what))
     answers.append(("mouse", "points at the scale, the wheel moves, a click answers"))
     replace("keys", markdown(("key", "what it does"), answers, texts=2))
     scales = []

@@ -102,6 +102,13 @@ class Frame:
     began: int = 0
     # Milliseconds of work on its way, by name (render, encode, decode); the worker enters them.
     timings_ms: dict[str, float] = attrs.field(factory=dict)
+    # Instant of the scene that the pictures show, where a proxy made them of older ones.
+    older_ns: int | None = None
+
+    @property
+    def shows_ns(self) -> int:
+        """The instant of the scene that the pictures show."""
+        return self.drawn_ns if self.older_ns is None else self.older_ns
 
     @property
     def render_ms(self) -> float:

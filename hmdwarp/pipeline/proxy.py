@@ -122,7 +122,7 @@ class Proxy:
         timer = self._gpu.timer
         with timer.stage("copy"):
             eyes = tuple(self._kept(eye, now_ns) for eye in refresh.eyes)
-        return Frame(eyes, now_ns, head, Laps(*refresh.laps, timer.lap()))
+        return Frame(eyes, now_ns, head, Laps(*refresh.laps, timer.lap()), older_ns=refresh.frame.shows_ns)
 
     def _kept(self, made: EyeResult, now_ns: int) -> EyeImage:
         """Return a copy of a picture, which the loop overwrites at its next refresh."""

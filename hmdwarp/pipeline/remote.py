@@ -327,6 +327,8 @@ class Remote:
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
             self._takes_fovea = arrival.frame.takes_fovea
+            if self._acted and self.takes_inputs and not arrival.frame.takes_inputs:  # another server in its place
+                self._say(f"{self._caller.address}: it does not react any more: what people do is left out")
             self.takes_inputs = arrival.frame.takes_inputs
             if arrival.frame.began != self._began:  # it knows nothing of what it was sent before
                 self._began, self._known_inputs = arrival.frame.began, 0

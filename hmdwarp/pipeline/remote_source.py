@@ -244,7 +244,7 @@ class RemoteFrames:
             eyes = made(self.server, eyes, found.layers, pending.wanted)
             self.server.trim()
         took_ms = {"render": found.render_ns / _MS}
-        return Frame(tuple(eyes), pending.drawn_ns, head=pending.head, timings_ms=took_ms, began=found.began)
+        return Frame(tuple(eyes), pending.drawn_ns, pending.head, None, found.began, took_ms, found.time_ns)
 
     def _foveated(self, found: FrameMessage, eye: int, image: EyeImage) -> EyeImage:
         """Return an eye's image with the foveated pictures that came in place of whole ones."""

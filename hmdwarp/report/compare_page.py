@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
+from .bench.page import suite_section
 from .bench.rows import Column
 from .charts import MARKER_PT, Drawn, again, canvas, draw_front, draw_names, not_measured, scale_axis, svg_text
 from .page import (
@@ -42,6 +43,8 @@ Row = Mapping[str, Any]
 # Loads what was shown, and the truth.
 Pictures = Callable[[], tuple[NDArray[Any], NDArray[Any]]]
 
+# What tells one case from another.
+_OF_CASE = ("trace", "latency_ms", "over", "scene", "machine")
 _PICTURE_WIDTH = 420
 _WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
 
@@ -101,6 +104,7 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
         facts=_facts(rows),
         command=data.get("command") or "",
         sections=(
+            suite_section(_as_of_bench(data.get("suite"))),
             notes_section(_notes(data)),
             Section("Tables and pictures", folds, id="table", link="Tables and pictures"),
             Section("By class of client", clients, id="clients", link="By class of client"),
@@ -115,6 +119,14 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
             *machine_pairs(data["hmdwarp"], data["machine"], data["clock"]), ("Run in", minutes(data["seconds"])),
         ],
     )  # fmt: skip
+
+
+def _as_of_bench(suite: Row | None) -> Row | None:
+    """Return a suite's means with names as its table has them: a strategy over a link."""
+    if suite is None:
+        return None
+    lines = [{**one, "warp": f"{one['strategy']}, {one['over']}", "strategy": ""} for one in suite["over_all"]]
+    return {**suite, "over_all": lines}
 
 
 def compare_table(rows: Iterable[Row]) -> TerminalTable:
@@ -204,26 +216,36 @@ def _rate(row: Row) -> float:
     return float(row["mbit_s"])
 
 
-def _label(row: Row) -> str:
-    return f"{row['trace']}, {row['latency_ms']:g} ms"
+def _labels(rows: Sequence[Row]) -> list[str]:
+    """Return the case of each row; scene and machine where there are several."""
+    scenes, hosts = {row["scene"] for row in rows}, {row["machine"].get("host") for row in rows}
+    return [
+        ", ".join(
+            [
+                row["trace"], f"{row['latency_ms']:g} ms", *filter(None, [row.get("over")]),
+                *([row["scene"]] if len(scenes) > 1 else []),
+                *([f"on {row['machine'].get('host')}"] if len(hosts) > 1 else []),  # times of two are not comparable
+            ]
+        )
+        for row in rows
+    ]  # fmt: skip
 
 
 def _cases(rows: Sequence[Row], pictures: Sequence[Pictures]) -> list[tuple[str, list[Row], list[Pictures]]]:
     """Return (label, rows, their pictures) of each recording and latency, and of each machine."""
-    hosts = [row["machine"].get("host") for row in rows]
-    on = [f", on {host}" if len({*hosts}) > 1 else "" for host in hosts]  # times of two are not comparable
-    paired = [(_label(row) + where, row, shown) for row, where, shown in itertools.zip_longest(rows, on, pictures)]
-    return [
-        (label, [row for one, row, _ in paired if one == label], [shown for one, _, shown in paired if one == label])
-        for label in dict.fromkeys(label for label, _, _ in paired)
-    ]
+    found: dict[str, tuple[str, list[Row], list[Pictures]]] = {}
+    for label, row, shown in itertools.zip_longest(_labels(rows), rows, pictures):
+        _, group, of_group = found.setdefault(label, (label, [], []))
+        group.append(row)
+        of_group.append(shown)
+    return list(found.values())
 
 
 def first_cases(rows: Iterable[Row], most: int) -> tuple[list[int], int]:
     """Return which rows are of the first cases, at most so many, and how many cases there are."""
-    known: dict[tuple[str, Any], bool] = {}
-    each = ((_label(row), row["machine"].get("host")) for row in rows)
-    numbers = [number for number, case in enumerate(each) if known.setdefault(case, len(known) < most)]
+    known: dict[str, bool] = {}
+    labels = _labels([{key: row.get(key) for key in _OF_CASE} for row in rows])  # the rest stays on the disk
+    numbers = [number for number, case in enumerate(labels) if known.setdefault(case, len(known) < most)]
     return numbers, len(known)
 
 
@@ -237,12 +259,14 @@ def _ordered(rows: Iterable[Row]) -> list[Row]:
 
 
 def _facts(rows: Sequence[Row]) -> list[str]:
-    first = rows[0]
+    first, several = rows[0], dict.fromkeys(row["scene"] for row in rows)
+    lived = ", ".join(dict.fromkeys(f"({row['over']})" for row in rows if row.get("over")))
     facts = [
         ("recordings", ", ".join(dict.fromkeys(row["trace"] for row in rows))),
         *((f"axes of {trace}", axes) for trace, axes in axes_of_traces(rows).items()),
         ("latencies", ", ".join(dict.fromkeys(f"{row['latency_ms']:g} ms" for row in rows))),
-        *source_facts(first),
+        *([("scenes", ", ".join(several))] if len(several) > 1 else source_facts(first)),
+        *([("links", lived)] if lived else []),
         ("an eye", "x".join(map(str, first["size"]))),
         ("codec", first["link"]["codec"]),
         ("refreshes a run", first["frames"]),

@@ -29,7 +29,8 @@ from .words import Table, markdown, plain
 MARKS = {True: " ✓", False: " ✗", None: ""}
 # CSS classes of the verdicts.
 _CLASSES = {
-    "holds": "holds", "holds under conditions": "conditions", "does not hold": "fails", "cannot be told": "unknown",
+    "holds": "holds", "holds under conditions": "conditions", "mostly does not hold": "fails", "does not hold": "fails",
+    "cannot be told": "unknown",
 }  # fmt: skip
 
 
@@ -66,11 +67,15 @@ def render_thesis_page(data: Mapping[str, Any], pictures: Mapping[str, Sequence[
 
 
 def _verdict(one: Mapping[str, Any]) -> Markup:
-    return Markup('<b class="verdict {}">{}</b>').format(_CLASSES[one["verdict"]], one["verdict"])
+    return Markup('<b class="verdict {}">{}</b>{}').format(_CLASSES[one["verdict"]], one["verdict"], _weak(one))
+
+
+def _weak(one: Mapping[str, Any]) -> str:
+    return ", by a weak stand-in" if one.get("weak") else ""
 
 
 def _is_conditional(one: Mapping[str, Any]) -> bool:
-    return _CLASSES[one["verdict"]] == "conditions"
+    return bool(one["holds_at"] and one["fails_at"])
 
 
 def _verdicts(experiments: Sequence[Mapping[str, Any]]) -> Table:
@@ -137,9 +142,9 @@ def summary_markdown(results: Sequence[Mapping[str, Any]]) -> str:
     heads = ("claim", "the thesis", "ours", "rule", "verdict", "holds at")
     lines = [list(heads), ["---"] * len(heads)]
     for one, _ in experiments.values():
-        where = one["holds_at"] if one["verdict"] == "holds under conditions" else ""
+        where = one["holds_at"] if _is_conditional(one) else ""
         claim = f"{one['claim']} ({one['source']})"
-        line = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"], where)
+        line = (claim, one["thesis"], one["ours"] or "–", one["rule"], one["verdict"] + _weak(one), where)
         lines.append([text.replace("|", "/") for text in line])
     made = f"hmdwarp {results[0]['hmdwarp']}; {' and '.join(dict.fromkeys(runs))}."
     return f"{made}\n\n{markdown(lines)}".rstrip("\n")

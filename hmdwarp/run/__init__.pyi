@@ -4,6 +4,7 @@ from .combinations import Combination as Combination
 from .ending import Ending as Ending
 from .ending import Watchdog as Watchdog
 from .host import CommandHandler as CommandHandler
+from .host import Hand as Hand
 from .host import PipelineHost as PipelineHost
 from .host import checked_source as checked_source
 from .host import on_screen as on_screen
@@ -16,6 +17,7 @@ from .live_run import display_options as display_options
 from .live_run import live as live
 from .live_run import open_display as open_display
 from .live_run import record as record
+from .live_run import took_by as took_by
 from .markers import Markers as Markers
 from .markers import MarkerStream as MarkerStream
 from .markers import NoMarkers as NoMarkers

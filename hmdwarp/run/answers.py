@@ -31,10 +31,10 @@ class Answers:
         """Add an input, later than those before."""
         (self._waiting if event.time_ns >= self.since_ns else self._early).append(event)
 
-    def see(self, shown_ns: int, drawn_ns: int) -> None:
-        """Take note of a picture: it shows what came of all inputs until it was drawn."""
+    def see(self, shown_ns: int, shows_ns: int) -> None:
+        """Take note of a picture: it shows what came of all inputs until an instant."""
         self._last_ns = shown_ns
-        while self._waiting and self._waiting[0].time_ns <= drawn_ns:
+        while self._waiting and self._waiting[0].time_ns <= shows_ns:
             self._answered.append((self._waiting.popleft(), shown_ns))
 
     @property

@@ -124,6 +124,7 @@ class _Session:
             time_s=(now.shown_ns - self._first_ns) * 1e-9,
             shown_ns=now.shown_ns,
             drawn_ns=drawn.time_ns,
+            shows_ns=drawn.time_ns,
             age_ms=age_ms,
             pose_age_ms=row["script_ms"],
             speeds=speeds,

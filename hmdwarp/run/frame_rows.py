@@ -128,6 +128,8 @@ class Moment:
     time_s: float
     shown_ns: int
     drawn_ns: int
+    # See Frame.
+    shows_ns: int
     age_ms: float
     # From reading the head pose to submitting the picture.
     pose_age_ms: float | None
@@ -156,6 +158,7 @@ class Moment:
             (refresh.shown_ns - start_ns) * 1e-9,
             refresh.shown_ns,
             frame.drawn_ns,
+            frame.shows_ns,
             refresh.age_ns * 1e-6,
             (submitted_ns - head.read_ns) * 1e-6 if read else None,  # type: ignore[operator]
             speeds,

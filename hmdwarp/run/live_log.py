@@ -204,7 +204,7 @@ class LiveLog:
             last.first_ns = refresh.shown_ns
             # Not sooner: GarbageControl starts with a large collection.
             self._figures.pauses.start()
-        self._figures.answers.see(refresh.shown_ns, refresh.frame.drawn_ns)
+        self._figures.answers.see(refresh.shown_ns, refresh.frame.shows_ns)
         speeds = speeds_between(last.refresh, refresh)
         moment = Moment.of(self.count, refresh, last.first_ns, speeds, submitted_ns)
         period_ms = (submitted_ns - last.submitted_ns) * 1e-6 if last.submitted_ns is not None else math.nan

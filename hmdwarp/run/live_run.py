@@ -201,7 +201,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
             recorder.begin(display.about, display.rate_hz)
         log.begin(display, host, LiveMarkers(markers, say))
         try:
-            hand = Hand(host, display.now_ns, _took(recorder, log))
+            hand = Hand(host, display.now_ns, took_by(recorder, log))
             user = _UserRun(host, log, ending, _Pace(display, options, say), hand)
             Driver(display, host, ending, say).run(user, log, recorder, after)
         except Closed as closed:
@@ -209,7 +209,9 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     return log.result()
 
 
-def _took(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bool], None]:
+def took_by(recorder: Recorder | None, log: LiveLog) -> Callable[[InputEvent, bool], None]:
+    """Return what a hand calls with its inputs: the recorder takes all, the log those that act."""
+
     def took(event: InputEvent, moves: bool) -> None:
         if recorder is not None:
             recorder.act(event)

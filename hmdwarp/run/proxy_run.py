@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable, Hashable
 from contextlib import ExitStack, closing
 from typing import Any
@@ -28,6 +29,7 @@ from ..pipeline.remote import Remote
 from ..pipeline.remote_source import RemoteFrames
 from ..pipeline.source import PoseRequest, nothing, settling
 from ..poses import Origin, PoseSample
+from ..scenes import InputEvent
 from ..sources.feed.listener import Asked
 from ..sources.feed.message import RAW, Ask
 from ..sources.server import Renderer
@@ -75,6 +77,10 @@ class _Client:
     remote: Remote
     proxy: Proxy
     made: ExitStack
+    # What its people did, as far as the server was told.
+    acted: set[InputEvent] = attrs.field(factory=set)
+    # Why the server drew nothing, until the client knows.
+    refused: deque[str] = attrs.field(factory=deque)
 
 
 class _Warping(Renderer):
@@ -96,11 +102,18 @@ class _Warping(Renderer):
         client = self._client(asked.client, ask)
         head = ask.views[0].pose @ ask.views[0].head_from_eye.inverse()
         client.eyes.asked = ask.views
+        if client.remote.takes_inputs and (new := [event for event in ask.inputs if event not in client.acted]):
+            client.remote.act(new)
+            client.acted.update(new)
         until_ns = time.monotonic_ns() + _FIRST_NS
         while (now_ns := time.monotonic_ns()) < until_ns:
             shift_ns = ask.time_ns - now_ns
             client.remote.scene_ns = lambda own_ns, shift_ns=shift_ns: own_ns + shift_ns  # type: ignore[misc]
             frame = client.proxy.draw(PoseSample(now_ns, head, Origin.HELD), now_ns, 1.0)
+            if client.refused:
+                if frame is not None:
+                    client.proxy.recycle(frame)
+                raise InputError(client.refused.popleft())
             if frame is not None:
                 self._out[id(frame)] = client
                 return frame
@@ -117,12 +130,19 @@ class _Warping(Renderer):
 
     def _opened(self, form: tuple[Any, ...], ask: Ask) -> _Client:
         options, plan, rate_hz = self._options, self._plan, ask.wish.rate_hz
+        refused: deque[str] = deque(maxlen=1)
+
+        def say(line: str) -> None:
+            self._say(line)
+            if ": refused: " in line:
+                refused.append(line)
+
         if plan.needs.others.other_eye and len(ask.views) < 2:
             raise InputError(f"the proxy's warp {options.warp} looks into the other eye's picture: there is one eye")
         rendered = guarded_eyes(ask.views, options.guard, ask.size)[1]
         pictures = frozenset(PICTURE) & frozenset(plan.layers)
         with ExitStack() as stack:
-            remote = Remote(options.feed, holds=False, say=self._say)
+            remote = Remote(options.feed, holds=False, say=say)
             stack.callback(remote.close)
             remote.pictures = pictures
             remote.wish = wish_of(RAW[options.feed.raw], options.coding, rate_hz, ask.views, ask.size, 1 / rate_hz)
@@ -147,7 +167,7 @@ class _Warping(Renderer):
             loop = Loop(request, frames, channel, history, compensator, eyes)
             made = Proxy(loop, known, channel, ask.size, {})
             stack.callback(made.close)
-            return _Client(form, eyes, remote, made, stack.pop_all())
+            return _Client(form, eyes, remote, made, stack.pop_all(), refused=refused)
 
     def recycle(self, frame: Frame) -> None:
         """Take a picture back."""
@@ -159,8 +179,14 @@ class _Warping(Renderer):
     def take_back(self) -> None:
         """Do nothing: the links hold frames."""
 
+    def reacts_to(self, client: Hashable) -> bool:
+        """Return whether what the server draws reacts to what a client's people do."""
+        return client in self._clients and self._clients[client].remote.takes_inputs
+
     def begin_anew(self, client: Hashable) -> None:
-        """Go on: its pictures build on none before, and calling the server again takes seconds."""
+        """Go on where nobody acted: pictures build on none, and calling again takes seconds."""
+        if client in self._clients and self._clients[client].acted:
+            self.forget(client)
 
     def forget(self, client: Hashable) -> None:
         """Hang up for a client that has gone."""

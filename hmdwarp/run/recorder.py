@@ -15,7 +15,7 @@ from ..poses import Origin, PoseSample
 from ..poses.formats.native import header_text, row_text
 from ..report import counted, refuse_existing, write_error
 from ..resources import __version__
-from ..scenes import INPUTS_HEADER, InputEvent
+from ..scenes import INPUTS_HEADER, InputEvent, inputs_beside
 
 EVERY_S = 0.5  # plus the disk's own time, well below the second of data that a crash may cost
 MOST_WAITING = 1 << 24  # characters: twenty minutes of poses at 90 Hz
@@ -171,7 +171,7 @@ class Recorder:
         self._begun = False
         self._header_lines = 0
         # Beside the trace, once there is an input.
-        self.inputs_path = path.with_suffix(".input.csv")
+        self.inputs_path = inputs_beside(path)
         self._inputs: Lines | None = None
         refuse_existing(self.inputs_path, force=force)
         self._lines = Lines(path, synced=True, force=force)

@@ -336,7 +336,7 @@ def answers_of(setup: ReplaySetup, inputs: InputLog, log: ReplayLog) -> Answers:
     for event in inputs:
         answers.add(event)
     for moment in log.moments:
-        answers.see(moment.shown_ns, moment.drawn_ns)
+        answers.see(moment.shown_ns, moment.shows_ns)
     return answers
 
 

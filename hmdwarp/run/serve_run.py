@@ -190,6 +190,8 @@ class _Session:
     sent: dict[int, Mapping[str, Any]] = attrs.field(factory=dict)
     # What its people did: the scene is theirs alone, as its clock is.
     book: InputBook = attrs.field(factory=InputBook)
+    # Whether the log says that nothing reacts to it.
+    is_told: bool = False
 
 
 class _Sessions:
@@ -278,6 +280,9 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     look = Needs() if fovea is None else Needs(foveated=fovea, foveated_depth=fovea)
     frame = sessions.draw(asked, needs | look)
     sessions.drawn(asked, session, frame)
+    if ask.inputs and not session.is_told and not server.reacts_to(asked.client):
+        session.is_told = True
+        listener.tell(asked, f"its inputs are left out: {server.scene.name} does not react to what people do")
     server.gpu.wait()
     sent, grids, ask = (frame, (), ask) if fovea is None else _coarser(frame, ask)
     pictures = list(_pictures(server, sent, ask))
@@ -288,10 +293,10 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     views = tuple(eye.view for eye in frame.eyes) if is_recorded else ask.views
     server.recycle(frame)
     colours, depths = (tuple(of_eye) for of_eye in zip(*pictures, strict=True))
-    times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, ask.time_ns)
+    times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, frame.shows_ns)
     drawn = FrameMessage(*times, views, colours, depths, layers=further)
     drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
-    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded, takes_inputs=server.scene.inputs is not None)
+    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded, takes_inputs=server.reacts_to(asked.client))
     coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
     sent_ns = time.monotonic_ns()
     listener.answer(asked, attrs.evolve(coded, sent_ns=sent_ns, render_ns=sent_ns - begun_ns))

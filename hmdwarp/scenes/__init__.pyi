@@ -57,6 +57,7 @@ from .input_events import SWITCH as SWITCH
 from .input_events import InputBook as InputBook
 from .input_events import InputEvent as InputEvent
 from .input_events import InputLog as InputLog
+from .input_events import inputs_beside as inputs_beside
 from .input_events import read_inputs as read_inputs
 from .input_events import take_inputs as take_inputs
 from .motions import REACH_M as REACH_M

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import RigidState
-from ._mesh import Body, Brightness, Deformation, Motion
+from ._mesh import Body, Brightness, Deformation, Motion, Opening
 from ._scene import Lamp, Scene
 from .motions import swing_m
 
@@ -52,8 +52,19 @@ class _ArrivedBrightness:
     brightness: Brightness
     arrived: ArrivedState
 
-    def share(self, time_ns: int) -> float:
+    def share(self, time_ns: int) -> float | NDArray[np.float64]:
         return self.brightness.share(self.arrived.known(time_ns)[0])
+
+
+@attrs.frozen(eq=False)
+class _ArrivedOpening:
+    """A spot's cone by what has arrived of it."""
+
+    opening: Opening
+    arrived: ArrivedState
+
+    def cone(self, time_ns: int) -> tuple[float, float]:
+        return self.opening.cone(self.arrived.known(time_ns)[0])
 
 
 @attrs.frozen(eq=False)
@@ -81,7 +92,8 @@ def moves(scene: Scene) -> bool:
 
 def _arrived_lamp(lamp: Lamp, arrived: ArrivedState) -> Lamp:
     brightness = None if lamp.brightness is None else _ArrivedBrightness(lamp.brightness, arrived)
-    return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness)
+    opening = None if lamp.opening is None else _ArrivedOpening(lamp.opening, arrived)
+    return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness, opening=opening)
 
 
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._gltf_file import LIGHTS, GltfFile
-from ._gltf_nodes import NodeMotion, Nodes
+from ._gltf_nodes import COLOUR, CONE, INTENSITY, NodeMotion, Nodes
 from ._mesh import Mesh, Texture
 from ._notes import Notes
 from ._scene import ATLAS, MOST_LAMPS, Lamp
@@ -48,24 +48,49 @@ def lamps_in(file: GltfFile, nodes: Nodes, shown: Iterable[int]) -> list[Lamp]:
 
 @attrs.frozen(eq=False)
 class _Animated:
-    """The intensity of a light that an animation changes, as a share of the most."""
+    """A light that an animation changes: its colour as a share of the most, and its cone."""
 
     nodes: Nodes
     light: int
-    most: float
+    # As the file has what is not animated.
+    intensity: float
+    colour: Array
+    angles: tuple[float, float]
 
-    def share(self, time_ns: int) -> float:
-        """Return the share of its colour that it sends."""
-        return self.nodes.intensity(self.light, time_ns) / self.most
+    def _now(self, path: str, still: Array | float, time_ns: int) -> Array:
+        animated = path in self.nodes.lights[self.light]
+        return self.nodes.of_light(self.light, path, time_ns) if animated else np.atleast_1d(still)
+
+    @property
+    def most(self) -> Array:
+        """The most that it sends in each channel at a key of its animation."""
+        curves = self.nodes.lights[self.light]
+        keys = {path: np.array([curve.at(key_s)[0] for key_s in curve.times_s]) for path, curve in curves.items()}
+        intensity = keys[INTENSITY].max() if INTENSITY in keys else self.intensity
+        most: Array = max(0.0, intensity) * (keys[COLOUR].max(axis=0) if COLOUR in keys else self.colour)
+        return most
+
+    def share(self, time_ns: int) -> Array:
+        """Return the share of each channel that it sends."""
+        light = self._now(INTENSITY, self.intensity, time_ns) * self._now(COLOUR, self.colour, time_ns)
+        return np.divide(light, self.most, out=np.zeros(3), where=self.most > 0)
+
+    def cone(self, time_ns: int) -> tuple[float, float]:
+        """Return both angles of a spot, the first one below the second."""
+        inner, outer = (
+            float(self._now(path, still, time_ns)[0]) for path, still in zip(CONE, self.angles, strict=True)
+        )
+        outer = min(outer, np.pi / 2)
+        return min(inner, outer), outer
 
 
 def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: int) -> Lamp:
     kind, spot = said.get("type"), said.get("spot") or {}
     cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
-    curve, most = nodes.intensities.get(index), float(said.get("intensity", 1.0))
-    if curve is not None:
-        most = max(0.0, *(float(curve.at(key_s)[0][0]) for key_s in curve.times_s))
-    light = np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64) * most
+    intensity, colour = float(said.get("intensity", 1.0)), np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64)
+    curves = nodes.lights.get(index, {})
+    animated = _Animated(nodes, index, intensity, colour, cone) if curves else None
+    light = colour * intensity if animated is None or colour.shape != (3,) else animated.most
     sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
     if kind not in (_DIRECTIONAL, _POINT, _SPOT) or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
         raise file.error(
@@ -77,8 +102,9 @@ def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: 
         raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
     motion = NodeMotion(nodes, node)
     placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
-    brightness = _Animated(nodes, index, most) if curve is not None and most > 0 else None
-    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None, brightness)
+    shines = animated if {INTENSITY, COLOUR} & curves.keys() and light.any() else None
+    opens = animated if {*CONE} & curves.keys() and kind == _SPOT else None
+    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None, shines, opens)
 
 
 def lit_by(

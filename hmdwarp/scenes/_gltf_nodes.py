@@ -25,7 +25,8 @@ from .options import NONE, numbered
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
 # Of a light, by KHR_animation_pointer (Khronos 2024).
-_INTENSITY = re.compile(rf"/extensions/{LIGHTS}/lights/(\d+)/intensity")
+INTENSITY, COLOUR, CONE = "intensity", "color", ("spot/innerConeAngle", "spot/outerConeAngle")
+_OF_LIGHT = re.compile(rf"/extensions/{LIGHTS}/lights/(\d+)/({'|'.join((INTENSITY, COLOUR, *CONE))})")
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
@@ -33,7 +34,7 @@ _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scal
 class Curve:
     """Animated values of one property of a node, or of a light."""
 
-    path: str  # "translation", "rotation" or "scale"; "intensity"
+    path: str  # "translation", "rotation" or "scale"; of a light as its file names it
     kind: str  # Interpolation: "LINEAR", "STEP" or "CUBICSPLINE"
     times_s: Array  # (k,) increasing
     values: Array  # (k, n); for CUBICSPLINE (k, 3, n): tangent in, value, tangent out
@@ -102,12 +103,12 @@ class Nodes:
         self._rest = [self._rest_of(index) for index in range(len(self._nodes))]
         self.curves: dict[int, dict[str, Curve]] = {}
         # Of lights, by their numbers.
-        self.intensities: dict[int, Curve] = {}
+        self.lights: dict[int, dict[str, Curve]] = {}
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
-        every = [*self.intensities.values(), *(one for curves in self.curves.values() for one in curves.values())]
+        every = [one for of in (self.lights, self.curves) for curves in of.values() for one in curves.values()]
         ends = [curve.times_s[-1] for curve in every]
         self.period_s = float(max(ends, default=0.0))
 
@@ -157,9 +158,9 @@ class Nodes:
     def _seconds(self, time_ns: int) -> float:
         return float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
 
-    def intensity(self, light: int, time_ns: int) -> float:
-        """Return how bright an animated light is, in its unit."""
-        return max(0.0, float(self.intensities[light].at(self._seconds(time_ns))[0][0]))
+    def of_light(self, light: int, path: str, time_ns: int) -> Array:
+        """Return (n,) what is animated of a light, in its unit: 0 or more."""
+        return np.maximum(self.lights[light][path].at(self._seconds(time_ns))[0], 0.0)
 
     def _local(self, node: int, seconds: float) -> tuple[Array, Array]:
         rest, curves = self._rest[node], self.curves.get(node, {})
@@ -245,19 +246,20 @@ class Nodes:
         self, samplers: list[dict[str, Any]], index: object, pointer: str, name: str, notes: Notes
     ) -> None:
         """Read what changes something else than a node."""
-        found = _INTENSITY.fullmatch(pointer)
-        if found is None or int(found[1]) in self.intensities:
-            notes.add("of what an animation points at, the intensity of lights alone is played", f"{name}, {pointer}")
+        found = _OF_LIGHT.fullmatch(pointer)
+        if found is None or found[2] in self.lights.get(int(found[1]), {}):
+            what = "of what an animation points at, intensity, colour and cone of lights alone are played"
+            notes.add(what, f"{name}, {pointer}")
             return
-        curve = self._curve(self._sampler(samplers, index, name), "intensity", f"{name}, {pointer}")
-        self.intensities[int(found[1])] = curve
+        curve = self._curve(self._sampler(samplers, index, name), found[2], f"{name}, {pointer}")
+        self.lights.setdefault(int(found[1]), {})[found[2]] = curve
 
     def _curve(self, sampler: dict[str, Any], path: str, name: str) -> Curve:
         kind, error = sampler.get("interpolation", "LINEAR"), self._file.error
         if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
         times = self._file.numbers(sampler.get("input"), name, 1)[:, 0].astype(np.float64)
-        values = self._file.numbers(sampler.get("output"), name, _WIDTH.get(path, 1))
+        values = self._file.numbers(sampler.get("output"), name, _WIDTH.get(path, 3 if path == COLOUR else 1))
         if values.dtype.kind != "f":
             raise error(f"{name}: its values are integers; expected floats or normalised integers")
         values = values.astype(np.float64)

@@ -72,8 +72,15 @@ class Motion(Protocol):
 class Brightness(Protocol):
     """How bright a lamp is: a function of the scene's clock."""
 
-    def share(self, time_ns: int) -> float:
-        """Return the share of its colour that it sends, 0 or more."""
+    def share(self, time_ns: int) -> float | NDArray[np.float64]:
+        """Return the share of its colour that it sends, 0 or more, or (3,) that of each channel."""
+
+
+class Opening(Protocol):
+    """How wide a spot's cone is: a function of the scene's clock."""
+
+    def cone(self, time_ns: int) -> tuple[float, float]:
+        """Return both angles, as of Lamp."""
 
 
 @attrs.frozen(eq=False)

@@ -14,7 +14,7 @@ from ..errors import SceneError
 from ..geometry import Mirror, Pose
 from ..geometry.view import MOST_MIRRORS
 from ..registry import Registry
-from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Opening, Texture
 from ._panels import MOST_PANELS, Panel
 from .input_events import InputLog
 
@@ -41,12 +41,14 @@ class Lamp:
     cone: tuple[float, float] | None = None
     # The share of its colour that it sends; None for all of it at all times.
     brightness: Brightness | None = None
+    # The cone where it changes; None for the one above at all times.
+    opening: Opening | None = None
 
     def light(self, time_ns: int) -> Rgb:
         """Return the colour that it sends at an instant."""
         if self.brightness is None:
             return self.colour
-        red, green, blue = (self.brightness.share(time_ns) * part for part in self.colour)
+        red, green, blue = (self.brightness.share(time_ns) * np.array(self.colour)).tolist()
         return red, green, blue
 
     def place(self, time_ns: int) -> NDArray[np.float64]:
@@ -63,7 +65,7 @@ class Lamp:
         """
         if self.cone is None:
             return np.array([0.0, 0.0, 0.0, 1.0])
-        inner, outer = np.cos(self.cone)
+        inner, outer = np.cos(self.cone if self.opening is None else self.opening.cone(time_ns))
         scale = 1 / max(1e-3, inner - outer)
         ahead = self.motion.state(time_ns).pose.rotation.apply((0.0, 0.0, -scale))
         return np.append(ahead, -outer * scale)

@@ -200,6 +200,11 @@ def _by_seed(seed: int, things: Sequence[Thing], start_ns: int, end_ns: int) -> 
         yield InputEvent(time_ns, thing.takes[0], thing.name, direction=(math.cos(angle), 0.0, math.sin(angle)))
 
 
+def inputs_beside(trace: Path) -> Path:
+    """Return the file of what somebody did while a head trace was recorded."""
+    return trace.with_suffix(".input.csv")
+
+
 def read_inputs(path: Path) -> list[InputEvent]:
     """Return the inputs in a file, in the order of its lines, which may be any.
 

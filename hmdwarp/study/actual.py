@@ -17,10 +17,11 @@ NUMBERS = (
     "period_ms_median", "period_ms_p95", "missed", "missed_share", "over_budget_share", "hole_share_mean",
     "hole_share_p95", "pose_age_ms_median", "pose_age_ms_p95", "passes_ms_median", "passes_ms_p95",
     "angular_speed_deg_s_median", "linear_speed_m_s_median", "lost_s", "tracking_lost_share", "head_turn_deg",
-    "head_shift_m", "task_targets", "task_found", "task_misses", "task_target_s", "task_turned_deg",
+    "head_shift_m", "inputs", "input_response_ms_mean", "input_response_ms_p95", "task_targets", "task_found",
+    "task_misses", "task_target_s", "task_turned_deg",
 )  # fmt: skip
 # Whole numbers among them.
-COUNTS = ("pictures", "missed", "task_targets", "task_found", "task_misses")
+COUNTS = ("pictures", "missed", "inputs", "task_targets", "task_found", "task_misses")
 FLAGS = ("head_still",)
 TEXTS = (
     "warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by",
@@ -44,13 +45,15 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
     with their share of all refreshes. over_budget: drawing and passes took longer than a refresh.
     hole_share: of both eyes' pixels, after the warp and before the fill. pose_age: from reading the
     head to handing the picture over. passes: of both eyes together. lost_s: without a display.
-    tracking_lost: pictures for a head that was held at its last known pose.
+    tracking_lost: pictures for a head that was held at its last known pose. input_response: from an
+    input to the first picture that shows what came of it.
     """
     if not summary:
         return dict(NOTHING)
     live, pictures = summary["live"], summary["frames"]
     holes, passes = _of_eyes(column, "hole_share", np.nanmean), _of_eyes(column, "total_ms", np.nansum)
-    latency = _known(column("age_ms"))
+    latency, acted = _known(column("age_ms")), summary.get("input", {"count": 0})
+    response = acted.get("response_time_ms", {})
     numbers = {
         "seconds": live["seconds"],
         "pictures": pictures,
@@ -67,6 +70,8 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
         **_middle_and_tail("passes_ms", passes),
         "angular_speed_deg_s_median": _middle(_known(column("angular_speed_deg_s"))),
         "linear_speed_m_s_median": _middle(_known(column("linear_speed_m_s"))),
+        "inputs": acted["count"],
+        **{f"input_response_ms_{name}": response.get(name) for name in ("mean", "p95")},
         "lost_s": math.fsum(loss["away_s"] or 0.0 for loss in live["lost"]),
         "tracking_lost_share": sum(live["notices"].values()) / pictures,
     }

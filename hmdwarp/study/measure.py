@@ -24,6 +24,7 @@ from ..pipeline import PipelineOptions
 from ..report import counted
 from ..resources import __version__
 from ..run import RunOptions, figures
+from ..scenes import inputs_beside
 from .design import live_options
 from .measure_options import MeasureOptions
 from .store import Session, Showing, Store
@@ -131,6 +132,7 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
         "rate_hz": live.rate_hz or session.facts.get("rate_hz"),
         "trace": str(traces / showing.trace),
         "as_recorded": True,
+        "input": str(inputs) if (inputs := inputs_beside(traces / showing.trace)).is_file() else "",
         "against": "",
         "metrics_every": options.every,
         "jod_s": options.jod_s,
@@ -140,7 +142,14 @@ def run_options(showing: Showing, session: Session, traces: Path, options: Measu
     if live.source_kind.has_head:
         # The camera's own head, at the recorded instants: the truth is what was recorded there.
         seconds = showing.actual.get("seconds")
-        replayed |= {"trace": "", "as_recorded": False, "rate_hz": None, "seconds": seconds or None, "lens": "none"}
+        replayed |= {
+            "trace": "",
+            "as_recorded": False,
+            "input": "",
+            "rate_hz": None,
+            "seconds": seconds or None,
+            "lens": "none",
+        }
     return RunOptions(**{**shared, **replayed})
 
 

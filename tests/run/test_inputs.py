@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError
 from hmdwarp.gpu import download
+from hmdwarp.pipeline.proxy_options import ProxyOptions
 from hmdwarp.poses import PoseTrack
 from hmdwarp.run import LiveOptions
 from hmdwarp.scenes import load_scene, read_inputs
@@ -45,6 +46,19 @@ def test_the_response_time_is_the_latency_and_the_wait_for_pictures(tmp_path):
     assert found["input"]["count"] == found["input"]["answered"] == 3
     assert found["input"]["response_time_ms"]["mean"] == pytest.approx(359 / 3, abs=1e-3)
     assert any("(3 of 3 inputs)" in note for note in found["notes"])
+
+
+def test_behind_a_proxy_the_response_time_has_both_links(tmp_path):
+    """Its picture of 450 ms shows what the server drew at 350, with an input of 320 ms."""
+    path = tmp_path / "in.csv"
+    path.write_text(HEADER + f"{320 * MS},switch,lamp,0,0,0,0,0,1\n")
+    beside = ProxyOptions(on=True, latency_ms=100.0, warp="none", fill="none")
+    options = {**ACTED, "start_s": 0.3, "seconds": 0.7, "input": str(path), "warp": "none"}
+    alone, proxied = (
+        run(tmp_path / name, **options, **more).summary["input"]["response_time_ms"]["mean"]
+        for name, more in (("alone", {}), ("proxied", {"proxy": beside}))
+    )
+    assert (alone, proxied) == (pytest.approx(130, abs=1e-3), pytest.approx(230, abs=1e-3))
 
 
 @pytest.mark.parametrize("knows", ["foreseen", "extrapolated", "held"])

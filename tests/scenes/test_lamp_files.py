@@ -9,7 +9,7 @@ import pytest
 from replays import run
 
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import ATLAS, lamps_at, load_scene, receivers_of
+from hmdwarp.scenes import ATLAS, ArrivedState, as_arrived, lamps_at, load_scene, receivers_of
 from hmdwarp.scenes.radiosity import direct_light
 
 from .glb import IN_PLACE, Glb
@@ -113,7 +113,7 @@ def test_an_animation_of_a_light_is_its_brightness_and_what_else_it_points_at_is
     glb, lights = room_file(), f"/extensions/{LIGHTS}/lights"
     glb.header["extensionsUsed"].append("KHR_animation_pointer")
     glb.animate("", [0, 0.5, 1.0], [[20.0], [80.0], [-20.0]], kind, pointer=f"{lights}/1/intensity")
-    glb.animate("", [0, 1.0], [[0.1], [0.2]], pointer=f"{lights}/1/spot/innerConeAngle")
+    glb.animate("", [0, 1.0], [[1.0], [2.0]], pointer=f"{lights}/1/range")
     scene = glb.load(tmp_path)
     spot, still = scene.lamps[1], scene.lamps[0]
     assert still.brightness is None and spot.cone == (0.35, 0.6)
@@ -123,7 +123,27 @@ def test_an_animation_of_a_light_is_its_brightness_and_what_else_it_points_at_is
     assert np.allclose(np.divide(spot.colour, still.colour), np.outer(80, SPOT["color"])[0] / np.multiply(
         POINT["intensity"], POINT["color"]))  # fmt: skip
     (note,) = [note for note in scene.notes if "points at" in note]
-    assert "the intensity of lights alone is played" in note and "spot/innerConeAngle" in note
+    assert "intensity, colour and cone of lights alone are played" in note and "lights/1/range" in note
+
+
+@pytest.mark.parametrize("knows", ["now", "late"])
+def test_colour_and_cone_of_a_light_may_be_animated(tmp_path, knows):
+    """By the extension's formula at the interpolated angles; a client knows those that arrived."""
+    glb, lights = room_file(), f"/extensions/{LIGHTS}/lights/1"
+    glb.header["extensionsUsed"].append("KHR_animation_pointer")
+    glb.animate("", [0, 1.0], [[1.0, 0.0, 0.5], [0.0, 0.5, 0.5]], pointer=f"{lights}/color")
+    glb.animate("", [0, 1.0], [[0.2], [0.4]], pointer=f"{lights}/spot/innerConeAngle")
+    glb.animate("", [0, 1.0], [[0.4], [1.2]], pointer=f"{lights}/spot/outerConeAngle")
+    scene, at_ns, first_ns = glb.load(tmp_path), 250_000_000, 0
+    spot = scene.lamps[1]
+    if knows == "late":
+        arrived = ArrivedState(extrapolates=False)
+        spot, at_ns = as_arrived(scene, arrived).lamps[1], 900_000_000
+        arrived.take(250_000_000)
+    assert np.allclose(np.divide(spot.light(at_ns), scene.lamps[1].light(first_ns)[0]), (0.75, 0.125, 0.5))
+    inner, outer = np.cos((0.25, 0.6))
+    assert np.allclose(np.linalg.norm(spot.fading(at_ns)[:3]), 1 / (inner - outer))
+    assert np.isclose(spot.fading(at_ns)[3], -outer / (inner - outer))
 
 
 def test_a_spot_fades_between_its_angles():

@@ -19,8 +19,9 @@ from ...client.plan import Plan
 from ...client.strategies import strategies
 from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
+from ...link import LinkOptions
 from ...link.codec import codecs
-from ...metrics import QUALITY, ratings_of
+from ...metrics import QUALITY, at_instants, ratings_of
 from ...options import PAPER, PaperOptions
 from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
@@ -31,7 +32,9 @@ from ...run.replay_run import Measured, measured
 from ...run.setup import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Separate, SweepCase, experiment
 from .cases import heads_of
-from .options import CompareOptions
+from .options import SIZE, CompareOptions
+from .suite_means import MEASURES, compared_entry
+from .suites import cost_text
 
 _DUPLICATE = (
     "nothing in '{scene}' calls for it, so that it would do what '{alike}' does; name it by --strategy to run it"
@@ -63,8 +66,14 @@ def compare(
     the run where none of several was done.
     """
     clients = [load_client(name) for name in options.clients]
-    runs, left_out = _checked(options)
+    runs, left_out, pictures = list[RunOptions](), list[dict[str, str]](), list[int]()
+    for scene in options.scenes:
+        own, left, counts = _checked(attrs.evolve(options, scene=scene))
+        runs, left_out, pictures = runs + own, left_out + left, pictures + counts
     cases = [_case(run, options.clients) for run in runs]
+    if options.suite:
+        say(cost_text(options.suite, [run.size or SIZE for run in runs], pictures, options.workers))
+        say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
     with experiment(options, FILES, Separate(run_part), cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
@@ -75,6 +84,7 @@ def compare(
                 "clients": [{"name": client.name, "summary": client.summary} for client in clients],
                 "strategies": [_described(name) for name in dict.fromkeys(row["strategy"] for row in rows)],
                 "left_out": [*left_out, *failed],
+                **compared_entry(options.suite, rows),
                 "rows": rows,
             }
         )
@@ -83,17 +93,26 @@ def compare(
 
 
 def _case(run: RunOptions, clients: Sequence[str]) -> SweepCase:
-    front = f"{run.trace}, {run.total_latency_ms:g} ms"
+    front = ", ".join(filter(None, (run.trace, f"{run.total_latency_ms:g} ms", run.scene, over_text(run.network))))
     return SweepCase.of("compare", f"{run.strategy}, {front}", ComparePart(run, tuple(clients)), group=front)
 
 
-def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]]]:
-    """Return the options of every run, and which strategies are left out and why.
+def over_text(network: LinkOptions) -> str:
+    """Return the bandwidth and loss of a link in words, "" without either."""
+    rate, loss = network.bandwidth, network.loss
+    words = [] if rate is None else [f"{rate.mbit:g} Mbit/s"]
+    return ", ".join(words if loss is None else [*words, f"{100 * loss.mean:g} % lost"])
+
+
+def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]], list[int]]:
+    """Return the options of every run, what is left out and why, and measured pictures of each.
 
     Those not named are left out where the scene does not call for them, where they would do
     what another one does, and where recorded frames lack what they send.
     Errors: as build_plan_for and schedule_for; UnknownNameError for a codec.
     """
+    links = options.links
+    options = attrs.evolve(options, network=links[0])
     first = _run_options(options, "", options.recordings[0], 0.0, 0.0)
     source = source_of(first)
     scene, headset, left_out, chosen = source.scene, source.headset, [], dict[str, Any]()
@@ -116,15 +135,18 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
             left_out.append({"strategy": text, "why": _DUPLICATE.format(scene=scene.name, alike=alike)})
     rate_hz = options.rate_hz or headset.refresh_hz
     # From the same refresh on: that of the longest wait for a first frame.
-    latest = [_run_options(options, text, options.recordings[0], max(options.latencies_ms), 0.0) for text in chosen]
+    over = [attrs.evolve(options, network=link) for link in links]
+    late = max(options.latencies_ms)
+    latest = [_run_options(one, text, one.recordings[0], late, 0.0) for one in over for text in chosen]
     start_s = max([options.start_s, *(first_shown_s(run, rate_hz) for run in latest)])
-    cases = itertools.product(options.recordings, options.latencies_ms, chosen)
-    runs = [_run_options(options, text, recording, latency, start_s) for recording, latency, text in cases]
-    traces = heads_of(options, source)
+    cases = itertools.product(options.recordings, over, options.latencies_ms, chosen)
+    runs = [_run_options(one, text, recording, latency, start_s) for recording, one, latency, text in cases]
+    traces, pictures = heads_of(options, source), []
     for run in runs:
         codecs.get(run.coding.codec)
-        schedule_for(run, source, traces[run.trace], rate_hz)
-    return runs, left_out
+        schedule = schedule_for(run, source, traces[run.trace], rate_hz)
+        pictures.append(2 * -(-schedule.count // run.metrics_every))
+    return runs, left_out, pictures
 
 
 def _what_it_does(run: RunOptions, plan: Plan) -> tuple[RunOptions, Plan]:
@@ -222,6 +244,10 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
         **summary,
         "machine": {**summary["machine"], "host": platform.node()},
         "latency_ms": run.total_latency_ms,
+        "over": over_text(run.network),
+        "at_instants": {
+            name: {str(frame): value for frame, value in at_instants(result.rows, name).items()} for name in MEASURES
+        },
         "client_ms": summary["time_ms"]["total"]["median"],
         "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
         "mbit_s": summary["link"]["mbit_s"],

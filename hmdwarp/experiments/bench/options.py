@@ -199,6 +199,14 @@ class CompareOptions(RecordedOptions):
     with_frames = ("recordings", "scene", "headset", "rate_hz")
     why_not = "all are compared on the camera's own frames, head and rate"
 
+    # Sets what is run, in scenes and over links of which there may be several; "" for none.
+    suite: str = option(
+        "",
+        f"Named comparison: {' or '.join(suites())}. It says what is run, over links that are lived, and takes means "
+        "over all heads and scenes.",
+        valid=one_of("", *suites()),
+        limits=" or ".join(suites()),
+    )
     # With settings where they matter; empty for all.
     strategies: tuple[str, ...] = several(
         _RUN.strategy, (), f"Strategy: {names_in('client/strategies')}; by default all.", split=split_names
@@ -227,6 +235,19 @@ class CompareOptions(RecordedOptions):
     paper: PaperOptions = group(PaperOptions)
 
     @property
+    def scenes(self) -> tuple[str, ...]:
+        """The scenes."""
+        return tuple(suites()[self.suite].compare["scene"][0].split(",")) if self.suite else (self.scene,)
+
+    @property
+    def links(self) -> tuple[LinkOptions, ...]:
+        """The links, each with the rest of the options."""
+        if not self.suite:
+            return (self.network,)
+        lived = [LinkOptions.of(link) for link in suites()[self.suite].compare["links"]]
+        return tuple(attrs.evolve(self.network, bandwidth=link.bandwidth, loss=link.loss) for link in lived)
+
+    @property
     def eye_size(self) -> tuple[int, int] | None:
         """Pixels of one eye; None for those of recorded frames."""
         return self.size or (None if self.frames is not None else SIZE)
@@ -234,6 +255,7 @@ class CompareOptions(RecordedOptions):
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:
         """Return the fields that were set. Errors: InputError."""
+        said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)}, compares=True)
         values = super().values_of(said)
         # A second into a recording that may last less is not begun unless it is asked for.
         if values.get("frames") is not None and values.get("start_s", START_S) == START_S:

@@ -37,6 +37,26 @@ def suite_entry(name: str, rows: Iterable[Row], sequences: Sequence[Row] = ()) -
     return {"suite": {**about, "over_all": over_all(rows)}}
 
 
+def compared_entry(name: str, rows: Iterable[Row]) -> dict[str, Any]:
+    """Return `suite` of compare.json, as suite_entry: each strategy over each link at each latency.
+
+    `over` says over which link. A run that showed nothing is in no mean.
+    """
+    if not name:
+        return {}
+    by_link: dict[str, list[Row]] = {}
+    for row in rows:
+        if all(row["quality"][measure]["mean"] is not None for measure in MEASURES):
+            used = {key: row[key] for key in ("trace", "scene", "latency_ms", "quality", "at_instants")}
+            by_link.setdefault(row["over"], []).append({**used, "warp": row["strategy"], "fill": "none"})
+    found = [
+        {"over": over, "strategy": entry.pop("warp"), **entry}
+        for over, group in by_link.items()
+        for entry in over_all(group)
+    ]
+    return {"suite": {"name": name, "version": suites()[name].version, "over_all": found}}
+
+
 def over_all(rows: Iterable[Row]) -> list[dict[str, Any]]:
     """Return the means of each method at each latency, over all heads and scenes, the best first.
 

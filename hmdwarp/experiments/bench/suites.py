@@ -31,8 +31,10 @@ class Suite:
     summary: str
     # Names of the scenes by others that it takes where they are: see further.toml.
     recipes: tuple[str, ...]
-    # Values by option, as the command line has them.
+    # Values by option, as the command line has them: of a bench, and of a comparison, where `scene`
+    # and `links` may have several.
     sets: Mapping[str, Any]
+    compare: Mapping[str, Any]
 
 
 def _entries() -> dict[str, Any]:
@@ -55,27 +57,32 @@ def suites() -> dict[str, Suite]:
     """Return all suites by name."""
     entries = _entries()
     del entries["halves"]
-    return {
-        name: Suite(name, entry.pop("version"), entry.pop("summary"), tuple(entry.pop("recipes")), entry)
-        for name, entry in entries.items()
-    }
+    found = {}
+    for name, entry in entries.items():
+        version, summary, recipes, own = (entry.pop(key) for key in ("version", "summary", "recipes", "compare"))
+        shared = {"scene": entry["scene"], "traces": entry["traces"], "size": entry["size"][0]}
+        shared["samples"] = entry["samples"]
+        found[name] = Suite(name, version, summary, tuple(recipes), entry, shared | own)
+    return found
 
 
-def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:
+def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any], *, compares: bool = False) -> Mapping[str, Any]:
     """Return the set options with those of the suite that they name, if any.
 
-    usual: the default of each option. Errors: InputError for an option that the suite sets.
+    usual: the default of each option. compares: whether they are those of a comparison.
+    Errors: InputError for an option that the suite sets.
     """
     if not said.get("suite"):
         if said.get("also") is not None:
             raise InputError("--also without --suite: give scenes by --scene and recorded frames by --frames")
         return said
     suite = suites()[said["suite"]]
-    for name in (*suite.sets, "frames", "trace"):
+    sets = suite.compare if compares else suite.sets
+    for name in (*sets, "frames", "trace", *(sets["links"][-1] if compares else ())):
         if said.get(name) not in (None, [], (), usual.get(name)):
             flag = "a trace" if name in ("traces", "trace") else f"--{name.replace('_', '-')}"
             raise InputError(f"{flag} with --suite {suite.name}: the suite says what is run; leave one of them out")
-    return {**said, **suite.sets}
+    return {**said, **{name: value for name, value in sets.items() if not compares or name not in ("scene", "links")}}
 
 
 def cost_text(name: str, sizes: Sequence[tuple[int, int]], pictures: Sequence[int], workers: int | None) -> str:

@@ -75,6 +75,8 @@ class Experiment:
     cells: tuple[Cell, ...] = ()
     # Runs whose pictures are shown; of a stream the time line of its frames.
     pictures: tuple[PictureRun | StreamRun, ...] = ()
+    # Whether the number is a weak stand-in for what the claim is about.
+    weak: bool = False
     # What the reader must know; not computed.
     note: str = ""
 

@@ -125,6 +125,8 @@ def false_edges(shown: Map, truth: Map) -> float | None:
 HEADSET = "flat-90"
 # By the wall clock a shorter pass is mostly the driver's overhead.
 LEAST_WALL_MS = 1.0
+# Of a side of the least picture: what its passes take is the GPU's overhead.
+SPECK_PX = 8
 Picture = NDArray[np.uint8]
 EYES = (0, 1)
 
@@ -169,6 +171,12 @@ class Looked:
     # The shown picture and the truth at the first instant: (h, w, 3) sRGB, top row first.
     picture: Picture
     truth: Picture
+
+
+def beyond(figures: Figures, least: Figures) -> Figures:
+    """Return figures whose times are what they take beyond those of the least picture."""
+    rest = {name: value - before for name, value in figures.items() if value and (before := least.get(name))}
+    return figures | {name: value if value > 0 else None for name, value in rest.items() if name.endswith("_ms")}
 
 
 def look(runs: Sequence[PictureRun], how: Thoroughness, folder: Path) -> Iterator[Looked]:

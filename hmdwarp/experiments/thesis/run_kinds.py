@@ -268,6 +268,7 @@ class Verdict(enum.Enum):
 
     HOLDS = "holds"
     CONDITIONS = "holds under conditions"
+    MOSTLY_FAILS = "mostly does not hold"
     FAILS = "does not hold"
     UNKNOWN = "cannot be told"
 
@@ -291,12 +292,13 @@ class Finding:
 
 def verdict_of(findings: Iterable[Finding]) -> Verdict:
     """Return the verdict: settings without a number do not count."""
-    judged = {finding.holds for finding in findings if finding.holds is not None}
+    judged = [finding.holds for finding in findings if finding.holds is not None]
+    held = judged.count(True)
     if not judged:
         return Verdict.UNKNOWN
-    if len(judged) == 2:
-        return Verdict.CONDITIONS
-    return Verdict.HOLDS if True in judged else Verdict.FAILS
+    if 0 < held < len(judged):
+        return Verdict.CONDITIONS if 2 * held >= len(judged) else Verdict.MOSTLY_FAILS
+    return Verdict.HOLDS if held else Verdict.FAILS
 
 
 def settings_text(findings: Sequence[Finding], holds: bool | None) -> str:

@@ -26,7 +26,7 @@ from ..sweep import (
     experiment,
 )
 from .experiment import QUICK_SCALE, Experiment, ThesisOptions, experiments, experiments_named
-from .run_figures import FACTS, Looked, Thoroughness, look, stream
+from .run_figures import FACTS, SPECK_PX, Looked, Thoroughness, beyond, look, stream
 from .run_kinds import (
     Figures,
     Finding,
@@ -165,7 +165,11 @@ class _Runner:
         machine, run, files = _examined(), part.run, dict[str, bytes]()
         if isinstance(run, PictureRun):
             looked = self._look(run, part.how)
-            figures, files = looked.figures, {PICTURE: jpeg_bytes(looked.picture), TRUTH: jpeg_bytes(looked.truth)}
+            figures = looked.figures
+            if run.timed and machine["clock"] == "gpu":
+                (least,) = look([attrs.evolve(run, scale=SPECK_PX / part.how.size[0])], part.how, self._folder)
+                figures = beyond(figures, least.figures)
+            files = {PICTURE: jpeg_bytes(looked.picture), TRUTH: jpeg_bytes(looked.truth)}
         elif isinstance(run, StreamRun):
             figures, drawn = stream(run, part.how.stream_scale, part.how.stream_s)
             files = {TIMELINE: drawn.encode()}
@@ -220,7 +224,7 @@ def judge(experiment: Experiment, figures: Mapping[Run, Figures]) -> dict[str, A
         known = [figures[run] for run in cell.runs if run in figures]
         value = cell.number(known) if len(known) == len(cell.runs) else None
         findings.append(Finding.of(cell.row, cell.column, value, experiment.rule))
-    same = ("name", "source", "claim", "thesis", "measured", "unit", "digits", "scale")
+    same = ("name", "source", "claim", "thesis", "measured", "unit", "digits", "scale", "weak")
     values = sorted(finding.value * experiment.scale for finding in findings if finding.value is not None)
     ends = dict.fromkeys(plain(value, experiment.digits) for value in (*values[:1], *values[-1:]))
     return {

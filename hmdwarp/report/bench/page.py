@@ -80,7 +80,7 @@ def bench_page(data: Mapping[str, Any]) -> Page:
             Section("", _tiles(data, rows), style="tiles", label="What was run"),
             Section("", [clock_note and Text(clock_note)], style="after"),
             notes_section(_notes(data, rows)),
-            _suite(data.get("suite")),
+            suite_section(data.get("suite")),
             _tables(rows, groups),
             _fronts(groups, rows),
             _displacement(list(data.get("grid") or ()), data.get("grid_at")),
@@ -98,8 +98,8 @@ def render_bench_page(data: Mapping[str, Any]) -> str:
     return bench_page(data).html()
 
 
-def _suite(entry: Mapping[str, Any] | None) -> Section | None:
-    """Return the means of a suite over all heads and scenes; None for a bench of no suite."""
+def suite_section(entry: Mapping[str, Any] | None) -> Section | None:
+    """Return the means of a suite over all heads and scenes; None for no suite."""
     if not entry:
         return None
     flip, psnr = (metrics.get(name).figure for name in ("flip", "psnr_db"))

@@ -396,6 +396,12 @@ class Listener:
         """Say that nothing has changed since the last frame."""
         self._send(asked.client, encode(Unchanged(asked.ask.number)))
 
+    def tell(self, asked: Asked, what: str) -> None:
+        """Add a line on a client to the log."""
+        if asked.client in self._clients:
+            client = self._clients[asked.client]
+            self._log.say("told", client.address, f"{client.name}: {what}")
+
     def refuse(self, asked: Asked, why: str) -> None:
         """Say why there is no frame."""
         why = " ".join(why.split())

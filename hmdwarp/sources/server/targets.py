@@ -268,6 +268,10 @@ class Renderer:
     def heard_of(self, client: Hashable, carried: Mapping[str, Any], arrived: bool, heard_ns: int) -> None:
         """Take note of whether a client's frame with these layers arrived."""
 
+    def reacts_to(self, client: Hashable) -> bool:
+        """Return whether what it draws reacts to what a client's people do."""
+        return self.scene.inputs is not None
+
     def begin_anew(self, client: Hashable) -> None:
         """Begin anew what builds on the frames before, for a client that has none of them."""
         self.forget(client)

@@ -138,6 +138,7 @@ _POINT = Control("digit", ".", "a number", "action", also=(",", "KP Decimal"), v
 
 # W A S D Q E walk. Escape opens the menu, which offers the end: a slip must not end a session, and
 # the way out must be easy to find.
+_ACTING = tuple(control(action) for action in ("push", "switch", "grab"))  # in trials whose scene reacts
 CONTROLS: tuple[Control, ...] = (
     Control("left", "Left", "less, or the one before", "step", buttons=("left",)),
     Control("right", "Right", "more, or the next one", "step", buttons=("right",)),
@@ -149,6 +150,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("confirm", "Enter", "confirm", "action", also=("KP Enter", "Space"), buttons=("confirm",)),
     Control("skip", "X", "cannot say", "action"),
     Control("menu", "Escape", "menu: break, stop", "action", also=("M",), buttons=("menu",)),
+    *_ACTING,
     control("recentre"),
     control("full_screen"),
     attrs.evolve(control("help"), needs_text_panel=True),  # never over a trial's picture
@@ -173,6 +175,7 @@ class InputHints:
     look: str  # how to look around, in a sentence
     skip: str = ""  # leaves a question unanswered; "" where the menu does
     mouse: bool = False  # whether there is one, so that buttons are worth drawing
+    act: str = ""  # how to act in a scene that reacts; "" where nobody can
 
 
 KEYS = InputHints(
@@ -184,6 +187,7 @@ KEYS = InputHints(
     look="Move the mouse to look around all the time; W A S D walk.",
     skip="X",
     mouse=True,
+    act="\n".join(f"{one.key} or {one.mouse} mouse button: {one.name}" for one in _ACTING),
 )
 CONTROLLERS = InputHints(
     choose="stick or pad",

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from ...display import Command, Label
 from ...errors import InputError
 from ...pipeline import Refresh, SceneKey, Source
-from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
-from ...scenes import with_targets
+from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Recorder, took_by
+from ...scenes import ACTIONS, InputBook, with_targets
 from ..actual import actual_of
 from ..design import Show
 from ..dialogs import hints_for
@@ -48,7 +48,7 @@ class TrialHandler(StepHandler):
     from its first picture, on the display's clock.
 
     panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s. showing:
-    as it was begun. score: of the trial's task.
+    as it was begun. score: of the trial's task. hand: None where the scene does not react.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
@@ -66,13 +66,14 @@ class TrialHandler(StepHandler):
         wait_s: float,
         showing: Showing,
         score: TaskScore | None = None,
+        hand: Hand | None = None,
     ) -> None:
         super().__init__(context, step)
-        self.score = score
+        self.score, self._hand = score, hand
         self._panel_ns, self._log, self._wait_s, self._showing = panel_ns, log, wait_s, showing
         self.head = HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
-        self._arrived = self._is_done = False
+        self._arrived = self._is_done = self._told = False
         self._restarted_ns: int | None = None
         self._first_ns: int | None = None
         self.last_shown_ns: int | None = None  # when its newest picture is seen; None before the first
@@ -105,6 +106,8 @@ class TrialHandler(StepHandler):
         self.head.add(refresh.head)
         if self.score is not None:
             self.score.add(refresh.head)
+        if self._hand is not None:
+            self._hand.follow(refresh)
         if self._first_ns is None:
             self._first_ns = self.context.display.now_ns()
             self._onset_s = self.context.before_s + self.context.elapsed_s
@@ -128,8 +131,14 @@ class TrialHandler(StepHandler):
         """End a trial that is shown until the participant is done; no command changes another.
 
         In a task a confirmation selects a target, and only the console's word ends the trial. In
-        the black before the first picture there is nothing to end, and nothing to select.
+        the black before the first picture there is nothing to end, to select, or to act upon.
         """
+        if self._first_ns is not None and command.control in ACTIONS:
+            if self._hand is not None:
+                self._hand.act(command)
+            elif not self._told:  # nothing may stand over the picture
+                self._told = True
+                self.context.say(f"{command.control}: the scene of this trial does not react to what people do")
         if self._first_ns is None or command.control not in CONFIRMS:
             return
         if self.score is not None and command.control == "confirm":
@@ -214,7 +223,11 @@ class TrialRunner:
                 recorder.begin(context.display.about, context.display.rate_hz)
                 log.begin(context.display, host)
                 score = TaskScore(places, step.task.size_deg) if step.task is not None else None
-                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, score)
+                hand = None
+                if source.scene.inputs is not None:
+                    source.scene.inputs.book = InputBook()  # as if nobody had ever been there
+                    hand = Hand(host, context.display.now_ns, took_by(recorder, log))
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, score, hand)
                 log.status.heading = context.title(step)
                 Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt

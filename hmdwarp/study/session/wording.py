@@ -17,6 +17,7 @@ from ...geometry import Pose
 from ...poses import Origin, PoseSample
 from ...report import counted
 from ...run import Recorder
+from ...scenes import scenes
 from ..design import Ask, Design, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
@@ -190,6 +191,9 @@ def number_panel(
         hint = f"{before}Find {balls}: bring one to the middle of your view. {hints.confirm}: select"
     else:
         hint = before + (f"Look around as long as you like. {hints.confirm}: done" if step.until_done else "")
+    name = step.condition.settings.get("scene")
+    if name in scenes.names() and scenes.get(str(name)).reacts is not None:
+        hint = f"{hint}\n{hints.act}".strip()
     return trial_panel(step.trial, _trials(steps), hint.rstrip(), step.turn)
 
 

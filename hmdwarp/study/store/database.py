@@ -16,7 +16,7 @@ from urllib.parse import quote
 from ...errors import HmdwarpError, InputError, MachineError
 from ...platforms import NOFOLLOW
 from ...report import counted, sync
-from .folders import DATABASE, TRACES, Journal, noted_journal
+from .folders import DATABASE, TRACES, Journal, count_of_traces, noted_journal
 from .page_reader import rows_in
 from .records import DamagedRow, from_json, to_json, unsealed
 
@@ -67,7 +67,7 @@ def damaged(path: Path, why: str) -> InputError:
     """Return the error of a damaged database, with what of it can be rescued and how."""
     found = rows_in(path, shapes())
     rows = ", ".join(counted(len(found[table]), table) for table in ("session", "showing", "answer"))
-    traces = counted(len([*(path.parent / TRACES).glob("*.csv")]), "head trace")
+    traces = counted(count_of_traces((path.parent / TRACES).glob("*.csv")), "head trace")
     return InputError(
         f"{path}: damaged ({' '.join(why.split())}): {rows} and {traces} can be read; keep the folder as it is and "
         f"work on a copy: `hmdwarp study recover STUDY --store {path.parent} --out NEW` writes one"

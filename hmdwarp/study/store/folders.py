@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import socket
+from collections.abc import Iterable
 from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
@@ -13,6 +14,7 @@ from pathlib import Path
 from ...errors import HmdwarpError, InputError, MachineError
 from ...platforms import lock
 from ...report import keep_private, sync
+from ...scenes import inputs_beside
 from ..design import Design
 from .records import ORIGINS, PERSON
 
@@ -209,11 +211,21 @@ def _check_ours(folder: Path) -> None:
         )
 
 
+def count_of_traces(files: Iterable[Path]) -> int:
+    """Count the head traces among files; inputs lie beside some."""
+    paths = list(files)
+    return len({*paths} - {inputs_beside(path) for path in paths})
+
+
 def sync_trace(path: Path) -> bool:
-    """Sync a trace and its folder; False where there is no trace. Errors: MachineError."""
+    """Sync a trace, its inputs and their folder; False where there is no trace.
+
+    Errors: MachineError.
+    """
     try:
-        keep_private(path)
-        sync(path)
+        for each in (path, *filter(Path.is_file, [inputs_beside(path)])):
+            keep_private(each)
+            sync(each)
         sync(path.parent)
     except FileNotFoundError:
         return False

@@ -20,6 +20,7 @@ import attrs
 from ...errors import InputError
 from ...report import keep_private
 from ...resources import __version__
+from ...scenes import inputs_beside
 from . import database, queries
 from .admission import insert
 from .database import transaction, translated
@@ -149,8 +150,8 @@ def _copy_traces(db: sqlite3.Connection, folder: Path, into: Path) -> None:
     """Copy the traces of all who did not withdraw; a session that was cut off may lack one."""
     query = f"SELECT trace FROM showing WHERE trace <> '' AND session IN ({_KEPT_SESSIONS})"
     for (trace,) in db.execute(query):
-        if (folder / trace).is_file():
-            shutil.copy2(folder / trace, into / trace)
+        for each in filter(Path.is_file, (folder / trace, inputs_beside(folder / trace))):
+            shutil.copy2(each, into / each.name)
 
 
 _KEPT = "SELECT id FROM participant WHERE NOT withdrawing"

@@ -16,7 +16,7 @@ from ...report import counted, keep_private
 from ...resources import __version__
 from ..design import Design
 from . import database
-from .folders import DATABASE, TRACES, check_place, make_folders
+from .folders import DATABASE, TRACES, check_place, count_of_traces, make_folders
 from .page_reader import Row, Value, rows_in
 from .records import DamagedRow, from_json, to_json, unsealed
 from .signature import plan_signature
@@ -80,7 +80,7 @@ def recover(folder: Path, out: Path, design: Design | None, study: str, origin: 
     except BaseException:
         shutil.rmtree(making, ignore_errors=True)
         raise
-    return Rescued(rescue.rows, rescue.left_out, tuple(rescue.altered), tuple(rescue.made_up), len(traces))
+    return Rescued(rescue.rows, rescue.left_out, tuple(rescue.altered), tuple(rescue.made_up), count_of_traces(traces))
 
 
 class _Rescue:

@@ -23,7 +23,7 @@ from ..design import Ask, Design, Show
 from . import admission, queries
 from .database import translated
 from .erasing import Holdings, erase, known
-from .folders import check_place, sync_trace, trace_name
+from .folders import check_place, count_of_traces, sync_trace, trace_name
 from .records import (
     DECLINED,
     RUNNING,
@@ -300,7 +300,7 @@ class Store(StoreConnection):
             participant, sub = known(self._db, code)
             code, counts = queries.code_of(self._db, participant), queries.counts(self._db, participant)
         files = [path for path in self.traces.glob(f"*{sub}*") if path.is_file()]
-        return Holdings(code, **counts, traces=len(files), bytes=sum(path.stat().st_size for path in files))
+        return Holdings(code, **counts, traces=count_of_traces(files), bytes=sum(path.stat().st_size for path in files))
 
     def finish_withdrawal(self, code: str) -> bool:
         """Return whether an interrupted withdrawal of this participant ended just now."""

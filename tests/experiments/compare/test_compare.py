@@ -19,7 +19,9 @@ from hmdwarp.client import build_plan
 from hmdwarp.client.classes import client_names, load_client
 from hmdwarp.client.strategies import strategies
 from hmdwarp.errors import InputError
-from hmdwarp.experiments.bench import client_bytes, decoded_mpx_s, start_bytes, unfit
+from hmdwarp.experiments.bench import CompareOptions, client_bytes, compare, decoded_mpx_s, start_bytes, unfit
+from hmdwarp.experiments.bench.suite_means import compared_entry, over_all
+from hmdwarp.experiments.bench.suites import suites
 from hmdwarp.frames import EyeSizes
 from hmdwarp.report.compare_page import chosen_markdown, compare_markdown, compare_page, first_cases
 
@@ -303,6 +305,74 @@ def test_a_comparison_goes_on_where_it_was(folder, data, tmp_path):
     rows = json.loads((out / "compare.json").read_text(encoding="utf-8"))["rows"]
     for name in ("strategy", "quality", "mbit_s", "unfit"):
         assert [row[name] for row in rows] == [row[name] for row in data["rows"]]
+
+
+@pytest.mark.parametrize("name", suites())
+def test_a_suite_says_scenes_people_and_links(name):
+    options, bench = CompareOptions.of({"suite": name}), suites()[name].sets
+    assert options.scenes == tuple(bench["scene"][0].split(",")) and list(options.recordings) == bench["traces"]
+    assert all(link.bandwidth is not None and link.bandwidth.mbit >= 10 for link in options.links)
+    for said in ({"bandwidth": "3"}, {"loss": "0.1"}, {"scene": "planes"}, {"latency": ["10"]}, {"frames": "x"}):
+        with pytest.raises(InputError, match="the suite says what is run"):
+            CompareOptions.of({"suite": name, **said})
+
+
+def test_the_standard_suite_has_half_a_minute_of_each_strategy_and_lives_the_links():
+    options = CompareOptions.of({"suite": "standard"})
+    lived = {(link.bandwidth.mbit, 0.0 if link.loss is None else link.loss.mean) for link in options.links}
+    assert lived == {(rate, loss) for rate in (10, 25, 50, 100) for loss in (0.0, 0.01)}
+    assert options.latencies_ms == (50, 100, 200, 400, 800) and options.strategies == ()
+    assert len(options.recordings) * options.seconds >= 30
+
+
+def test_a_suite_is_run_over_its_scenes_and_links_and_says_its_cost_first(tmp_path):
+    said = []
+    options = attrs.evolve(
+        CompareOptions.of({"suite": "quick", "workers": 0}, out=tmp_path / "out"),
+        recordings=("mmsys18-1",), size=(32, 24), samples=1, seconds=0.05, strategies=("rotation", "imposter"),
+    )  # fmt: skip
+    result = compare(options, say=said.append)
+    assert said[0].startswith("suite quick 2: 6 cases, 12 pictures to measure")
+    rows = list(result.data["rows"])
+    assert [(row["scene"], row["strategy"]) for row in rows] == [
+        (scene, name) for scene in ("room", "spheres", "workshop") for name in options.strategies
+    ]
+    assert {row["over"] for row in rows} == {"25 Mbit/s, 1 % lost"}
+    means = {entry["strategy"]: entry for entry in result.data["suite"]["over_all"]}
+    for name, entry in means.items():
+        values = [row["quality"]["flip"]["mean"] for row in rows if row["strategy"] == name]
+        assert entry["flip"]["mean"] == pytest.approx(sum(values) / 3) and entry["scenes"] == 3
+    page = (tmp_path / "out" / "compare.html").read_text(encoding="utf-8")
+    assert "Suite quick 2" in page and "rotation, 25 Mbit/s, 1 % lost" in page and "workshop" in page
+
+
+def test_means_of_a_suite_are_those_of_a_bench_link_by_link():
+    def row(head, scene, over, strategy, flip):
+        quality = {"flip": {"mean": flip}, "psnr_db": {"mean": None if flip is None else 30 - flip}}
+        at = {name: {"1": one["mean"]} for name, one in quality.items()}
+        return {
+            "trace": head, "scene": scene, "latency_ms": 50.0, "over": over, "strategy": strategy, "quality": quality,
+            "at_instants": at,
+        }  # fmt: skip
+
+    rows = [
+        row(head, scene, over, strategy, 0.1 * n + 0.01 * (head + scene).count("c") + 0.3 * (over == "slow"))
+        for head in "abc"
+        for scene in "xyc"
+        for over in ("slow", "fast")
+        for n, strategy in enumerate(("best", "other"))
+    ]
+    lost = row("a", "x", "slow", "gone", None)
+    assert compared_entry("", rows) == {}
+    suite = compared_entry("standard", [*rows, lost])["suite"]
+    assert [(one["over"], one["strategy"]) for one in suite["over_all"]] == [
+        (over, strategy) for over in ("slow", "fast") for strategy in ("best", "other")
+    ]
+    for one in suite["over_all"]:
+        assert one["rank"] == {"best": float(one["strategy"] == "best"), "interval": one["rank"]["interval"]}
+        assert (one["heads"], one["scenes"]) == (3, 3) and one["flip"]["interval"] is not None
+    slow = [one | {"warp": one["strategy"], "fill": "none"} for one in rows if one["over"] == "slow"]
+    assert [one["flip"] for one in over_all(slow)] == [one["flip"] for one in suite["over_all"][:2]]
 
 
 def test_recorded_frames_are_compared_by_what_colour_and_depth_allow(tmp_path):

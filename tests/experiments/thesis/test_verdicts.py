@@ -22,8 +22,10 @@ from hmdwarp.experiments.thesis import (
     share_text,
     verdict_of,
 )
+from hmdwarp.experiments.thesis.run_figures import beyond
 from hmdwarp.experiments.thesis.run_kinds import number_of
 from hmdwarp.experiments.thesis.thesis_run import csv_rows, figures_by_run, judge
+from hmdwarp.report import summary_markdown
 
 NUMBERS = st.floats(-1e6, 1e6)
 HOLDS = st.sampled_from([True, False, None])
@@ -36,11 +38,12 @@ def findings(holds: list[bool | None]) -> list[Finding]:
 @given(st.lists(HOLDS))
 def test_the_verdict_follows_from_what_was_measured(holds):
     known = [hold for hold in holds if hold is not None]
+    mixed = Verdict.CONDITIONS if sum(known) >= len(known) / 2 else Verdict.MOSTLY_FAILS
     expected = {
         (): Verdict.UNKNOWN,
         (True,): Verdict.HOLDS,
         (False,): Verdict.FAILS,
-        (False, True): Verdict.CONDITIONS,
+        (False, True): mixed,
     }[tuple(sorted(set(known)))]
     assert verdict_of(findings(holds)) is expected
     assert verdict_of(findings(holds[::-1])) is expected
@@ -162,6 +165,36 @@ def test_a_verdict_is_that_of_made_up_figures(name, holding, failing):
     assert (one["holds_at"], one["unknown_at"]) == ("", "")
     unknown = judged(name, *({} for _ in failing))
     assert unknown["verdict"] == "cannot be told" and unknown["unknown_at"] and not unknown["fails_at"]
+
+
+def test_one_of_four_is_mostly_no_and_a_weak_stand_in_says_so():
+    assert verdict_of(findings([True, False, False, False])) is Verdict.MOSTLY_FAILS
+    (times,) = experiments_named(["times"])
+    figures = {run: {"warp_ms": 1.0, "client_depth_ms": 1.5} for cell in times.cells for run in cell.runs}
+    figures |= {run: each | {"fill_ms": 9.0, "effects_ms": 9.0} for run, each in figures.items()}
+    one = judge(times, figures)
+    assert (one["verdict"], one["holds_at"]) == ("mostly does not hold", "1 of 4 settings: client depth")
+    weak = judge(experiments_named(["edges-doubled"])[0], {})
+    table = summary_markdown(
+        [{"experiments": [one, weak], "size": (8, 8), "machine": {"gl_renderer": ""}, "hmdwarp": ""}]
+    )
+    assert "| mostly does not hold | 1 of 4 settings: client depth |" in table
+    assert "| cannot be told, by a weak stand-in |" in table
+
+
+def test_a_time_on_a_gpu_is_what_it_takes_beyond_the_least_picture():
+    figures = {"warp_ms": 3.0, "fill_ms": 0.5, "copy_ms": None, "psnr_db": 30.0, "effects_ms": 2.0}
+    assert beyond(figures, {"warp_ms": 1.0, "fill_ms": 0.6, "psnr_db": 20.0, "effects_ms": None}) == {
+        "warp_ms": 2.0, "fill_ms": None, "copy_ms": None, "psnr_db": 30.0, "effects_ms": 2.0,
+    }  # fmt: skip
+
+
+def test_the_flicker_is_that_over_interpolation_alone_and_the_wlans_load_cannot_be_told():
+    (flickers, load) = experiments_named(["composite-flickers", "fig10-load"])
+    assert {tuple(run.fill for run in cell.runs) for cell in flickers.cells} == {
+        ("interpolate", "interpolate+composite")
+    }
+    assert judge(load, {})["verdict"] == "cannot be told" and not load.runs()
 
 
 def test_rates_and_pictures_are_judged_against_what_the_thesis_computes():

@@ -26,9 +26,11 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.run import replay
 from hmdwarp.run.frame_rows import ReplayLog
 from hmdwarp.scenes import InputEvent, load_scene
+from hmdwarp.sources.feed import caller
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import DEPTH_CODES, NONE, RAW, RGBA8, Fate, Refusal, Wish, decode, encode
+from hmdwarp.sources.feed.message import Session as Told
 from hmdwarp.sources.feed.options import FeedOptions
 from hmdwarp.sources.feed.viewer import Viewer
 from hmdwarp.sources.server import Renderer, Server
@@ -540,6 +542,27 @@ def test_what_people_did_is_told_until_the_server_has_it():
         assert list(session.asked(600).ask.inputs) == events
 
 
+def test_inputs_to_a_scene_that_does_not_react_are_said_and_frames_go_on(serving):
+    """Once a session, by the server, whose frames say that it takes none; and by the client."""
+    events, said = tuple(InputEvent(at, "push", "ball") for at in (1, 2)), []
+    with closing(Caller(serving.address)) as client:
+        found = []
+        number = 1
+        while len(found) < 2:
+            client.ask(attrs.evolve(ASK, number=number, token=bytes(32), inputs=events, session=Told(1)))
+            client.wait_until(time.monotonic_ns() + 200_000_000)
+            found, number = found + client.take(), number + 1
+    assert not any(arrival.frame.takes_inputs for arrival in found)
+    assert "its inputs are left out: planes does not react" in serving.line("inputs are left out")
+    with closing(Session()) as session:
+        session.remote._say = said.append
+        session.begin()
+        session.remote.act(events)
+        session.answer(session.asked(5), takes_inputs=False)
+        session.answer(session.asked(6), takes_inputs=False)
+    assert sum("does not react any more" in line for line in said) == 1
+
+
 def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_answered():
     needs = Needs(irradiance=layers.get("irradiance").something)
 
@@ -560,6 +583,40 @@ def test_a_fate_is_told_from_when_it_is_heard_until_a_request_that_told_it_is_an
         # The first will have no answer: its frame is lost, which is known at once.
         lost = Fate(first.ask.number, False, 1000)
         assert told(session.asked(1200, needs)) == (lost,)
+
+
+def test_the_log_counts_requests_that_were_replaced_before_they_were_drawn():
+    said, drawn, count = [], 0, 50
+    with closing(Listener("127.0.0.1:*", say=said.append)) as listener, zmq.Context() as context:
+        socket = context.socket(zmq.DEALER)
+        socket.connect(listener.address)
+        for number in range(1, count + 1):
+            socket.send(encode(attrs.evolve(ASK, number=number, token=bytes(32))))
+        newest = 0
+        while newest < count:
+            newest, drawn = next_asked(listener).ask.number, drawn + 1
+        socket.close(0)
+        while not any("gone" in line for line in said):
+            listener.next(20)
+    assert f"{count - drawn} requests passed over" in " ".join(said)
+
+
+@pytest.mark.parametrize("room", [1, 3])
+def test_frames_that_were_taken_no_longer_count_as_held(monkeypatch, room):
+    """Two frames that fit are both there, however many were taken before."""
+    with closing(Listener("127.0.0.1:*")) as listener, closing(Caller(listener.address)) as client:
+        exchanged(client, listener)
+        monkeypatch.setattr(caller, "_MOST_HELD", room * FRAME.bytes)
+        for first in range(1_000_000, 1_000_010, 2):
+            for number in (first, first + 1):
+                client.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
+                while not answered(listener):
+                    pass
+            while client._newest < first + 1:  # both have come
+                client.wait_until(time.monotonic_ns() + 1_000_000)
+            there = [arrival.frame.number for arrival in client.take()]
+            assert there[-2 if room == 3 else -1 :] == [first, first + 1][-2 if room == 3 else -1 :]
+            assert (first in there) == (room == 3)
 
 
 def test_every_client_has_its_own_rate():

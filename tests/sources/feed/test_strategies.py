@@ -169,6 +169,33 @@ def unhurried(remote: Remote, now_ns: int) -> None:
     remote._caller.wait_until(time.monotonic_ns() + 100_000_000)
 
 
+def test_a_frame_of_a_video_enters_the_link_with_its_instant_its_bytes_and_whether_it_stands_alone(
+    gpu, serving_of, monkeypatch
+):
+    """After a loss a frame is asked for that does."""
+    monkeypatch.setattr(Remote, "pace", patient)
+    feed = FeedOptions(connect=serving_of("planes"), added_latency_ms=50.0)
+    network = {"codec": "h264", "loss": "0.3", "link_seed": 4}
+    with ready(gpu, "imposter", scene="planes", feed=feed, network=network, seconds=1.0) as setup:
+        remote, link, came, sent = setup.source.remote, setup.channel.link, [], []
+        arrived, send = remote.arrived, link.send
+
+        def arriving(now_ns):
+            came.extend(found := arrived(now_ns))
+            return found
+
+        def sending(frame, now_ns, size_bytes, key):
+            sent.append((now_ns, size_bytes, key))
+            return send(frame, now_ns, size_bytes, key)
+
+        monkeypatch.setattr(remote, "arrived", arriving)
+        monkeypatch.setattr(link, "send", sending)
+        _, told = flown(setup, setup.schedule.numbered())
+    frames = [(one.pending.drawn_ns, one.arrival.frame) for one in came]
+    assert sent == [(at_ns, sum(map(len, frame.colours)), frame.begins) for at_ns, frame in frames]
+    assert {key for *_, key in sent[1:]} == {True, False} and told["frames"]["lost"] > 0
+
+
 KEPT = ["in pieces", "points", "photons"]
 
 

@@ -9,6 +9,7 @@ import attrs
 import pytest
 
 from hmdwarp.errors import InputError
+from hmdwarp.scenes import inputs_beside
 from hmdwarp.study.export import long_rows
 from hmdwarp.study.store import COMPLETE, PILOT, SICK, Contents, Store, merge
 from tests.study import tiny
@@ -60,9 +61,12 @@ def told(found: Contents) -> dict[str, list]:
 
 
 def test_all_that_sites_recorded_is_there_once(two, tmp_path):
+    acted = inputs_beside(two["paris"] / "traces" / contents(two["paris"]).showings[0].trace)
+    acted.write_text("what somebody did")
     found = merge(two, tmp_path / "all")
     assert [(site.site, site.participants, site.sessions) for site in found] == [("berlin", 3, 3), ("paris", 2, 2)]
     merged = contents(tmp_path / "all")
+    assert (tmp_path / "all" / "traces" / acted.name).read_text() == "what somebody did"
     assert told(merged) == {**told(contents(two["berlin"])), **told(contents(two["paris"]))}
     codes = ["berlin-P01", "berlin-P02", "berlin-P03", "paris-P01", "paris-P02"]
     assert [session.code for session in merged.sessions] == codes

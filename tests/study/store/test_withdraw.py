@@ -15,6 +15,7 @@ import time
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError, MachineError
+from hmdwarp.scenes import inputs_beside
 from hmdwarp.study.store import COMPLETE, Store, erasing
 
 from .killing import Killing
@@ -62,6 +63,8 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
     with Store(tmp_path / "data", create=True) as store:
         subs = filled(store, range(5))
         before = store.contents()
+        acted = next(store.traces.glob(f"*{subs[2]}*"))
+        inputs_beside(acted).write_text("what P2 did")  # no trace, and erased with it
         data = everything(tmp_path / "data")
         for number, sub in enumerate(subs):
             assert sub.encode() in data and all(mark in data for mark in told_of(number)), (
@@ -71,7 +74,11 @@ def test_the_bytes_hold_nothing_of_who_withdrew_and_all_of_the_others(tmp_path):
         assert "1 session, " in erased.describe() and "5 head traces" in erased.describe()
         for when in ("while it is open", "closed"):
             data = everything(tmp_path / "data")
-            assert subs[2].encode() not in data and not [mark for mark in told_of(2) if mark in data], when
+            assert (
+                subs[2].encode() not in data
+                and b"what P2 did" not in data
+                and not [mark for mark in told_of(2) if mark in data]
+            ), when
             store.close()
         assert not [
             mark for number in (0, 1, 3, 4) for mark in (*told_of(number), subs[number].encode()) if mark not in data
