@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import moderngl
@@ -27,13 +27,15 @@ class ExpandPass(RenderedPass):
 
     name = "expand"
     needs_compute = False
+    inset: ClassVar[bool] = False
     reads = ("rendered.foveated", "rendered.foveated_depth")
 
     def prepare(self) -> None:
         self._programs, self._pictures = {}, {}
         for number, (layer, (_, kind)) in enumerate(_PICTURES.items()):
             if layer in self.parts:
-                self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", DEPTH=number)
+                defines = {"DEPTH": number, "INSET": int(self.inset)}
+                self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", **defines)
                 self._pictures[layer] = [
                     allocate(self.gpu.gl, self.rendered_size, kind) for _ in range(self.tools.images)
                 ]
@@ -71,3 +73,9 @@ class ExpandPass(RenderedPass):
 
     def close(self) -> None:
         release_all(*(texture for several in self._pictures.values() for texture in several))
+
+
+class ExpandInsetPass(ExpandPass):
+    """Likewise, of pictures that came as a coarse one and an inset."""
+
+    inset = True

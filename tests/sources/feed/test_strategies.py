@@ -135,10 +135,12 @@ def looking_around(tmp_path) -> str:
     return str(tmp_path / "looking.csv")
 
 
-@pytest.mark.parametrize("fill", ["none", "pyramid"])  # read on its grid, and expanded first
-def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, looking_around, fill):
+@pytest.mark.parametrize(
+    ("fill", "inset"), [("none", False), ("pyramid", False), ("pyramid", True)]  # read on its grid, and expanded first
+)
+def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, looking_around, fill, inset):
     warp = "rotation" if fill == "none" else "iterative"
-    how = {"trace": looking_around, "fovea_deg": 30.0, "warp": warp, "fill": fill}
+    how = {"trace": looking_around, "fovea_deg": 30.0, "inset": inset, "warp": warp, "fill": fill}
     told, alone = compared(gpu, serving_of("planes"), "", "planes", monkeypatch=monkeypatch, **how)
     pictures = told["layers_mbit_s"]["colour"] + told["layers_mbit_s"].get("inverse_depth", 0)
     # The same numbers cross under other names, and a row of seven for each eye.
