@@ -65,9 +65,9 @@ def eye_sizes(guard: Guard, eyes: Eyes, size: Size) -> EyeSizes:
 def rendered_entry(guard: Guard, sizes: EyeSizes, fovea: Fovea | None = None) -> dict[str, Any]:
     """Return the `rendered` of summary.json: what the server draws for one eye.
 
-    size: [w, h]. pixels: how many times those of the shown picture are drawn. fov_deg: [across, down], of the
-    left eye, on the whole. parallel: how many times the pixels of canted views, where views are
-    parallel instead.
+    size: [w, h]. pixels: how many times those of the shown picture are drawn. fov_deg: [across,
+    down], of the left eye, on the whole. parallel: how many times the pixels of canted views, where
+    views are parallel instead.
     """
     (width, height), (shown_width, shown_height) = sizes.rendered, sizes.shown
     fov, size = sizes.drawn or (sizes.fovs[0], sizes.shown)

@@ -160,7 +160,7 @@ def test_an_inset_lies_beside_the_coarse_picture_whatever_the_size_and_gaze(degr
         for first, count, whole, coarse, beside, all_ in zip(
             grid.at, grid.inset, size, grid.coarse, grid.beside, grid.small, strict=True
         ):
-            assert 0 <= first and 1 <= count <= whole - first and whole <= rim * coarse < whole + rim
+            assert first >= 0 and 1 <= count <= whole - first and whole <= rim * coarse < whole + rim
             assert coarse <= all_ and beside + count <= all_ and beside % 2 == all_ % 2 == 0
         assert any(beside >= coarse for beside, coarse in zip(grid.beside, grid.coarse, strict=True))
         assert fovea.drawn_pixels(FOV, size, size) == math.prod(grid.coarse) + math.prod(grid.inset)
@@ -194,7 +194,15 @@ def test_the_sharp_part_is_around_the_gaze_in_each_eye_of_a_canted_headset():
 
 @pytest.mark.parametrize(
     "numbers",
-    [[[9, 9, 0, 1, 1, 1, 1, 1]], [[9, 9, 5, 1, 1, 9, 1, 1]], [[9, 9, 5, 1, 1, 1, 1, 2]], [[9, 9, 4, 1, 1, 1, 1]], [[8, 8, 1, 1, 1, 1, 1]], [[8.5, 8, 4, 1, 1, 0, 0]], [[8, 8]]]
+    [
+        [[9, 9, 0, 1, 1, 1, 1, 1]],
+        [[9, 9, 5, 1, 1, 9, 1, 1]],
+        [[9, 9, 5, 1, 1, 1, 1, 2]],
+        [[9, 9, 4, 1, 1, 1, 1]],
+        [[8, 8, 1, 1, 1, 1, 1]],
+        [[8.5, 8, 4, 1, 1, 0, 0]],
+        [[8, 8]],
+    ],
 )
 def test_a_grid_that_does_not_fit_is_refused(numbers):
     with pytest.raises(InputError, match="a sharp rectangle of"):
@@ -254,7 +262,7 @@ def drawn_and_expanded(gpu, eye: EyeImage) -> tuple[list[np.ndarray], list[np.nd
 
 @pytest.mark.parametrize("scene", ["planes", "room"])
 def test_an_inset_and_a_coarse_picture_are_drawn_and_expanded_to_the_whole_one(gpu, scene):
-    """A coarse pixel of 3 x 3 has its middle where a pixel has: the same ray meets the same surface."""
+    """The middle of a coarse pixel of 3 x 3 is a pixel's: the same ray meets the same surface."""
     server, size = Server(gpu, load_scene(scene)), (96, 81)
     views = load_headset("flat-90").views(Pose((0, 1.6, 1.0)))
     frame, whole = (server.draw_frame(views, 0, size, needs=needs) for needs in (WITH_INSET, None))
@@ -264,7 +272,7 @@ def test_an_inset_and_a_coarse_picture_are_drawn_and_expanded_to_the_whole_one(g
         (x, y), (i, j), (w, h) = grid.at, grid.beside, grid.inset
         inset, coarse = np.s_[j : j + h, i : i + w], np.s_[:rows, :columns]
         before, depth_before = pixels(truth.colour), pixels(truth.inverse_depth)
-        # Another projection rounds differently, so that along edges a ray may meet the other surface.
+        # Another projection rounds differently: along edges a ray may meet the other surface.
         mostly = {"planes": 1.0, "room": 0.99}[scene]
         near = [np.isclose(depth[inset], depth_before[y : y + h, x : x + w], rtol=1e-4)]
         near += [np.isclose(depth[coarse], depth_before[1::3, 1::3], rtol=1e-4, atol=1e-5)]

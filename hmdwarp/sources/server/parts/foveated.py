@@ -48,7 +48,7 @@ class Foveated(Part):
         return eye.having(**made)
 
     def _write(self, pictures: list[moderngl.Texture], into: moderngl.Texture, number: int, grid: Any) -> None:
-        """Write colour (0) or inverse depth (1): of one picture, or of the coarse one and the inset."""
+        """Write colour (0) or inverse depth (1): of a picture, or of a coarse one and an inset."""
         is_inset = len(pictures) > 1
         program = self.context.gpu.shaders.compute("server/foveate.comp", DEPTH=number, INSET=int(is_inset))
         pictures[0].bind_to_image(0, read=True, write=False)
