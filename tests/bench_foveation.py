@@ -54,7 +54,7 @@ def quality(gpu: Gpu, side: int, seconds: float) -> None:
     heads = ["pixels drawn", "pixels sent", "Mbit/s", "off, p50", "off, p95", "PSNR near the gaze", "PSNR"]
     missing = [module for module in jod.MODULES if importlib.util.find_spec(module) is None]
     if missing:
-        print(f"no column JOD: {' and '.join(missing)} is not installed (pip install '.[jod]')", file=sys.stderr)
+        print(f"no column JOD: not installed: {', '.join(missing)} (pip install '.[jod]')", file=sys.stderr)
     rated = {} if missing else {"jod_s": min(seconds, 1.0)}
     heads += [] if missing else ["JOD"]
     print(f"| late | frames | {' | '.join(heads)} |")

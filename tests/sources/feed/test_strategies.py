@@ -148,6 +148,15 @@ def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypat
     assert pictures == pytest.approx(foveated["foveated"] + foveated.get("foveated_depth", 0), rel=0.02)
 
 
+def test_parallel_views_of_a_canted_headset_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch):
+    """The server is asked for views that look straight ahead; the warp turns them outwards here.
+
+    Without a fill: hidden areas cross rounded outwards, and one would read what is drawn beyond.
+    """
+    how = {"headset": "index:render=parallel", "fill": "none"}
+    compared(gpu, serving_of("planes"), "", "planes", monkeypatch=monkeypatch, **how)
+
+
 # Half of the delays are beyond the time between two frames, so frames overtake each other; of seed
 # 4 a fifth is lost, and a bottleneck drops more of those that carry pictures.
 EMULATED = {"jitter": "uniform:90", "loss": "0.2", "bandwidth": "12", "queue": 20.0, "link_seed": 4}
