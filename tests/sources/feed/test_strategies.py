@@ -136,7 +136,8 @@ def looking_around(tmp_path) -> str:
 
 
 @pytest.mark.parametrize(
-    ("fill", "inset"), [("none", False), ("pyramid", False), ("pyramid", True)]  # read on its grid, and expanded first
+    ("fill", "inset"),
+    [("none", False), ("pyramid", False), ("pyramid", True)],  # read on its grid, and expanded first
 )
 def test_foveated_frames_are_their_replay_bit_for_bit(gpu, serving_of, monkeypatch, looking_around, fill, inset):
     warp = "rotation" if fill == "none" else "iterative"
