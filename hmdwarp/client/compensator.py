@@ -115,7 +115,7 @@ class Compensator:
             plan.scanout,
             plan.makes_shown_depth and not plan.warps_twice,
             hides,
-            bool(plan.foveated) and not plan.expands,
+            None if plan.expands else plan.foveated.get("foveated"),
         )
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others

@@ -404,7 +404,7 @@ def _plan_foveated(fovea: Fovea | None, choice: Choice[Warp], *, samples_grid: b
     writes = tuple(EXPANDED[name] for name in found)
     (warp,) = (number for number, step in enumerate(draft.steps) if step.stage == "warp")
     readers = [step for step in draft.steps if {*writes} & {*step.reads}]
-    plain = getattr(choice.settings, "resample", "bilinear") == "bilinear" and not fovea.inset
+    plain = getattr(choice.settings, "resample", "bilinear") == "bilinear"
     if (
         samples_grid
         and plain

@@ -73,6 +73,13 @@ class Fovea:
         x, y = view.fov.pixel_from_tangent(size)[:2] @ np.array([*gaze_tangent(view), 1.0])
         return self._grid(self.sharp(view.fov, size, size), (float(x), float(y)), size)
 
+    def whole(self, size: Size) -> dict[str, object]:
+        """Return the uniforms of a picture that came whole, as sharp everywhere."""
+        if not self.inset:
+            return FoveaGrid(size, 2, (0, 0), (0, 0)).uniforms
+        # No width over which the inset would begin.
+        return InsetGrid(size, 2, (0, 0), size).uniforms | {"inset_at": (0, 0), "of_rim": 1e6}
+
     def _grid(self, least: Size, centre: tuple[float, float], size: Size) -> Grid:
         if self.inset:
             w, h = (min(side + 2 * self.rim, most) for side, most in zip(least, size, strict=True))
@@ -136,11 +143,6 @@ class FoveaGrid:
     def numbers(self) -> NDArray[np.float64]:
         """Return the grid as a row of numbers."""
         return np.array([[*self.size, self.rim, *self.before, *self.after]], np.float64)
-
-    @classmethod
-    def whole(cls, size: Size) -> FoveaGrid:
-        """Return the grid of a picture that is sharp everywhere."""
-        return cls(size, 2, (0, 0), (0, 0))
 
 
 @attrs.frozen

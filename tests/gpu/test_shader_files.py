@@ -177,7 +177,8 @@ def _compile_all(gpu: Gpu, spec: str, libraries: list[LensPass]) -> None:
 
 def _compile_effects(gpu: Gpu, tools: Tools) -> None:
     """Every pass with each set of the effects it may do."""
-    warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(foveated=True)).close()
+    for fovea in (Fovea(), Fovea(inset=True)):
+        warps.get("rotation")(gpu, (9, 7), (8, 6), None, Output(foveated=fovea)).close()
     for expand in (ExpandPass, ExpandInsetPass):
         expand(gpu, frozenset(EXPANDED), (9, 7), (8, 6), tools).close()
     for made_by in {effect.made_by for effect in effects}:
