@@ -289,9 +289,9 @@ def build_plan(
         Needs(voxels=parse_indirect(indirect)),
         foveated,
     )
-    if plan.expand_pass is ExpandInsetPass and (beside := drawn_with_picture(plan.needs)):
+    if plan.expand_pass is ExpandInsetPass and (lacking := drawn_with_picture(plan.needs)):
         raise PlanError(
-            f"--inset: {', '.join(beside)} of the frame would need the whole picture, which is not drawn: leave "
+            f"--inset: {', '.join(lacking)} of the frame would need the whole picture, which is not drawn: leave "
             "--inset out, or what needs that, by --effects none"
         )
     return plan

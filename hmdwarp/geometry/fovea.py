@@ -128,6 +128,11 @@ class FoveaGrid:
         return a * rim, b * rim, w - (a + c) * rim, h - (b + d) * rim
 
     @property
+    def cells(self) -> Size:
+        """(w, h) of what shaders/lib/fovea.glsl describes."""
+        return self.small
+
+    @property
     def small(self) -> Size:
         """(w, h) of the coarser picture."""
         columns, rows = (a + b for a, b in zip(self.before, self.after, strict=True))
@@ -172,6 +177,11 @@ class InsetGrid:
     def coarse(self) -> Size:
         """(w, h) of the coarse picture, which may reach beyond the whole one."""
         return -(-self.size[0] // self.rim), -(-self.size[1] // self.rim)
+
+    @property
+    def cells(self) -> Size:
+        """(w, h) of what shaders/lib/fovea.glsl describes."""
+        return self.coarse
 
     @property
     def beside(self) -> tuple[int, int]:

@@ -26,11 +26,3 @@ ivec2 count_of(ivec2 own) {
     ivec2 at = own - before;
     return ivec2(at.x >= 0 && at.x < sharp.x ? 1 : rim, at.y >= 0 && at.y < sharp.y ? 1 : rim);
 }
-
-// The pixel of the coarser picture that holds a pixel.
-ivec2 holder_of(ivec2 p) {
-    ivec2 beyond = p - sharp_from - sharp;
-    // A pixel's centre is 1/32 of the rim at least from where one holder ends: no rounding matters.
-    ivec2 held = ivec2((vec2(max(beyond, ivec2(0))) + 0.5) * of_rim) + clamp(p - sharp_from, ivec2(0), sharp);
-    return held + min(ivec2((vec2(p) + 0.5) * of_rim), before);
-}

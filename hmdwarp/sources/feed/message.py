@@ -605,9 +605,9 @@ def _frame(data: Data) -> FrameMessage:
         at += of_colour + of_depth
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
-    says = (takes & _HIDES != 0, takes & _SESSION != 0, began, takes & _FOVEA != 0, (), takes & _INPUTS != 0)
-    says = (*says, takes & _INSET != 0)
-    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says)
+    says = takes & _HIDES != 0, takes & _SESSION != 0, began, takes & _FOVEA != 0, ()
+    acts = takes & _INPUTS != 0, takes & _INSET != 0
+    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says, *acts)
 
 
 def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:
