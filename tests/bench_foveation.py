@@ -1,13 +1,16 @@
 """What foveated frames save and cost at a late gaze: two tables for docs/foveation.md.
 
 Replays of made-up eyes, and processor time of all threads for one eye, with foveated and with whole
-frames by turns in one process.
+frames by turns in one process. With ColorVideoVDP installed the first table has JOD as well.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import itertools
+import math
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -17,10 +20,12 @@ import numpy as np
 from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
-from hmdwarp.geometry import Fovea
+from hmdwarp.client.effects import Tools
+from hmdwarp.geometry import Fovea, View
 from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset
 from hmdwarp.link.codec import Coding
+from hmdwarp.metrics import jod
 from hmdwarp.poses import load_trace, synthesise, write_synthetic
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
@@ -32,6 +37,8 @@ FRAMES = {
     "20 degrees": {"fovea_deg": 20.0},
     "20 degrees, predicted": {"fovea_deg": 20.0, "gaze": "predicted"},
     "20 degrees, rim of 8": {"fovea_deg": 20.0, "rim": 8},
+    "40 degrees, inset": {"fovea_deg": 40.0, "inset": True},
+    "20 degrees, inset": {"fovea_deg": 20.0, "inset": True},
 }
 # 100 Hz: each latency is a whole number of refreshes.
 OPTIONS = {
@@ -44,30 +51,38 @@ HEADSET, GUARD, LATE_NS, AT_NS = "quest-3", 1.1, 50_000_000, 3_000_000_000
 
 def quality(gpu: Gpu, side: int, seconds: float) -> None:
     """Print bits and quality by latency and frames."""
-    print("| late | frames | pixels sent | Mbit/s | off, p50 | off, p95 | PSNR near the gaze | PSNR |")
-    print("| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |")
+    heads = ["pixels drawn", "pixels sent", "Mbit/s", "off, p50", "off, p95", "PSNR near the gaze", "PSNR"]
+    missing = [module for module in jod.MODULES if importlib.util.find_spec(module) is None]
+    if missing:
+        print(f"no column JOD: not installed: {', '.join(missing)} (pip install '.[jod]')", file=sys.stderr)
+    rated = {} if missing else {"jod_s": min(seconds, 1.0)}
+    heads += [] if missing else ["JOD"]
+    print(f"| late | frames | {' | '.join(heads)} |")
+    print("| --- | --- |" + " ---: |" * len(heads))
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder) / "looking.csv"
         with trace.open("w", encoding="utf-8") as file:
             write_synthetic(synthesise("look-around", seconds=seconds + 2, gaze=True), file)
-        known = {**OPTIONS, "trace": str(trace), "size": (side, side), "seconds": seconds}
+        known = {**OPTIONS, **rated, "trace": str(trace), "size": (side, side), "seconds": seconds}
         for latency_ms, (name, sets) in itertools.product(LATENCIES_MS, FRAMES.items()):
             summary = run(Path(folder) / "out", gpu=gpu, latency_ms=latency_ms, **known, **sets).summary
             gaze, link = summary["gaze"], summary["link"]
-            cells = [pixels_sent(side, sets), f"{link['mbit_s']:.2f}"]
+            cells = [*pixels(side, sets), f"{link['mbit_s']:.2f}"]
             cells += [f"{gaze['off_deg'][key]:.1f}" for key in ("p50", "p95")]
             cells += [f"{gaze['psnr_db']:.2f}", f"{summary['quality']['psnr_db']['mean']:.2f}"]
+            cells += [] if missing else [f"{summary['jod']['mean']:.2f}"]
             print(f"| {latency_ms:g} ms | {name} | " + " | ".join(cells) + " |", flush=True)
 
 
-def pixels_sent(side: int, sets: dict) -> str:
-    """Return the share of a whole frame's pixels."""
+def pixels(side: int, sets: dict) -> list[str]:
+    """Return the shares of a whole frame's pixels that are drawn, and sent."""
     if not sets:
-        return "100 %"
+        return ["100 %"] * 2
     view = load_headset("flat-90").views(load_trace("look-around").track.at(0).pose)[0]
     fov, size = view.fov.guarded(OPTIONS["guard"], (side, side))
-    small = Fovea(sets["fovea_deg"], sets.get("rim", 4)).small(fov, size, size)
-    return f"{100 * small[0] * small[1] / (size[0] * size[1]):.0f} %"
+    fovea = Fovea(sets["fovea_deg"], sets.get("rim", 4), sets.get("inset", False))
+    counts = fovea.drawn_pixels(fov, size, size), math.prod(fovea.small(fov, size, size))
+    return [f"{100 * count / math.prod(size):.0f} %" for count in counts]
 
 
 def price(gpu: Gpu, scale: float, rounds: int) -> None:
@@ -75,10 +90,23 @@ def price(gpu: Gpu, scale: float, rounds: int) -> None:
     headset, track = load_headset(HEADSET), load_trace("look-around").track
     size = tuple(round(scale * side) for side in headset.eye_size_px)
     late, shown = (headset.views(track.at(track.start_ns + ns).pose)[0] for ns in (AT_NS - LATE_NS, AT_NS))
-    server, fovea = Server(gpu, load_scene("room")), Fovea(30.0)
+    server = Server(gpu, load_scene("room"))
     heads = ["frames of 30 degrees", "drawing", *(f"`{chain.replace('/', '`, `')}`" for chain in CHAINS)]
     print(f"| {' | '.join(heads)} |")
     print("| --- |" + " ---: |" * (1 + len(CHAINS)))
+    for name, fovea in (("a rim", Fovea(30.0)), ("an inset", Fovea(30.0, inset=True))):
+        cells, shares = row(gpu, server, (late, shown), size, fovea, rounds)
+        print(f"| {name}: processor time, of whole frames' | {' | '.join(cells)} |")
+        print(f"| {name}: of it the expansion | | {' | '.join(shares)} |")
+    server.close()
+
+
+def row(
+    gpu: Gpu, server: Server, views: tuple[View, View], size: tuple[int, int], fovea: Fovea, rounds: int
+) -> tuple[list[str], list[str]]:
+    """Return the cells of drawing and of each chain, and the share of expansion in each chain."""
+    late, shown = views
+    shares: list[str] = []
     pairs: list[tuple[Callable[[], object], ...]] = []
     for chain in CHAINS:
         methods = []
@@ -87,14 +115,19 @@ def price(gpu: Gpu, scale: float, rounds: int) -> None:
             frame = server.draw_frame([late], 0, size, GUARD, plan.needs)
             client = Compensator(gpu, plan, None, frame.eyes[0].size, size, hides=shown.hidden is not None)
             methods.append(lambda client=client, frame=frame: client.run(PassInputs(frame.eyes[0], shown)))
+            if plan.expands:
+                inputs, parts = PassInputs(frame.eyes[0], shown), frozenset(plan.foveated)
+                alone = plan.expand_pass(gpu, parts, frame.eyes[0].size, size, Tools(None, 1))
+                share = ratio(gpu, lambda alone=alone, inputs=inputs: alone.run(inputs), methods[0], rounds)
+                shares.append(f"{100 * share:.0f} %")
+            elif each is not None:
+                shares.append("none")
         pairs.append(tuple(methods))
     needs = build_plan((), "iterative", "none", "none", client_geometry=True, fovea=fovea).needs
     pairs.insert(
         0, tuple(lambda n=n: server.recycle(server.draw_frame([late], 0, size, GUARD, n)) for n in (needs, None))
     )
-    cells = [f"{ratio(gpu, *pair, rounds):.2f}" for pair in pairs]
-    print(f"| processor time, of whole frames' | {' | '.join(cells)} |")
-    server.close()
+    return [f"{ratio(gpu, *pair, rounds):.2f}" for pair in pairs], shares
 
 
 def ratio(gpu: Gpu, one: Callable[[], object], other: Callable[[], object], rounds: int) -> float:

@@ -180,7 +180,7 @@ def _scenes() -> list[dict[str, str]]:
 
 
 def _headsets() -> list[dict[str, str]]:
-    return [_headset_row(headsets.load_headset(name)) for name in headsets.headset_names()]
+    return [headset_row(name) for name in headsets.headset_names()]
 
 
 def _axes() -> list[dict[str, str]]:
@@ -211,7 +211,9 @@ def _limit(value: float, unit: str) -> str:
     return f"{value:g} {unit}" if math.isfinite(value) else "no limit"
 
 
-def _headset_row(headset: headsets.Headset) -> dict[str, str]:
+def headset_row(name: str) -> dict[str, str]:
+    """Return the row of one headset. name: as load_headset takes it. Errors: InputError."""
+    headset = headsets.load_headset(name)
     return {
         **_said(headset),
         "eye_size": "x".join(map(str, headset.eye_size_px)),

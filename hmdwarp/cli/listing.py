@@ -39,7 +39,7 @@ class ListOptions(Declared):
     """What to list, and how. Errors: InputError for two forms at once."""
 
     kind: str | None = option(None, f"One of {', '.join(KINDS)}; by default these kinds are listed.", positional=True)
-    name: str | None = option(None, "Show everything about this one.", positional=True)
+    name: str | None = option(None, "Show everything about this one; a headset may be a file.", positional=True)
     json: bool = option(False, "Everything, as a JSON array of objects.")
     markdown: bool = option(False, "Everything, as a Markdown table.")
 
@@ -72,8 +72,10 @@ def list_(said: Said) -> None:
 
 def _rows(kind: str, name: str | None) -> list[dict[str, str]]:
     from ..errors import unknown_name
-    from .catalogue import entries
+    from .catalogue import entries, headset_row
 
+    if kind == "headsets" and name is not None:
+        return [headset_row(name)]  # files too
     rows = entries(kind)
     if name is None:
         return rows

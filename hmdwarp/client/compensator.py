@@ -14,7 +14,6 @@ from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
-from .effect_passes.expand import ExpandPass
 from .effect_passes.panels_pass import HeldPanel, PanelsPass, held_panels
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
@@ -116,7 +115,7 @@ class Compensator:
             plan.scanout,
             plan.makes_shown_depth and not plan.warps_twice,
             hides,
-            bool(plan.foveated) and not plan.expands,
+            None if plan.expands else plan.foveated.get("foveated"),
         )
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
         self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
@@ -146,7 +145,7 @@ class Compensator:
             plan.hands_panels_on,
         )
         self._expand = (
-            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
+            plan.expand_pass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
         )
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..frames import EyeImage, EyeSizes, Frame, Needs
 from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
-from ..geometry import Fov, Fovea, FoveaGrid, Pose, View
+from ..frames.layers.foveated import FOVEATED
+from ..geometry import Fov, Fovea, Grid, Pose, View, grid_of
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed import bounds
@@ -146,7 +147,6 @@ def _spread(found: NDArray[np.float16], depth: Array, inverse_depth: NDArray[Any
 _KINDS = {"rgba16f": COLOUR, "r32f": SCALAR, "r16ui": NUMBER}
 _NOTHING = np.zeros((0, 0))  # sent of a layer that adds nothing to a frame, so that it is told
 VELOCITY, FOVEA_GRID = "velocity", "foveated"
-_FOVEATED = ("foveated", "foveated_depth")  # what comes in place of colour and of depth
 # In m, m/s and rad/s: what moves is multiplied by its age and stays a number.
 _LARGEST = 1e6
 _MOST_TABLE = 1 << 20  # bytes of a layer besides its pictures
@@ -161,13 +161,13 @@ def wanted_of(needs: Needs, views: Sequence[View], shown_size: tuple[int, int]) 
 
 def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
     """Return the fovea that is needed or None, the pictures it makes coarser, and the rest."""
-    found = [name for name in _FOVEATED if name in needs]
-    stand_for = frozenset(picture for name, picture in zip(_FOVEATED, PICTURE, strict=True) if name in found)
-    rest = Needs(**{name: amount for name, amount in needs.items() if name not in _FOVEATED})
+    found = [name for name in FOVEATED if name in needs]
+    stand_for = frozenset(picture for name, picture in zip(FOVEATED, PICTURE, strict=True) if name in found)
+    rest = Needs(**{name: amount for name, amount in needs.items() if name not in FOVEATED})
     return needs[found[0]] if found else None, stand_for, rest
 
 
-def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
+def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[Grid, ...]:
     """Return the grid of each eye's foveated pictures.
 
     size: of the whole ones. Errors: Undecodable.
@@ -179,7 +179,7 @@ def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...
             if len(parts) != 1 or unpacked_bytes([{FOVEA_GRID: parts}]) > _MOST_TABLE:
                 raise InputError(f"{len(parts)} grids of a foveated picture: expected one")
             numbers = parts[0].numbers() if isinstance(parts[0], Packed) else parts[0]
-            grids.append(FoveaGrid.of_numbers(numbers, frame.size))
+            grids.append(grid_of(numbers, frame.size))
         except (BadPart, InputError) as error:
             raise Undecodable(str(error)) from error
         if grids[-1].size != size:

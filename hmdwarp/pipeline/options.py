@@ -298,6 +298,11 @@ class PipelineOptions(Declared):
         valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
         heading=RENDERING,
     )
+    inset: bool = option(
+        False,
+        "Draw what --fovea has sharp apart, beside a coarse picture of everything: the server draws fewer pixels.",
+        heading=RENDERING,
+    )
     gaze: str = option(
         HELD_GAZE,
         "Where --fovea is: at the gaze that the server knows when it draws, or at the one predicted for display.",
@@ -358,9 +363,10 @@ class PipelineOptions(Declared):
         if self.sample_depth != CENTRE and self.samples == 1:
             raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; leave --samples 1 out")
         fields = attrs.fields(type(self))
-        for name in ("rim", "gaze"):
+        for name in ("rim", "inset", "gaze"):
             if self.fovea_deg is None and (found := getattr(self, name)) != getattr(fields, name).default:
-                raise InputError(f"--{name} {found}: frames are as sharp everywhere; it is for --fovea")
+                said = f"--{name}" if found is True else f"--{name} {found}"
+                raise InputError(f"{said}: frames are as sharp everywhere; it is for --fovea")
         if self.fovea_deg is not None and self.network.send == CHANGES:
             raise InputError(
                 f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out"
@@ -395,7 +401,7 @@ class PipelineOptions(Declared):
     @property
     def fovea(self) -> geometry.Fovea | None:
         """What frames have sharp, None for all of them."""
-        return None if self.fovea_deg is None else geometry.Fovea(self.fovea_deg, self.rim)
+        return None if self.fovea_deg is None else geometry.Fovea(self.fovea_deg, self.rim, self.inset)
 
     @property
     def scene_key(self) -> SceneKey:

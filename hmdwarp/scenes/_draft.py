@@ -9,10 +9,13 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import SceneError
 from ..geometry import Pose
 from ._gltf_nodes import Driven
-from ._mesh import Body, Material, Mesh
+from ._mesh import Body, Material, Mesh, Texture
+from ._panels import Panel
 
+_LOOSE = 1e-3  # share of its size by which a panel may be no rectangle
 MOST_TRIANGLES = 50_000_000  # of instances together; 50 million take about 10 GB here
 
 Array = NDArray[np.float64]
@@ -47,11 +50,48 @@ class Draft:
     colour: Array = attrs.field(factory=lambda: np.empty((0, 3)))  # (n, 3) linear
     body: int = 0  # number of the body, 0 for none
     driven: Driven | None = None
+    panel: bool = False  # it is sent as a panel, hidden by what is nearer if that is asked for
+    occluded: bool = False
 
     @property
     def is_surface(self) -> bool:
         """Whether it stands in the world and can be bumped into."""
-        return not (self.look.material.see_through or self.look.material.head_locked)
+        return not (self.panel or self.look.material.see_through or self.look.material.head_locked)
+
+    def as_panel(self, world_from_file: Pose, textures: Sequence[Texture]) -> Panel:
+        """Return the rectangle as a panel, seen from where its picture is not mirrored.
+
+        Errors: SceneError for anything but a rectangle that shows one whole picture.
+        """
+        from scipy.spatial.transform import Rotation
+
+        name = f"panel '{self.name}'"
+        if self.look.texture < 0:
+            raise SceneError(f"{name} has no picture: expected a base colour texture")
+        low, high = self.uv.min(axis=0), self.uv.max(axis=0)
+        if np.abs([low, high - 1]).max() > _LOOSE:
+            raise SceneError(
+                f"{name} shows {low.round(3).tolist()} to {high.round(3).tolist()} of its picture: expected texture "
+                "coordinates from 0 to 1"
+            )
+        at = np.column_stack([self.uv - 0.5, np.ones(len(self.uv))])
+        right, up, middle = found = np.linalg.lstsq(at, self.positions, rcond=None)[0]
+        lengths = np.linalg.norm(found[:2], axis=1)
+        a, b, c = (self.positions[self.triangles[:, i]] for i in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+        off = np.abs(at @ found - self.positions).max() / max(lengths.max(), 1e-30)
+        if max(off, abs(right @ up) / max(lengths.prod(), 1e-30), abs(area / lengths.prod() - 1)) > _LOOSE:
+            raise SceneError(f"{name} is no rectangle with its whole picture on it: expected two triangles, unbent")
+        axes = np.column_stack([right / lengths[0], up / lengths[1], np.cross(right, up) / lengths.prod()])
+        locked = self.look.material.head_locked
+        pose = Pose(middle, Rotation.from_matrix(axes).as_quat())
+        return Panel(
+            textures[self.look.texture],
+            pose if locked else world_from_file @ pose,
+            (lengths[0], lengths[1]),
+            head_locked=locked,
+            occluded=self.occluded,
+        )
 
     def mesh(self, world_from_file: Pose, origin: Array, bodies: Sequence[Body]) -> Mesh:
         """Return the mesh in a scene with that origin; in its body's frame if it has a body.

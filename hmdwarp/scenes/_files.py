@@ -115,6 +115,8 @@ def _scene(
     bodies: Sequence[Body] = content.bodies if content is not None else ()
     corners = world_from_file.transform(np.array([low, high]))
     origin = np.round(corners.mean(axis=0))  # whole metres, so that a scene near the origin keeps its own numbers
+    panels = [draft.as_panel(world_from_file, textures) for draft in drafts if draft.panel]
+    drafts = [draft for draft in drafts if not draft.panel]
     meshes = [draft.mesh(world_from_file, origin, bodies) for draft in drafts]
     lamps = content.lamps() if content is not None else []
     if lamps:
@@ -134,6 +136,7 @@ def _scene(
         walk_bounds_m=STANDING + place.reach,
         notes=notes.lines(),
         lamps=lamps,
+        panels=panels,
     )
 
 

@@ -158,7 +158,12 @@ class GltfContent:
             uv, colour = np.tile(uv, (len(instances), 1)), np.tile(colour, (len(instances), 1))
             if not len(triangles):
                 return None
-        draft = self._placed(Draft(name, rest, look, triangles, uv=uv, colour=colour), node, skin, primitive)
+        extras = nodes[node].get("extras") or {}
+        draft = Draft(name, rest, look, triangles, uv=uv, colour=colour)
+        draft = attrs.evolve(draft, panel=bool(extras.get("panel")), occluded=bool(extras.get("occluded")))
+        if draft.panel and not np.allclose(colour, 1):
+            self.notes.add("a panel has the colours of its picture alone", user)
+        draft = self._placed(draft, node, skin, primitive)
         if skin is None and np.linalg.det(self._nodes.at(node, 0)[0][:3, :3]) < 0:
             draft = attrs.evolve(draft, triangles=draft.triangles[:, ::-1])  # a mirrored node turns them inside out
         if look.material.reflectivity and not look.material.curved and not _is_flat(draft.positions):
@@ -188,8 +193,9 @@ class GltfContent:
         draft = attrs.evolve(draft, positions=rest @ matrix[:3, :3].T + matrix[:3, 3])
         if not nodes.moves(node):
             return draft
-        if draft.look.material.head_locked:
-            self.notes.add("what is fixed to the head is not animated", f"node {node}")
+        if draft.panel or draft.look.material.head_locked:
+            what = "a panel" if draft.panel else "what is fixed to the head"
+            self.notes.add(f"{what} is not animated", f"node {node}")
             return draft
         if not is_rigid(nodes, node):
             return attrs.evolve(draft, driven=driven_by_node(nodes, node, rest))

@@ -4,6 +4,8 @@ uniform ivec2 picture_size, small_size; // of the picture, and of the coarser on
 uniform ivec2 sharp_from, sharp;        // the sharp rectangle's first pixel, and its size
 uniform ivec2 before;                   // columns of the rim left of it, rows below
 uniform int rim;                        // pixels on each axis that one of the rim holds
+uniform ivec2 inset_from, inset_size;   // of the inset, where there is one: its first pixel, and its size,
+uniform ivec2 inset_at;                 // and where it lies in what came
 uniform float of_rim;                   // 1 / rim: a division of integers takes llvmpipe longer than all else
 
 // Two inverse depths of one surface: a plane changes by 3 % a pixel at most (client/warp_kinds/
@@ -23,12 +25,4 @@ ivec2 first_of(ivec2 own) {
 ivec2 count_of(ivec2 own) {
     ivec2 at = own - before;
     return ivec2(at.x >= 0 && at.x < sharp.x ? 1 : rim, at.y >= 0 && at.y < sharp.y ? 1 : rim);
-}
-
-// The pixel of the coarser picture that holds a pixel.
-ivec2 holder_of(ivec2 p) {
-    ivec2 beyond = p - sharp_from - sharp;
-    // A pixel's centre is 1/32 of the rim at least from where one holder ends: no rounding matters.
-    ivec2 held = ivec2((vec2(max(beyond, ivec2(0))) + 0.5) * of_rim) + clamp(p - sharp_from, ivec2(0), sharp);
-    return held + min(ivec2((vec2(p) + 0.5) * of_rim), before);
 }

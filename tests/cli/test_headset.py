@@ -36,6 +36,12 @@ def test_an_export_becomes_a_file_of_the_same_eyes(command, tmp_path):
         assert other.fov.tangents == pytest.approx(one.fov.tangents) and other.hidden == one.hidden
     assert attrs.evolve(after, eyes=before.eyes) == before
     command("headset", "from-hmdq", tmp_path / "mine.json", "--out", tmp_path / "mine.txt").refused("a .toml file")
+    listed = [
+        json.loads(command("list", "headsets", tmp_path / f"mine.{kind}", "--json").done().out)
+        for kind in ("json", "toml")
+    ]
+    assert listed[0] == listed[1] and listed[0][0]["eye_size"] == "x".join(map(str, before.eye_size_px))
+    command("list", "headsets", "no.toml").refused("no.toml")
 
 
 @pytest.mark.parametrize("name", [name for name in headset_names() if load_headset(name).lens is None])

@@ -226,6 +226,49 @@ def test_extras_of_a_node_fix_it_to_the_head(tmp_path):
     assert np.array_equal(scene.origin_m, (40, 0, 0)) and np.allclose(locked.light, 1)
 
 
+def with_panel(positions: np.ndarray = SQUARE, **extras) -> Glb:
+    """A wall, and a rectangle of 3 x 2 m that shows a picture, turned by 90 degrees about +y."""
+    glb = Glb(positions)
+    page = np.random.default_rng(1).integers(0, 255, (6, 9, 3), np.uint8)
+    glb.material(pbrMetallicRoughness={"baseColorTexture": glb.texture(page)})
+    turned = {"rotation": [0, 0.5**0.5, 0, 0.5**0.5], "scale": [1.5, 1, 1], "translation": [-2, 1, 0]}
+    glb.header["nodes"] = [{"mesh": 0, **turned, "extras": {"panel": True, **extras}}]
+    glb.header["meshes"].append({"primitives": [{"attributes": {"POSITION": glb.numbers(SQUARE * 9)}}]})
+    glb.header["nodes"].append({"mesh": 1, "translation": [0, 0, -5]})
+    glb.header["scenes"][0]["nodes"].append(1)
+    return glb
+
+
+@pytest.mark.parametrize("locked", [False, True])
+def test_extras_of_a_node_make_its_rectangle_a_panel(tmp_path, locked):
+    scene = with_panel(occluded=True, head_locked=locked).load(tmp_path)
+    assert effects.of(scene) == ("panels", "occluded_panels") and len(scene.meshes) == 1
+    (panel,) = scene.panels
+    assert panel.occluded and panel.head_locked == locked and panel.size_m == pytest.approx((3, 2))
+    # Its picture faces +x, and its right is away from the viewer: -z.
+    corners = panel.pose.transform(np.array([(-1.5, -1, 0), (1.5, -1, 0), (0, 0, 1)]))
+    assert np.allclose(corners, [(-2, 0, 1.5), (-2, 0, -1.5), (-1, 1, 0)], atol=1e-6)
+    page = np.random.default_rng(1).integers(0, 255, (6, 9, 3), np.uint8)
+    assert np.array_equal(panel.pictures[0].image, page)
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda glb: glb.header.pop("materials"), "has no picture"),
+        (lambda glb: glb.primitive["attributes"].pop("TEXCOORD_0"), "expected texture coordinates from 0 to 1"),
+    ],
+)
+def test_a_panel_that_shows_no_whole_picture_is_refused(tmp_path, change, why):
+    glb = with_panel()
+    change(glb)
+    glb.primitive.pop("material") if "materials" not in glb.header else None
+    with pytest.raises(SceneError, match=why):
+        glb.load(tmp_path)
+    with pytest.raises(SceneError, match="no rectangle"):
+        with_panel(BENT).load(tmp_path)
+
+
 def test_steps_jump_and_splines_follow_their_tangents(tmp_path):
     steps = (
         Glb()

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...frames import EyeImage
 from ...frames.layers.foveated import FoveatedPicture
-from ...geometry import FoveaGrid, View, WarpMap
+from ...geometry import View, WarpMap
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
@@ -69,8 +69,9 @@ class GatherWarp(Warp):
             defines |= {"CATMULL_ROM": 1, **({"TEXELS": 1} if self.gpu.is_software else {})}
         if self.output.depth:
             defines |= {"WRITES_DEPTH": 1}
-        if self.output.foveated:
-            defines |= {"FOVEATED": 1, "TEXELS": 1}  # a sampler is not exact at centres
+        if self.output.foveated is not None:
+            # A sampler is not exact at centres.
+            defines |= {"FOVEATED": 1, "INSET": int(self.output.foveated.inset), "TEXELS": 1}
         output = "lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl"
         return self.gpu.shaders.compute(path, OUTPUT=output, **defines)
 
@@ -89,9 +90,9 @@ class GatherWarp(Warp):
             program.uniforms.set(shown_inverse_depth=_SHOWN_DEPTH)
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
         bind_texels(program, self.picture(inputs))
-        if self.output.foveated:
-            found = inputs.rendered.get("foveated")
-            program.uniforms.set(**(FoveaGrid.whole(inputs.rendered.size) if found is None else found.grid).uniforms)
+        if self.output.foveated is not None:
+            found, whole = inputs.rendered.get("foveated"), self.output.foveated.whole(inputs.rendered.size)
+            program.uniforms.set(**whole if found is None else found.grid.uniforms)
         lens, fov = self.output.lens, inputs.shown.fov
         if lens is None:
             self.gpu.seen_rows.run(program, inputs.middle, into.size)
@@ -110,7 +111,7 @@ class GatherWarp(Warp):
 
     def picture(self, inputs: PassInputs) -> moderngl.Texture:
         """Return the texture that the shader samples."""
-        found: FoveatedPicture | None = inputs.rendered.get("foveated") if self.output.foveated else None
+        found: FoveatedPicture | None = inputs.rendered.get("foveated") if self.output.foveated is not None else None
         return inputs.rendered.colour if found is None else found.texture
 
     def bind_colour(self, inputs: PassInputs, unit: int, maps: list[WarpMap]) -> None:

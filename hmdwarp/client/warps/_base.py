@@ -10,6 +10,7 @@ import attrs
 import moderngl
 
 from ...frames import Needs
+from ...geometry import Fovea
 from ...gpu.context import Gpu
 from ...gpu.hidden import hiding
 from ...gpu.shaders import Compute
@@ -37,8 +38,8 @@ class Output:
     depth: bool = False
     # Whether lenses hide a part of the views.
     hides: bool = False
-    # Whether the warp samples a foveated picture through its grid; see Warp.samples_grid.
-    foveated: bool = False
+    # Of foveated pictures that the warp samples through their grid, see Warp.samples_grid.
+    foveated: Fovea | None = None
 
     @property
     def hiding(self) -> dict[str, object]:

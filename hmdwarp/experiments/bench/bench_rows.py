@@ -14,7 +14,6 @@ import numpy as np
 
 from ...client.capability import lacking
 from ...client.classes import Client
-from ...client.effect_passes.expand import ExpandPass
 from ...client.effects import EffectPass
 from ...client.plan import Plan
 from ...frames.layers import PIXEL_BYTES
@@ -180,7 +179,7 @@ def passes_of(
     if plan.fills:
         moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
     effects: list[type[EffectPass]] = [
-        *([ExpandPass] if plan.expands else []),
+        *([plan.expand_pass] if plan.expands else []),
         *(each.made_by for each in plan.effect_passes),
     ]
     if effects:

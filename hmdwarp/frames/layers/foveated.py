@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry import Fovea, FoveaGrid
+from ...geometry import Fovea, Grid, grid_of
 from . import OWN, PIXEL_BYTES, EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
     import moderngl
+
+# What comes in place of colour and of inverse depth.
+FOVEATED = ("foveated", "foveated_depth")
 
 
 @attrs.frozen(eq=False)
@@ -22,7 +25,13 @@ class FoveatedPicture:
 
     # Of the layer's format, and of the grid's small size.
     texture: moderngl.Texture
-    grid: FoveaGrid
+    grid: Grid
+
+
+def drawn_with_picture(needs: Mapping[str, Any]) -> list[str]:
+    """Return the layers that are drawn with an eye's whole picture, and so not with an inset."""
+    known = ((name, layers.get(name)) for name in needs if name not in FOVEATED)
+    return [name for name, layer in known if not (layer.per_frame or layer.of_client)]
 
 
 class FoveatedLayer(Layer):
@@ -56,7 +65,7 @@ class FoveatedLayer(Layer):
     @classmethod
     def misfit(cls, pictures: Sequence[NDArray[Any]], numbers: NDArray[Any] | None) -> str:
         try:
-            FoveaGrid.of_numbers(numbers, pictures[0].shape[1::-1]) if numbers is not None else None
+            grid_of(numbers, pictures[0].shape[1::-1]) if numbers is not None else None
         except InputError as error:
             return str(error)
         return "" if numbers is not None else "its grid is missing"
@@ -64,7 +73,7 @@ class FoveatedLayer(Layer):
     @classmethod
     def made(cls, sent: Sequence[Any], numbers: NDArray[Any] | None, amount: Fovea, drawn_ns: int) -> FoveatedPicture:
         assert numbers is not None, "misfit() says so"
-        return FoveatedPicture(sent[0], FoveaGrid.of_numbers(numbers, sent[0].size))
+        return FoveatedPicture(sent[0], grid_of(numbers, sent[0].size))
 
 
 def _small(fovea: Fovea, sizes: EyeSizes) -> tuple[int, int]:

@@ -11,6 +11,7 @@ import moderngl
 from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import PICTURE, layers
+from ...frames.layers.foveated import FOVEATED, drawn_with_picture
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
 from ...gpu.textures import SCALAR
@@ -77,6 +78,7 @@ class Server(Renderer):
             self._colour,
             self.acquire,
             self._draw,
+            lambda eye: self.pool(eye.size).release(eye.colour),
             self._passes_for,
             self._draw_colour,
             self.of_another,
@@ -220,7 +222,11 @@ class Server(Renderer):
         shared: dict[str, Any] = {}
         for part in self._parts_for(drawings[0]):
             shared |= part.of_frame(views, drawings[0])
-        if pictures:
+        if pictures and _has_inset(drawings[0].needs):
+            part = self._parts[None, "foveated"]
+            empty = [self._empty(view, size, drawn_ns, clear=False) for view in views]
+            eyes = [part.add(eye, drawing) for eye, drawing in zip(empty, drawings, strict=True)]
+        elif pictures:
             eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
         else:
             eyes = [self._empty(view, size, drawn_ns, clear=pictures is not None) for view in views]
@@ -285,6 +291,15 @@ class Server(Renderer):
         for moving in self._moving:
             moving.close()
         self._textures.close()
+
+
+def _has_inset(needs: Needs) -> bool:
+    """Return whether pictures are drawn as a coarse one and an inset. Errors: InputError."""
+    if not any(name in needs and needs[name].inset for name in FOVEATED):
+        return False
+    if beside := drawn_with_picture(needs):
+        raise InputError(f"an inset beside layers {', '.join(beside)}: they are drawn with the whole picture")
+    return True
 
 
 def _is_marched(mirrors: str) -> bool:

@@ -79,6 +79,8 @@ class DrawContext:
     acquire: Callable[..., Target]
     # draw(view, size, drawing): draws a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
+    # give_back(eye): returns such a picture to its pool.
+    give_back: Callable[[EyeImage], None]
     # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
     passes_for: Callable[[Drawing], ScenePasses]
     # draw_colour(passes, view, into, time_ns): with as many samples a pixel as the picture has.
