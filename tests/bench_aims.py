@@ -76,7 +76,7 @@ def methods_of(case: Case, gpu: Gpu) -> dict[str, Callable[[], object]]:
 
 
 def filled(case: Case, gpu: Gpu, time_s: float) -> dict[str, Callable[[], object]]:
-    """Return `iterative` with each of FILLS; memory has two older pictures, and learns each time."""
+    """Return `iterative` with each of FILLS; memory has older pictures, and learns each time."""
     track, found = load_trace("look-around").track, {}
     older = [
         case.server.draw(View(track.at(track.start_ns + round((time_s - late) * 1e9)).pose, case.shown.fov), SIZE)
