@@ -73,10 +73,11 @@ class PairPass:
         self._gpu, self._size = gpu, size
         radius, sight, shape = _kernels(pixels_per_degree)
         (wide, high), gl = size, gpu.gl
-        self._bytes = np.zeros((2, high, wide, 4), np.uint8)
+        # Of both pictures, the truth first, whose filtered rows stay for the next picture.
+        self._bytes, self._has_truth = np.zeros((2, high, wide, 4), np.uint8), False
         # Pixels, light of bytes, what is filtered along rows, a map.
         self._pixels, self._light = allocate(gl, (wide, 2 * high), (4, "u1")), allocate(gl, (256, 1), SCALAR)
-        self._between, self._map = allocate(gl, (2 * wide, 2 * high), (4, "f4")), allocate(gl, size, SCALAR)
+        self._between, self._map = allocate(gl, (2 * wide, 3 * high), (4, "f4")), allocate(gl, size, SCALAR)
         self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
         constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
         compared = {**constant, "rgb_from_white": np.linalg.inv(_WHITE_FROM_RGB), "most": _green_from_blue()}
@@ -84,12 +85,12 @@ class PairPass:
         window = {"size": size, "bell": bell / bell.sum()}
         compute = gpu.shaders.compute
         self._flip = (
-            (compute("metrics/flip_rows.comp", RADIUS=radius), constant, (-(-wide // 4), 2 * high)),
-            (compute("metrics/flip.comp", RADIUS=radius), compared, size),
+            (compute("metrics/flip_rows.comp", RADIUS=radius), constant, -(-wide // 4)),
+            (compute("metrics/flip.comp", RADIUS=radius), compared, wide),
         )
         self._ssim = (
-            (compute("metrics/ssim_rows.comp"), window, (-(-wide // 2), high)),
-            (compute("metrics/ssim.comp"), window, size),
+            (compute("metrics/ssim_rows.comp"), window, -(-wide // 2)),
+            (compute("metrics/ssim.comp"), window, wide),
         )
 
     def run(self, shown: NDArray[Any], truth: NDArray[Any]) -> Alike:
@@ -98,19 +99,24 @@ class PairPass:
         shown, truth: (h, w, 3) uint8 sRGB of the size. Errors: InputError as check_pair.
         """
         check_pair(shown, truth)
+        high = self._size[1]
+        first = high if self._has_truth and np.array_equal(self._bytes[0, ..., :3], truth) else 0
         self._bytes[0, ..., :3], self._bytes[1, ..., :3] = truth, shown
         self._pixels.write(self._bytes)
         for unit, texture in enumerate((self._pixels, self._light, self._between, self._map)):
             texture.bind_to_image(unit, read=unit < 3, write=unit > 1)
-        flip_map = self._made(self._flip)
-        return Alike(flip_map, 1 - float(self._made(self._ssim).mean(dtype=np.float64)))
+        flip_map = self._made(self._flip, 2 * high - first, first=first)
+        self._has_truth = True
+        return Alike(flip_map, 1 - float(self._made(self._ssim, high).mean(dtype=np.float64)))
 
-    def _made(self, programs: Sequence[tuple[Compute, dict[str, Any], tuple[int, int]]]) -> NDArray[np.float32]:
-        """Filter along rows, then along columns; return the map."""
-        (rows, row_values, invocations), (columns, values, _) = programs
-        wide, high = self._size
-        rows.uniforms.set(**row_values)
-        rows.run(*invocations)
+    def _made(
+        self, programs: Sequence[tuple[Compute, dict[str, Any], int]], lines: int, **more: int
+    ) -> NDArray[np.float32]:
+        """Filter so many rows, then along columns; return the map."""
+        (rows, row_values, along_rows), (columns, values, wide) = programs
+        high = self._size[1]
+        rows.uniforms.set(**row_values, **more)
+        rows.run(along_rows, lines)
         self._gpu.barrier()
         columns.uniforms.set(**values)
         columns.run(wide, high)

@@ -9,12 +9,13 @@ layout(r32f, binding = 1) readonly uniform image2D light; // of each byte
 // Left half: Y, Cx, and both parts of Cz. Right half: smooth, edge, point.
 layout(rgba32f, binding = 2) writeonly uniform image2D between;
 uniform ivec2 size; // of one picture
+uniform int first;  // row that is filtered
 uniform mat3 white_from_rgb; // XYZ over that of white
 uniform vec4 sight[2 * RADIUS + 1]; // weights: Y, Cx, both parts of Cz
 uniform vec3 shape[2 * RADIUS + 1]; // smooth, edge, point
 
 void main() {
-    ivec2 q = ivec2(gl_GlobalInvocationID.xy) * ivec2(PIXELS, 1);
+    ivec2 q = ivec2(gl_GlobalInvocationID.xy) * ivec2(PIXELS, 1) + ivec2(0, first);
     if (q.x >= size.x || q.y >= 2 * size.y) return;
     vec3 around[PIXELS + 2 * RADIUS];
     for (int k = 0; k < PIXELS + 2 * RADIUS; ++k) {

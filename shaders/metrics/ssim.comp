@@ -5,7 +5,7 @@
 #define ROWS 8
 #include "metrics/bell.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(rgba32f, binding = 2) readonly uniform image2D between; // four parts of the size of a picture
+layout(rgba32f, binding = 2) readonly uniform image2D between; // from size.y on, four parts of that size
 layout(r32f, binding = 3) writeonly uniform image2D map;
 uniform ivec2 size;
 
@@ -18,7 +18,7 @@ void main() {
     for (int n = 0; n < ROWS; ++n)
         for (int part = 0; part < 4; ++part) found[n][part] = vec4(0.0);
     for (int k = 0; k < ROWS + 2 * RADIUS; ++k) {
-        ivec2 at = ivec2(q.x, mirrored(q.y + k - RADIUS, size.y));
+        ivec2 at = ivec2(q.x, size.y + mirrored(q.y + k - RADIUS, size.y));
         vec4 one = imageLoad(between, at), two = imageLoad(between, at + ivec2(size.x, 0));
         vec4 three = imageLoad(between, at + ivec2(0, size.y)), four = imageLoad(between, at + size);
         for (int n = 0; n < ROWS; ++n) {

@@ -5,7 +5,7 @@
 #include "metrics/bell.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
 layout(rgba8ui, binding = 0) readonly uniform uimage2D pixels;
-layout(rgba32f, binding = 2) writeonly uniform image2D between;
+layout(rgba32f, binding = 2) writeonly uniform image2D between; // below: the reference's rows for FLIP
 uniform ivec2 size;
 
 // In bytes from the middle of the range, which keeps squares small.
@@ -33,7 +33,7 @@ void main() {
             xy += wa * b;
         }
         if (q.x + n < size.x) {
-            ivec2 at = q + ivec2(n, 0);
+            ivec2 at = q + ivec2(n, size.y);
             imageStore(between, at, vec4(sx, xx.r));
             imageStore(between, at + ivec2(size.x, 0), vec4(sy, xx.g));
             imageStore(between, at + ivec2(0, size.y), vec4(yy, xx.b));
