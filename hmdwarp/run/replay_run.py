@@ -190,18 +190,23 @@ class Measured:
     misses: list[Row]
 
 
-def measured(options: RunOptions, pools: SharedPool) -> Measured:
+def measured(
+    options: RunOptions, progress: Progress = lambda done, total: None, pools: SharedPool | None = None
+) -> Measured:
     """Run a replay without writing anything.
 
-    pools: its measuring processes, which stay for the next run.
+    pools: measuring processes that stay for the next run; None for processes of its own.
     Errors: as replay; InputError for warp "auto" and for a video.
     """
     if options.warp == AUTO or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
-    with set_up_replay(options, alone=True) as setup:
-        pool = pools.of(options.workers, setup.pixels_per_degree)
+    with (
+        set_up_replay(options, alone=True) as setup,
+        SharedPool() if pools is None else nullcontext(pools) as lent,
+    ):
+        pool = lent.of(options.workers, setup.pixels_per_degree)
         probe = Probe(setup, pool, _keep_every(setup))
-        log, late = _run(setup, probe, None, lambda done, total: None)
+        log, late = _run(setup, probe, None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
         more = _rated(setup, probe.clips)

@@ -221,7 +221,7 @@ def _run_part(pools: SharedPool, case: SweepCase, step: Callable[[float], None])
     """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
     try:
-        result = measured(part.run, pools)
+        result = measured(part.run, pools=pools)
     except BaseException:
         pools.end(at_once=True)
         raise
