@@ -10,33 +10,42 @@ import argparse
 import time
 from collections.abc import Callable, Mapping
 
+import attrs
 import cv2
 import numpy as np
 from bench_feed import VIEWS
 from bench_quick import Case
+from PIL import Image
 
+from hmdwarp import View, Warper
+from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.client.warps import warps
 from hmdwarp.colour import linear_from_srgb, srgb8_from_linear
 from hmdwarp.frames import EyeImage
 from hmdwarp.geometry import inverse_depth_from_metres
 from hmdwarp.gpu import SCALAR, Gpu, allocate, download, upload
+from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
-from hmdwarp.sources.array_passes import LINEAR, SRGB8, Arrays
+from hmdwarp.sources.array_passes import LINEAR, SRGB8, Arrays, Scaling
 from hmdwarp.sources.server import Renderer, Server
 
 SIZE = (1280, 800)
 # (what, over what, at most, what it is over)
 FRAMES = tuple(
-    (name, f"{name} by NumPy", 1.0, f"{told} over the same by NumPy")
+    (name, f"{name} by NumPy", 1.0, f"{told} over the same by NumPy{' and PIL' if name == 'averaged' else ''}")
     for name, told in (
         ("recorded", "a recorded frame to textures"),
+        ("averaged", "a recorded frame averaged to two thirds of its sides"),
         ("full", "a frame of the feed to textures, `--raw full`,"),
         ("half", "a frame of the feed to textures, `--raw half`,"),
         ("given", "a drawn frame to the bytes of `--raw half`"),
     )
 )
+# Of `iterative` with a fill over it alone: before the aim was set, 1.9, 3.0 and 4.0; half of this.
+FILLS = ("none", "pyramid", "memory", "memory+pyramid")
 AIMS = (
     *FRAMES,
+    ("fill memory+pyramid", "fill none", 2.0, "`iterative` with `memory+pyramid` over it without"),
     ("backward with its depth", "forward", 1.0, "`backward` with the client's depth over `forward`"),
 )
 PARTS = (
@@ -47,6 +56,8 @@ PARTS = (
     ("backward", "forward", "`backward` without the client's depth over `forward`"),
     ("unseeded", "iterative", "`iterative` without its seed (`seed=rotation`) over `iterative`"),
     ("iterative", "warpFrame", "`iterative` over cv2.warpFrame"),
+    ("fill memory", "fill none", "`iterative` with `memory` over it without"),
+    ("fill pyramid", "fill none", "`iterative` with `pyramid` over it without"),
 )
 
 
@@ -56,12 +67,28 @@ def methods_of(case: Case, gpu: Gpu) -> dict[str, Callable[[], object]]:
     unseeded = iterative(gpu, case.size, case.size, iterative.Settings(seed="rotation"))
     few = allocate(gpu.gl, (2, 2), SCALAR)
     every = case.methods()
-    wanted = {name for aim in (*AIMS[len(FRAMES) :], *PARTS) for name in aim[:2]}
+    wanted = {name for aim in (*AIMS, *PARTS) for name in aim[:2]}
     return {name: run for name, run in every.items() if name in wanted} | {
         "unseeded": lambda: unseeded.run(case.inputs, case.canvas),
         "depth": lambda: case.server.draw_depth(case.shown, case.size, case.client_depth),
         "depth, 2x2 pixels": lambda: case.server.draw_depth(case.shown, (2, 2), few),
     }
+
+
+def filled(case: Case, gpu: Gpu, time_s: float) -> dict[str, Callable[[], object]]:
+    """Return `iterative` with each of FILLS; memory has older pictures, and learns each time."""
+    track, found = load_trace("look-around").track, {}
+    older = [
+        case.server.draw(View(track.at(track.start_ns + round((time_s - late) * 1e9)).pose, case.shown.fov), SIZE)
+        for late in (0.6, 0.4)
+    ]
+    for fill in FILLS:
+        with Warper(SIZE, warp="iterative", fill=fill, gpu=gpu) as warper:
+            chain = Compensator(gpu, warper.plan, None, SIZE, SIZE)
+        for rendered in older:
+            chain.run(PassInputs(rendered, case.shown))
+        found[f"fill {fill}"] = lambda chain=chain: (chain.renew(), chain.run(case.inputs))
+    return found
 
 
 def measured(gpu: Gpu, methods: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
@@ -89,6 +116,8 @@ def frames_taken(gpu: Gpu, size: tuple[int, int]) -> dict[str, Callable[[], obje
         "half": Arrays(colour, SRGB8, codes, step, is_inverse=True, is_apart=True),
     }
     eye = EyeImage(VIEWS[0], target.colour, target.inverse_depth)
+    less = (size[0] * 2 // 3, size[1] * 2 // 3)
+    averaged, smaller = attrs.evolve(recorded, scaling=Scaling(less, (0, 0, *size))), renderer.acquire(less)
 
     def by_numpy(light: np.ndarray, inverse: np.ndarray) -> None:
         upload(target.colour, light.astype(np.float16, copy=False))
@@ -98,6 +127,16 @@ def frames_taken(gpu: Gpu, size: tuple[int, int]) -> dict[str, Callable[[], obje
         found, covered = linear_from_srgb(recorded.colour).astype(np.float32), np.ones((*metres.shape, 1), np.float32)
         inverse = inverse_depth_from_metres(metres)
         by_numpy(np.concatenate([found, covered], axis=2), np.where(np.isnan(inverse), -1, inverse))
+
+    def averaged_by_numpy() -> None:
+        light = linear_from_srgb(recorded.colour)
+        found = [
+            np.asarray(Image.fromarray(one).resize(less, Image.Resampling.BOX)) for one in np.moveaxis(light, 2, 0)
+        ]
+        row, column = ((np.arange(n) + 0.5) * (of / n) for n, of in zip(less[::-1], size[::-1], strict=True))
+        upload(smaller.colour, np.dstack([*found, np.ones_like(found[0])]).astype(np.float16))
+        nearest = metres[row.astype(int)[:, None], column.astype(int)]
+        upload(smaller.inverse_depth, inverse_depth_from_metres(nearest).astype(np.float32))
 
     def half_by_numpy() -> None:
         found = linear_from_srgb(colour).astype(np.float16)
@@ -112,6 +151,8 @@ def frames_taken(gpu: Gpu, size: tuple[int, int]) -> dict[str, Callable[[], obje
     return {
         "recorded": lambda: renderer.take_in(recorded, target),
         "recorded by NumPy": recorded_by_numpy,
+        "averaged": lambda: renderer.take_in(averaged, smaller),
+        "averaged by NumPy": averaged_by_numpy,
         "full": lambda: renderer.take_in(fed["full"], target),
         "full by NumPy": lambda: by_numpy(light, inverse),
         "half": lambda: renderer.take_in(fed["half"], target),
@@ -140,7 +181,8 @@ def main() -> None:
     cv2.setNumThreads(1)
     with Gpu() as gpu:
         server = Server(gpu, load_scene("room"))
-        methods = methods_of(Case(gpu, server, SIZE, arguments.time), gpu) | frames_taken(gpu, SIZE)
+        case = Case(gpu, server, SIZE, arguments.time)
+        methods = methods_of(case, gpu) | filled(case, gpu, arguments.time) | frames_taken(gpu, SIZE)
         print(table(measured(gpu, methods, arguments.rounds)))
         server.close()
 

@@ -47,6 +47,7 @@ from .picture_pairs import sharpness as sharpness
 from .picture_pairs import ssim as ssim
 from .pool import Kept as Kept
 from .pool import QualityPool as QualityPool
+from .pool import SharedPool as SharedPool
 from .pool import WorstKeeper as WorstKeeper
 from .pool import worker_count as worker_count
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS

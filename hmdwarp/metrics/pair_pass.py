@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
-from ..gpu import Gpu
+from ..gpu import SCALAR, Gpu, allocate
 from ..gpu.shaders import Compute
+from ..gpu.textures import release_all
 from .picture_pairs import SSIM_SIGMA, Alike, check_pair
 
 Array = NDArray[np.float64]
@@ -71,26 +72,25 @@ class PairPass:
     def __init__(self, gpu: Gpu, size: tuple[int, int], pixels_per_degree: float) -> None:
         self._gpu, self._size = gpu, size
         radius, sight, shape = _kernels(pixels_per_degree)
-        count = size[0] * size[1]
-        light = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
-        self._pixels = np.zeros((2, size[1], size[0], 4), np.uint8)
-        buffer = gpu.gl.buffer
-        # Pixels, light of bytes, what is filtered along rows (of SSIM all in one), a map.
-        self._pixel_words, self._map = buffer(reserve=8 * count, dynamic=True), buffer(reserve=4 * count)
-        self._light, self._between = buffer(light.tobytes()), buffer(reserve=64 * count)
-        self._half = 32 * count
+        (wide, high), gl = size, gpu.gl
+        # Of both pictures, the truth first, whose filtered rows stay for the next picture.
+        self._bytes, self._has_truth = np.zeros((2, high, wide, 4), np.uint8), False
+        # Pixels, light of bytes, what is filtered along rows, a map.
+        self._pixels, self._light = allocate(gl, (wide, 2 * high), (4, "u1")), allocate(gl, (256, 1), SCALAR)
+        self._between, self._map = allocate(gl, (2 * wide, 3 * high), (4, "f4")), allocate(gl, size, SCALAR)
+        self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
         constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
         compared = {**constant, "rgb_from_white": np.linalg.inv(_WHITE_FROM_RGB), "most": _green_from_blue()}
         bell = np.exp(-((np.arange(-5, 6) / SSIM_SIGMA) ** 2) / 2)
         window = {"size": size, "bell": bell / bell.sum()}
-        compute, (wide, high) = gpu.shaders.compute, size
+        compute = gpu.shaders.compute
         self._flip = (
-            (compute("metrics/flip_rows.comp", RADIUS=radius), constant, (-(-wide // 4), 2 * high)),
-            (compute("metrics/flip.comp", RADIUS=radius), compared, size),
+            (compute("metrics/flip_rows.comp", RADIUS=radius), constant, -(-wide // 4)),
+            (compute("metrics/flip.comp", RADIUS=radius), compared, wide),
         )
         self._ssim = (
-            (compute("metrics/ssim_rows.comp"), window, (-(-wide // 2), high)),
-            (compute("metrics/ssim.comp"), window, size),
+            (compute("metrics/ssim_rows.comp"), window, -(-wide // 2)),
+            (compute("metrics/ssim.comp"), window, wide),
         )
 
     def run(self, shown: NDArray[Any], truth: NDArray[Any]) -> Alike:
@@ -99,23 +99,24 @@ class PairPass:
         shown, truth: (h, w, 3) uint8 sRGB of the size. Errors: InputError as check_pair.
         """
         check_pair(shown, truth)
-        self._pixels[0, ..., :3], self._pixels[1, ..., :3] = truth, shown
-        self._pixel_words.write(self._pixels)
-        self._pixel_words.bind_to_storage_buffer(0)
-        self._light.bind_to_storage_buffer(1)
-        self._between.bind_to_storage_buffer(2, size=self._half)
-        self._between.bind_to_storage_buffer(3, offset=self._half)
-        self._map.bind_to_storage_buffer(4)
-        flip_map = self._made(self._flip)
-        self._between.bind_to_storage_buffer(2)
-        return Alike(flip_map, 1 - float(self._made(self._ssim).mean(dtype=np.float64)))
+        high = self._size[1]
+        first = high if self._has_truth and np.array_equal(self._bytes[0, ..., :3], truth) else 0
+        self._bytes[0, ..., :3], self._bytes[1, ..., :3] = truth, shown
+        self._pixels.write(self._bytes)
+        for unit, texture in enumerate((self._pixels, self._light, self._between, self._map)):
+            texture.bind_to_image(unit, read=unit < 3, write=unit > 1)
+        flip_map = self._made(self._flip, 2 * high - first, first=first)
+        self._has_truth = True
+        return Alike(flip_map, 1 - float(self._made(self._ssim, high).mean(dtype=np.float64)))
 
-    def _made(self, programs: Sequence[tuple[Compute, dict[str, Any], tuple[int, int]]]) -> NDArray[np.float32]:
-        """Filter along rows, then along columns; return the map."""
-        (rows, row_values, invocations), (columns, values, _) = programs
-        wide, high = self._size
-        rows.uniforms.set(**row_values)
-        rows.run(*invocations)
+    def _made(
+        self, programs: Sequence[tuple[Compute, dict[str, Any], int]], lines: int, **more: int
+    ) -> NDArray[np.float32]:
+        """Filter so many rows, then along columns; return the map."""
+        (rows, row_values, along_rows), (columns, values, wide) = programs
+        high = self._size[1]
+        rows.uniforms.set(**row_values, **more)
+        rows.run(along_rows, lines)
         self._gpu.barrier()
         columns.uniforms.set(**values)
         columns.run(wide, high)
@@ -123,6 +124,5 @@ class PairPass:
         return np.frombuffer(self._map.read(), np.float32).reshape(high, wide)
 
     def close(self) -> None:
-        """Free the buffers."""
-        for buffer in (self._pixel_words, self._light, self._between, self._map):
-            buffer.release()
+        """Free the textures."""
+        release_all(self._pixels, self._light, self._between, self._map)

@@ -163,6 +163,7 @@ class QualityPool:
         with self._lock:
             self._results.clear()
             self._regions.clear()
+            self._kept.clear()
 
     def finish(self) -> dict[Any, dict[str, float | None]]:
         """Wait for all jobs, end the workers, and return all results in the order of their keys."""
@@ -286,3 +287,31 @@ class QualityPool:
             thread.join()
         for worker in self._workers:
             worker.close()
+
+
+class SharedPool:
+    """Measuring processes of runs that follow each other, for one resolution at a time."""
+
+    def __init__(self) -> None:
+        self._pool: tuple[Any, QualityPool] | None = None
+
+    def of(self, workers: int | None, pixels_per_degree: float) -> QualityPool:
+        """Return the pool, without figures; that for another resolution is ended."""
+        key = workers, pixels_per_degree
+        if self._pool is None or self._pool[0] != key:
+            self.end()
+            self._pool = key, QualityPool(worker_count(workers), pixels_per_degree)
+        self._pool[1].forget()
+        return self._pool[1]
+
+    def end(self, *, at_once: bool = False) -> None:
+        """End the processes; at once where measuring failed: they measure nothing more."""
+        if self._pool is not None:
+            (self._pool[1].abort if at_once else self._pool[1].finish)()
+        self._pool = None
+
+    def __enter__(self) -> SharedPool:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.end(at_once=kind is not None)

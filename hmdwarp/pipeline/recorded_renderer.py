@@ -11,16 +11,14 @@ from typing import Any
 
 import attrs
 import numpy as np
-from numpy.typing import NDArray
 
-from ..colour import linear_from_srgb
 from ..frames import EyeImage, Frame, Needs
 from ..geometry import Fov, Guard, Pose, View, guarded_eyes, inverse_depth_from_metres
 from ..gpu.context import Gpu
 from ..poses import Origin, PoseSample
 from ..poses.track import Moment
 from ..scenes import Scene
-from ..sources.array_passes import LINEAR, SRGB8, Arrays
+from ..sources.array_passes import SRGB8, Arrays, Scaling
 from ..sources.repairs import RepairChain
 from ..sources.sequences import RecordedFrame, Sequence
 from ..sources.server import Renderer, Target
@@ -160,23 +158,17 @@ def _pixels(taken: RecordedFrame, fov: Fov, size: Size, repair: RepairChain) -> 
 
     fov: what they show, within that of the frame.
     """
-    colour: NDArray[Any]
     colour, depth = taken.read()
     if repair.steps:
         depth = repair.run(colour * np.float32(1 / 255), inverse_depth_from_metres(depth)).inverse_depth
-    box, encoding = _box(taken, fov), SRGB8
-    left, top, right, bottom = map(int, box)
-    if box == (left, top, right, bottom) and size == (right - left, bottom - top):
-        colour, depth = colour[top:bottom, left:right], depth[top:bottom, left:right]
-    else:
-        light = _averaged(linear_from_srgb(colour).astype(np.float32), size, box)
-        colour, encoding, depth = light, LINEAR, _nearest(depth, size, box)
-    if taken.hidden is not None:
-        seen = attrs.evolve(taken.view, fov=fov).seen(size)
-        coverage = np.where(seen, 255 if encoding == SRGB8 else 1, 0).astype(colour.dtype)
-        colour = np.dstack([colour * seen[..., None].astype(colour.dtype), coverage])
-        depth = np.where(seen, depth, np.nan).astype(np.float32)
-    return Arrays(colour, encoding, depth, is_inverse=bool(repair.steps), is_apart=True)
+    box = _box(taken, fov)
+    left, top, right, bottom = math.floor(box[0]), math.floor(box[1]), math.ceil(box[2]), math.ceil(box[3])
+    scaling = None
+    if box != (left, top, right, bottom) or size != (right - left, bottom - top) or taken.hidden is not None:
+        seen_rows = None if taken.hidden is None else taken.hidden.rows(fov, size)
+        scaling = Scaling(size, (box[0] - left, box[1] - top, box[2] - left, box[3] - top), seen_rows)
+    part = np.s_[top:bottom, left:right]
+    return Arrays(colour[part], SRGB8, depth[part], is_inverse=bool(repair.steps), is_apart=True, scaling=scaling)
 
 
 def _box(taken: RecordedFrame, fov: Fov) -> Box:
@@ -188,19 +180,3 @@ def _box(taken: RecordedFrame, fov: Fov) -> Box:
     # A millionth of a pixel is rounding: whole pixels are taken as they are.
     found = [round(at, 6) for at in (columns[0], rows[0], columns[1], rows[1])]
     return found[0], found[1], found[2], found[3]
-
-
-def _averaged(light: NDArray[np.float32], size: Size, box: Box) -> NDArray[np.float32]:
-    from PIL import Image
-
-    channels = (Image.fromarray(light[..., i]).resize(size, Image.Resampling.BOX, box) for i in range(3))
-    return np.stack([np.asarray(channel) for channel in channels], axis=2)
-
-
-def _nearest(depth: NDArray[np.floating], size: Size, box: Box) -> NDArray[np.floating]:
-    row, column = (
-        (low + (np.arange(n) + 0.5) * (high - low) / n).astype(int)
-        for low, high, n in ((box[1], box[3], size[1]), (box[0], box[2], size[0]))
-    )
-    nearest: NDArray[np.floating] = depth[row[:, None], column]
-    return nearest

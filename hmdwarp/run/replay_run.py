@@ -18,7 +18,7 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link.options import ALL, DROP
-from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, SharedPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..pipeline.proxy import source_of
@@ -190,17 +190,21 @@ class Measured:
     misses: list[Row]
 
 
-def measured(options: RunOptions, progress: Progress = lambda done, total: None) -> Measured:
+def measured(
+    options: RunOptions, progress: Progress = lambda done, total: None, pools: SharedPool | None = None
+) -> Measured:
     """Run a replay without writing anything.
 
+    pools: measuring processes that stay for the next run; None for processes of its own.
     Errors: as replay; InputError for warp "auto" and for a video.
     """
     if options.warp == AUTO or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with (
         set_up_replay(options, alone=True) as setup,
-        QualityPool(worker_count(options.workers), setup.pixels_per_degree) as pool,
+        SharedPool() if pools is None else nullcontext(pools) as lent,
     ):
+        pool = lent.of(options.workers, setup.pixels_per_degree)
         probe = Probe(setup, pool, _keep_every(setup))
         log, late = _run(setup, probe, None, progress)
         pool.wait()

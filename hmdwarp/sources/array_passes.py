@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..gpu.context import Gpu
 from ..gpu.raw_gl import clear_buffer, mapped
-from ..gpu.textures import Canvas, allocate, flip_rows, release_all, texture_bytes
+from ..gpu.textures import SCALAR, Canvas, allocate, flip_rows, release_all, texture_bytes
 
 # What colour may be: sRGB as bytes, sRGB or linear light as floats.
 SRGB8, SRGB, LINEAR = "srgb8", "srgb", "linear"
@@ -28,6 +28,28 @@ _WORDS = 8
 _INVERSE, _METRES, _UINT16, _UINT16_INVERSE = range(4)
 LARGEST_CODE = 65534  # of depth in 16 bits; 65535 is none
 _RESULTS = (SRGB8, SRGB, LINEAR)
+
+
+@attrs.frozen(eq=False)
+class Scaling:
+    """How the pass makes another size of sRGB bytes, see shaders/image/take_in.comp."""
+
+    size: Size
+    # Left, top, right and bottom of what becomes that size, in pixels of the arrays.
+    box: tuple[float, float, float, float]
+    # (w, 2) of that size, as Hidden.rows has them; None where all is seen.
+    seen_rows: NDArray[np.int32] | None = None
+
+    def spans(self) -> NDArray[np.uint32]:
+        """Return (2, the longer side, 4): of columns, and of rows from the top."""
+        found = np.zeros((2, max(self.size), 4), np.uint32)
+        for spans, low, high, count in zip(found, self.box[:2], self.box[2:], self.size, strict=True):
+            step = (high - low) / count
+            centre, reach = low + (np.arange(count) + 0.5) * step, max(step, 1.0) / 2
+            first, end = ((centre + side * reach + 0.5).astype(np.uint32) for side in (-1, 1))
+            spans[:count, 0], spans[:count, 1] = first | end << 16, centre.astype(np.uint32)
+        found[0, : self.size[0], 2:] = (0, self.size[1]) if self.seen_rows is None else self.seen_rows
+        return found
 
 
 @attrs.frozen(eq=False)
@@ -50,6 +72,8 @@ class Arrays:
     is_apart: bool = False
     # (h, w) where a mask hides colour or depth; None without one.
     hidden: NDArray[np.bool_] | None = None
+    # None for a picture of the size that the arrays have.
+    scaling: Scaling | None = None
 
     @property
     def size(self) -> Size:
@@ -137,6 +161,9 @@ class TakeIn:
         bits = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float16).view(np.uint16)
         self._light_of_byte = allocate(gpu.gl, (256, 1), (1, "u2"))
         self._light_of_byte.write(bits.tobytes())
+        # What pictures of another size need: light in full, and Scaling.spans.
+        self._light: moderngl.Texture | None = None
+        self._spans: dict[Size, moderngl.Texture] = {}
         self._staged: dict[tuple[str, int, int], moderngl.Texture] = {}
 
     @property
@@ -173,6 +200,9 @@ class TakeIn:
 
         sent: what `send` returns for the picture. number: which of the pictures of `found`.
         """
+        size, light = self._size, self._light_of_byte
+        if picture.scaling is not None:
+            size, light = picture.scaling.size, self._bind_scaling(picture.scaling)
         kind, is_whole = _sent_as("colour", picture.colour), picture.depth.dtype.kind == "u"
         form = (_UINT16_INVERSE if is_whole else _INVERSE) if picture.is_inverse else _UINT16 if is_whole else _METRES
         program = self._gpu.shaders.compute(
@@ -183,15 +213,30 @@ class TakeIn:
             ENCODED=int(picture.encoding == SRGB),
             GUESSED=int(picture.is_guessed),
             APART=int(picture.is_apart),
+            SCALED=int(picture.scaling is not None),
         )
         into[0].bind_to_image(0, read=False, write=True, format=_RG32UI)
         into[1].bind_to_image(1, read=False, write=True)
-        for unit, texture in enumerate((*sent, self._light_of_byte), start=2):
+        for unit, texture in enumerate((*sent, light), start=2):
             texture.bind_to_image(unit, read=True, write=False)
         found.buffer.bind_to_storage_buffer(0)
-        program.uniforms.set(rendered_size=self._size, scale=picture.scale, slot=_WORDS * number)
-        program.run(-(-self._size[0] * kind.itemsize // 16), self._size[1])
+        program.uniforms.set(rendered_size=size, scale=picture.scale, slot=_WORDS * number)
+        columns = size[0] if picture.scaling is not None else -(-size[0] * kind.itemsize // 16)
+        program.run(columns, size[1])
         self._gpu.barrier()
+
+    def _bind_scaling(self, scaling: Scaling) -> moderngl.Texture:
+        """Bind the spans; return the light of each byte."""
+        if self._light is None:
+            self._light = allocate(self._gpu.gl, (256, 1), SCALAR)
+            self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
+        spans = scaling.spans()
+        at = spans.shape[1::-1]
+        if at not in self._spans:
+            self._spans[at] = allocate(self._gpu.gl, at, (4, "u4"))
+        self._spans[at].write(spans.tobytes())
+        self._spans[at].bind_to_image(5, read=True, write=False)
+        return self._light
 
     def _texture(self, name: str, array: NDArray[Any]) -> moderngl.Texture:
         """Return the texture that takes the bytes of an array (h, w, c)."""
@@ -213,7 +258,7 @@ class TakeIn:
 
     def close(self) -> None:
         """Free the textures."""
-        release_all(self._light_of_byte, *self._staged.values())
+        release_all(self._light_of_byte, *filter(None, (self._light,)), *self._spans.values(), *self._staged.values())
 
 
 class GiveCodes:

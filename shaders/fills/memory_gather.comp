@@ -17,8 +17,6 @@ layout(rg32f) uniform image2D best;
 uniform ivec2 cells;                // of the guesses; the picture itself may be coarser than the shown one
 uniform vec2 cells_per_pixel;
 uniform int guesses; // 3; a constant would be unrolled
-// 1. llvmpipe skips a loop that none of eight neighbours enters, but runs both sides of every `if`
-uniform int once;
 uniform bool is_first;
 uniform bool is_newest; // no older picture overrules the newest
 
@@ -70,6 +68,10 @@ void fill(ivec2 pixel, vec3 base, vec2 before) {
     if (shows || is_first) imageStore(best, pixel, shows ? vec4(is_newest ? SETTLED : found.depth, density, 0.0, 0.0) : vec4(-1.0));
 }
 
+vec2 before_at(ivec2 pixel) {
+    return is_first ? vec2(-1.0, 0.0) : imageLoad(best, pixel).rg;
+}
+
 void main() {
     uint index = gl_GlobalInvocationID.x / uint(PIECE), lane = gl_GlobalInvocationID.x % uint(PIECE);
     if (index >= piece_count) return;
@@ -77,11 +79,17 @@ void main() {
     ivec2 first = ivec2(piece % wide * PIECE + int(lane), piece / wide * ROWS);
     if (first.x >= shown_size.x) return;
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
+    // llvmpipe runs both sides of every `if`, so a loop visits the holes of the column one by one.
+    uint left = 0u;
     for (int row = 0; row < ROWS; ++row) {
         ivec2 pixel = first + ivec2(0, row);
         if (pixel.y >= shown_size.y) break;
-        vec2 before = is_first ? vec2(-1.0, 0.0) : imageLoad(best, pixel).rg;
-        bool open = imageLoad(shown_colour, pixel).a == 0.0 && before.r < SETTLED;
-        for (int turn = open ? 0 : once; turn < once; ++turn) fill(pixel, base + H[1] * float(row), before);
+        bool open = imageLoad(shown_colour, pixel).a == 0.0 && before_at(pixel).r < SETTLED;
+        left |= open ? 1u << row : 0u;
+    }
+    for (; left != 0u; left &= left - 1u) {
+        int row = findLSB(left);
+        ivec2 pixel = first + ivec2(0, row);
+        fill(pixel, base + H[1] * float(row), before_at(pixel));
     }
 }

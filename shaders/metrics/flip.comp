@@ -3,9 +3,8 @@
 // Source: Andersson et al. 2020, FLIP, eq. 4 to 12.
 #define ROWS 4
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(std430, binding = 2) readonly buffer Seen { vec4 seen[]; };
-layout(std430, binding = 3) readonly buffer Shapes { vec4 shapes[]; };
-layout(std430, binding = 4) writeonly buffer Map { float map[]; };
+layout(rgba32f, binding = 2) readonly uniform image2D between;
+layout(r32f, binding = 3) writeonly uniform image2D map;
 uniform ivec2 size;
 uniform mat3 white_from_rgb;
 uniform mat3 rgb_from_white;
@@ -33,9 +32,9 @@ void look(int first, ivec2 q, out Looks looks[ROWS]) {
     vec4 colour[ROWS + 2 * RADIUS];
     vec3 formed[ROWS + 2 * RADIUS];
     for (int k = 0; k < ROWS + 2 * RADIUS; ++k) {
-        int at = (first + clamp(q.y + k - RADIUS, 0, size.y - 1)) * size.x + q.x;
-        colour[k] = seen[at];
-        formed[k] = shapes[at].xyz;
+        ivec2 at = ivec2(q.x, first + clamp(q.y + k - RADIUS, 0, size.y - 1));
+        colour[k] = imageLoad(between, at);
+        formed[k] = imageLoad(between, at + ivec2(size.x, 0)).xyz;
     }
     for (int n = 0; n < ROWS; ++n) {
         vec4 sum = vec4(0.0);
@@ -63,6 +62,6 @@ void main() {
         d = d < knee ? d * AT_KNEE / knee : AT_KNEE + (d - knee) / (most - knee) * (1.0 - AT_KNEE);
         float shapes_apart = max(abs(reference[n].edge - other[n].edge), abs(reference[n].point - other[n].point));
         float error = pow(d, 1.0 - sqrt(shapes_apart * 0.70710678));
-        if (q.y + n < size.y) map[(q.y + n) * size.x + q.x] = error;
+        if (q.y + n < size.y) imageStore(map, q + ivec2(0, n), vec4(error));
     }
 }

@@ -5,8 +5,8 @@
 #define ROWS 8
 #include "metrics/bell.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
-layout(std430, binding = 2) readonly buffer Sums { vec4 sums[]; };
-layout(std430, binding = 4) writeonly buffer Map { float map[]; };
+layout(rgba32f, binding = 2) readonly uniform image2D between; // from size.y on, four parts of that size
+layout(r32f, binding = 3) writeonly uniform image2D map;
 uniform ivec2 size;
 
 const float C1 = 6.5025, C2 = 58.5225; // (0.01 * 255)^2, (0.03 * 255)^2
@@ -18,8 +18,9 @@ void main() {
     for (int n = 0; n < ROWS; ++n)
         for (int part = 0; part < 4; ++part) found[n][part] = vec4(0.0);
     for (int k = 0; k < ROWS + 2 * RADIUS; ++k) {
-        int at = 4 * (mirrored(q.y + k - RADIUS, size.y) * size.x + q.x);
-        vec4 one = sums[at], two = sums[at + 1], three = sums[at + 2], four = sums[at + 3];
+        ivec2 at = ivec2(q.x, size.y + mirrored(q.y + k - RADIUS, size.y));
+        vec4 one = imageLoad(between, at), two = imageLoad(between, at + ivec2(size.x, 0));
+        vec4 three = imageLoad(between, at + ivec2(0, size.y)), four = imageLoad(between, at + size);
         for (int n = 0; n < ROWS; ++n) {
             if (k < n || k - n > 2 * RADIUS) continue;
             found[n][0] += bell[k - n] * one;
@@ -37,6 +38,6 @@ void main() {
         my += 127.5;
         vec3 light = apart * apart / (mx * mx + my * my + C1), rest = (vx + vy - 2.0 * vxy) / (vx + vy + C2);
         vec3 lacks = light + rest - light * rest;
-        if (q.y + n < size.y) map[(q.y + n) * size.x + q.x] = (lacks.x + lacks.y + lacks.z) / 3.0;
+        if (q.y + n < size.y) imageStore(map, q + ivec2(0, n), vec4((lacks.x + lacks.y + lacks.z) / 3.0));
     }
 }

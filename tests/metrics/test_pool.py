@@ -17,7 +17,7 @@ import pytest
 
 import hmdwarp
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.metrics import QUALITY, Compared, QualityJob, QualityPool, measure
+from hmdwarp.metrics import QUALITY, Compared, QualityJob, QualityPool, SharedPool, measure
 
 from .pictures import job, noise, turned
 
@@ -67,6 +67,24 @@ def test_the_same_bits_with_any_number_of_workers():
         set(values) == set(QUALITY) and {type(v) for v in values.values()} == {float}
         for values in here.results.values()
     )
+
+
+def test_runs_of_one_resolution_share_their_processes():
+    """A run finds nothing of the one before; another resolution has processes of its own."""
+    others = children()
+    with SharedPool() as pools:
+        first = pools.of(1, PPD)
+        mine = children() - others
+        first.submit((0, 0), job(0), keep=True)
+        first.wait()
+        found = first.results
+        again = pools.of(1, PPD)
+        assert children() == mine | others and not again.results and not again.kept
+        again.submit((0, 0), job(0))
+        again.wait()
+        assert again.results == found
+        pools.of(1, 2 * PPD)
+        assert not children() & mine
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
@@ -212,7 +230,7 @@ SCRIPT = """
 import sys, signal
 sys.path[:0] = [{package!r}, {tests!r}]
 from metrics.pictures import job
-from hmdwarp.metrics import QualityPool
+from hmdwarp.metrics import QualityPool, SharedPool
 # No `if __name__ == "__main__"`: the workers must not run this script again.
 try:
     with QualityPool(2, 20.0) as pool:

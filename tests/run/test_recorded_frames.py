@@ -16,7 +16,7 @@ from replays import replayed, rows_of
 
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import InputError, PlanError
-from hmdwarp.geometry import Pose, inverse_depth_from_metres
+from hmdwarp.geometry import Fov, Hidden, Pose, inverse_depth_from_metres
 from hmdwarp.gpu import download
 from hmdwarp.image import usable_fills, usable_warps
 from hmdwarp.options import options_of
@@ -158,8 +158,7 @@ def test_another_size_is_averaged(run, folder):
 def test_frames_are_taken_over_as_they_are(gpu, folder):
     """Light by its table bit for bit, inverse depth within what dividing in float32 is off by.
 
-    That is 2.5 units. A crop in whole pixels is the same; a mean in float32 rounds to the same
-    half, or to the one beside it.
+    That is 2.5 units. A crop in whole pixels is the same.
     """
     sequence = sequences.open(folder)
     frame, size = sequence.frames[3], sequence.frames[3].size
@@ -168,17 +167,59 @@ def test_frames_are_taken_over_as_they_are(gpu, folder):
     with closing(RecordedRenderer(gpu, nothing("recorded", ""), sequence)) as renderer:
         whole = renderer.draw(frame.view, size, time_ns=frame.time_ns)
         part = renderer.draw(inner.view, inner.size, time_ns=frame.time_ns)
-        small = renderer.draw(frame.view, (size[0] // 2, size[1] // 2), time_ns=frame.time_ns)
         for image, cut in ((whole, np.s_[:, :]), (part, np.s_[4:-4, 4:-4])):
             colour, depth = download(image.colour), download(image.inverse_depth)
             assert np.array_equal(colour[..., :3], light[cut]) and (colour[..., 3] == 1).all()
             assert depth == pytest.approx(np.where(np.isnan(inverse), -1, inverse)[cut], rel=3 * 2**-23)
-        mean = light.astype(np.float64).reshape(size[1] // 2, 2, size[0] // 2, 2, 3).mean(axis=(1, 3))
-        assert download(small.colour)[..., :3] == pytest.approx(mean, rel=2**-10, abs=2**-24)
         tracemalloc.start()
         renderer.draw(frame.view, size, Target(whole.colour, whole.inverse_depth), time_ns=frame.time_ns)
         assert tracemalloc.get_traced_memory()[1] < 2 * size[0] * size[1]  # colour alone has three times as much
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize(("size", "hides"), [((30, 20), False), ((23, 17), True), ((97, 13), False)])
+def test_another_size_is_the_mean_of_light_and_one_depth(size, hides, gpu, folder):
+    """By float64: pixels whose centre lies in the new one, or, of finer pixels, around its centre.
+
+    Rounding to halves is off by 2^-11, or by half of the least of them; float32 by 2^-24 for each
+    of at most 15 pixels. Depth is of one pixel, within what dividing is off by.
+    """
+    sequence = sequences.open(folder)
+    polygon = ((-0.2, -0.1), (0.1, 0.3), (0.4, -0.2), (0.1, -0.25))
+    frame = sequence.frames[3]
+    frame = attrs.evolve(frame, hidden=Hidden((polygon,), frame.fov) if hides else None)
+    light, inverse = linear_from_srgb(frame.colour).astype(np.float64), inverse_depth_from_metres(frame.depth_m)
+    part = Fov.from_tangents(np.array([0.83, 0.61, 0.55, 0.97]) * frame.fov.tangents)
+    with closing(RecordedRenderer(gpu, nothing("", ""), attrs.evolve(sequence, frames=(frame,)))) as renderer:
+        for fov in (frame.fov, part):
+            view = attrs.evolve(frame.view, fov=fov)
+            drawn = renderer.draw(view, size)
+            colour, depth = download(drawn.colour), download(drawn.inverse_depth)
+            rays = view.rays(size)[::-1] @ np.diag([1, -1, 1])
+            places = [_places(frame, rays[0, :, 0], 0), _places(frame, rays[:, 0, 1], 2)]
+            across, down = (_means(at, count) for at, count in zip(places, frame.size, strict=True))
+            seen = view.seen(size)
+            assert seen.all() != hides
+            mean = np.einsum("yr,rcl,xc->yxl", down, light, across) * seen[..., None]
+            assert colour[..., :3] == pytest.approx(mean, rel=2**-11 + 15 * 2**-24, abs=2**-25)
+            assert np.array_equal(colour[..., 3], seen)
+            column, row = (at.astype(int) for at in places)
+            expected = np.where(seen & ~np.isnan(inverse[row][:, column]), inverse[row][:, column], -1)
+            assert depth == pytest.approx(expected, rel=3 * 2**-23)
+
+
+def _places(frame, tangents, side):
+    """Return where tangents to the right, or down, lie in pixels of a frame, but for rounding."""
+    low, high = frame.fov.tangents[side : side + 2] if side == 0 else -frame.fov.tangents[:1:-1]
+    return ((tangents - low) / (high - low) * frame.size[side // 2]).round(6)
+
+
+def _means(places, count):
+    """Return (n, count) weights of the pixels of which each place has the mean."""
+    reach = max(abs(places[1] - places[0]), 1) / 2
+    away = np.arange(count) + 0.5 - places[:, None]
+    inside = (away > -reach + 1e-6) & (away <= reach + 1e-6)
+    return inside / inside.sum(axis=1, keepdims=True)
 
 
 def test_part_of_a_recording(run, tmp_path):

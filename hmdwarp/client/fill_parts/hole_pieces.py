@@ -196,7 +196,7 @@ class HoleFiller:
             "cells": self._cells,
         }
         sizes["cells_per_pixel"] = tuple(c / s for c, s in zip(self._cells, self._size, strict=True))
-        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES, "once": 1}
+        limits = {"depth_tolerance": DEPTH_TOLERANCE, "depth_floor": DEPTH_FLOOR, "guesses": _GUESSES}
         self._gather.uniforms.set(
             H=back.H, e=back.e, is_first=self._first, is_newest=newest, **units, **sizes, **limits
         )

@@ -16,7 +16,7 @@ from ...client.plan import build_plan, needs_of
 from ...gpu.context import Gpu
 from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
 from ...headsets import Headset
-from ...metrics import QualityPool, clip_length, worker_count
+from ...metrics import QualityPool, SharedPool, clip_length
 from ...pipeline.sizes import check_held, eye_sizes
 from ...platforms import memory_bytes
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
@@ -52,13 +52,8 @@ class BenchWork:
     @contextmanager
     def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
         """Open what cases share: the machine's bandwidth, and the measuring processes of a size."""
-        runner = _Runner(self.workers)
-        try:
-            yield runner
-        except BaseException:
-            runner.end_pool(at_once=True)
-            raise
-        runner.end_pool()
+        with SharedPool() as pools:
+            yield _Runner(self.workers, pools)
 
 
 @attrs.frozen(eq=False)
@@ -105,33 +100,21 @@ def check_room(works: Sequence[BenchCase]) -> None:
 class _Runner:
     """Runs one case after the other; neighbours of one size share their measuring processes."""
 
-    def __init__(self, workers: int | None) -> None:
-        self._workers = workers
-        self._pool: tuple[Any, QualityPool] | None = None
+    def __init__(self, workers: int | None, pools: SharedPool) -> None:
+        self._workers, self._pools = workers, pools
 
     def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
         part: BenchPart = case.what
         try:
             found = _SECTIONS[part.part](self, prepared(part.options), step)
         except BaseException:
-            self.end_pool(at_once=True)  # one in which measuring failed measures nothing more
+            self._pools.end(at_once=True)
             raise
         return Result({**_examined().about, part.part: found})
 
-    def end_pool(self, *, at_once: bool = False) -> None:
-        """End the measuring processes."""
-        if self._pool is not None:
-            (self._pool[1].abort if at_once else self._pool[1].finish)()
-        self._pool = None
-
     def pool(self, headset: Headset, size: tuple[int, int]) -> QualityPool:
-        """Return the measuring processes for pictures of a size; those for another are ended."""
-        pixels_per_degree = headset.left_fov.pixels_per_degree(size)
-        if self._pool is None or self._pool[0] != pixels_per_degree:
-            self.end_pool()
-            self._pool = pixels_per_degree, QualityPool(worker_count(self._workers), pixels_per_degree)
-        self._pool[1].forget()
-        return self._pool[1]
+        """Return the measuring processes for pictures of a size."""
+        return self._pools.of(self._workers, headset.left_fov.pixels_per_degree(size))
 
     def rows(self, work: BenchCase, step: Callable[[float], None]) -> list[dict[str, Any]]:
         """Return the rows of a case."""

@@ -7,6 +7,7 @@ import itertools
 import math
 import platform
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import attrs
@@ -21,7 +22,7 @@ from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
-from ...metrics import QUALITY, at_instants, ratings_of
+from ...metrics import QUALITY, SharedPool, at_instants, ratings_of
 from ...options import PAPER, PaperOptions
 from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
@@ -30,7 +31,7 @@ from ...report.compare_page import compare_page, first_cases
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, measured
 from ...run.setup import first_shown_s, schedule_for
-from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Separate, SweepCase, experiment
+from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Runner, SweepCase, experiment
 from .cases import heads_of
 from .options import SIZE, CompareOptions
 from .suite_means import MEASURES, compared_entry
@@ -75,7 +76,7 @@ def compare(
         say(cost_text(options.suite, [run.size or SIZE for run in runs], pictures, options.workers))
         say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
-    with experiment(options, FILES, Separate(run_part), cases, progress, say) as (out, swept, described):
+    with experiment(options, FILES, _Work(), cases, progress, say) as (out, swept, described):
         rows = swept.rows(lambda row: (row,))
         failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
         data = described(
@@ -227,10 +228,25 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
     return shown, truth
 
 
-def run_part(case: SweepCase, step: Callable[[float], None]) -> Result:
+@attrs.frozen
+class _Work:
+    """Runs the cases of a compare."""
+
+    @contextmanager
+    def opened(self) -> Iterator[Runner]:
+        """Open what cases share: the measuring processes."""
+        with SharedPool() as pools:
+            yield functools.partial(_run_part, pools)
+
+
+def _run_part(pools: SharedPool, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
-    result = measured(part.run)
+    try:
+        result = measured(part.run, pools=pools)
+    except BaseException:
+        pools.end(at_once=True)
+        raise
     job = min(result.kept, key=lambda kept: kept.key).job
     pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}
     return Result(_row(part.run, result, [load_client(name) for name in part.clients]), pictures)

@@ -12,6 +12,7 @@ from .sweep_case import Failure as Failure
 from .sweep_case import KeptCases as KeptCases
 from .sweep_case import KeptRows as KeptRows
 from .sweep_case import Result as Result
+from .sweep_case import Runner as Runner
 from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase
 from .sweep_case import Work as Work
