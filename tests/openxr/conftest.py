@@ -90,6 +90,8 @@ def _inner_of(item: pytest.Function) -> Inner:
     here = {other.path for other in item.session.items if _is_of_monado(other)}
     paths = {item.path} if item.path in windows else here - windows
     files = tuple(sorted(path.relative_to(item.config.rootpath).as_posix() for path in paths))
+    if files in started and started[files].has_ended:
+        started.pop(files).close()
     if files not in started:
         started[files] = Inner(_root_for(item.config), [*files])
     return started[files]

@@ -56,6 +56,11 @@ class Inner:
             os.close(asked)
             os.close(tells)
 
+    @property
+    def has_ended(self) -> bool:
+        """Whether it ended by itself, as a run that hangs ends its process."""
+        return self._process.poll() is not None
+
     def outcome_of(self, name: str, following: str | None) -> Outcome:
         """Have a test run; following: the next one here, with which it shares fixtures."""
         with suppress(BrokenPipeError):  # it has ended: no line comes
