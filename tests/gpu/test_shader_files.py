@@ -261,14 +261,13 @@ def test_every_side_of_every_condition_is_compiled(gpu, variants):
 
 def test_every_define_the_program_sets_is_read(variants):
     """By the file itself, or by the other stage of its pair, which is given the same."""
+    words = {name: set(re.findall(r"\w+", (ROOT / name).read_text(encoding="utf-8"))) for name in FILES}
+    shared = set().union(*(words[name] for name in FILES if name.endswith(".glsl")))
     for path, defines in variants:
-        pair = {other for other, _ in variants if other.rpartition(".")[0] == path.rpartition(".")[0]}
-        text = "\n".join(line for other in pair for line in flatten(other, dict(defines)).lines)
-        text += "".join(
-            (ROOT / part).read_text(encoding="utf-8") for part in {path, *(n for n in FILES if n.endswith(".glsl"))}
-        )
-        for name, _ in defines:
-            assert re.search(rf"\b{name}\b", text), f"{path} is given {name} and does not know it"
+        unread = {name for name, _ in defines} - shared - words[path]
+        for other in {other for other, _ in variants if other.rpartition(".")[0] == path.rpartition(".")[0]}:
+            unread -= set(re.findall(r"\w+", "\n".join(flatten(other, dict(defines)).lines))) if unread else set()
+        assert not unread, f"{path} is given {unread} and does not know it"
 
 
 @together("name", FILES)
