@@ -98,6 +98,11 @@ def test_a_bench_is_kept_beside_the_sessions(logs, tmp_path):
     assert data["copy_gb_s"] == pytest.approx(12 * 120 * 130 / 1e-3 * 1e-9)
 
 
+def later(**changed) -> bytes:
+    """Return a message of the refreshes after the first 50, the last of which is changed."""
+    return rows(**changed)[50:].tobytes()
+
+
 WRONG = {
     "no JSON": "{",
     "deep JSON": "[" * MOST_TEXT,
@@ -133,16 +138,16 @@ WRONG = {
     "a bench's error that is huge": bench(rows=[ROW | {"square": [1e300]}]),
     "a bench's picture too small": bench(rows=[ROW | {"means": [[7] * 191]}]),
     "a bench's picture that is none": bench(rows=[ROW | {"means": 7}]),
-    "half a row": rows().tobytes()[:-3],
+    "half a row": later()[:-3],
     "no row": b"",
-    "NaN": rows(shown_x_m=np.nan).tobytes(),
-    "far": rows(shown_x_m=1e300).tobytes(),
-    "no unit quaternion": rows(drawn_qw=2).tobytes(),
-    "another chain": rows(chain=3).tobytes(),
-    "half a chain": rows(chain=0.5).tobytes(),
-    "the future": rows(asked_ms=1e8).tobytes(),
-    "back in time": rows(shown_ms=1).tobytes(),
-    "negative": rows(warp_ms=-1).tobytes(),
+    "NaN": later(shown_x_m=np.nan),
+    "far": later(shown_x_m=1e300),
+    "no unit quaternion": later(drawn_qw=2),
+    "another chain": later(chain=3),
+    "half a chain": later(chain=0.5),
+    "the future": later(asked_ms=1e8),
+    "back in time": later(shown_ms=1),
+    "negative": later(warp_ms=-1),
 }
 
 
