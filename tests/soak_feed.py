@@ -53,15 +53,9 @@ def main() -> int:
         relay.delay_s, relay.jitter_s = 0.01, 0.01
         out = Path(folder) / "out"
         said = [
-            "--source",
-            "offscreen",
-            "--trace",
-            "look-around",
-            "--size",
-            "x".join(map(str, SIZE)),
-            "--out",
-            str(out),
-        ]
+            "--source", "offscreen", "--trace", "look-around", "--size", "x".join(map(str, SIZE)),
+            "--out", str(out),
+        ]  # fmt: skip
         command = [sys.executable, "-m", "hmdwarp", "live", *said, "--connect", relay.address, "--quiet"]
         client = subprocess.Popen(command)
         serving.line("here")

@@ -14,19 +14,9 @@ def test_warp_auto_needs_a_budget_and_plan_explains_it(command, tmp_path):
     command("replay", "walk", "--warp", "auto", "--budget", "3", "--fill", "none").refused("chooses the fill too")
     command("plan", "--warp", "auto").refused("--budget MS")
     usual = (
-        "plan",
-        "--scene",
-        "planes",
-        "--headset",
-        "flat-90",
-        "--size",
-        "96x80",
-        "--guard",
-        "1",
-        "--warp",
-        "auto",
-        "--budget",
-    )
+        "plan", "--scene", "planes", "--headset", "flat-90", "--size", "96x80", "--guard", "1",
+        "--warp", "auto", "--budget",
+    )  # fmt: skip
     told = " ".join(command(*usual, "5000", "--bench", str(path)).done().out.split())
     assert "rotation 3000.00 ms per eye, mean FLIP 0.2000; it would begin here" in told
     data = json.loads(command(*usual, "5000", "--bench", str(path), "--json").done().out)

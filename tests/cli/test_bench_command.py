@@ -7,23 +7,9 @@ import json
 import pytest
 
 QUICK = (
-    "--scene",
-    "planes",
-    "--size",
-    "48x40",
-    "--seconds",
-    "0.3",
-    "--instants",
-    "1",
-    "--rounds",
-    "1",
-    "--workers",
-    "0",
-    "--guard",
-    "1.1",
-    "--no-grid",
-    "--no-fused",
-)
+    "--scene", "planes", "--size", "48x40", "--seconds", "0.3", "--instants", "1", "--rounds", "1",
+    "--workers", "0", "--guard", "1.1", "--no-grid", "--no-fused",
+)  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -34,17 +20,9 @@ def small_copies(monkeypatch):
 
 def test_lists_by_repetition_and_by_commas(command, tmp_path):
     several = [
-        "--warp",
-        "rotation,forward",
-        "--warp",
-        "none",
-        "--latency",
-        "100",
-        "--latency",
-        "0",
-        "--size",
-        "48x40,32x24",
-    ]
+        "--warp", "rotation,forward", "--warp", "none", "--latency", "100", "--latency", "0",
+        "--size", "48x40,32x24",
+    ]  # fmt: skip
     other = ["--trace", "walk", "--fill", "none", "--budget", "10000", "--out", tmp_path]
     done = command("bench", "look-around", *QUICK, *several, *other).done()
     data = json.loads((tmp_path / "bench.json").read_text(encoding="utf-8"))

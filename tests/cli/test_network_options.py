@@ -10,19 +10,9 @@ import json
 import pytest
 
 SMALL = (
-    "replay",
-    "look-around",
-    "--scene",
-    "planes",
-    "--headset",
-    "flat-90",
-    "--size",
-    "64x48",
-    "--rate",
-    "30",
-    "--seconds",
-    "0.3",
-)
+    "replay", "look-around", "--scene", "planes", "--headset", "flat-90", "--size", "64x48",
+    "--rate", "30", "--seconds", "0.3",
+)  # fmt: skip
 QUICK = (*SMALL, "--metrics-every", "9", "--images", "0", "--against", "", "--quiet", "--workers", "0")
 
 

@@ -76,19 +76,9 @@ def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
     def summary(name, *more):
         out = tmp_path / name
         run = (
-            "replay",
-            "still",
-            "--scene",
-            scene,
-            "--warp",
-            "none",
-            "--fill",
-            "none",
-            "--seconds",
-            "0.02",
-            "--start",
-            "1",
-        )
+            "replay", "still", "--scene", scene, "--warp", "none", "--fill", "none", "--seconds",
+            "0.02", "--start", "1",
+        )  # fmt: skip
         command(*run, *TINY, "--latency", "0", "--against", "", "--images", "1", "--out", out, *more).done()
         pictures = [path.read_bytes() for path in sorted((out / "images").iterdir())]
         return json.loads((out / "summary.json").read_text(encoding="utf-8"))["notes"], pictures

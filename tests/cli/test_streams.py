@@ -119,10 +119,9 @@ def test_the_command_in_the_report_can_be_typed_again(command, tmp_path):
     assert shlex.join(["hmdwarp", *REPLAY, str(out), "--quiet"]) in html.unescape(page)
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-def test_a_terminal_without_the_table_s_characters_gets_question_marks(encoding, tmp_path):
-    environment = {**ENVIRONMENT, "PYTHONIOENCODING": encoding}
-    trace = tmp_path / "st\u2026.csv"  # an ellipsis, which neither has
+def test_a_terminal_without_the_table_s_characters_gets_question_marks(tmp_path):
+    environment = {**ENVIRONMENT, "PYTHONIOENCODING": "latin-1"}
+    trace = tmp_path / "st\u2026.csv"  # an ellipsis, which it lacks
     trace.write_bytes((folder("recordings") / "still.csv").read_bytes())
     arguments = [str(trace) if argument == "still" else argument for argument in REPLAY]
     out = str(tmp_path / "out")

@@ -40,6 +40,7 @@ def test_it_runs_and_writes_what_it_promises(script, tmp_path, monkeypatch):
     else:
         if script.stem != "replay_summary":  # whose page is the first that people see
             monkeypatch.setattr("hmdwarp.run.run_summary.render_report", lambda *_, **__: "no page")
+        monkeypatch.setattr("hmdwarp.run.replay_run.worker_count", lambda _: 0)
         if "import subprocess" in script.read_text(encoding="utf-8"):
             monkeypatch.setattr(subprocess, "run", lambda words, check: tiny.ran(*words[words.index("hmdwarp") + 1 :]))
         monkeypatch.chdir(tmp_path)

@@ -264,15 +264,14 @@ def test_every_side_of_every_condition_is_compiled(gpu, variants):
 
 
 def test_every_define_the_program_sets_is_read(variants):
-    """By the file itself, or by the other stage of its pair, which is given the same."""
+    """By the file itself, or by another stage of drawing, which is given the same with it."""
+    words = {name: set(re.findall(r"\w+", (ROOT / name).read_text(encoding="utf-8"))) for name in FILES}
+    shared = set().union(*(words[name] for name in FILES if name.endswith(".glsl")))
     for path, defines in variants:
-        pair = {other for other, _ in variants if other.rpartition(".")[0] == path.rpartition(".")[0]}
-        text = "\n".join(line for other in pair for line in flatten(other, dict(defines)).lines)
-        text += "".join(
-            (ROOT / part).read_text(encoding="utf-8") for part in {path, *(n for n in FILES if n.endswith(".glsl"))}
-        )
-        for name, _ in defines:
-            assert re.search(rf"\b{name}\b", text), f"{path} is given {name} and does not know it"
+        drawn = {other for other, given in variants if given == defines and not other.endswith(".comp")}
+        pair = (words[other] for other in (drawn if path in drawn else {path}))
+        unread = {name for name, _ in defines} - shared.union(*pair)
+        assert not unread, f"{path} is given {unread} and does not know it"
 
 
 @together("name", FILES)

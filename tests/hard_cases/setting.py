@@ -4,6 +4,7 @@ float64 twin.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 
 import attrs
@@ -14,6 +15,7 @@ from worlds import World
 from hmdwarp.client import parse_warp
 from hmdwarp.geometry import Fov, Pose, View, WarpMap
 
+Size = tuple[int, int]
 SQUARE = Fov.from_tangents([-1, 1, -1, 1])
 SIZE = (33, 27)
 HALF = 2.0**-10  # of a stored half float, which llvmpipe truncates
@@ -62,6 +64,27 @@ class Picture:
         return self.colour[..., 3] > 0
 
 
+@functools.cache  # each warp has the same cases
+def landed(depths: bytes, size: Size, h: bytes, e: bytes, shown_size: Size, per_pixel: int = 8) -> np.ndarray:
+    """The nearest of what lands in each shown pixel, -1 where nothing does.
+
+    Each rendered pixel is a small square of points. depths, h, e: arrays of float64 as bytes.
+    """
+    out, inverse_depth = np.full(shown_size[::-1], -1.0), np.frombuffer(depths).reshape(size[::-1])
+    forward = WarpMap(np.frombuffer(h).reshape(3, 3), np.frombuffer(e))
+    usable = np.isfinite(inverse_depth) & (inverse_depth >= 0)
+    y, x = np.nonzero(usable)
+    for within in np.ndindex(per_pixel, per_pixel):
+        places = np.stack([x, y], axis=-1) + (np.array(within) + 0.5) / per_pixel
+        pixels, depth, w = forward.apply(places, inverse_depth[usable])
+        lands = (w > 0) & np.isfinite(depth) & ((pixels >= 0) & (pixels < shown_size)).all(axis=-1)
+        at = np.floor(pixels[lands]).astype(int)
+        np.maximum.at(out, (at[:, 1], at[:, 0]), depth[lands])
+    out = np.minimum(out, np.finfo(np.float32).max).astype(np.float32).astype(np.float64)
+    out.flags.writeable = False
+    return out
+
+
 class Setting(World):
     """colour: (h, w, 3) linear; inverse_depth: (h, w), whatever the case calls for.
 
@@ -91,7 +114,12 @@ class Setting(World):
         self.colour = rgba.astype(np.float16).astype(np.float64)
         with np.errstate(over="ignore"):
             self.inverse_depth = inverse_depth.astype(np.float32).astype(np.float64)
-        self.client = self._landed() if client is None else client.astype(np.float32).astype(np.float64)
+        there = WarpMap.between(self.rendered_view, self.size, self.shown_view, self.shown_size)
+        self.client = (
+            landed(self.inverse_depth.tobytes(), self.size, there.H.tobytes(), there.e.tobytes(), self.shown_size)
+            if client is None
+            else client.astype(np.float32).astype(np.float64)
+        )
         self.upload(gpu)
         self.sampler_pixels = 4 * 2.0**-24 * max(self.size) if gpu.is_software else GPU_SAMPLER_PIXELS
         self.gpu = gpu
@@ -101,23 +129,6 @@ class Setting(World):
         covered = self.colour[..., 3:]
         noise = self.rng.uniform(0.1, 1, (*self.inverse_depth.shape, 3))
         self.colour = np.concatenate([noise * covered, covered], axis=2).astype(np.float16).astype(np.float64)
-
-    def _landed(self, per_pixel: int = 8) -> np.ndarray:
-        """The nearest of what lands in each shown pixel, -1 where nothing does.
-
-        Each rendered pixel is a small square of points.
-        """
-        out = np.full(self.shown_size[::-1], -1.0)
-        usable = np.isfinite(self.inverse_depth) & (self.inverse_depth >= 0)
-        y, x = np.nonzero(usable)
-        forward = WarpMap.between(self.rendered_view, self.size, self.shown_view, self.shown_size)
-        for within in np.ndindex(per_pixel, per_pixel):
-            places = np.stack([x, y], axis=-1) + (np.array(within) + 0.5) / per_pixel
-            pixels, depth, w = forward.apply(places, self.inverse_depth[usable])
-            lands = (w > 0) & np.isfinite(depth) & ((pixels >= 0) & (pixels < self.shown_size)).all(axis=-1)
-            at = np.floor(pixels[lands]).astype(int)
-            np.maximum.at(out, (at[:, 1], at[:, 0]), depth[lands])
-        return np.minimum(out, np.finfo(np.float32).max).astype(np.float32).astype(np.float64)
 
     def pictures(self, name: str) -> Iterator[Picture]:
         """The shader's picture and the twin's, after the checks that hold in every case."""

@@ -10,18 +10,22 @@ the runtime.
 from __future__ import annotations
 
 import os
+from collections.abc import Generator
 from pathlib import Path
 
 import needs
 import pytest
 
-from .handover import PIPE, Inner, Reporter
+from .handover import PIPES, Inner, Reporter
 from .root import Lacking, ready_root
 
-INSIDE = PIPE in os.environ
+INSIDE = PIPES in os.environ
 HERE = Path(__file__).parent
-_inner = pytest.StashKey[dict[str, Inner]]()
+_inner = pytest.StashKey[dict[tuple[str, ...], Inner]]()
 _root = pytest.StashKey[Path | Lacking]()
+_following = pytest.StashKey[str | None]()
+# Files whose tests open windows in their own process, where GLX follows EGL badly: see test_window.
+_windows = pytest.StashKey[set[Path]]()
 
 if INSIDE:
     from .fixtures import *  # noqa: F403
@@ -29,27 +33,50 @@ if INSIDE:
 
 def pytest_configure(config: pytest.Config) -> None:
     if INSIDE:
-        config.pluginmanager.register(Reporter(int(os.environ[PIPE])), "hmdwarp-reporter")
+        config.pluginmanager.register(Reporter(*map(int, os.environ[PIPES].split(","))), "hmdwarp-reporter")
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
-    for inner in config.stash.get(_inner, {}).values():
-        inner.close()
+    _close(config)
 
 
 @pytest.hookimpl(trylast=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Their fixtures are needed inside only."""
+    windows = config.stash.setdefault(_windows, set())
     for item in items:
-        if not INSIDE and isinstance(item, pytest.Function) and HERE in item.path.parents:
+        if not INSIDE and _is_of_monado(item):
+            if "screen" in item.fixturenames:
+                windows.add(item.path)
             item.fixturenames = []
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> Generator[None, bool, bool]:
+    """Note which test comes next, and end the pytests inside with the last test here."""
+    item.stash[_following] = nextitem and nextitem.nodeid
+    try:
+        return (yield)
+    finally:
+        if nextitem is None or not _is_of_monado(nextitem):
+            _close(item.config)
+
+
+def _is_of_monado(item: pytest.Item) -> bool:
+    return isinstance(item, pytest.Function) and HERE in item.path.parents
+
+
+def _close(config: pytest.Config) -> None:
+    for inner in config.stash.get(_inner, {}).values():
+        inner.close()
+    config.stash[_inner] = {}
 
 
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     """Outside, instead of the test."""
     if INSIDE:
         return None
-    outcome = _inner_of(pyfuncitem).outcome_of(pyfuncitem.nodeid)
+    outcome = _inner_of(pyfuncitem).outcome_of(pyfuncitem.nodeid, pyfuncitem.stash[_following])
     if outcome.outcome == "skipped":
         pytest.skip(outcome.text)
     if outcome.outcome == "failed":
@@ -58,17 +85,16 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
 
 def _inner_of(item: pytest.Function) -> Inner:
-    """The pytest inside that runs the tests of this one's file.
-
-    Those of them that were asked for here.
-    """
-    started = item.config.stash.setdefault(_inner, {})
-    name = item.nodeid.partition("::")[0]
-    if name not in started:
-        root = _root_for(item.config)
-        asked = [other.nodeid for other in item.session.items if other.nodeid.startswith(f"{name}::")]
-        started[name] = Inner(root, asked)
-    return started[name]
+    """The pytest inside for this one's file; files without windows share one."""
+    started, windows = item.config.stash.setdefault(_inner, {}), item.config.stash[_windows]
+    here = {other.path for other in item.session.items if _is_of_monado(other)}
+    paths = {item.path} if item.path in windows else here - windows
+    files = tuple(sorted(path.relative_to(item.config.rootpath).as_posix() for path in paths))
+    if files in started and started[files].has_ended:
+        started.pop(files).close()
+    if files not in started:
+        started[files] = Inner(_root_for(item.config), [*files])
+    return started[files]
 
 
 def _root_for(config: pytest.Config) -> Path:

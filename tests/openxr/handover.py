@@ -2,8 +2,8 @@
 
 What becomes of them there becomes of them here.
 
-Outside, `Inner` starts the second pytest for the tests of one file and hands out what it reports.
-Inside, `Reporter` tells it, line by line, through a pipe.
+Outside, `Inner` starts the second pytest, asks it for one test after the other and hands out what
+it reports. Inside, `Reporter` runs what is asked for and tells it, line by line, through pipes.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import pytest
 
 from .root import entered
 
-PIPE = "HMDWARP_TEST_REPORTS"  # the number of the pipe's end to write to; only set inside
+PIPES = "HMDWARP_TEST_PIPES"  # the numbers of their ends to read from and to write to; only set inside
 SILENCE_S = 180.0  # longer than any test here may take
 
 
@@ -34,44 +34,39 @@ class Outcome:
 
 
 class Inner:
-    """A pytest in `root` that runs the tests named.
+    """A pytest in `root` that runs tests of some files, each when it is asked to.
 
     Errors: none; a test it does not tell of counts as failed, with what it said.
     """
 
-    def __init__(self, root: Path, names: list[str]) -> None:
+    def __init__(self, root: Path, files: list[str]) -> None:
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 (closed with the process)
-        self._told, tells = os.pipe()
-        self._bytes, self._outcomes, self._names = b"", {}, set(names)
-        command = [f"{PIPE}={tells}", "python3", "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", *names]
+        (self._told, tells), (asked, self._asks) = os.pipe(), os.pipe()
+        self._bytes = b""
+        command = [f"{PIPES}={asked},{tells}", "python3", "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist"]
         try:
             self._process = subprocess.Popen(
-                entered(root, command),
-                pass_fds=[tells],
+                entered(root, [*command, *files]),
+                pass_fds=[asked, tells],
                 stdin=subprocess.DEVNULL,
                 stdout=self._said,
                 stderr=subprocess.STDOUT,
             )
         finally:
+            os.close(asked)
             os.close(tells)
 
-    def outcome_of(self, name: str) -> Outcome:
-        """Wait for it."""
-        while name not in self._outcomes:
-            line = self._line()
-            if line is None:
-                return Outcome("failed", self._silent())
-            told = json.loads(line)
-            self._outcomes[told["name"]] = Outcome(told["outcome"], told["text"])
-        if self._names <= self._outcomes.keys():
-            self._reap()
-        return self._outcomes[name]
+    @property
+    def has_ended(self) -> bool:
+        """Whether it ended by itself, as a run that hangs ends its process."""
+        return self._process.poll() is not None
 
-    def _reap(self) -> None:
-        """It has told all there was to tell: no process stays behind for tests that count them."""
-        with suppress(subprocess.TimeoutExpired):
-            self._process.wait(SILENCE_S)
-        self.close()
+    def outcome_of(self, name: str, following: str | None) -> Outcome:
+        """Have a test run; following: the next one here, with which it shares fixtures."""
+        with suppress(BrokenPipeError):  # it has ended: no line comes
+            os.write(self._asks, f"{json.dumps([name, following])}\n".encode())
+        line = self._line()
+        return Outcome("failed", self._silent()) if line is None else Outcome(**json.loads(line))
 
     def _silent(self) -> str:
         """Why nothing more is told."""
@@ -98,21 +93,39 @@ class Inner:
         return self._said.read().decode(errors="replace")[-8000:]
 
     def close(self) -> None:
-        """End it. May be called twice."""
-        if not self._said.closed:
-            self._process.kill()
-            self._process.wait()
-            os.close(self._told)
-            self._said.close()
+        """Let it end: no process stays behind for tests that count them."""
+        os.close(self._asks)
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(SILENCE_S)
+        self._process.kill()
+        self._process.wait()
+        os.close(self._told)
+        self._said.close()
 
 
 class Reporter:
-    """A plugin of the pytest inside."""
+    """A plugin of the pytest inside.
 
-    def __init__(self, pipe: int) -> None:
-        os.set_inheritable(pipe, False)  # what a test starts must not keep it open
-        self._pipe = pipe
+    asked, tells: pipes for the names of tests and for what became of them.
+    """
+
+    def __init__(self, asked: int, tells: int) -> None:
+        for pipe in (asked, tells):  # what a test starts must not keep them open
+            os.set_inheritable(pipe, False)
+        self._asked, self._tells = asked, tells
         self._worst: dict[str, Outcome] = {}
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool | None:
+        """Run tests in the order in which they are asked for."""
+        if session.testsfailed:
+            return None  # a file could not be read, which pytest's own loop says
+        items = {item.nodeid: item for item in session.items}
+        with os.fdopen(self._asked, encoding="utf-8") as asked:
+            for line in asked:
+                name, following = json.loads(line)
+                item = items[name]
+                item.config.hook.pytest_runtest_protocol(item=item, nextitem=items.get(following))
+        return True
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Of the three steps of a test the first that did not pass counts.
@@ -124,8 +137,7 @@ class Reporter:
             self._worst[report.nodeid] = Outcome(report.outcome, _why(report))
         if report.when == "teardown":
             outcome = self._worst.pop(report.nodeid)
-            line = json.dumps({"name": report.nodeid, "outcome": outcome.outcome, "text": outcome.text})
-            os.write(self._pipe, f"{line}\n".encode())
+            os.write(self._tells, f"{json.dumps(attrs.asdict(outcome))}\n".encode())
 
 
 def _why(report: pytest.TestReport) -> str:

@@ -27,7 +27,6 @@ def panel(place: str) -> Panel:
     return Panel(IMAGE, HEAD @ BEFORE_HEAD, (0.8, 0.8))
 
 
-@pytest.mark.slow(30)
 @pytest.mark.parametrize("place", ["head", "world"])
 def test_a_panel_is_composed_by_the_runtime(runtime, screen: Screen, monkeypatch, place):
     runtime(REMOTE, ON_SCREEN).start()
@@ -58,7 +57,6 @@ def test_a_panel_is_composed_by_the_runtime(runtime, screen: Screen, monkeypatch
         assert np.abs(found.astype(int) - CHART).max() <= 1
 
 
-@pytest.mark.slow(30)
 def test_what_is_nearer_hides_a_panel_that_the_client_draws_then(runtime, monkeypatch):
     """Of two panels one asks to be hidden: the runtime gets the other."""
     runtime(REMOTE, UNSEEN).start()

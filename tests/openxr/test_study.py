@@ -19,7 +19,7 @@ from hmdwarp.study.store import Contents, Store
 
 from .monado import UNSEEN, WOBBLING
 
-pytestmark = [pytest.mark.usefixtures("no_screen"), pytest.mark.slow(40)]
+pytestmark = pytest.mark.usefixtures("no_screen")
 LONG_S = 60.0
 
 

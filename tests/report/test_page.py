@@ -199,18 +199,10 @@ def test_the_same_run_gives_the_same_page():
 
 CHROMIUM = needs.program("chromium")
 FLAGS = [
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-    "--enable-logging=stderr",
-    "--virtual-time-budget=5000",
-]
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--hide-scrollbars", "--enable-logging=stderr", "--virtual-time-budget=5000",
+]  # fmt: skip
 # Chromium's own remarks on the machine (no D-Bus, no GPU) are no messages of the page.
 PAGE_MESSAGE = re.compile(r":CONSOLE[:(]\d+")
 

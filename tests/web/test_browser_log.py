@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import csv
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import needs
 import numpy as np
 import pytest
+from commands import hmdwarp
 from PIL import Image
 from serving import Serving
 
@@ -99,6 +98,11 @@ def test_a_bench_is_kept_beside_the_sessions(logs, tmp_path):
     assert data["copy_gb_s"] == pytest.approx(12 * 120 * 130 / 1e-3 * 1e-9)
 
 
+def later(**changed) -> bytes:
+    """Return a message of the refreshes after the first 50, the last of which is changed."""
+    return rows(**changed)[50:].tobytes()
+
+
 WRONG = {
     "no JSON": "{",
     "deep JSON": "[" * MOST_TEXT,
@@ -134,21 +138,22 @@ WRONG = {
     "a bench's error that is huge": bench(rows=[ROW | {"square": [1e300]}]),
     "a bench's picture too small": bench(rows=[ROW | {"means": [[7] * 191]}]),
     "a bench's picture that is none": bench(rows=[ROW | {"means": 7}]),
-    "half a row": rows().tobytes()[:-3],
+    "half a row": later()[:-3],
     "no row": b"",
-    "NaN": rows(shown_x_m=np.nan).tobytes(),
-    "far": rows(shown_x_m=1e300).tobytes(),
-    "no unit quaternion": rows(drawn_qw=2).tobytes(),
-    "another chain": rows(chain=3).tobytes(),
-    "half a chain": rows(chain=0.5).tobytes(),
-    "the future": rows(asked_ms=1e8).tobytes(),
-    "back in time": rows(shown_ms=1).tobytes(),
-    "negative": rows(warp_ms=-1).tobytes(),
+    "NaN": later(shown_x_m=np.nan),
+    "far": later(shown_x_m=1e300),
+    "no unit quaternion": later(drawn_qw=2),
+    "another chain": later(chain=3),
+    "half a chain": later(chain=0.5),
+    "the future": later(asked_ms=1e8),
+    "back in time": later(shown_ms=1),
+    "negative": later(warp_ms=-1),
 }
 
 
 @pytest.mark.parametrize("wrong", WRONG)
-def test_what_no_page_says_is_refused_and_what_came_before_stays(logs, tmp_path, wrong):
+def test_what_no_page_says_is_refused_and_what_came_before_stays(logs, tmp_path, monkeypatch, wrong):
+    monkeypatch.setattr("hmdwarp.run.browser_log.render_live_report", lambda *_, **__: "no page")
     log = logs.begin()
     log.take(json.dumps(DISPLAY))
     log.take(rows()[:50].tobytes())
@@ -211,12 +216,12 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
     rate, server_rate = len(session) / seconds, frames / seconds
     width, height = summary["size"]
     command = [
-        *(sys.executable, "-m", "hmdwarp", "replay", f"{folder}/trace.csv", "--scene", "room", "--against", ""),
+        *("replay", f"{folder}/trace.csv", "--scene", "room", "--against", "", "--samples", "1"),
         *("--delay-trace", f"{folder}/delays.csv", "--rate", str(rate), "--server-rate", str(server_rate)),
         *("--size", f"{width}x{height}", "--metrics-every", "1000", "--workers", "0", "--images", "0", "--quiet"),
         *("--headset", f"{folder}/headset.toml", "--fill", "none", "--out", str(tmp_path / "replay")),
     ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = hmdwarp(*command, page=False)
     assert done.returncode == 0, done.stderr
     assert abs(load_headset(f"{folder}/headset.toml").ipd_m - (0.068 if eyes == 2 else 0)) < 1e-6
     replayed = _refreshes(tmp_path / "replay")
@@ -265,14 +270,14 @@ def test_a_replay_shows_what_the_page_showed(tmp_path):
     size, rate = tuple(looked[0]["views"][0]["size"]), str(1e3 / REFRESH_MS)
     ahead = LATENCY_MS + 500 / 120  # as the page predicts
     command = [
-        *(sys.executable, "-m", "hmdwarp", "replay", f"{folder}/trace.csv", "--scene", "room", "--samples", "1"),
+        *("replay", f"{folder}/trace.csv", "--scene", "room", "--samples", "1"),
         *("--delay-trace", f"{folder}/delays.csv", "--headset", f"{folder}/headset.toml", "--guard", "1.25"),
         *("--rate", rate, "--server-rate", rate, "--size", f"{size[0]}x{size[1]}", "--predict", "cautious"),
         *("--horizon", str(ahead), "--warp", f"iterative:seed=rotation,steps={STEPS}", "--fill", "none"),
         *("--against", "", "--metrics-every", "16", "--images", "1000", "--workers", "0", "--quiet"),
         *("--out", str(tmp_path / "replay")),
     ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = hmdwarp(*command, page=False)
     assert done.returncode == 0, done.stderr
     shown = {tuple(look["views"][0]["pose"]["position"]): pictures_of(look)[0] for look in looked}
     rows = {round(1e3 * float(row["time_s"])): row for row in _refreshes(folder)}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import sys
 import termios
@@ -38,12 +37,15 @@ class Terminal:
     def __exit__(self, *_: object) -> None:
         self.program.close(force=True)
 
-    def take(self, seconds: float = 0.05) -> None:
-        """What the program has written."""
-        with contextlib.suppress(pexpect.TIMEOUT, pexpect.EOF):
+    def take(self, seconds: float = 0.05) -> bool:
+        """Read what the program has written; return whether that was anything."""
+        try:
             data = self.program.read_nonblocking(1 << 16, timeout=seconds)
-            self.raw += data
-            self.stream.feed(data)
+        except (pexpect.TIMEOUT, pexpect.EOF):
+            return False
+        self.raw += data
+        self.stream.feed(data)
+        return True
 
     def lines(self) -> list[str]:
         self.take()
@@ -52,15 +54,17 @@ class Terminal:
     def text(self) -> str:
         return "\n".join(self.lines())
 
-    def until(self, what: str, there: bool = True) -> str:
-        """Wait for a text on the screen, or for it to go."""
-        deadline = time.monotonic() + PATIENCE_S
-        while (what in self.text()) != there:
-            assert time.monotonic() < deadline, f"{what!r} {'did not come' if there else 'did not go'}:\n{self.text()}"
-            if not self.program.isalive():
-                self.take()
-                assert (what in self.text()) == there, f"the program ended without {what!r}:\n{self.text()}"
-        return self.text()
+    def until(self, *what: str, there: bool = True) -> str:
+        """Wait for texts that are on the screen together, or for all of them to go."""
+        deadline, has_ended = time.monotonic() + PATIENCE_S, False
+        while off := [each for each in what if (each in (text := self.text())) != there]:
+            assert not has_ended and time.monotonic() < deadline, (
+                f"{off} {'did not come' if there else 'did not go'}, has ended: {has_ended}\n{text}"
+            )
+            has_ended = not self.program.isalive()
+            while has_ended and self.take():  # a terminal gives a few kilobytes at a time
+                pass
+        return text
 
     def until_holds(self, holds: Callable[[], bool]) -> None:
         """Wait for anything else."""
@@ -85,7 +89,8 @@ class Terminal:
         while self.program.isalive():
             self.take()
             assert time.monotonic() < deadline, f"it does not end:\n{self.text()}"
-        self.take()
+        while self.take():
+            pass
         return self.program.exitstatus
 
 

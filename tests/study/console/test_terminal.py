@@ -140,19 +140,17 @@ def test_the_essentials_are_shown_in_every_size(log):
         for size in SIZES:
             terminal.resize(*size)
             show(log, "showing")
-            for words in SHOWN:
-                terminal.until(words)
+            terminal.until(*SHOWN)
             terminal.until_holds(lambda: max(map(len, terminal.lines())) == size[0])  # noqa: B023
             show(log, "asking")
             terminal.until("How good was the picture?")
             terminal.keys("3.2")
-            for words in ASKED:
-                terminal.until(words)
+            terminal.until(*ASKED)
             terminal.keys("\x1b")
             terminal.until("answer >", there=False)
             terminal.keys("?")
-            for keys, words in HELP:
-                assert keys in terminal.until(words[: size[0] - 20])
+            text = terminal.until(*(words[: size[0] - 20] for _, words in HELP))
+            assert [keys for keys, _ in HELP if keys not in text] == []
             terminal.keys("\x1b")
             terminal.until("help, Esc", there=False)
 
@@ -167,8 +165,7 @@ def test_a_long_journal_shows_its_end(log):
 
 def test_a_window_too_small_keeps_what_matters(log):
     with played(log, "--states", "lost", size=(50, 10)) as terminal:
-        for words in ("SHOWING", "trial 3", "TRACKING LOST", "PILOT"):
-            terminal.until(words)
+        terminal.until("SHOWING", "trial 3", "TRACKING LOST", "PILOT")
         terminal.keys("s")
         terminal.until("End the session now?")
 
