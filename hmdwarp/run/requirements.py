@@ -199,7 +199,6 @@ class Baseline(Declared):
         None,
         "Folder of a stored replay, or its summary.json: end with status 4 where this one differs, times left out; "
         "see hmdwarp diff.",
-        kind=Path,
         study="a study has no such result",
         heading=_HEADING,
     )

@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError, unknown_name
+from ..options.declared import option_of
 from ._scene import Scene, SceneSource, scenes
 from .input_events import InputLog
 from .options import FILE_ENDINGS, SceneOptions
@@ -46,7 +47,7 @@ def _refuse_options(name: str, options: SceneOptions) -> None:
     """Raise InputError for options that only make sense with a file."""
     for field in attrs.fields(SceneOptions):
         if getattr(options, field.name) != field.default:
-            flag = field.metadata["options"][0].named(field.name).flag
+            flag = option_of(field).flag
             raise InputError(f"{flag} with scene '{name}': it is for scene files; leave it out")
 
 

@@ -33,7 +33,7 @@ class AnalyseOptions(Declared):
     store: Path | None = store_field()
     scale: str = option("", "Scale of a table that does not name it: grade, acr, ..")
     low_is_good: bool | None = option(
-        None, "Direction of a table's ratings, if it does not give it.", kind=bool, off="--high-is-good"
+        None, "Direction of a table's ratings, if it does not give it.", off="--high-is-good"
     )
     column: _Texts = option(
         None, "Column for a role: rating=mos, participant=who; may be repeated.", kind=list, metavar="ROLE=NAME"
@@ -44,7 +44,7 @@ class AnalyseOptions(Declared):
         kind=list,
         metavar="BASELINE:BETTER;..",
     )
-    claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.", kind=Path)
+    claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.")
     pilot: bool = pilot_field()
     simulated: bool = simulated_field()
     seed: int = option(0, "Random seed, where resamples are drawn: not for ratings in steps.", valid=Number())

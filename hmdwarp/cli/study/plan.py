@@ -138,9 +138,9 @@ class PowerOptions(Declared):
     study: str = study_field()
     out: Path = out_field(attrs.NOTHING, "Folder for the table, the plot and power.json.")
     force: bool = force_field()
-    effect: float | None = option(None, "Assumed true difference, in scale units; of pairs in JOD.", kind=float)
+    effect: float | None = option(None, "Assumed true difference, in scale units; of pairs in JOD.")
     sd: float | None = option(
-        None, "Standard deviation of one person's difference, in scale units; of pairs of taste, in JOD.", kind=float
+        None, "Standard deviation of one person's difference, in scale units; of pairs of taste, in JOD."
     )
     model: str | None = option(None, "Response model: a .toml file, or a shipped one's name.")
     scale: str | None = option(None, "Rating scale or preference of the study; by default each of them.")

@@ -59,7 +59,7 @@ class ExportCommand(Declared):
     remarks: bool = option(False, "Also remarks, which may name people.")
     all_revisions: bool = option(False, "Also every answer that was corrected later.")
     parquet: bool | None = option(
-        None, "Write ratings.parquet; by default where pyarrow is installed.", kind=bool, off="--no-parquet"
+        None, "Write ratings.parquet; by default where pyarrow is installed.", off="--no-parquet"
     )
 
 
@@ -103,7 +103,7 @@ class MergeStoresOptions(Declared):
         positional=True,
         metavar="STORE",
     )
-    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.", kind=Path)
+    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.")
 
 
 @takes(MergeStoresOptions, QUIET)
@@ -172,7 +172,7 @@ class RecoverOptions(Declared):
     """Which store to rescue, and where to."""
 
     study: str = study_field()
-    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.", kind=Path)
+    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.")
     data: DataOptions = group(DataOptions)
 
 

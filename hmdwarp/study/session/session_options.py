@@ -34,7 +34,6 @@ class SessionOptions(Declared):
     store: Path | None = option(
         None,
         "Folder for the data; by default STUDY-data beside the file, STUDY-pilot-data, STUDY-simulated-data.",
-        kind=Path,
         convert=attrs.converters.optional(Path),
     )
     console: str = option(
