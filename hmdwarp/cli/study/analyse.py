@@ -64,8 +64,11 @@ def analyse(said: Said) -> None:
     Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
     name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
-    from ...study.analysis import Resampling, SourceOptions, analysis_folder, claims_for, ratings_from, write_analysis
-    from ...study.analysis import analyse as run
+    from ...study.analysis.comparisons import Resampling
+    from ...study.analysis.full_analysis import analyse as run
+    from ...study.analysis.full_analysis import analysis_folder, write_analysis
+    from ...study.analysis.sources import claims_for, ratings_from
+    from ...study.analysis.table_ratings import SourceOptions
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
@@ -216,7 +219,8 @@ def predict(said: Said) -> None:
     people who took no part in it.
     """
     from ...errors import InputError
-    from ...study.analysis import SourceOptions, ratings_from
+    from ...study.analysis.sources import ratings_from
+    from ...study.analysis.table_ratings import SourceOptions
     from ...study.prediction import pooled, prediction_data
 
     options = PredictOptions.of(said)

@@ -13,7 +13,7 @@ from ...experiments.sweep.options import KeptOptions
 from ...options import Declared, Number, force_field, group, option, out_field
 from ...study import power as study
 from ...study import respondents, scales, store
-from ...study.session import SessionOptions
+from ...study.session.session_options import SessionOptions
 from .._options import QUIET, Said, as_json, takes
 from .._signals import Ended
 from ._options import study_field
@@ -106,7 +106,7 @@ def _run(options: SessionOptions, quiet: bool) -> None:
 
     The closing words are printed by then; the usual "nothing unfinished is left" would be wrong.
     """
-    from ...study.session import run_session
+    from ...study.session.program import run_session
 
     said: list[str] = []
     ends: list[store.Session] = []

@@ -67,8 +67,8 @@ class ExportCommand(Declared):
 def export(said: Said) -> None:
     """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
     from ...study.design import load_design
-    from ...study.export import ExportOptions
-    from ...study.export import export as run
+    from ...study.export.write import ExportOptions
+    from ...study.export.write import export as run
     from ...study.store import Store, folder_to_read
     from .._show import steps
 

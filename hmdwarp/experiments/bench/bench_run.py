@@ -26,7 +26,8 @@ from ...pipeline.planning import build_plan_for
 from ...pipeline.recorded_source import RecordingSource
 from ...pipeline.source import Source
 from ...report import SCHEMA, OutputFolder, summary_faults, write_paper
-from ...report.bench import bench_page, first_cases, render_bench_page
+from ...report.bench.page import bench_page, render_bench_page
+from ...report.bench.rows import first_cases
 from ...run.combinations import Case
 from ...run.options import refuse_one_name
 from ..sweep import (

@@ -8,7 +8,7 @@ from decimal import Decimal
 from typing import Any
 
 from ...display import Command
-from ..console import Question
+from ..console.line_console import Question
 from ..design import Ask
 from ..scales import CHOICE, Scale, number_text, range_text
 from .buttons import KEYS, InputHints

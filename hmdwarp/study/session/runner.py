@@ -12,7 +12,8 @@ import attrs
 from ...display import Closed
 from ...run import Driver, Ending, check_received
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
-from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
+from ..dialogs.buttons import InputHints
+from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from .session_context import PAUSE, SessionContext
 from .step_handlers import (

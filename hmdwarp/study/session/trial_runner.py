@@ -17,7 +17,7 @@ from ...run import Driver, Ending, LiveLog, LiveOptions, PipelineHost, Recorder
 from ...scenes import with_targets
 from ..actual import actual_of
 from ..design import Show
-from ..dialogs import hints_for
+from ..dialogs.buttons import hints_for
 from ..store import Showing
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler

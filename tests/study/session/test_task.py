@@ -12,12 +12,13 @@ from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import load_scene, with_targets
-from hmdwarp.study.analysis import analyse, from_contents
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.sources import from_contents
 from hmdwarp.study.design import design_as_json, load_design
-from hmdwarp.study.dialogs import MessagePanel
-from hmdwarp.study.export import long_rows
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
+from hmdwarp.study.export.export_rows import long_rows
 from hmdwarp.study.session.wording import TaskScore
-from hmdwarp.study.store import plan_signature
+from hmdwarp.study.store.signature import plan_signature
 
 from .sessions import Person, contents, run, study
 
