@@ -373,7 +373,9 @@ class PipelineOptions(Declared):
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
         values["fill"] = _fill_for(said.get("warp") or DEFAULT_WARP, said.get("fill"), fused=fused, wide=wide)
         if "lens" in said and said["lens"] is None:
-            values["lens"] = _own_lens(values.get("headset", attrs.fields(cls).headset.default))
+            headset = values.get("headset", attrs.fields(cls).headset.default)
+            lens = headsets.load_headset(headset).lens
+            values["lens"] = lens.model if lens is not None else "none"
         return values
 
     @property
@@ -571,8 +573,3 @@ def with_headset(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
     parts = ":render=parallel" if said.get("render_parallel") else ""
     parts += f":ipd={said['ipd']:g}" if said.get("ipd") is not None else ""
     return {**said, "headset": f"{said.get('headset') or headset}{parts}"} if parts else said
-
-
-def _own_lens(headset: str) -> str:
-    lens = headsets.load_headset(headset).lens
-    return lens.model if lens is not None else "none"

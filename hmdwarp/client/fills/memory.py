@@ -112,7 +112,9 @@ class Memory(Fill):
     def _learn(self, inputs: PassInputs) -> None:
         """Erase what a new rendered picture disproves, and keep that picture if it shows enough."""
         rendered = inputs.as_drawn  # moving things can still be distinguished in it
-        self._drop_old(rendered.drawn_ns)
+        # Drop pictures that are too old, or from a later time: those belong to another run.
+        limit = round(self.settings.age * 1e9)
+        self._kept = [keyframe for keyframe in self._kept if 0 <= rendered.drawn_ns - keyframe.drawn_ns <= limit]
         concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:
             self._turn += 1
@@ -122,11 +124,6 @@ class Memory(Fill):
             slot = self._free_slot(rendered.view)
             self._keeper.keep(rendered, self._slots[slot])
             self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
-
-    def _drop_old(self, now_ns: int) -> None:
-        """Drop pictures that are too old, or from a later time: those belong to another run."""
-        limit = round(self.settings.age * 1e9)
-        self._kept = [keyframe for keyframe in self._kept if 0 <= now_ns - keyframe.drawn_ns <= limit]
 
     def _free_slot(self, newest: View) -> int:
         if len(self._kept) == len(self._slots):

@@ -337,7 +337,11 @@ class OpenXrHead(Connected):
         self._session.on_world_change = self._tracker.world_changes
         self._instance, self.about = instance, {**instance.about, "graphics": "none", "space": spaces.name}
         self._calls.stage = "running"
-        self._until_running()
+        until = time.monotonic() + READY_S
+        while not self.poll():
+            if time.monotonic() > until:
+                raise MachineError(f"{self._calls.name} did not begin a session within {READY_S:g} s: wake the headset")
+            time.sleep(IDLE_S)
         self.rate_hz = self._reported_rate() or DEFAULT_HZ
 
     def _open_with_frames(self) -> None:
@@ -352,13 +356,6 @@ class OpenXrHead(Connected):
     def _graphics_for(self, instance: Instance) -> Graphics:
         self._graphics = self._graphics or open_graphics(instance)
         return self._graphics
-
-    def _until_running(self) -> None:
-        until = time.monotonic() + READY_S
-        while not self.poll():
-            if time.monotonic() > until:
-                raise MachineError(f"{self._calls.name} did not begin a session within {READY_S:g} s: wake the headset")
-            time.sleep(IDLE_S)
 
     def _reported_rate(self) -> float:
         if RATE_EXTENSION not in self._instance.extensions:

@@ -38,7 +38,7 @@ class FrameWxyz(TraceFormat):
         if not rows or not all(r[1].isdigit() for r in rows):
             return 0
         frames = [int(r[1]) for r in rows]
-        unit = sum(abs(math.hypot(*_quaternion(r)) - 1) < 0.05 for r in rows)
+        unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
         return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
@@ -63,10 +63,6 @@ class FrameWxyz(TraceFormat):
                 "say --quat-order xyzw if w comes last, or --quat-order wxyz if it is right as it is"
             )
         return loaded
-
-
-def _quaternion(row: list[str]) -> list[float]:
-    return [float(f.replace(",", ".")) for f in row[2:6]]
 
 
 def _hangs(track: PoseTrack) -> bool:

@@ -334,7 +334,9 @@ class SessionRunner:
             return
         try:
             while why := self._why_sick():
-                self._tell_sick(why)
+                self.context.record(STOP_RULE, Read(STOP_RULE, ""), why=why)
+                self.context.say(f"the stop rule: {why}")
+                self.why = why
                 panel = sick_panel(bool(self._after()), self.hints)
                 handler = ConfirmHandler(self.context, Read(STOP_RULE, ""), panel)
                 self._drive(handler)
@@ -350,11 +352,6 @@ class SessionRunner:
 
     def _why_sick(self) -> str:
         return why_sick(self.context.design.sickness, self.context.store.answers(self.context.session))
-
-    def _tell_sick(self, why: str) -> None:
-        self.context.record(STOP_RULE, Read(STOP_RULE, ""), why=why)
-        self.context.say(f"the stop rule: {why}")
-        self.why = why
 
     def _after(self) -> list[Step]:
         return [step for step in self._undone() if isinstance(step, Ask) and step.phase == "after"]

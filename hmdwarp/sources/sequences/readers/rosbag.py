@@ -151,7 +151,12 @@ def _topics(path: Path, bag: Bag, tree: Transforms, stated: str | None) -> _Topi
     )
     fitting = [name for name, kind in pictures.items() if kind in DEPTHS]
     depth = named.get("depth") or _one(path, "depth", _registered(bag, fitting, colour), pictures)
-    _refuse_other_frame(path, bag, colour, depth)
+    frames = _frame(bag, colour), _frame(bag, depth)
+    if frames[0] != frames[1]:
+        raise InputError(
+            f"{path}: {depth} is in frame '{frames[1]}', {colour} in '{frames[0]}'; expected depth that is registered "
+            "to the colour (aligned_depth_to_color, depth_registered)"
+        )
     infos = [name for name, kind in bag.topics.items() if kind == _INFO]
     beside = colour.removesuffix("/compressed").rpartition("/")[0] + "/camera_info"
     info = named.get("info") or (beside if beside in infos else infos[0] if len(infos) == 1 else "")
@@ -201,15 +206,6 @@ def _registered(bag: Bag, fitting: list[str], colour: str) -> list[str]:
     """Return the depths in the frame of the colour, if there are any."""
     same = [topic for topic in fitting if _frame(bag, topic) == _frame(bag, colour)]
     return same or fitting
-
-
-def _refuse_other_frame(path: Path, bag: Bag, colour: str, depth: str) -> None:
-    frames = _frame(bag, colour), _frame(bag, depth)
-    if frames[0] != frames[1]:
-        raise InputError(
-            f"{path}: {depth} is in frame '{frames[1]}', {colour} in '{frames[0]}'; expected depth that is registered "
-            "to the colour (aligned_depth_to_color, depth_registered)"
-        )
 
 
 def _camera(path: Path, bag: Bag, topics: _Topics) -> Camera | None:
