@@ -16,6 +16,7 @@ from . import TraceFormat, formats, ordered
 from .multiviewpoint import AXES
 
 
+@formats.register
 class FrameWxyz(TraceFormat):
     """Six bare columns: the second a non-decreasing frame number, the last four of length 1.
 
@@ -75,6 +76,3 @@ def _hangs(track: PoseTrack) -> bool:
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)
     return bool(np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5)
-
-
-formats.register(FrameWxyz())

@@ -6,6 +6,7 @@ from . import TraceFormat, formats
 from .mcap import Mcap
 
 
+@formats.register
 class RosBag(Mcap):
     """Recordings of ROS; those of ROS 2 in MCAP are of format mcap.
 
@@ -17,6 +18,3 @@ class RosBag(Mcap):
     file = "bag of ROS"
     writes = binary = False
     write = TraceFormat.write
-
-
-formats.register(RosBag())

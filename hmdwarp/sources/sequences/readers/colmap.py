@@ -35,6 +35,7 @@ _KINDS = {
 _KINDS |= {"OPENCV": "fx fy cx cy k1 k2 p1 p2", "FULL_OPENCV": "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"}
 
 
+@readers.register
 class ColmapReader(SequenceReader):
     """Models of COLMAP with depth; poses are camera from world and inverted, in the model's unit.
 
@@ -138,6 +139,3 @@ def _depth(path: Path) -> NDArray[Any]:
     if channels != b"1":
         raise InputError(f"{path}: {channels.decode('ascii', 'replace')} channels; expected 1, of depth")
     return values
-
-
-readers.register(ColmapReader())

@@ -26,6 +26,7 @@ _TIMES = ("time_ns", "time_s")
 _ENCODINGS = ("srgb", "linear")  # of float colour
 
 
+@readers.register
 class FolderReader(SequenceReader):
     """Frames in the axes of OpenXR, with instants in time_s or time_ns, or one after the other."""
 
@@ -117,6 +118,3 @@ def _checked(found: FrameFile, colour: Any, depth: Any) -> Pictures:
         light = linear_from_srgb(colour[..., :3])
         colour = np.concatenate([light, colour[..., 3:]], axis=2)
     return as_pictures(colour, depth)
-
-
-readers.register(FolderReader())

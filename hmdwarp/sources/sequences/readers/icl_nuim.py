@@ -32,6 +32,7 @@ _TRAJECTORY = "*.gt.freiburg"
 _UNIT = 1 / 5000
 
 
+@readers.register
 class IclNuimReader(SequenceReader):
     """ICL-NUIM sequences.
 
@@ -70,6 +71,3 @@ class IclNuimReader(SequenceReader):
         notes = [f"{missing} pictures were left out: they have no depth or no pose."] if missing else []
         more = [] if options.frames_rate_hz is None else [clock_of(options)]
         return sequence_of(self, path, pairs, facts, notes=notes, more=more)
-
-
-readers.register(IclNuimReader())

@@ -40,6 +40,7 @@ _REFUSED = ("is_fisheye", "fisheye", "ortho", "is_ortho", "latlong", "equirectan
 _SHARE_WITHIN = 1e-6
 
 
+@readers.register
 class NerfstudioReader(SequenceReader):
     """Data sets of nerfstudio and instant-ngp that have depth.
 
@@ -193,6 +194,3 @@ def _is_share(times: list[float]) -> bool:
         return False
     ends = max(times), max(times) + (max(times) - min(times)) / (len(times) - 1)
     return min(times) < _SHARE_WITHIN and any(abs(end - 1) < _SHARE_WITHIN for end in ends)
-
-
-readers.register(NerfstudioReader())

@@ -25,6 +25,7 @@ from ._dataset import clock_of
 POSES = ("pose.txt", "poses.txt")
 
 
+@readers.register
 class NumberedReader(SequenceReader):
     """Pictures by number, with poses from camera to world; x right, y down, z forward.
 
@@ -62,6 +63,3 @@ class NumberedReader(SequenceReader):
 
 def _poses(path: Path) -> Path:
     return next((path / name for name in POSES if (path / name).exists()), path / POSES[0])
-
-
-readers.register(NumberedReader())

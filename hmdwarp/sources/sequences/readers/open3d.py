@@ -34,6 +34,7 @@ _NAMES = ("camera_trajectory.json", "trajectory.json", "key.json")
 _HEAD = 4096  # bytes that are searched for the class
 
 
+@readers.register
 class Open3DReader(SequenceReader):
     """Trajectories of Open3D; extrinsics are from world to camera, matrices by columns.
 
@@ -110,6 +111,3 @@ def _camera(where: str, parameters: Any) -> Camera:
     if camera is None:
         raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")
     return camera
-
-
-readers.register(Open3DReader())

@@ -37,6 +37,7 @@ _UNIT = 1e-3  # of depth, by default in Open3D
 _COLOURS = ("color", "rgb", "image", "colour")
 
 
+@readers.register
 class RedwoodReader(SequenceReader):
     """Redwood and Open3D sequences, whose world is the first camera.
 
@@ -110,6 +111,3 @@ def _matrices(file: Path) -> list[tuple[int, str, list[list[float]]]]:
             raise head.wrong("the numbers of a frame")
         found.append((int(head.words[0]), head.where, [row.floats(4) for row in matrix]))
     return found
-
-
-readers.register(RedwoodReader())

@@ -31,6 +31,7 @@ _SCALE = 1 / 6553.5
 _WORLD = "x,z,y"  # z up
 
 
+@readers.register
 class ReplicaReader(SequenceReader):
     """Scenes of Replica in NICE-SLAM's form; matrices from camera to world, row by row.
 
@@ -84,6 +85,3 @@ def _stated(path: Path) -> tuple[Camera | None, float | None]:
     )
     cx, cy = (number_of(file, key, data.get(key)) for key in ("cx", "cy"))
     return Camera(fx, fy, cx, cy, size=(round(wide), round(high))), 1 / scale
-
-
-readers.register(ReplicaReader())

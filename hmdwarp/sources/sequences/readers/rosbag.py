@@ -49,6 +49,7 @@ _PARTS = ("colour", "depth", "info", "pose")
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as for TUM RGB-D
 
 
+@readers.register
 class RosBagReader(SequenceReader):
     """Bags of ROS 1 and ROS 2.
 
@@ -283,6 +284,3 @@ def _pictures(bag: Bag, topics: _Topics, colour: _Stamped, depth: Callable[[], A
 
 def _size(picture: Any) -> tuple[int, int]:
     return picture.shape[1], picture.shape[0]
-
-
-readers.register(RosBagReader())

@@ -38,6 +38,7 @@ _LIST = re.compile(r"^(\w+):[^\n]*\n(?:\s+(?:rows|cols|dt):[^\n]*\n)*\s+data:\s*
 _NUMBER = re.compile(r"^(image_width|image_height):\s*(\d+)\s*$", re.MULTILINE)
 
 
+@readers.register
 class RtabMapReader(SequenceReader):
     """Exports of `rtabmap-export --images --poses_camera` (or --poses), which name a map NAME.
 
@@ -143,6 +144,3 @@ def _calibration(file: Path) -> _Calibration:
     camera = Camera(matrix[0], matrix[4], matrix[2], matrix[5], (sizes["image_width"], sizes["image_height"]))
     local = np.vstack([np.reshape(lists.get("local_transform", np.eye(4)[:3].ravel()), (3, 4)), [0, 0, 0, 1]])
     return _Calibration(camera, local)
-
-
-readers.register(RtabMapReader())

@@ -22,6 +22,7 @@ _UNIT = 0.001
 _OFF_CENTRE = 0.15  # of a picture's side, which no camera of the set's reaches
 
 
+@readers.register
 class ScanNetReader(SequenceReader):
     """Scans of ScanNet; matrices from camera to world, those of -inf where tracking was lost.
 
@@ -94,6 +95,3 @@ def _camera(file: Path | None) -> Camera | None:
 def _centred(camera: Camera, size: Size) -> bool:
     sides = zip((camera.cx, camera.cy), size, strict=True)
     return all(abs((centre + 0.5) / side - 0.5) < _OFF_CENTRE for centre, side in sides)
-
-
-readers.register(ScanNetReader())

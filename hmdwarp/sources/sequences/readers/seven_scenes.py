@@ -26,6 +26,7 @@ _INFO, _MATRIX = ("info.txt", "_info.txt"), "camera-intrinsics.txt"
 _UNREGISTERED = "Colour and depth of 7-Scenes are of two cameras and not registered to each other."
 
 
+@readers.register
 class SevenScenesReader(SequenceReader):
     """Sequences of 7-Scenes; matrices from camera to world, depth in millimetres.
 
@@ -128,6 +129,3 @@ def _of_info(file: Path, text: str) -> _Stated:
 def _sequences_in(path: Path) -> list[str]:
     """Return the folders of a scene's sequences."""
     return sorted({pose.parent.name for pose in path.glob("seq-*/frame-*.pose.txt")})
-
-
-readers.register(SevenScenesReader())

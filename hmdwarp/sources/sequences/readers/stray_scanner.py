@@ -24,6 +24,7 @@ _CLOCK = Assumption(CLOCK, f"seconds in {ODOMETRY}", By.FILE, "--frames-rate")
 _HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
 
+@readers.register
 class StrayScannerReader(SequenceReader):
     """Recordings of Stray Scanner, whose depth has fewer pixels and the same field of view.
 
@@ -95,6 +96,3 @@ def _reading(video: VideoPictures, number: int, depth: Path, scale: float) -> Ca
         return as_pictures(colour, in_metres(fitted_depth(read_depth(depth), colour, depth), scale))
 
     return read
-
-
-readers.register(StrayScannerReader())

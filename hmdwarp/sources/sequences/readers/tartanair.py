@@ -39,6 +39,7 @@ SECOND = Camera(320.0, 320.0, 320.0, 320.0, size=(640, 640), centre=0.5)
 _CAMERAS = {"left": (FIRST, None), "right": (FIRST, None), "lcam_front": (SECOND, 10.0), "rcam_front": (SECOND, 10.0)}
 
 
+@readers.register
 class TartanAirReader(SequenceReader):
     """Trajectories of TartanAir and TartanAir V2, the left camera if it is there.
 
@@ -100,6 +101,3 @@ def _depth(path: Path) -> NDArray[Any]:
     if pixels.shape[2] != 4 or pixels.dtype != np.uint8:
         raise InputError(f"{path}: {pixels.shape[2]} channels; expected four bytes a pixel, of one float")
     return np.ascontiguousarray(pixels[..., [2, 1, 0, 3]]).view("<f4")[..., 0]
-
-
-readers.register(TartanAirReader())

@@ -39,6 +39,7 @@ _COVERED = 0.05  # of the trace, at least
 _AXES_OPTION = "--frames-axes"
 
 
+@readers.register
 class TracedReader(SequenceReader):
     """Pictures whose names are instants on the clock of a trace, or that have a pose each."""
 
@@ -167,6 +168,3 @@ def _camera(path: Path) -> Camera | None:
         numbers[at : at + names[len(numbers)]][:3] for at in range(0, 3 * names[len(numbers)], names[len(numbers)])
     ]
     return camera_of(file, {"intrinsic_matrix": nested})
-
-
-readers.register(TracedReader())

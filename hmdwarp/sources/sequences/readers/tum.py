@@ -38,6 +38,7 @@ _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as the data set's o
 _WORLD = "x,z,y"
 
 
+@readers.register
 class TumReader(SequenceReader):
     """TUM RGB-D sequences, and those of ETH3D SLAM, which state their camera.
 
@@ -125,6 +126,3 @@ def _associated(colours: list[tuple[int, str]], depths: list[tuple[int, str]]) -
         if abs(int(times[nearest]) - time_ns) <= _WITHIN_NS:
             found.append((time_ns, colour, depths[nearest][1]))
     return found
-
-
-readers.register(TumReader())
