@@ -28,6 +28,8 @@ class ExpandPass(RenderedPass):
     name = "expand"
     needs_compute = False
     reads = ("rendered.foveated", "rendered.foveated_depth")
+    # Written; what is read is a part of them.
+    moves = (8 + 4, 0)
 
     def prepare(self) -> None:
         self._programs, self._pictures = {}, {}
@@ -63,11 +65,6 @@ class ExpandPass(RenderedPass):
         program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
         program.run(*into.size)
         return into
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that are written; what is read is a part of them."""
-        return rendered_pixels * (8 + 4)
 
     def close(self) -> None:
         release_all(*(texture for several in self._pictures.values() for texture in several))
