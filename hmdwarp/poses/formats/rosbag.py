@@ -1,7 +1,5 @@
 """Bags of ROS 1 (.bag) and of ROS 2 in SQLite (.db3): poses, transforms, odometry."""
 
-from __future__ import annotations
-
 from . import TraceFormat, formats
 from .mcap import Mcap
 
