@@ -24,7 +24,6 @@ from ._base import (
     poses_of,
     rows_of,
     scale_fact,
-    sequence_of,
 )
 from ._dataset import clock_of
 
@@ -81,7 +80,7 @@ class RedwoodReader(SequenceReader):
             Pair(*files[number], at_rate(options, number), pose) for number, pose in zip(numbers, turned, strict=True)
         ]
         notes = unread_notes(named, stated, _READ) if named is not None else []
-        return sequence_of(self, path, pairs, facts, notes=notes, more=[way, clock_of(options)])
+        return self.sequence_of(path, pairs, facts, notes=notes, more=[way, clock_of(options)])
 
 
 def _scale(where: Path | None, stated: Mapping[str, Any]) -> float | None:

@@ -31,7 +31,7 @@ from ..recorded import (
 )
 from ..ros_pictures import COLOURS, DEPTHS, Matrix, Motion, Transforms, encoding_of, pixels_of
 from . import readers
-from ._base import SequenceReader, at_rate, facts_of, made, pose_of_matrix
+from ._base import SequenceReader, at_rate, facts_of, pose_of_matrix
 from ._dataset import axes_of, clock_of, left_out, refuse_y_up
 
 # The world is x forward, y left, z up; the frame of a picture is optical, x right, y down.
@@ -107,7 +107,7 @@ class RosBagReader(SequenceReader):
         more += [] if options.frames_rate_hz is None else [clock_of(options, By.USER)]
         notes = left_out(len(colours) - len(frames), "no depth within 20 ms, or no pose at their instants")
         notes += [f"{part}: the others are not read."] if (part := part_of(bag.path)) else []
-        return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
+        return self.made(path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
 
 
 @attrs.frozen

@@ -14,7 +14,7 @@ from ..options import SequenceOptions
 from ..picture_files import size_of
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
+from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact
 from ._dataset import axes_of, by_number, clock_of, depth_fit, left_out, matrix_in, poses_in_files, refuse_moved
 
 _WORLD = "x,z,y"  # z up
@@ -73,7 +73,7 @@ class ScanNetReader(SequenceReader):
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
         more = (axes_of(axes), way, clock_of(options, By.FORMAT))
         fit = depth_fit(size, depth_size, facts.camera, cameras["depth"])
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more, fit=fit)
 
 
 def _file(path: Path, name: str) -> Path | None:

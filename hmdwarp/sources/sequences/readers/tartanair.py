@@ -27,7 +27,6 @@ from ._base import (
     pose_of_numbers,
     rows_of,
     scale_fact,
-    sequence_of,
 )
 from ._dataset import axes_of, by_number, clock_of, refuse_y_up
 
@@ -77,7 +76,7 @@ class TartanAirReader(SequenceReader):
         poses = {at: pose_of_numbers(axes, rows[at].where, rows[at].floats(7)) for at in whole}
         clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options)
         pairs = [Pair(colours[at], depths[at], at_rate(options, at, rate_hz), poses[at]) for at in whole]
-        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
+        return self.sequence_of(path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
 
 
 def _side(path: Path) -> str | None:

@@ -18,7 +18,7 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import read_depth
 from ..recorded import AXES, CLOCK, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of, sequence_of
+from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of
 from ._dataset import clock_of, left_out
 
 _COLOURS = ("color", "colour", "rgb", "images", "image")
@@ -82,7 +82,7 @@ class TracedReader(SequenceReader):
         by = By.FILE if "named" in clock else By.NOBODY
         more = [axes, clock_of(options, by) if stated else Assumption(CLOCK, clock, by)]
         more += [] if direction is None else [attrs.evolve(direction, what=POSE)]
-        return sequence_of(self, path, pairs, facts, track=None if stated else track, notes=notes, more=more)
+        return self.sequence_of(path, pairs, facts, track=None if stated else track, notes=notes, more=more)
 
 
 def _traces(path: Path) -> list[Path]:
