@@ -42,12 +42,19 @@ class Registry(Generic[T]):
     """
 
     def __init__(
-        self, kind: str, package: str, group: str = "", of_table: Callable[[str, dict[str, Any]], T] | None = None
+        self,
+        kind: str,
+        package: str,
+        group: str = "",
+        of_table: Callable[[str, dict[str, Any]], T] | None = None,
+        *,
+        holds_objects: bool = False,
     ) -> None:
         self.kind = kind  # singular, for messages: "warp"
         self.package = package  # dotted name of the package that holds the entries
         self.group = f"hmdwarp.{group or package.rpartition('.')[2]}"  # of the entry points
         self._of_table = of_table  # makes an entry of its name and its table; None: there are no tables
+        self._holds_objects = holds_objects  # whether an entry is an object: a class that registers is made
         self._entries: dict[str, T] = {}
 
     def register(self, entry: E) -> E:
@@ -55,7 +62,7 @@ class Registry(Generic[T]):
         name: str = entry.name  # type: ignore[attr-defined]
         if name in self._entries:
             raise ValueError(f"{self.kind} '{name}' is registered twice")
-        self._entries[name] = entry  # type: ignore[assignment]
+        self._entries[name] = entry() if self._holds_objects and isinstance(entry, type) else entry  # type: ignore[assignment]
         return entry
 
     def names(self) -> list[str]:

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.experiments.thesis import Experiment
+from hmdwarp.experiments.thesis.experiment import Experiment
 from hmdwarp.options import Declared, Number, option
 from hmdwarp.study.scales import load_scale
 

@@ -40,9 +40,10 @@ from hmdwarp.sources import sequences
 from hmdwarp.sources.feed.key_pairs import public_key
 from hmdwarp.sources.feed.options import secret_in
 from hmdwarp.sources.sequences import read_frame, read_view
-from hmdwarp.study.analysis import load_claims
+from hmdwarp.study.analysis.comparisons import load_claims
 from hmdwarp.study.analysis.table_ratings import lines_of
-from hmdwarp.study.design import load_design, resolve_paths
+from hmdwarp.study.design import load_design
+from hmdwarp.study.design.definitions import resolve_paths
 from hmdwarp.study.respondents import load_model
 from hmdwarp.study.scales import load_scale
 

@@ -17,8 +17,8 @@ from ._options import JSON, Said, as_json, command_line, takes
 class DiffOptions(Declared):
     """Two replays, and how near they have to be."""
 
-    first: Path = option(attrs.NOTHING, "Folder of a replay, or its summary.json alone.", kind=Path, positional=True)
-    second: Path = option(attrs.NOTHING, "Folder of another, or its summary.json.", kind=Path, positional=True)
+    first: Path = option(attrs.NOTHING, "Folder of a replay, or its summary.json alone.", positional=True)
+    second: Path = option(attrs.NOTHING, "Folder of another, or its summary.json.", positional=True)
     tolerance: Tolerance = tolerance_field()
     out: Path | None = out_field(None, "Folder for diff.html and diff.json.")
     force: bool = force_field()

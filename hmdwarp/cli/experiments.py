@@ -7,7 +7,7 @@ import typer
 from ..experiments import sweep
 from ..experiments.bench import BenchOptions, MergeOptions
 from ..experiments.bench.options import CompareOptions
-from ..experiments.thesis import ThesisOptions
+from ..experiments.thesis.experiment import ThesisOptions
 from ..run.requirements import Requirements
 from ._options import QUIET, Said, command_line, takes
 
@@ -43,7 +43,7 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
     from ..experiments.bench.bench_rows import answer
     from ..experiments.sweep import MOST_SHOWN
     from ..report import axes_of_traces
-    from ..report.bench import bench_table, first_cases
+    from ..report.bench.rows import bench_table, first_cases
     from ._show import console, paragraph
 
     screen, rows = console(), result.data["rows"]
@@ -94,8 +94,8 @@ def thesis(said: Said) -> None:
 
     Each run is kept in the folder as soon as it is done: --resume goes on there.
     """
-    from ..experiments.thesis import run_thesis
-    from ..study.analysis import published_ratings
+    from ..experiments.thesis.thesis_run import run_thesis
+    from ..study.analysis.full_analysis import published_ratings
     from ._show import run_experiment
 
     options = ThesisOptions.of(said, command=command_line())

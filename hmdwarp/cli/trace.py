@@ -107,17 +107,15 @@ class SynthOptions(Declared):
     kind: str = option(attrs.NOTHING, f"{MOTIONS}.", positional=True, metavar="KIND")
     out: Path = out_field(attrs.NOTHING, "The file to write.")
     force: bool = force_field()
-    seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.", kind=int)
-    seconds: float | None = option(None, "Length; by default the recording's.", kind=float)
+    seed: int | None = option(None, "The same seed gives the same bytes; by default the recording's.")
+    seconds: float | None = option(None, "Length; by default the recording's.")
     speed: float | None = option(
-        None,
-        "Speed of forward, backward and sideways (m/s, by default 0.5), and of rotate (degrees per second, 60).",
-        kind=float,
+        None, "Speed of forward, backward and sideways (m/s, by default 0.5), and of rotate (degrees per second, 60)."
     )
     amplitude: float | None = option(
-        None, "How far these go before they come back (m, by default 0.8), and rotate (degrees, 180).", kind=float
+        None, "How far these go before they come back (m, by default 0.8), and rotate (degrees, 180)."
     )
-    rate_hz: float = option(90.0, "Samples per second.", unit="Hz")
+    rate_hz: float = option(90.0, "Samples per second.")
     gaze: bool = option(False, "With where the eyes look: fixations, pursuits, and leaps between them.")
 
 

@@ -42,11 +42,10 @@ class WarpOptions(Declared):
         attrs.NOTHING,
         "FRAME.npz: colour, depth_m, fov, position_m, orientation_xyzw; depth_scale for integer depth, "
         "encoding for float colour. Or the colour alone: a PNG, a JPEG, or an EXR file, which may have its own Z.",
-        kind=Path,
         positional=True,
         names_files=True,
     )
-    to: Path = option(attrs.NOTHING, "POSE.json: fov or intrinsics, position_m, orientation_xyzw.", kind=Path)
+    to: Path = option(attrs.NOTHING, "POSE.json: fov or intrinsics, position_m, orientation_xyzw.")
     out: Path = out_field(
         attrs.NOTHING,
         "OUT.png (sRGB, holes transparent), OUT.jpg, OUT.exr (light, coverage, depth) or OUT.npz (the same, and the "
@@ -61,16 +60,15 @@ class WarpOptions(Declared):
     no_depth: str = same_as(attrs.fields(SequenceOptions).no_depth)
     size: tuple[int, int] | None = same_as(_PIPELINE.size, help="Pixels of the result; by default the frame's.")
     depth: Path | None = option(
-        None, "Depth of a picture: 16-bit PNG, EXR, PGM or NPY; by default NAME.depth.png beside it.", kind=Path
+        None, "Depth of a picture: 16-bit PNG, EXR, PGM or NPY; by default NAME.depth.png beside it."
     )
     camera: Path | None = option(
         None,
         "View of a picture, a JSON: fov or intrinsics (fx, fy, cx, cy), position_m, orientation_xyzw, maybe "
         "depth_scale; by default NAME.json beside it.",
-        kind=Path,
     )
     depth_scale: float | None = option(
-        None, "Metres per unit of depth: 0.001 for millimetres, 1 for metres; by default the frame's.", kind=float
+        None, "Metres per unit of depth: 0.001 for millimetres, 1 for metres; by default the frame's."
     )
     encoding: str | None = option(
         None, "Of float colour: linear, or srgb (0 to 1); by default the frame's, or else linear."

@@ -1,8 +1,8 @@
-from ._exports import reported_headset as reported_headset
 from ._files import FILE_ENDINGS as FILE_ENDINGS
 from ._files import headset_names as headset_names
 from ._files import headset_toml as headset_toml
 from ._files import load_headset as load_headset
+from ._files import reported_headset as reported_headset
 from ._lenses import COLOURS as COLOURS
 from ._lenses import MAX_COEFFICIENTS as MAX_COEFFICIENTS
 from ._lenses import Lens as Lens

@@ -113,7 +113,6 @@ class LinkOptions(Declared):
         None,
         "fixed: a picture is as old as the latency says; sum: rendering, encoding and decoding come on top, as "
         "measured, or as in sum:render=8,encode=5,decode=4.",
-        kind=str,
         default="fixed",
         parse=parse_response,
     )
@@ -121,8 +120,6 @@ class LinkOptions(Declared):
     server_rate_hz: float | None = option(
         None,
         "Frames that the server draws per second; by default one for each refresh.",
-        kind=float,
-        unit="Hz",
         valid=Number(least=0.1, most=1000),
     )
     send: str = option(

@@ -59,18 +59,17 @@ class Number:
             if not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
                 kind = "a number" if math.isfinite(self.most) else "a finite number"
-                if any(declared.kind is int for declared in field.metadata.get("options", ())[:1]):
+                if _KEY in field.metadata and option_of(field).kind is int:
                     kind = "a whole number"
                 raise InputError(f"{name} {found:g}{unit}: expected {kind} {self.words(unit)}")
 
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
     """Return the name and unit (" ms") by which the user knows a field."""
-    declared = field.metadata.get("options", ())
-    if not declared:
+    if _KEY not in field.metadata:
         return field.name, ""
-    unit = f" {declared[0].unit}" if declared[0].unit else ""
-    return declared[0].named(field.name).flag, unit
+    declared = option_of(field)
+    return declared.flag, f" {declared.unit}" if declared.unit else ""
 
 
 def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], None]:
@@ -84,6 +83,8 @@ def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], 
 
 
 _KEY, _GROUP = "options", "group"
+_UNITS = ("ms", "s", "Hz", "deg", "mm")  # at the end of a field's name
+_KINDS = {kind.__name__: kind for kind in (str, float, int, bool, Path)}
 # Fields that say where results go and how they are made, but not what they are.
 HOW = (
     "out",
@@ -101,6 +102,10 @@ HOW = (
 # Where a study's file may set an option: for the display of a whole session, for how the scene
 # looks, or for one condition. Otherwise a sentence says why it may not.
 DISPLAY, PICTURE, CONDITION = "display", "picture", "condition"
+
+
+class _Annotated:
+    """Stands for the kind that a field's annotation names."""
 
 
 @attrs.frozen
@@ -144,10 +149,6 @@ class Option:
         """Whether a study's file may set it."""
         return self.study in (DISPLAY, PICTURE, CONDITION)
 
-    def named(self, field: str) -> Option:
-        """Return the option with a name: its own, or that of its field."""
-        return self if self.name else attrs.evolve(self, name=field.removesuffix(f"_{self.unit.lower()}"))
-
 
 def option(
     value: Any, help: str, /, *, valid: Any = None, convert: Any = None, beside: tuple[Option, ...] = (), **about: Any
@@ -155,14 +156,13 @@ def option(
     """Return an attrs field that is an option.
 
     value: default of the field. valid, convert: validator and converter of the field. beside:
-    options that affect the same field, see Declared.values_of. about: attributes of Option; kind
-    and default are those of the field's default unless they say otherwise.
+    options that affect the same field, see Declared.values_of. about: attributes of Option; what
+    they leave out is that of the field: kind and default of its default (without one, the kind of
+    its annotation), the unit at the end of its name, the limits of `valid`.
     """
     required = value is attrs.NOTHING
-    kind = str if value is None or required else type(value)
-    number = "a whole number" if about.get("kind", kind) is int else "a number"
-    limits = f"{number} {valid.words()}" if isinstance(valid, Number) else ""
-    about = {"kind": kind, "default": None if required else value, "required": required, "limits": limits, **about}
+    kind = _Annotated if value is None or required else type(value)
+    about = {"kind": kind, "default": None if required else value, "required": required, **about}
     return attrs.field(
         default=value, validator=valid, converter=convert, metadata={_KEY: (Option(help, **about), *beside)}
     )
@@ -174,9 +174,15 @@ def group(kind: type[Declared]) -> Any:
 
 
 def option_of(field: attrs.Attribute[Any]) -> Option:
-    """Return the option that an attrs field is, with its name."""
-    first: Option = field.metadata[_KEY][0]
-    return first.named(field.name)
+    """Return the option that an attrs field is, with what it leaves out; see `option`."""
+    found: Option = field.metadata[_KEY][0]
+    kind = _KINDS.get(str(field.type).partition(" ")[0], str) if found.kind is _Annotated else found.kind
+    ends = [unit for unit in _UNITS if kind in (int, float) and field.name.endswith(f"_{unit.lower()}")]
+    unit = found.unit or "".join(ends)
+    number = "a whole number" if kind is int else "a number"
+    words = f"{number} {field.validator.words()}" if isinstance(field.validator, Number) else ""
+    name = found.name or field.name.removesuffix(f"_{unit.lower()}")
+    return attrs.evolve(found, kind=kind, unit=unit, limits=found.limits or words, name=name)
 
 
 def as_keys(text: str, known: Collection[str]) -> str:
@@ -222,7 +228,8 @@ def _all_of(kind: type) -> Iterator[Option]:
                 attrs.evolve(inner_option, heading=inner_option.heading or inner.heading)
                 for inner_option in _all_of(inner)
             )
-        yield from (declared.named(field.name) for declared in field.metadata.get(_KEY, ()))
+        if _KEY in field.metadata:
+            yield from (option_of(field), *field.metadata[_KEY][1:])
 
 
 class Declared:

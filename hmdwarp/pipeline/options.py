@@ -127,7 +127,6 @@ class PipelineOptions(Declared):
     frames: Path | None = option(
         None,
         "Recorded RGB-D folder used instead of a scene, shown as its camera saw it; see hmdwarp list layouts.",
-        kind=Path,
         names_files=True,
         convert=attrs.converters.optional(Path),
         study=DISPLAY,
@@ -142,7 +141,6 @@ class PipelineOptions(Declared):
         "eye; 63 in live]",
         default=None,
         kind=float,
-        unit="mm",
         valid=Number(most=500.0),
         study=DISPLAY,
         heading=RECORDED,
@@ -151,7 +149,6 @@ class PipelineOptions(Declared):
     latency_ms: float = option(
         200.0,
         "Milliseconds from drawing a frame to showing it; with a proxy, from the proxy's picture on.",
-        unit="ms",
         valid=Number(),
     )
     # "" for a client that can run everything; warp "auto" takes the client "picture".
@@ -175,19 +172,13 @@ class PipelineOptions(Declared):
     )
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
-        None,
-        "Milliseconds for one eye that --warp auto keeps to.",
-        kind=float,
-        unit="ms",
-        valid=Number(above=True),
-        heading=AUTOMATIC,
+        None, "Milliseconds for one eye that --warp auto keeps to.", valid=Number(above=True), heading=AUTOMATIC
     )
     # The bench.json that warp "auto" chooses from; None measures all warps on the run's own frames
     # first.
     bench: Path | None = option(
         None,
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
-        kind=Path,
         convert=attrs.converters.optional(Path),
         heading=AUTOMATIC,
     )
@@ -267,8 +258,6 @@ class PipelineOptions(Declared):
     rate_hz: float | None = option(
         None,
         "Refreshes per second; by default the display's.",
-        kind=float,
-        unit="Hz",
         valid=Number(above=True, most=1000),
         study=DISPLAY,
         heading=DISPLAYED,
@@ -286,8 +275,6 @@ class PipelineOptions(Declared):
         None,
         "Degrees across that are sharp in frames, where the eye looks, or straight ahead if the trace has no gaze; the "
         "rest is coarser. By default all is sharp.",
-        kind=float,
-        unit="deg",
         name="fovea",
         valid=Number(above=True, most=179),
         heading=RENDERING,
@@ -317,7 +304,6 @@ class PipelineOptions(Declared):
     scanout_ms: float = option(
         0.0,
         "Milliseconds that the display takes from its first row to its last.",
-        unit="ms",
         valid=Number(most=100),
         heading=DISPLAYED,
     )
@@ -345,8 +331,6 @@ class PipelineOptions(Declared):
     horizon_ms: float | None = option(
         None,
         "Milliseconds to predict ahead at most; by default the predictor's own.",
-        kind=float,
-        unit="ms",
         valid=Number(),
         heading=RENDERING,
     )
@@ -395,7 +379,9 @@ class PipelineOptions(Declared):
         fused, wide = bool(said.get("fused")), bool(said.get("wide"))
         values["fill"] = _fill_for(said.get("warp") or DEFAULT_WARP, said.get("fill"), fused=fused, wide=wide)
         if "lens" in said and said["lens"] is None:
-            values["lens"] = _own_lens(values.get("headset", attrs.fields(cls).headset.default))
+            headset = values.get("headset", attrs.fields(cls).headset.default)
+            lens = headsets.load_headset(headset).lens
+            values["lens"] = lens.model if lens is not None else "none"
         return values
 
     @property
@@ -593,8 +579,3 @@ def with_headset(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
     parts = ":render=parallel" if said.get("render_parallel") else ""
     parts += f":ipd={said['ipd']:g}" if said.get("ipd") is not None else ""
     return {**said, "headset": f"{said.get('headset') or headset}{parts}"} if parts else said
-
-
-def _own_lens(headset: str) -> str:
-    lens = headsets.load_headset(headset).lens
-    return lens.model if lens is not None else "none"

@@ -158,7 +158,6 @@ class ProxyOptions(Declared):
     latency_ms: float = option(
         300.0,
         "Milliseconds from drawing a frame on the server to its arrival at the proxy.",
-        unit="ms",
         name="proxy_latency",
         valid=Number(),
     )

@@ -1,6 +1,3 @@
-from .gaze import foreseen_gaze as foreseen_gaze
-from .gaze import gaze_facts as gaze_facts
-from .gaze import gaze_of as gaze_of
 from .glides import Glide as Glide
 from .load import load_trace as load_trace
 from .options import TraceOptions as TraceOptions
@@ -11,6 +8,9 @@ from .prediction import Analysis as Analysis
 from .prediction import PredictionErrors as PredictionErrors
 from .prediction import analyse as analyse
 from .prediction import error_row as error_row
+from .prediction import foreseen_gaze as foreseen_gaze
+from .prediction import gaze_facts as gaze_facts
+from .prediction import gaze_of as gaze_of
 from .prediction import predict as predict
 from .prediction import signed_lead as signed_lead
 from .prediction import trace_as_json as trace_as_json

@@ -88,14 +88,12 @@ class TraceOptions(Declared):
     scale: float | None = option(
         None,
         "Metres per unit of the file's positions; by default as its format has it.",
-        kind=float,
         valid=Number(least=1e-6, most=1e6),
     )
     # Samples per second.
     rate: float | None = option(
         None,
         "Samples per second, in place of the file's clock.",
-        kind=float,
         name="trace_rate",
         unit="Hz",
         valid=Number(least=1e-3, most=1e6),
@@ -142,6 +140,4 @@ class TraceOptions(Declared):
         valid=Number(most=0.999),
     )
     # Number of the recording, from 1.
-    segment: int | None = option(
-        None, "Which recording of a file that holds several, from 1.", kind=int, valid=Number(least=1)
-    )
+    segment: int | None = option(None, "Which recording of a file that holds several, from 1.", valid=Number(least=1))

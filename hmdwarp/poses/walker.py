@@ -108,7 +108,7 @@ class Walker:
         """Turn this much further to the left and up."""
         state = self._state_for_input(time_ns)
         state.yaw_goal += yaw_rad
-        state.pitch_goal = _clamped(state.pitch_goal + pitch_rad)
+        state.pitch_goal = min(max(state.pitch_goal + pitch_rad, -STEEPEST_RAD), STEEPEST_RAD)
 
     def walk(
         self, time_ns: int, right: float = 0.0, up: float = 0.0, forward: float = 0.0, *, fast: bool = False
@@ -185,7 +185,3 @@ def _in_world(wish: tuple[float, float, float], yaw: float) -> tuple[float, floa
     right, up, forward = wish
     sine, cosine = math.sin(yaw), math.cos(yaw)
     return right * cosine - forward * sine, up, -right * sine - forward * cosine
-
-
-def _clamped(pitch: float) -> float:
-    return min(max(pitch, -STEEPEST_RAD), STEEPEST_RAD)

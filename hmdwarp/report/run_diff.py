@@ -172,7 +172,7 @@ def diff_runs(first: StoredRun, second: StoredRun, tolerance: Mapping[str, float
     figures: list[tuple[str, Any, Any]] = []
     notes: list[str] = []
     for key, a, b in _leaves(first.summary, second.summary):
-        if not _is_close(a, b, _tolerance_of(key, tolerance)):
+        if not _is_close(a, b, next((tolerance[part] for part in key.split(".") if part in tolerance), 0.0)):
             (figures if key.split(".")[0] in _FIGURES else setup).append((key, a, b))
     for name, key in (("driver", "gl_version"), ("renderer", "gl_renderer")):
         a, b = (run.summary["machine"].get(key) for run in (first, second))
@@ -198,10 +198,6 @@ def _leaves(a: Any, b: Any, key: str = "") -> Iterator[tuple[str, Any, Any]]:
             yield from _leaves(one, other, f"{key}.{number}")
     else:
         yield key, a, b
-
-
-def _tolerance_of(key: str, tolerance: Mapping[str, float]) -> float:
-    return next((tolerance[part] for part in key.split(".") if part in tolerance), 0.0)
 
 
 def _is_close(a: Any, b: Any, tolerance: float) -> bool:

@@ -40,7 +40,10 @@ def trace_plot_png(track: PoseTrack, axes_said: str) -> bytes:
         over_time[1].set_ylabel("height [m]")
         _draw_speeds(over_time[2], track)
         for axes in over_time:
-            _shade_gaps(axes, track)
+            steps = np.diff(track.time_ns)
+            for i in np.flatnonzero(steps > track.max_gap_ns)[:200]:
+                start = (track.time_ns[i] - track.time_ns[0]) * 1e-9
+                axes.axvspan(start, start + steps[i] * 1e-9, color="#c3ccd6", lw=0)
             axes.set_xlim(0, max(float(seconds[-1]), 1e-9))
         over_time[2].set_xlabel("time [s], gaps shaded")
         buffer = io.BytesIO()
@@ -102,10 +105,3 @@ def _draw_speeds(axes: Axes, track: PoseTrack) -> None:
     speeds = axes.twinx()
     speeds.plot(since, way / seconds[at], color=_GAZE, lw=0.7)
     speeds.set_ylabel("moving [m/s]", color=_GAZE)
-
-
-def _shade_gaps(axes: Axes, track: PoseTrack) -> None:
-    steps = np.diff(track.time_ns)
-    for i in np.flatnonzero(steps > track.max_gap_ns)[:200]:
-        start = (track.time_ns[i] - track.time_ns[0]) * 1e-9
-        axes.axvspan(start, start + steps[i] * 1e-9, color="#c3ccd6", lw=0)

@@ -13,7 +13,7 @@ from ..client.variants import every_baseline
 from ..metrics import BLOCKS, aggregate, at_instants, blocks_text, db_of, metrics_in_order, pooled
 from ..options.identity import program_hash
 from ..report import SCHEMA, OutputFolder
-from ..report.bench import render_bench_page
+from ..report.bench.page import render_bench_page
 from ..resources import __version__
 from .browser_display import CHAINS, FILL, BadLog, BrowserDisplay, facts_of, number, words
 

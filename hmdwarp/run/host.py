@@ -118,16 +118,13 @@ class PipelineHost:
             return
         self.source.check_change(before, options)
         if attrs.evolve(options, latency_ms=before.latency_ms) == before:
-            self._retime(options)
+            made, rate_hz = self.pipeline, options.rate_hz or self._display.rate_hz
+            check_held(made.gpu, options, made.requested.needs, made.sizes, rate_hz)
+            made.channel.retime(options.client_link, latency_ns(options))
+            made.requested.age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
         elif not self._exchanged(before, options):
             self._rebuild(options)
         self.options = options
-
-    def _retime(self, options: LiveOptions) -> None:
-        made, rate_hz = self.pipeline, options.rate_hz or self._display.rate_hz
-        check_held(made.gpu, options, made.requested.needs, made.sizes, rate_hz)
-        made.channel.retime(options.client_link, latency_ns(options))
-        made.requested.age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
 
     def _exchanged(self, before: LiveOptions, options: LiveOptions) -> bool:
         """Exchange the passes if that is enough; return whether it was."""

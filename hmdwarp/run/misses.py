@@ -57,7 +57,6 @@ class Misses(Declared):
         None,
         "Milliseconds that the client takes for a picture: a number, a CSV file with one for each refresh, or "
         "measured. By default it is never late.",
-        kind=str,
         name="client_time",
         default="",
         parse=parse_client_time,
@@ -66,9 +65,7 @@ class Misses(Declared):
     budget_ms: float | None = option(
         None,
         "Milliseconds that the client has for a picture; by default a refresh.",
-        kind=float,
         name="client_budget",
-        unit="ms",
         valid=Number(above=True, most=_MOST_MS),
     )
     on_miss: str = option(

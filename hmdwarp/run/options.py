@@ -67,7 +67,6 @@ class CacheOptions(Declared):
         None,
         "Keep true pictures and figures in this folder, and take those of earlier runs from it.",
         name="cache",
-        kind=Path,
         metavar="DIR",
         convert=attrs.converters.optional(Path),
     )
@@ -94,10 +93,8 @@ class RunOptions(PipelineOptions):
         names_files=True,
         default=None,
     )
-    start_s: float = option(0.0, "Seconds into the trace at which to start.", unit="s", valid=Number())
-    seconds: float | None = option(
-        None, "Seconds to show; by default all.", kind=float, unit="s", valid=Number(above=True)
-    )
+    start_s: float = option(0.0, "Seconds into the trace at which to start.", valid=Number())
+    seconds: float | None = option(None, "Seconds to show; by default all.", unit="s", valid=Number(above=True))
     input: str = option(
         "",
         "What people do in a scene that reacts, like playroom: seed:N for pushes and switches by chance, or a CSV "
@@ -136,14 +133,12 @@ class RunOptions(PipelineOptions):
     jod_s: float = option(
         0.0,
         "Also rate every picture by ColorVideoVDP, in clips of this many seconds (pip install '.[jod]'); slow.",
-        unit="s",
         valid=Number(most=60),
         heading=MEASURING,
     )
     workers: int | None = option(
         None,
         "Measuring processes; 0 measures in the loop; by default one per core, at most 8.",
-        kind=int,
         valid=Number(most=256),
         heading=MEASURING,
     )
@@ -253,14 +248,10 @@ class LiveOptions(PipelineOptions):
         heading=DISPLAYED,
     )
     seconds: float | None = option(
-        None, "Stop after this long; by default never.", kind=float, unit="s", valid=Number(above=True), study=_SECONDS
+        None, "Stop after this long; by default never.", unit="s", valid=Number(above=True), study=_SECONDS
     )
     pictures: int | None = option(
-        None,
-        "Stop after this many pictures; by default never.",
-        kind=int,
-        valid=Number(least=1),
-        study=f"{_SECONDS}, in seconds",
+        None, "Stop after this many pictures; by default never.", valid=Number(least=1), study=f"{_SECONDS}, in seconds"
     )
     record: Path | None = out_field(
         None,
@@ -286,17 +277,11 @@ class LiveOptions(PipelineOptions):
         study="'hmdwarp study measure' makes the pictures afterwards, from the traces",
     )
     reconnect_s: float = option(
-        60.0,
-        "Seconds to wait for a runtime that went away.",
-        unit="s",
-        valid=Number(),
-        study=DISPLAY,
-        heading=DISPLAYED,
+        60.0, "Seconds to wait for a runtime that went away.", valid=Number(), study=DISPLAY, heading=DISPLAYED
     )
     hang_s: float = option(
         5.0,
         "Seconds of silence after which a runtime is given up.",
-        unit="s",
         valid=Number(least=0.1),
         study=DISPLAY,
         heading=DISPLAYED,
@@ -370,14 +355,10 @@ class RecordOptions(Declared):
     )
     # None until Ctrl-C; for a made-up head, the length of its kind.
     seconds: float | None = option(
-        None, "Stop after this long; by default at Ctrl-C.", kind=float, unit="s", valid=Number(above=True)
+        None, "Stop after this long; by default at Ctrl-C.", unit="s", valid=Number(above=True)
     )
     rate_hz: float | None = option(
-        None,
-        "Poses per second; by default the display's, 90 for synthetic motion.",
-        kind=float,
-        unit="Hz",
-        valid=Number(least=1, most=1000),
+        None, "Poses per second; by default the display's, 90 for synthetic motion.", valid=Number(least=1, most=1000)
     )
     kind: str = option("look-around", f"Synthetic motion: {MOTIONS}; it ends by itself.")
     # What the window shows.
@@ -402,10 +383,9 @@ class ListenOptions(Declared):
     key_pair: Path | None = option(
         None,
         "Encrypt with the keys in NAME.key_secret and NAME.key, created if missing; clients need NAME.key.",
-        kind=Path,
         metavar="NAME",
     )
-    token_file: Path | None = option(None, "File with the secret that clients must share.", kind=Path)
+    token_file: Path | None = option(None, "File with the secret that clients must share.")
     per_address: int = option(
         MOST_OF_ADDRESS,
         "Connections from one address, at most; one that is idle makes room for another.",
@@ -462,9 +442,7 @@ class ServeOptions(ListenOptions):
         "needs --certificate, or a cable that forwards the port.",
     )
     certificate: Path | None = option(
-        None,
-        "PEM file with the private key and certificate of --web, for https; made by openssl if missing.",
-        kind=Path,
+        None, "PEM file with the private key and certificate of --web, for https; made by openssl if missing."
     )
     out: Path | None = out_field(
         None, "With --web: folder for what browsers report of their sessions, each as a live run; by default none."

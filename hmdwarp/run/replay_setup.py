@@ -145,15 +145,12 @@ class ReplaySetup:
     def _alike_of(self, now: Compared) -> Alike | None:
         """Return how alike the pictures of an eye are; None where libraries find it."""
         with self.part(ALIKE):
-            return self._by_passes(now)
-
-    def _by_passes(self, now: Compared) -> Alike | None:
-        if self.options.metrics_by == BY_LIBRARY:
-            return None
-        if not self._alike:
-            self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
-            self._cleanup.callback(self._alike[0].close)
-        return self._alike[0].run(now.shown, now.truth)
+            if self.options.metrics_by == BY_LIBRARY:
+                return None
+            if not self._alike:
+                self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
+                self._cleanup.callback(self._alike[0].close)
+            return self._alike[0].run(now.shown, now.truth)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""

@@ -86,7 +86,8 @@ class Requirement:
         if not spoken:
             yield self.figure.whose, f"{self.text}: there is no result of '{self.figure.whose}'"
         for row in spoken:
-            where = _where(row)
+            who = f"{row['strategy']}: {_pair(row)}" if row.get("strategy") else _pair(row)
+            where = f"{who}, {row['trace']} in {row['scene']}, {row['latency_ms']:g} ms"
             value, why = self._value(row, [*rows, *others])
             if not why and not _COMPARE[self.relation](value, self.limit):
                 why = f"it is {value:.6g}"
@@ -112,11 +113,6 @@ class Requirement:
         if len(found) != 1:
             return f"there are {len(found)} results of '{self.to.whose}' beside it, expected one; name warp+fill"
         return self.to.value(found[0])
-
-
-def _where(row: Row) -> str:
-    who = f"{row['strategy']}: {_pair(row)}" if row.get("strategy") else _pair(row)
-    return f"{who}, {row['trace']} in {row['scene']}, {row['latency_ms']:g} ms"
 
 
 def _parse(text: str) -> tuple[Requirement, ...]:
@@ -199,7 +195,6 @@ class Baseline(Declared):
         None,
         "Folder of a stored replay, or its summary.json: end with status 4 where this one differs, times left out; "
         "see hmdwarp diff.",
-        kind=Path,
         study="a study has no such result",
         heading=_HEADING,
     )

@@ -38,7 +38,11 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
     extent, or with positions that are not finite; InputError for a camera or an animation that it
     lacks.
     """
-    _check_there(path)
+    with opened(path, attrs.evolve(SCENE, what=f"{SCENE.what}, or the name of a scene")) as file:
+        if not file.read(1):
+            raise SceneError(f"{path}: the file is empty; expected {SCENE.what}")
+    if path.suffix.lower() not in FILE_ENDINGS:
+        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
     notes, units = Notes(path), _units(options)
     try:
         with np.errstate(all="ignore"):
@@ -56,14 +60,6 @@ def scene_from_file(path: Path, options: SceneOptions) -> Scene:
         raise
     except Exception as error:  # a damaged file may hold any value where another is due
         raise unreadable(path, error) from error
-
-
-def _check_there(path: Path) -> None:
-    with opened(path, attrs.evolve(SCENE, what=f"{SCENE.what}, or the name of a scene")) as file:
-        if not file.read(1):
-            raise SceneError(f"{path}: the file is empty; expected {SCENE.what}")
-    if path.suffix.lower() not in FILE_ENDINGS:
-        raise SceneError(f"{path}: cannot read '{path.suffix}' scenes; expected {SCENE.what}: export it as .glb")
 
 
 def _note_unstated(options: SceneOptions, notes: Notes) -> None:

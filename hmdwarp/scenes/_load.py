@@ -10,6 +10,7 @@ from typing import Any
 import attrs
 
 from ..errors import InputError, unknown_name
+from ..options.declared import option_of
 from ._scene import Scene, SceneSource, scenes
 from .input_events import InputLog
 from .options import FILE_ENDINGS, SceneOptions
@@ -26,7 +27,11 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
     """
     text, options = str(name_or_path), options or SceneOptions()
     if text in scenes.names():
-        _refuse_options(text, options)
+        # Raise InputError for options that only make sense with a file.
+        for field in attrs.fields(SceneOptions):
+            if getattr(options, field.name) != field.default:
+                flag = option_of(field).flag
+                raise InputError(f"{flag} with scene '{text}': it is for scene files; leave it out")
         source = scenes.get(text)
         return _built(source) if source.reacts is None else _reacting(_built(source), source.reacts)
     check_scene_name(text)
@@ -40,14 +45,6 @@ def check_scene_name(text: str) -> None:
     path = Path(text)
     if text not in scenes.names() and path.suffix.lower() not in FILE_ENDINGS and not path.is_file():
         raise unknown_name("scene", text, [*scenes.names(), *(f"FILE{ending}" for ending in FILE_ENDINGS)])
-
-
-def _refuse_options(name: str, options: SceneOptions) -> None:
-    """Raise InputError for options that only make sense with a file."""
-    for field in attrs.fields(SceneOptions):
-        if getattr(options, field.name) != field.default:
-            flag = field.metadata["options"][0].named(field.name).flag
-            raise InputError(f"{flag} with scene '{name}': it is for scene files; leave it out")
 
 
 def _reacting(scene: Scene, reacts: Callable[[InputLog], dict[str, Any]]) -> Scene:

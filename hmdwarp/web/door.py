@@ -2,6 +2,7 @@
 
 A request of a browser is a request of docs/feed.md, a frame is a frame: the door reads neither, but
 puts the server's token in. So whatever the server bounds, refuses or counts, it does here too.
+Shaders of warps go out as WebGL 2 takes them: the same text, as fragment shaders of GLSL ES 3.00.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import hmac
 import ipaddress
 import json
 import mimetypes
+import re
 import secrets
 import socket
 import ssl
@@ -26,11 +28,33 @@ import zmq.asyncio
 from aiohttp import web
 
 from ..errors import InputError
+from ..gpu.shaders import VERSION, flatten
 from ..sources.feed.key_pairs import KeyPair
 from ..sources.feed.message import LARGEST_ASK, request_bytes, token_of
 from ..sources.feed.sockets import is_local, set_options
 from .certificate import certified, hosts_at
-from .es_shaders import PAGE, shaders
+
+PAGE = Path(__file__).parent / "page"
+_IMAGE = re.compile(r"layout\(r32f\) readonly uniform image2D")
+# Of `iterative` without seeds, which WebGL 2 cannot scatter: more plain steps take their place.
+STEPS = 5
+WARPS: Mapping[str, tuple[str, dict[str, object]]] = {
+    "rotation": ("warps/rotation.comp", {"CLAMP": 0}),
+    "iterative": ("warps/iterative.comp", {"PLAIN": STEPS - 1, "SLANTED": 1}),
+}
+
+
+def shaders() -> dict[str, str]:
+    """Return each shader's text by its file's name, or its warp's."""
+    own = {path.name: _as_es(str(path), {}) for path in PAGE.iterdir() if path.suffix in (".vert", ".frag")}
+    written = {"WRITES_DEPTH": 1, "OUTPUT": str(PAGE / "to_web.glsl")}
+    return own | {name: _as_es(path, defines | written) for name, (path, defines) in WARPS.items()}
+
+
+def _as_es(path: str, defines: Mapping[str, object]) -> str:
+    preface = (PAGE / "preface.glsl").read_text(encoding="utf-8")
+    return _IMAGE.sub("uniform sampler2D", flatten(path, defines).text.replace(VERSION + "\n", preface))
+
 
 _TOKEN_BYTES = 16
 _TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md

@@ -12,7 +12,8 @@ from hmdwarp.options import PICTURE, options_of
 from hmdwarp.pipeline import PipelineOptions
 from hmdwarp.run import LiveOptions, RecordOptions, RunOptions
 from hmdwarp.scenes import SceneOptions
-from hmdwarp.study.design import KINDS, check_settings
+from hmdwarp.study.design import KINDS
+from hmdwarp.study.design.definitions import check_settings
 
 NAMES = {"scene_scale", "scene_up", "viewpoint", "animation"}
 TINY = ("--size", "40x50", "--lens", "none", "--effects", "none")

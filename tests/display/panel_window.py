@@ -20,7 +20,7 @@ import moderngl
 import numpy as np
 
 from hmdwarp.display import Status
-from hmdwarp.display.desktop import make_control_panel
+from hmdwarp.display.desktop.control_panel import make_control_panel
 
 SIZE = (640, 760)
 

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.display.openxr.actions import AXES, BUTTONS, FIRST_NS, LET_GO, NEXT_NS, PROFILES, PUSHED, ButtonRepeat
-from hmdwarp.study.dialogs import CONTROLS
+from hmdwarp.study.dialogs.buttons import CONTROLS
 
 PERIOD_NS = 11_111_111  # 90 a second
 

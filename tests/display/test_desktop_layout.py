@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.desktop import flat_size, variant, viewports, window_size, window_view
+from hmdwarp.display.desktop import window_view
+from hmdwarp.display.desktop.window_system import flat_size, variant, viewports, window_size
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.desktop import UNSYNCED, Pacer
+from hmdwarp.display.desktop.pacing import UNSYNCED, Pacer
 
 MS = 1_000_000
 PERIOD = round(1e9 / 60)

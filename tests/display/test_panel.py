@@ -16,7 +16,7 @@ import pytest
 
 from hmdwarp.display import CONTROLS, Command, Status, control
 from hmdwarp.display.controls import KEPT
-from hmdwarp.display.desktop import PANEL_REMEDY, installed, make_control_panel
+from hmdwarp.display.desktop.control_panel import PANEL_REMEDY, installed, make_control_panel
 
 if not installed():
     pytest.skip(f"the panel's package is not installed: {PANEL_REMEDY}", allow_module_level=True)

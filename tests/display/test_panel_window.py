@@ -14,7 +14,7 @@ from pathlib import Path
 import needs
 import pytest
 
-from hmdwarp.display.desktop import PANEL_REMEDY, installed
+from hmdwarp.display.desktop.control_panel import PANEL_REMEDY, installed
 
 from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
 

@@ -15,8 +15,10 @@ from hmdwarp.display.openxr.actions import Actions
 from hmdwarp.display.openxr.runtime import State
 from hmdwarp.geometry import Pose
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs import CONTROLLERS, MessagePanel, QuestionDialog
-from hmdwarp.study.dialogs import CONTROLS as STUDY_CONTROLS
+from hmdwarp.study.dialogs.buttons import CONTROLLERS
+from hmdwarp.study.dialogs.buttons import CONTROLS as STUDY_CONTROLS
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
+from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import load_scale
 
 from .live_runs import SMALL

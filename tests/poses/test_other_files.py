@@ -13,8 +13,7 @@ from hmdwarp.errors import HmdwarpError
 from hmdwarp.poses import LoadedTrace, PoseTrack, TraceOptions, load_trace, synthesise
 from hmdwarp.poses.assumptions import By
 from hmdwarp.poses.reading.axes import parse_axes
-from hmdwarp.study.export import motion_text
-from hmdwarp.study.export.bids import channels_json, channels_text
+from hmdwarp.study.export.bids import channels_json, channels_text, motion_text
 
 from .traces import head, kinds, same_motion, write
 

@@ -13,11 +13,9 @@ from PIL import Image
 
 from hmdwarp.metrics import REGIONS, aggregate
 from hmdwarp.report import DASHES, PAGE, PAPER, css_variables, dashes_of, markers_of, warp_of
-from hmdwarp.report.bench import (
+from hmdwarp.report.bench.charts import (
     AXES,
     axes_of,
-    bench_table,
-    cases,
     curves,
     displacement_chart,
     displacement_text,
@@ -29,6 +27,7 @@ from hmdwarp.report.bench import (
     traffic,
     traffic_chart,
 )
+from hmdwarp.report.bench.rows import bench_table, cases
 
 from .bench_samples import WARPS, a_bench, a_grid, a_row, some_rows
 

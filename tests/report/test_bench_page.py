@@ -10,7 +10,8 @@ import needs
 import pytest
 
 from hmdwarp.metrics import aggregate
-from hmdwarp.report.bench import COLUMNS, cases, render_bench_page
+from hmdwarp.report.bench.page import render_bench_page
+from hmdwarp.report.bench.rows import COLUMNS, cases
 
 from .bench_samples import a_bench, a_grid, a_row, some_rows
 from .test_page import Page, in_chromium

@@ -10,7 +10,7 @@ import pytest
 from rich.console import Console
 
 from hmdwarp.metrics import aggregate
-from hmdwarp.report.bench import COLUMNS, DECISION, bench_table, cases, common
+from hmdwarp.report.bench.rows import COLUMNS, DECISION, bench_table, cases, common
 
 from .bench_samples import WARPS, a_row, some_rows
 

@@ -12,7 +12,7 @@ import pytest
 from hmdwarp.errors import InputError
 from hmdwarp.options import PaperOptions
 from hmdwarp.report import OutputFolder, write_paper
-from hmdwarp.report.bench import bench_page
+from hmdwarp.report.bench.page import bench_page
 
 from .bench_samples import a_bench, a_grid, some_rows
 

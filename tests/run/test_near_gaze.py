@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.metrics import Compared
-from hmdwarp.run.near_gaze import NEAR_DEG, NearGaze, near_gaze
+from hmdwarp.run.measuring import NEAR_DEG, NearGaze, near_gaze
 
 SIZE = (60, 48)
 AHEAD = View(Pose(), Fov.symmetric(math.radians(60), math.radians(50)))

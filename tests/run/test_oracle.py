@@ -7,7 +7,7 @@ import pytest
 
 from hmdwarp import Fov, Pose, View
 from hmdwarp.geometry import WarpMap
-from hmdwarp.run.oracle import from_late
+from hmdwarp.run.side_by_side import from_late
 
 SIZE, WALL = (40, 30), 0.5  # 2 m away
 FOV = Fov.symmetric(1.2, 0.9)

@@ -18,8 +18,10 @@ import numpy as np
 from scipy.stats import binom, t
 
 from hmdwarp.study.design import Comparison, Design, load_design
-from hmdwarp.study.power import differences, significant, with_effect
-from hmdwarp.study.respondents import Model, Population, SicknessModel, load_model
+from hmdwarp.study.power.planned_models import with_effect
+from hmdwarp.study.power.simulation import differences, significant
+from hmdwarp.study.respondents import Model, Population, load_model
+from hmdwarp.study.respondents.response_model import SicknessModel
 from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, wilcoxon_exact
 
 PART, MANY, LEVEL = "run-1", 20_000, 0.95

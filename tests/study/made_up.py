@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, SessionSummary
+from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo, SessionSummary
 from hmdwarp.study.design import Design
 from hmdwarp.study.respondents import Cohort, Model, Population
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED

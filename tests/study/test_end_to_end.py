@@ -18,10 +18,12 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.study.analysis import SourceOptions, from_contents, from_csv
+from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
 from hmdwarp.study.design import Comparison, Design, load_design
-from hmdwarp.study.power import differences
-from hmdwarp.study.respondents import Cohort, Model, Population, SicknessModel, load_model, person_of
+from hmdwarp.study.power.simulation import differences
+from hmdwarp.study.respondents import Cohort, Model, Population, load_model, person_of
+from hmdwarp.study.respondents.response_model import SicknessModel
 from hmdwarp.study.store import SIMULATED, Contents, Store
 
 from . import tiny

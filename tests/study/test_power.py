@@ -22,21 +22,18 @@ from hmdwarp.cli.study.plan import power as command
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.report.study import comparison_lines
-from hmdwarp.study.analysis import Resampling, compared
+from hmdwarp.study.analysis.comparisons import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
-from hmdwarp.study.power import (
-    Simulation,
+from hmdwarp.study.power import Simulation, sentences, simulate
+from hmdwarp.study.power.planned_models import planned_model, with_effect
+from hmdwarp.study.power.simulation import (
     differences,
     expected_difference,
     people_for,
-    planned_model,
     power_from,
     proportion_of,
-    sentences,
     significant,
-    simulate,
     tally_of,
-    with_effect,
 )
 from hmdwarp.study.respondents import Population, load_model
 

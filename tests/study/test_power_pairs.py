@@ -14,19 +14,13 @@ from commands import hmdwarp
 from scipy.stats import binom, binomtest, multinomial, norm
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis import Resampling, preference_results
-from hmdwarp.study.power import (
-    Simulation,
-    choice_differences,
-    differences,
-    expected_jod,
-    pairs_model,
-    power_from,
-    sentences,
-    significant,
-    tally_of,
-)
-from hmdwarp.study.respondents import Population, model_from_text
+from hmdwarp.study.analysis.comparisons import Resampling
+from hmdwarp.study.analysis.preferences import preference_results
+from hmdwarp.study.power import Simulation, sentences
+from hmdwarp.study.power.planned_models import choice_differences, expected_jod, pairs_model
+from hmdwarp.study.power.simulation import differences, power_from, significant, tally_of
+from hmdwarp.study.respondents import Population
+from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.statistics import JOD_SPREAD
 
 from .analysis.test_preferences import MODEL, STUDY, design_of, simulated

@@ -10,7 +10,8 @@ from hmdwarp.metrics import QUALITY
 from hmdwarp.run import RunOptions, figures
 from hmdwarp.study import MeasureOptions, measure_study
 from hmdwarp.study.design import load_design
-from hmdwarp.study.session import SessionOptions, run_session
+from hmdwarp.study.session.program import run_session
+from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.store import Store
 
 PLAN = """

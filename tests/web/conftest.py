@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hmdwarp.web.es_shaders import shaders
+from hmdwarp.web.door import shaders
 
 from .browser import Browser, page
 

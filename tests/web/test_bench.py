@@ -16,7 +16,7 @@ from hmdwarp.experiments.bench import MergeOptions, merge
 from hmdwarp.pipeline import QualityLevel
 from hmdwarp.pipeline.governor import Governor
 from hmdwarp.run.browser_display import CHAINS
-from hmdwarp.web.es_shaders import shaders
+from hmdwarp.web.door import shaders
 
 from .browser import Browser, page
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import needs
 from serving import Serving
 
-from hmdwarp.web.es_shaders import shaders
+from hmdwarp.web.door import shaders
 
 from .browser import Browser
 

@@ -1,7 +1,5 @@
 """hmdwarp study: rating sessions from the plan to the paper."""
 
-from __future__ import annotations
-
 import typer
 
 from .._options import Group

@@ -33,7 +33,7 @@ class AnalyseOptions(Declared):
     store: Path | None = store_field()
     scale: str = option("", "Scale of a table that does not name it: grade, acr, ..")
     low_is_good: bool | None = option(
-        None, "Direction of a table's ratings, if it does not give it.", kind=bool, off="--high-is-good"
+        None, "Direction of a table's ratings, if it does not give it.", off="--high-is-good"
     )
     column: _Texts = option(
         None, "Column for a role: rating=mos, participant=who; may be repeated.", kind=list, metavar="ROLE=NAME"
@@ -44,7 +44,7 @@ class AnalyseOptions(Declared):
         kind=list,
         metavar="BASELINE:BETTER;..",
     )
-    claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.", kind=Path)
+    claims: Path | None = option(None, "A .toml file of published figures to compare with the ratings.")
     pilot: bool = pilot_field()
     simulated: bool = simulated_field()
     seed: int = option(0, "Random seed, where resamples are drawn: not for ratings in steps.", valid=Number())
@@ -64,8 +64,11 @@ def analyse(said: Said) -> None:
     Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
     name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
-    from ...study.analysis import Resampling, SourceOptions, analysis_folder, claims_for, ratings_from, write_analysis
-    from ...study.analysis import analyse as run
+    from ...study.analysis.comparisons import Resampling
+    from ...study.analysis.full_analysis import analyse as run
+    from ...study.analysis.full_analysis import analysis_folder, write_analysis
+    from ...study.analysis.sources import claims_for, ratings_from
+    from ...study.analysis.table_ratings import SourceOptions
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
@@ -216,7 +219,8 @@ def predict(said: Said) -> None:
     people who took no part in it.
     """
     from ...errors import InputError
-    from ...study.analysis import SourceOptions, ratings_from
+    from ...study.analysis.sources import ratings_from
+    from ...study.analysis.table_ratings import SourceOptions
     from ...study.prediction import pooled, prediction_data
 
     options = PredictOptions.of(said)

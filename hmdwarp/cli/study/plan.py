@@ -13,7 +13,7 @@ from ...experiments.sweep.options import KeptOptions
 from ...options import Declared, Number, force_field, group, option, out_field
 from ...study import power as study
 from ...study import respondents, scales, store
-from ...study.session import SessionOptions
+from ...study.session.session_options import SessionOptions
 from .._options import QUIET, Said, as_json, takes
 from .._signals import Ended
 from ._options import study_field
@@ -106,7 +106,7 @@ def _run(options: SessionOptions, quiet: bool) -> None:
 
     The closing words are printed by then; the usual "nothing unfinished is left" would be wrong.
     """
-    from ...study.session import run_session
+    from ...study.session.program import run_session
 
     said: list[str] = []
     ends: list[store.Session] = []
@@ -138,9 +138,9 @@ class PowerOptions(Declared):
     study: str = study_field()
     out: Path = out_field(attrs.NOTHING, "Folder for the table, the plot and power.json.")
     force: bool = force_field()
-    effect: float | None = option(None, "Assumed true difference, in scale units; of pairs in JOD.", kind=float)
+    effect: float | None = option(None, "Assumed true difference, in scale units; of pairs in JOD.")
     sd: float | None = option(
-        None, "Standard deviation of one person's difference, in scale units; of pairs of taste, in JOD.", kind=float
+        None, "Standard deviation of one person's difference, in scale units; of pairs of taste, in JOD."
     )
     model: str | None = option(None, "Response model: a .toml file, or a shipped one's name.")
     scale: str | None = option(None, "Rating scale or preference of the study; by default each of them.")

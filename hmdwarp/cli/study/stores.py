@@ -59,7 +59,7 @@ class ExportCommand(Declared):
     remarks: bool = option(False, "Also remarks, which may name people.")
     all_revisions: bool = option(False, "Also every answer that was corrected later.")
     parquet: bool | None = option(
-        None, "Write ratings.parquet; by default where pyarrow is installed.", kind=bool, off="--no-parquet"
+        None, "Write ratings.parquet; by default where pyarrow is installed.", off="--no-parquet"
     )
 
 
@@ -67,8 +67,8 @@ class ExportCommand(Declared):
 def export(said: Said) -> None:
     """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
     from ...study.design import load_design
-    from ...study.export import ExportOptions
-    from ...study.export import export as run
+    from ...study.export.write import ExportOptions
+    from ...study.export.write import export as run
     from ...study.store import Store, folder_to_read
     from .._show import steps
 
@@ -103,7 +103,7 @@ class MergeStoresOptions(Declared):
         positional=True,
         metavar="STORE",
     )
-    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.", kind=Path)
+    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.")
 
 
 @takes(MergeStoresOptions, QUIET)
@@ -172,7 +172,7 @@ class RecoverOptions(Declared):
     """Which store to rescue, and where to."""
 
     study: str = study_field()
-    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.", kind=Path)
+    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.")
     data: DataOptions = group(DataOptions)
 
 

@@ -29,6 +29,8 @@ class ExpandPass(RenderedPass):
     name = "expand"
     needs_compute = False
     reads = ("rendered.foveated", "rendered.foveated_depth")
+    # Written; what is read is a part of them.
+    moves = (8 + 4, 0)
 
     def prepare(self) -> None:
         self._programs, self._pictures = {}, {}
@@ -64,11 +66,6 @@ class ExpandPass(RenderedPass):
         program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
         program.run(*picture.grid.cells)
         return into
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes that are written; what is read is a part of them."""
-        return rendered_pixels * (8 + 4)
 
     def close(self) -> None:
         release_all(*(texture for several in self._pictures.values() for texture in several))

@@ -72,6 +72,8 @@ class MotionPass(RenderedPass):
 
     name = "motion"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.ids", "rendered.velocity")
+    # Colour and depth read and written once, ids or velocities read; moving pixels add little.
+    moves = (2 * (8 + 4) + 2, 0)
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
@@ -80,11 +82,6 @@ class MotionPass(RenderedPass):
             *(("rendered.ids",) if RIGID in parts else ()),
             *(("rendered.velocity",) if SOFT in parts else ()),
         )
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        # Colour and depth read and written once, ids or velocities read; moving pixels add little.
-        return rendered_pixels * (2 * (8 + 4) + 2)
 
     def prepare(self) -> None:
         _check(self.gpu, self.rendered_size)

@@ -185,6 +185,8 @@ class PanelsPass(ShownPass):
 
     name = "panels"
     reads = ("shown.colour", "shown.inverse_depth", "rendered.panels")
+    # The copy: panels cover little.
+    moves = (0, 16)
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
@@ -249,8 +251,3 @@ class PanelsPass(ShownPass):
         by_time = {"at_first": first, "linear": last - first - square, "square": square}
         program.uniforms.set(picture=0, panel=0, panel_texels=held.texture.size, **by_time)
         return program
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return those of the copy: panels cover little."""
-        return 16 * shown_pixels

@@ -32,6 +32,9 @@ class Reflections(ShownPass):
     name = "reflections"
     reads = ("shown.colour", "rendered.reflection")
     carries = True
+    # The layer's depth once; its colour and the surface for each shown pixel read, warped and
+    # read again; the picture both ways.
+    moves = (4, 8 * (2 * 3 + 2))
 
     def prepare(self) -> None:
         gpu, shown = self.gpu, self.shown_size
@@ -45,12 +48,6 @@ class Reflections(ShownPass):
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
         self._plain = [allocate(gpu.gl, self.rendered_size, COLOUR) for _ in range(self.tools.pictures - 1)]
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        # The layer's depth once; its colour and the surface for each shown pixel read, warped and
-        # read again; the picture both ways.
-        return 4 * rendered_pixels + 8 * shown_pixels * (2 * 3 + 2)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         reflection = inputs.rendered.get("reflection")

@@ -1,7 +1,5 @@
 """Curved mirrors: a chrome ball."""
 
-from __future__ import annotations
-
 from ...frames import Mirrored, Needs
 from ..effect_passes import Reflections
 from . import Effect, effects

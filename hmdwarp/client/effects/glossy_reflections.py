@@ -1,7 +1,5 @@
 """Plane mirrors with a normal map: a floor that is polished but not even."""
 
-from __future__ import annotations
-
 from ...frames import Mirrored, Needs
 from ..effect_passes import Reflections
 from . import Effect, effects

@@ -19,6 +19,8 @@ class LightPass(ShownPass):
     name = "light times albedo"
     reads = ("shown.colour", "rendered.light", "client.model")
     of_light = True
+    # The albedo written and read, of the light and of the result.
+    moves = (0, 4 * 8)
 
     def prepare(self) -> None:
         geometry = self.tools.geometry
@@ -49,11 +51,6 @@ class LightPass(ShownPass):
     def close(self) -> None:
         for canvas in {self._albedo.colour, self._emitted.colour}:
             canvas.release()
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes of the albedo written and read, of the light and of the result."""
-        return 4 * 8 * shown_pixels
 
 
 effects.register(

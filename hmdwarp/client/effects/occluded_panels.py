@@ -1,7 +1,5 @@
 """Panels that what is nearer in the picture hides."""
 
-from __future__ import annotations
-
 from ...frames import Needs
 from ...frames.layers.panels import PanelDelivery
 from ..effect_passes import PanelsPass

@@ -14,6 +14,8 @@ class OverlayPass(ShownPass):
 
     name = "overlay compositing"
     reads = ("shown.colour", "rendered.overlay")
+    # Two pictures in and one out.
+    moves = (0, 3 * 8)
 
     def prepare(self) -> None:
         self._program = self.gpu.shaders.compute("effects/overlay.comp", **self.tools.hiding)
@@ -24,11 +26,6 @@ class OverlayPass(ShownPass):
         into.bind_for_writing(2)
         self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
         self.gpu.seen_rows.run(self._program, inputs.middle, into.size)
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes of two pictures in and one out."""
-        return 3 * 8 * shown_pixels
 
 
 effects.register(

@@ -1,7 +1,5 @@
 """Panels of text and menus, sampled once at the newest pose."""
 
-from __future__ import annotations
-
 from ...frames import Needs
 from ...frames.layers.panels import PanelDelivery
 from ..effect_passes import PanelsPass

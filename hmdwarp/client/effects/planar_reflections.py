@@ -1,7 +1,5 @@
 """Plane mirrors: a wall mirror, a polished floor."""
 
-from __future__ import annotations
-
 from ...frames import Mirrored, Needs
 from ..effect_passes import Reflections
 from . import Effect, effects

@@ -1,7 +1,5 @@
 """What mirrors show, found in pictures alone: for frames without data of their mirrors."""
 
-from __future__ import annotations
-
 from ...frames import Needs, Others
 from ..effect_passes import MirroredPass
 from . import Effect, effects

@@ -1,7 +1,5 @@
 """Rigid motion: each pixel follows its body until it is shown."""
 
-from __future__ import annotations
-
 from ...frames import Needs
 from ..effect_passes import MotionPass
 from . import effects

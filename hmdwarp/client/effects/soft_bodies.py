@@ -140,6 +140,8 @@ class SoftBodiesPass(ShownPass):
         "client.soft_bodies",
     )
     writes = ("shown.colour", "shown.inverse_depth")
+    # The pictures in and out; of what deforms, its depth everywhere.
+    moves = (2 * (8 + 4) + 4, 2 * 8 + 4)
 
     def prepare(self) -> None:
         geometry, gl, rendered = self.tools.geometry, self.gpu.gl, self.rendered_size
@@ -207,11 +209,6 @@ class SoftBodiesPass(ShownPass):
         lefts = (texture for left in self._left for texture in left)
         self._lights.close()
         release_all(*self._then, *self._now, *lefts)
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the bytes of the pictures in and out; of what deforms, its depth everywhere."""
-        return rendered_pixels * (2 * (8 + 4) + 4) + shown_pixels * (2 * 8 + 4)
 
 
 _NOW = ("albedo", "body_inverse_depth", "lit", "late_place", "late_normal")

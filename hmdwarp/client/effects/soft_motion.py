@@ -1,7 +1,5 @@
 """Deforming motion: each pixel continues with its velocity, for a short time and distance."""
 
-from __future__ import annotations
-
 from ...frames import Needs
 from ...scenes import REACH_M, REACH_S
 from ..effect_passes import MotionPass

@@ -68,6 +68,9 @@ class TransparencyPass(ShownPass):
 
     name = "transparency compositing"
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
+    # The veil, its transmission and the picture in, one picture out; three depths: rendered for
+    # the seeds and for the samples, and shown.
+    moves = (4, 4 * 8 + 2 * 4)
 
     def prepare(self) -> None:
         output = Output(hides=self.tools.hides)
@@ -79,12 +82,6 @@ class TransparencyPass(ShownPass):
 
     def close(self) -> None:
         self._veil.close()
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        # The veil, its transmission and the picture in, one picture out; three depths: rendered for
-        # the seeds and for the samples, and shown.
-        return shown_pixels * (4 * 8 + 2 * 4) + 4 * rendered_pixels
 
 
 effects.register(

@@ -35,6 +35,7 @@ class Fill(ABC):
     needs_compute: ClassVar[bool] = True  # As a warp's.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
+    moves: ClassVar[int] = 16  # Least bytes that it reads and writes for each pixel: one colour each way.
 
     def __init__(
         self,
@@ -107,8 +108,5 @@ class Fill(ABC):
 
     @classmethod
     def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the least bytes that one eye's picture reads and writes.
-
-        By default one colour each way.
-        """
-        return 16 * shown_pixels
+        """Return the least bytes that one eye's picture reads and writes."""
+        return cls.moves * shown_pixels

@@ -78,6 +78,8 @@ class Composite(Fill):
     source = "the 2014 thesis's lighting-estimating composite (its algorithm 3); O'Neill 2014, PCG (the hash)"
     Settings = CompositeSettings
     variants = ("average=median",)
+    # Colour and inverse depth of the picture read and written, of the model written and read.
+    moves = 4 * (8 + 4)
 
     def prepare(self) -> None:
         gl, chosen = self.gpu.gl, self.settings
@@ -123,8 +125,3 @@ class Composite(Fill):
     def close(self) -> None:
         self._pieces.close()
         release_all(self._unlit.colour, self._unlit.depth, self._offsets, *self._no_depth)
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        # Colour and inverse depth of the picture read and written, of the model written and read.
-        return 4 * (8 + 4) * shown_pixels

@@ -113,7 +113,9 @@ class Memory(Fill):
         if before is not None and before[0] is rendered.view and before[1] == rendered.drawn_ns:
             return
         self._last[inputs.eye] = rendered.view, rendered.drawn_ns
-        self._drop_old(rendered.drawn_ns)
+        # Drop pictures that are too old, or from a later time: those belong to another run.
+        limit = round(self.settings.age * 1e9)
+        self._kept = [keyframe for keyframe in self._kept if 0 <= rendered.drawn_ns - keyframe.drawn_ns <= limit]
         concerned = overlapping(rendered.view, self._kept) if self._forgets else ()
         if concerned:
             self._turn += 1
@@ -123,11 +125,6 @@ class Memory(Fill):
             slot = self._free_slot(rendered.view)
             self._keeper.keep(rendered, self._slots[slot])
             self._kept.append(Keyframe(slot, rendered.view, rendered.drawn_ns))
-
-    def _drop_old(self, now_ns: int) -> None:
-        """Drop pictures that are too old, or from a later time: those belong to another run."""
-        limit = round(self.settings.age * 1e9)
-        self._kept = [keyframe for keyframe in self._kept if 0 <= now_ns - keyframe.drawn_ns <= limit]
 
     def _free_slot(self, newest: View) -> int:
         if len(self._kept) == len(self._slots):

@@ -39,6 +39,8 @@ class Model(Fill):
     complete = True
     Settings = ModelSettings
     variants = ("share=0.05",)
+    # Colour and inverse depth each way.
+    moves = 2 * (8 + 4)
 
     def prepare(self) -> None:
         chosen = self.settings
@@ -47,8 +49,3 @@ class Model(Fill):
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._model.draw_holes(inputs.middle, picture, into, inputs.shown_ns)
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes of colour and inverse depth each way."""
-        return 2 * (8 + 4) * shown_pixels

@@ -91,6 +91,8 @@ class Pyramid(Fill):
     complete = True
     drops_depth = True
     Settings = PyramidSettings
+    # One colour and one inverse depth each way.
+    moves = 24
 
     def prepare(self) -> None:
         shaders = self.gpu.shaders
@@ -117,11 +119,6 @@ class Pyramid(Fill):
         self._top = shaders.compute("fills/pyramid_top.comp") if is_start else None
         placed = (self._pull, self._first_push, self._push, self._last_push, self._top)
         self._placed = [program for program in placed if program is not None]
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes of one colour and one inverse depth each way."""
-        return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         self._pieces.find(inputs.middle, picture, into)

@@ -66,6 +66,9 @@ class Relight(Fill):
     complete = True
     Settings = RelightSettings
     variants = ("light=none",)
+    # Colour and inverse depth of the picture read and written, of the model written and read;
+    # the lights of 64 pixels are 48 bytes.
+    moves = 4 * (8 + 4) + 2
 
     def prepare(self) -> None:
         gl, (wide, high), chosen = self.gpu.gl, self.shown_size, self.settings
@@ -103,9 +106,3 @@ class Relight(Fill):
     def close(self) -> None:
         self._lights.close()
         release_all(self._albedo.colour, self._albedo.depth, self._holes)
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        # Colour and inverse depth of the picture read and written, of the model written and read;
-        # the lights of 64 pixels are 48 bytes.
-        return (4 * (8 + 4) + 2) * shown_pixels

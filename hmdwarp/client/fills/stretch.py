@@ -49,16 +49,13 @@ class Stretch(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     source = "Mark 1999, Post-Rendering 3D Image Warping (UNC TR99-022); decaying weights as in YORO"
     Settings = StretchSettings
+    # One colour and one inverse depth each way.
+    moves = 24
 
     def prepare(self) -> None:
         self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))
         self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True, hiding=self.hiding)
         self._streaks = allocate(self.gpu.gl, self.shown_size, COLOUR)
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the bytes of one colour and one inverse depth each way."""
-        return 24 * shown_pixels
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         stamp = self._pieces.find(inputs.middle, picture, into)

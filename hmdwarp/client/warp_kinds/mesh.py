@@ -138,6 +138,9 @@ class MeshWarp(Warp):
     kind = "scatter"
     reads = ("rendered.colour", "rendered.inverse_depth")
     adaptive: ClassVar[bool]  # Whether cells merge where that moves little.
+    # Each rendered pixel's depth to make cells and again to draw them, its colour once; the
+    # shown colour and depth cleared and written, the depth read for its test.
+    moves = (2 * DEPTH_BYTES + COLOUR_BYTES, 2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
     def prepare(self) -> None:
         _check_machine(self.name, self.gpu.gl.info)
@@ -204,12 +207,6 @@ class MeshWarp(Warp):
             ),
         ]
         self._target = MeshTarget(self.gpu, self.shown_size)
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # Each rendered pixel's depth to make cells and again to draw them, its colour once; the
-        # shown colour and depth cleared and written, the depth read for its test.
-        return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         rendered, shown = inputs.rendered, inputs.shown

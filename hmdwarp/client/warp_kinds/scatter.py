@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import moderngl
 
@@ -78,6 +78,10 @@ class OrderedScatter(ScatterWarp):
     again.
     """
 
+    # Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
+    # colour read and one written for each.
+    moves = (DEPTH_BYTES, 4 * KEY_BYTES + 2 * COLOUR_BYTES)
+
     def prepare(self) -> None:
         if max(self.rendered_size) > LONGEST_SIDE:
             wide, high = self.rendered_size
@@ -105,12 +109,6 @@ class OrderedScatter(ScatterWarp):
             self.gpu.barrier()
             self.set(program, H=forward.H, e=forward.e, **order)
             self.gpu.seen_rows.run(program, inputs.rendered.view, size)
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
-        # colour read and one written for each.
-        return rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def close(self) -> None:
         super().close()

@@ -84,6 +84,9 @@ class Warp(ABC):
     without_effects: ClassVar[str] = "draws it as it is now: nothing is left to compensate"
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
+    # Least bytes that it reads and writes for each pixel of the rendered picture and of the shown;
+    # None for those of a gather, see bytes_moved.
+    moves: ClassVar[tuple[int, int] | None] = None
     # Whether it stands for no compensation at all: no effect is compensated with it unless it is
     # asked for by name, and frames carry the whole picture.
     imposter: ClassVar[bool] = False
@@ -157,6 +160,8 @@ class Warp(ABC):
         The bench compares times with this bound. By default that of a gather: for each shown pixel,
         one colour, one of each depth that it reads, and the result.
         """
+        if cls.moves is not None:
+            return rendered_pixels * cls.moves[0] + shown_pixels * cls.moves[1]
         depths = sum(name.endswith("inverse_depth") for name in cls.reads_for(settings))
         return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES * depths)
 

@@ -1,7 +1,5 @@
 """Planar reprojection: everything on one plane, at the median depth of the rendered picture."""
 
-from __future__ import annotations
-
 from ..warp_kinds import PlaneWarp
 from . import warps
 

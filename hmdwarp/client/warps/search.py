@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import attrs
 
 from ...gpu.textures import Canvas, tiles
@@ -55,6 +53,9 @@ class Search(GatherWarp):
     source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
     Settings = SearchSettings
     rows = 4
+    # The rendered depth once for the pyramid; per shown pixel one colour, one depth and the
+    # result.
+    moves = (DEPTH_BYTES, 2 * COLOUR_BYTES + DEPTH_BYTES)
 
     def prepare(self) -> None:
         self._program = self.gather("warps/search.comp")
@@ -65,12 +66,6 @@ class Search(GatherWarp):
         counts = [w * h for w, h in self._sizes[1:]]
         self._first = tuple(sum(counts[:k]) for k in range(LEVELS))
         self._bounds = self.gpu.gl.buffer(reserve=BOUND_BYTES * sum(counts))
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # The rendered depth once for the pyramid; per shown pixel one colour, one depth and the
-        # result.
-        return rendered_pixels * DEPTH_BYTES + shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)

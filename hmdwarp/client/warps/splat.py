@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import attrs
 import numpy as np
 
@@ -50,6 +48,9 @@ class Splat(ScatterWarp):
         "Mori et al. 2009 (depth forward, colour backward)"
     )
     Settings = SplatSettings
+    # Each rendered pixel's depth twice and colour once; the shown keys raised (read, written),
+    # read and emptied; the result written.
+    moves = (2 * DEPTH_BYTES + COLOUR_BYTES, 4 * KEY_BYTES + COLOUR_BYTES)
 
     def prepare(self) -> None:
         self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0, **self.output.hiding)
@@ -68,12 +69,6 @@ class Splat(ScatterWarp):
             H, e = _exact(warp_map)
             self.set(program, H=H, e=e, **limits)
             self.gpu.seen_rows.run(program, inputs.rendered.view, size)
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # Each rendered pixel's depth twice and colour once; the shown keys raised (read, written),
-        # read and emptied; the result written.
-        return rendered_pixels * (2 * DEPTH_BYTES + COLOUR_BYTES) + shown_pixels * (4 * KEY_BYTES + COLOUR_BYTES)
 
     def close(self) -> None:
         super().close()

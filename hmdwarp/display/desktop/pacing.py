@@ -56,13 +56,10 @@ class Pacer:
             interval = back_ns - self._last_ns
             self._intervals.append(interval)
             self._missed += max(0, round(interval / self.period_ns) - 1)
-            self._check_waiting(interval)
+            if self.waits and not self.paced:
+                self._too_fast = self._too_fast + 1 if interval < TOO_FAST * self.period_ns else 0
+                self.paced = self._too_fast >= UNSYNCED
         self._last_ns = back_ns
-
-    def _check_waiting(self, interval_ns: int) -> None:
-        if self.waits and not self.paced:
-            self._too_fast = self._too_fast + 1 if interval_ns < TOO_FAST * self.period_ns else 0
-            self.paced = self._too_fast >= UNSYNCED
 
     def due(self, now_ns: int) -> int:
         """Return when to begin the next picture: now, unless we pace in place of the driver."""

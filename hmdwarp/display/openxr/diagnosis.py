@@ -78,7 +78,7 @@ def diagnose(
     returned, or of the exception raised while the binding loaded. message: the text of the error.
     name: the runtime's, where known. active: the runtime that the loader chooses (manifest_text).
     """
-    words = _one_line(message)
+    words = " ".join(str(message or "").split())
     if stage == "binding" and error == "ModuleNotFoundError":
         return "pyopenxr is not installed", install_line("openxr")
     if stage == "binding":
@@ -134,10 +134,6 @@ def manifest_text(environ: Mapping[str, str]) -> str:
     except (DocumentError, KeyError, TypeError):
         return f"{source} {path}, which is no runtime manifest"
     return f"{source} {path}, library {library}"
-
-
-def _one_line(text: object) -> str:
-    return " ".join(str(text or "").split())
 
 
 def load_binding() -> None:

@@ -34,7 +34,7 @@ from ...metrics import (
     pooled,
     ratings_of,
 )
-from ...report.bench import cases, choice_terms
+from ...report.bench.rows import cases, choice_terms
 from ...resources import __version__, import_extra
 from ...run.combinations import ORACLE, Case, Combination
 from ...run.replay_setup import ReplaySetup

@@ -20,7 +20,6 @@ from ...metrics import QualityPool, SharedPool, clip_length
 from ...pipeline.sizes import check_held, eye_sizes
 from ...platforms import memory_bytes
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
-from ...run.options import RunOptions
 from ...run.replay_setup import set_up_replay
 from ...run.run_summary import machine_of, summary_of_rows
 from ...run.side_by_side import Comparison, rate_clips
@@ -146,7 +145,10 @@ class _Runner:
             for warp, effects in done.items()
         ]
         pool = self.pool(work.headset, GRID_SIZE)
-        run = _at_size(work.run, work.case.size, GRID_SIZE)
+        # The run at another size, with the same field of view.
+        shown = work.case.size
+        guard = work.run.guard_band.factors(shown)
+        run = attrs.evolve(work.run, size=GRID_SIZE, guard=(guard.x, guard.y), rendered_size=None)
         with set_up_replay(run, needs_of(c.plan for c in unfilled)) as setup:
             rows = grid_rows(setup, unfilled, pool, _steps(GRID_STEPS, step))
             at = {"scene": setup.scene.name, "size": list(GRID_SIZE), "eye": "left"}
@@ -181,9 +183,3 @@ def _steps(total: int, step: Callable[[float], None]) -> Callable[[], None]:
     """Return what counts the finished steps of a case."""
     shares = (done / total for done in itertools.count(1))
     return lambda: step(next(shares))
-
-
-def _at_size(run: RunOptions, shown: tuple[int, int], size: tuple[int, int]) -> RunOptions:
-    """Return the run at another size, with the same field of view."""
-    guard = run.guard_band.factors(shown)
-    return attrs.evolve(run, size=size, guard=(guard.x, guard.y), rendered_size=None)

@@ -81,7 +81,6 @@ class BenchOptions(RecordedOptions):
     also: Path | None = option(
         None,
         "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
-        kind=Path,
         metavar="DIR",
         convert=attrs.converters.optional(Path),
     )

@@ -1,6 +1,5 @@
 from .options import ClusterOptions as ClusterOptions
 from .options import KeptOptions as KeptOptions
-from .options import SweepOptions as SweepOptions
 from .run_cases import MOST_SHOWN as MOST_SHOWN
 from .run_cases import ExperimentResult as ExperimentResult
 from .run_cases import Swept as Swept
@@ -10,9 +9,7 @@ from .run_cases import raise_failed as raise_failed
 from .run_cases import run_cases as run_cases
 from .sweep_case import Failure as Failure
 from .sweep_case import KeptCases as KeptCases
-from .sweep_case import KeptRows as KeptRows
 from .sweep_case import Result as Result
 from .sweep_case import Runner as Runner
 from .sweep_case import Separate as Separate
 from .sweep_case import SweepCase as SweepCase
-from .sweep_case import Work as Work

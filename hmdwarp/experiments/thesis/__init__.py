@@ -1,8 +1,1 @@
-"""The experiments of the thesis that this project began with, run again and judged.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""The experiments of the thesis that this project began with, run again and judged."""

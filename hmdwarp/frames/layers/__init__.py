@@ -1,4 +1,4 @@
-"""The layers that a frame can carry, one file each."""
+"""The layers that a frame can carry, one file each: a table, or a class where it is no texture."""
 
 from __future__ import annotations
 
@@ -373,7 +373,14 @@ class Delivered(Layer):
 
 # What passes read of an eye's own picture.
 PICTURE = (readable("colour"), readable("inverse_depth"))
-layers: Registry[type[Layer]] = Registry("layer", __name__)
+
+
+def _of_table(name: str, table: dict[str, Any]) -> type[Layer]:
+    facts = {key: tuple(value) if isinstance(value, list) else value for key, value in table.items()}
+    return type(name, (Layer,), {**facts, "name": name})
+
+
+layers: Registry[type[Layer]] = Registry("layer", __name__, of_table=_of_table)
 
 
 def readable_names() -> tuple[str, ...]:

@@ -1,7 +1,5 @@
 """Inverse depth of the picture that is sharp where the eye looks and coarser beyond."""
 
-from __future__ import annotations
-
 from . import layers
 from .foveated import FoveatedLayer
 

@@ -270,7 +270,10 @@ class PointRoom:
             return
         if newer:
             if known is not None:
-                self._drop(block.cell)
+                cell = self._cells.pop(block.cell)
+                self._clear(cell.pages)
+                self._free += cell.pages
+                self._slots.append(cell.slot)
             self._ages[block.cell] = block.age
         pages = len(block.positions) // PAGE
         known = self._cells.get(block.cell)
@@ -284,9 +287,3 @@ class PointRoom:
         known.points += pages * PAGE
         self.high = max(self.high, max(taken) + 1)
         self._write(block, known.slot, taken, known.points)
-
-    def _drop(self, number: int) -> None:
-        cell = self._cells.pop(number)
-        self._clear(cell.pages)
-        self._free += cell.pages
-        self._slots.append(cell.slot)

@@ -44,9 +44,9 @@ class Coding(Declared):
     heading = "Coding"
     # A name of codecs.
     codec: str = option("none", f"Codec that encodes and decodes frames on the way: {names_in('link/codec/codecs')}.")
-    crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.", kind=int)
+    crf: int | None = option(None, "The codec's quality, 0 (best) to 51; by default the codec's own.")
     bitrate_mbit: float | None = option(
-        None, "Bit rate of one eye's videos together, in place of a quality.", kind=float, name="bitrate", unit="Mbit/s"
+        None, "Bit rate of one eye's videos together, in place of a quality.", name="bitrate", unit="Mbit/s"
     )
 
     depth: str = option(

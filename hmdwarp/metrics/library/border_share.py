@@ -1,7 +1,5 @@
 """Holes at the border: the part that no warp could have filled from the frame."""
 
-from __future__ import annotations
-
 from ..job import Input
 from ..metric import Metric, metrics
 

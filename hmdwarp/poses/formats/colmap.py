@@ -8,6 +8,7 @@ from ..reading.file_head import Head
 from . import TraceFormat, formats
 
 
+@formats.register
 class Colmap(TraceFormat):
     """Images of a model, which have no time and, unless it was aligned, no metres and no up.
 
@@ -22,6 +23,3 @@ class Colmap(TraceFormat):
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
         return Layout(time=None, orientation=(1, 2, 3, 0), position=(4, 5, 6), columns_by=By.FORMAT, **self.facts)
-
-
-formats.register(Colmap())

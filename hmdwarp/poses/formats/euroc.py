@@ -17,6 +17,7 @@ from . import TraceFormat, formats, numbers_alone, write_rows
 HEADER = "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
 
 
+@formats.register
 class Euroc(TraceFormat):
     """Ground truth of the EuRoC data sets.
 
@@ -38,6 +39,3 @@ class Euroc(TraceFormat):
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         stream.write(f"# axes: {OPENXR}\n{HEADER}\n")
         write_rows(track, stream, ",", stamp=str, order="wxyz")
-
-
-formats.register(Euroc())

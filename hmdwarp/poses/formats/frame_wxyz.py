@@ -16,6 +16,7 @@ from . import TraceFormat, formats, ordered
 from .multiviewpoint import AXES
 
 
+@formats.register
 class FrameWxyz(TraceFormat):
     """Six bare columns: the second a non-decreasing frame number, the last four of length 1.
 
@@ -38,7 +39,7 @@ class FrameWxyz(TraceFormat):
         if not rows or not all(r[1].isdigit() for r in rows):
             return 0
         frames = [int(r[1]) for r in rows]
-        unit = sum(abs(math.hypot(*_quaternion(r)) - 1) < 0.05 for r in rows)
+        unit = sum(abs(math.hypot(*[float(f.replace(",", ".")) for f in r[2:6]]) - 1) < 0.05 for r in rows)
         return 60 if frames == sorted(frames) and 2 * unit > len(rows) else 0
 
     def layout(self, head: Head, options: TraceOptions) -> Layout:
@@ -65,10 +66,6 @@ class FrameWxyz(TraceFormat):
         return loaded
 
 
-def _quaternion(row: list[str]) -> list[float]:
-    return [float(f.replace(",", ".")) for f in row[2:6]]
-
-
 def _hangs(track: PoseTrack) -> bool:
     """Return whether the head hangs upside down, but would be upright had w come last.
 
@@ -79,6 +76,3 @@ def _hangs(track: PoseTrack) -> bool:
     x, z, w = (track.orientation_xyzw[:, i] for i in (0, 2, 3))  # OpenXR's x is the file's -y, its z the file's -x
     as_read, other = 1 - 2 * (z**2 + x**2), 1 - 2 * (w**2 + z**2)
     return bool(np.percentile(as_read, 10) < 0 and np.percentile(other, 10) > 0.5)
-
-
-formats.register(FrameWxyz())

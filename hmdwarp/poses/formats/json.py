@@ -7,6 +7,7 @@ from ..reading.file_head import Head
 from . import TraceFormat, formats
 
 
+@formats.register
 class Json(TraceFormat):
     """Records with named parts; names are those that column headers have."""
 
@@ -15,6 +16,3 @@ class Json(TraceFormat):
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         return 20 if head.source.kind == self.name and head.names is not None else 0
-
-
-formats.register(Json())

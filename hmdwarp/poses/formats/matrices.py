@@ -15,6 +15,7 @@ from . import TraceFormat, formats, of_matrix
 _CLOCKED = 0.9  # share of the steps in which a clock rises
 
 
+@formats.register
 class Matrices(TraceFormat):
     """Matrices of 3x4 or 4x4, by rows as KITTI's odometry, or by columns as WebXR, glm and ARKit.
 
@@ -60,6 +61,3 @@ def _rises(head: Head, column: int) -> bool:
     numbers = head.numbers((column,))[:, 0]
     steps = numbers[1:] - numbers[:-1]
     return len(steps) == 0 or float((steps > 0).mean()) > _CLOCKED
-
-
-formats.register(Matrices())

@@ -83,6 +83,7 @@ class PoseMessages:
         self._writer.finish()
 
 
+@formats.register
 class Mcap(TraceFormat):
     """Recordings of ROS 2 and Foxglove.
 
@@ -125,6 +126,3 @@ class Mcap(TraceFormat):
         for time_ns, p, q in zip(times.tolist(), position.tolist(), turned.tolist(), strict=True):
             messages.add(time_ns, dict(zip("xyz", p, strict=True)), dict(zip("xyzw", q, strict=True)))
         messages.close()
-
-
-formats.register(Mcap())

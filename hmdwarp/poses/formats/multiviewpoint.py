@@ -17,6 +17,7 @@ from . import TraceFormat, formats, has
 AXES = "ros"
 
 
+@formats.register
 class MultiViewpoint(TraceFormat):
     """The quaternion files of the set.
 
@@ -36,6 +37,3 @@ class MultiViewpoint(TraceFormat):
                 "read the twin of this file that holds quaternions"
             )
         return super().layout(head, options)
-
-
-formats.register(MultiViewpoint())

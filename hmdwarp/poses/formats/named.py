@@ -7,6 +7,7 @@ from ..reading.file_head import Head
 from . import TraceFormat, formats
 
 
+@formats.register
 class Named(TraceFormat):
     """Common headers: qx..qw, QuaternionX..W, HeadOrientationW..Z, w x y z, head_rot_x..w."""
 
@@ -15,6 +16,3 @@ class Named(TraceFormat):
 
     def sniff(self, head: Head, options: TraceOptions) -> int:
         return 10 if head.names is not None else 0
-
-
-formats.register(Named())

@@ -16,6 +16,7 @@ TITLE = "hmdwarp head trace"
 AXES = "world_from_head in OpenXR axes: right-handed, +x right, +y up, -z forward, metres; quaternion x y z w"
 
 
+@formats.register
 class Native(TraceFormat):
     name = "native"
     summary = "time_ns,x_m,y_m,z_m,qx,qy,qz,qw[,gaze_x,gaze_y,gaze_z]; comment header with origin; OpenXR axes"
@@ -26,9 +27,6 @@ class Native(TraceFormat):
 
     def write(self, track: PoseTrack, stream: IO[str]) -> None:
         write_native(track, stream)
-
-
-formats.register(Native())
 
 
 def write_native(track: PoseTrack, stream: IO[str], decimals: tuple[int, int] | None = None) -> None:

@@ -9,6 +9,7 @@ from ..reading.file_head import Head
 from . import TraceFormat, formats
 
 
+@formats.register
 class Ros2Csv(TraceFormat):
     """Poses, transforms and odometry of a bag, as exporters write them.
 
@@ -23,6 +24,3 @@ class Ros2Csv(TraceFormat):
         if head.names is None or find_columns(head.names).nanoseconds is None:
             return 0
         return 50 if any("header" in name.lower() for name in head.names) else 0
-
-
-formats.register(Ros2Csv())

@@ -1,11 +1,10 @@
 """Bags of ROS 1 (.bag) and of ROS 2 in SQLite (.db3): poses, transforms, odometry."""
 
-from __future__ import annotations
-
 from . import TraceFormat, formats
 from .mcap import Mcap
 
 
+@formats.register
 class RosBag(Mcap):
     """Recordings of ROS; those of ROS 2 in MCAP are of format mcap.
 
@@ -17,6 +16,3 @@ class RosBag(Mcap):
     file = "bag of ROS"
     writes = binary = False
     write = TraceFormat.write
-
-
-formats.register(RosBag())

@@ -11,6 +11,7 @@ from ..reading.file_head import Head
 from . import TraceFormat, formats, unnamed_layout
 
 
+@formats.register
 class Ticks(TraceFormat):
     """Source: System.DateTime.Ticks (ECMA-335) and FILETIME, both counts of 100 ns."""
 
@@ -31,6 +32,3 @@ class Ticks(TraceFormat):
         if head.names is not None:
             return super().layout(head, options)
         return unnamed_layout(head, options, self.name, "xyzw", "100ns")
-
-
-formats.register(Ticks())

@@ -15,6 +15,7 @@ from ..track import PoseTrack
 from . import TraceFormat, formats, numbers_alone, write_rows
 
 
+@formats.register
 class Tum(TraceFormat):
     """TUM RGB-D trajectories.
 
@@ -41,6 +42,3 @@ class Tum(TraceFormat):
 def _seconds(time_ns: int) -> str:
     sign, time_ns = ("-", -time_ns) if time_ns < 0 else ("", time_ns)
     return f"{sign}{time_ns // 1_000_000_000}.{time_ns % 1_000_000_000:09d}"
-
-
-formats.register(Tum())

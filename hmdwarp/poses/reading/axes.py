@@ -151,7 +151,10 @@ def parse_up(text: str) -> Axes:
         return parse_axes(_LIFTS[text])
     fields = [f.strip() for f in text.split(",")]
     if len(fields) != 3:
-        raise _no_up(text)
+        raise InputError(
+            f"--up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
+            "(0.04,0.95,0.3)"
+        )
     try:
         direction = np.array([float(f) for f in fields])
     except ValueError:
@@ -191,13 +194,6 @@ def axis_word(direction: NDArray[np.float64]) -> str:
     """Return the axis that a direction (3,) points along most, for instance "-z"."""
     k = int(np.abs(direction).argmax())
     return ("-" if direction[k] < 0 else "") + "xyz"[k]
-
-
-def _no_up(text: str) -> InputError:
-    return InputError(
-        f"--up '{text}': expected an axis (y, z, -z, x ...), three as right,up,forward (x,z,y), or three numbers "
-        "(0.04,0.95,0.3)"
-    )
 
 
 def upright(up: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -30,14 +30,9 @@ class FeedOptions(Declared):
         study=_STUDY,
     )
     server_key: Path | None = option(
-        None,
-        "Public key of the server at --connect, its NAME.key; encrypts both ways.",
-        kind=Path,
-        study=_STUDY,
+        None, "Public key of the server at --connect, its NAME.key; encrypts both ways.", study=_STUDY
     )
-    token_file: Path | None = option(
-        None, "File with the secret that the server at --connect requires.", kind=Path, study=_STUDY
-    )
+    token_file: Path | None = option(None, "File with the secret that the server at --connect requires.", study=_STUDY)
 
     raw: str = option(
         FULL,
@@ -53,7 +48,6 @@ class FeedOptions(Declared):
         "Milliseconds of emulated latency behind the network to the server at --connect; --jitter, --delay-trace, "
         "--loss and --bandwidth are emulated there too.",
         name="added_latency",
-        unit="ms",
         valid=Number(),
         study=_STUDY,
     )

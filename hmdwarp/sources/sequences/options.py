@@ -50,7 +50,6 @@ class SequenceOptions(Declared):
     intrinsics: sequences.Camera | None = option(
         None,
         "Intrinsics of the recorded frames, FX,FY,CX,CY in pixels; a negative FY where the camera's y points up.",
-        kind=str,
         metavar="FX,FY,CX,CY",
         parse=_camera,
         study=DISPLAY,
@@ -59,7 +58,6 @@ class SequenceOptions(Declared):
     depth_scale: float | None = option(
         None,
         "Metres per unit of the recorded depth: 0.001 for millimetres, 0.0002 for TUM RGB-D.",
-        kind=float,
         valid=Number(most=1.0, above=True),
         study=DISPLAY,
     )
@@ -72,8 +70,6 @@ class SequenceOptions(Declared):
     frames_rate_hz: float | None = option(
         None,
         f"Recorded frames per second, where the files have no clock; by default {RATE_HZ:g}.",
-        kind=float,
-        unit="Hz",
         name="frames_rate",
         valid=Number(least=1e-3, most=1e4),
         study=DISPLAY,
@@ -102,7 +98,6 @@ class SequenceOptions(Declared):
     hidden: Path | None = option(
         None,
         f"Picture of what a lens hides of recorded frames: black there; by default {MASK} beside them.",
-        kind=Path,
         study=DISPLAY,
     )
 
@@ -110,5 +105,5 @@ class SequenceOptions(Declared):
         """Raise InputError for the first that is stated, where there are no recorded frames."""
         for field in attrs.fields(type(self)):
             if getattr(self, field.name) != field.default:
-                flag = option_of(field).named(field.name).flag
+                flag = option_of(field).flag
                 raise InputError(f"{flag}: it states how recorded frames are read; it is for --frames")

@@ -176,7 +176,9 @@ class VideoPictures:
 
         try:
             if number < self._next or self._next == 0:
-                self._go_back(av, number)
+                # Begin at a picture that was decoded before, else with the first.
+                instant = self._instants[number] if number < len(self._instants) else None
+                self._next, self._pictures = (0 if instant is None else number), self._from(av, instant)
             for picture in self._pictures:
                 if self._next == len(self._instants):
                     self._instants.append(picture.pts)
@@ -189,11 +191,6 @@ class VideoPictures:
         except (OSError, av.FFmpegError) as error:
             raise InputError(f"{self.path}: not a video that can be read ({error})") from error
         raise InputError(f"{self.path}: {self._next} pictures; expected picture {number}, counted from 0")
-
-    def _go_back(self, av: Any, number: int) -> None:
-        """Begin at a picture that was decoded before, else with the first."""
-        instant = self._instants[number] if number < len(self._instants) else None
-        self._next, self._pictures = (0 if instant is None else number), self._from(av, instant)
 
     def _from(self, av: Any, instant: int | None) -> Iterator[Any]:
         """Yield the pictures from an instant of the stream's clock on; None for all."""

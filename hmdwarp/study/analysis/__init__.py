@@ -1,8 +1,1 @@
-"""Analysis of ratings: tests, intervals, order effects, copied rows, published figures.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Analysis of ratings: tests, intervals, order effects, copied rows, published figures."""

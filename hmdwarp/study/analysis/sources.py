@@ -12,7 +12,8 @@ import attrs
 from ...errors import InputError
 from ...report import counted
 from ..design import ONLY_PART, SHIPPED, Ask, Design, Show, every_scale, load_design
-from ..export import SessionData, declined, long_rows, no_sessions, of_origin, sessions_of, unconsented
+from ..export.export_rows import SessionData, declined, long_rows, of_origin, sessions_of, unconsented
+from ..export.write import no_sessions
 from ..scales import PREFERENCE, RATING
 from ..store import (
     COMPLETE,

@@ -1,8 +1,1 @@
-"""Experimenter's console: shows how the session goes, and sends the experimenter's commands.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Experimenter's console: shows how the session goes, and sends the experimenter's commands."""

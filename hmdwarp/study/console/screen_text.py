@@ -73,7 +73,10 @@ class KeyEntry:
         if self.mode == "help":
             return self._first(key, state)
         if self.mode in CONFIRMATIONS:
-            return self._confirm(key, state)
+            name = self.mode
+            confirmed = key.lower() in CONFIRMED_BY[name]
+            self._back(DONE[name] if confirmed else "not done")
+            return (name, None, subject_of(state)) if confirmed else None
         if key == "enter" or (self.mode == "sure" and key == "y"):
             return self._send(state)
         self._edit(key)
@@ -170,12 +173,6 @@ class KeyEntry:
             return None
         self._back(f"{_answer_text(value)} is the answer")
         return "answer", value, subject_of(state)
-
-    def _confirm(self, key: str, state: ConsoleState) -> Entered | None:
-        name = self.mode
-        confirmed = key.lower() in CONFIRMED_BY[name]
-        self._back(DONE[name] if confirmed else "not done")
-        return (name, None, subject_of(state)) if confirmed else None
 
     def _back(self, note: str) -> None:
         self.mode, self.text, self._subject = "keys", "", None

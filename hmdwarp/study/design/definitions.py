@@ -13,7 +13,7 @@ import attrs
 from ...display.desktop import window_view
 from ...errors import InputError
 from ...headsets import FILE_ENDINGS as HEADSET_FILES
-from ...headsets import Headset, load_headset
+from ...headsets import load_headset
 from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
 from ...options import keep_inside, options_of, quoted
@@ -217,19 +217,16 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
     """
     options = live_options(settings)
     if not options.source_kind.has_head:  # the sizes of recorded frames are known once they are opened
-        _check_guard(options, load_headset(options.headset))
+        headset = load_headset(options.headset)
+        width, height = guarded_size(options.guard_band, headset, options.size or headset.eye_size_px)
+        if max(width, height) > _MOST_PIXELS:
+            found = f"{options.guard_band} makes frames of {width}x{height} pixels"
+            raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
     eyes = window_view(options.view, source.headset, options.size).eyes
     screen = EmulatedScreen(source.headset, eyes)
     RunSetup.of(on_screen(source.fitted(options), screen), source, screen)
     return options
-
-
-def _check_guard(options: LiveOptions, headset: Headset) -> None:
-    width, height = guarded_size(options.guard_band, headset, options.size or headset.eye_size_px)
-    if max(width, height) > _MOST_PIXELS:
-        found = f"{options.guard_band} makes frames of {width}x{height} pixels"
-        raise InputError(f"{found}: expected at most {_MOST_PIXELS} on each side, as most GPUs have it")
 
 
 def resolve_paths(folder: Path, settings: Mapping[str, object], others: Sequence[str] = ()) -> dict[str, object]:

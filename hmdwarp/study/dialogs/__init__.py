@@ -1,8 +1,1 @@
-"""Dialogs of the participant, shown as panels: questions, consent, breaks and the menu.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Dialogs of the participant, shown as panels: questions, consent, breaks and the menu."""

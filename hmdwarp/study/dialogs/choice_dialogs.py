@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 from ...display import Command
-from ..console import Question
+from ..console.line_console import Question
 from ..design import Ask
 from .buttons import KEYS, PAD, TEXT, WIDTH, Choices, InputHints, picking_hint, wrapped
 from .dialog_panels import MessagePanel, heading_of, message_panel

@@ -8,7 +8,7 @@ from decimal import Decimal
 from typing import Any
 
 from ...display import Command
-from ..console import Question
+from ..console.line_console import Question
 from ..design import Ask
 from ..scales import CHOICE, Scale, number_text, range_text
 from .buttons import KEYS, InputHints
@@ -88,7 +88,9 @@ class QuestionDialog:
         self.skipped = False  # whether it is over without an answer; `value` is None then
         self._now_s, self._hints = now_s, hints
         self._scale = ask.scale.of(ask.item)
-        self._form = _form_of(ask)
+        scale = ask.scale.of(ask.item)
+        anchors = sorted((float(value), words) for value, words in scale.anchors.items())
+        self._form = ScaleForm(scale.least, scale.most, scale.step, tuple(anchors), listed=ask.item.answer == CHOICE)
         self._heading = heading_of(ask, again)
         self._skipping = False
         self._typed = ""
@@ -227,9 +229,3 @@ class QuestionDialog:
 
     def _say(self, note: str) -> None:
         self._note, self._note_until_s = note, self._now_s() + NOTED_S
-
-
-def _form_of(ask: Ask) -> ScaleForm:
-    scale = ask.scale.of(ask.item)
-    anchors = sorted((float(value), words) for value, words in scale.anchors.items())
-    return ScaleForm(scale.least, scale.most, scale.step, tuple(anchors), listed=ask.item.answer == CHOICE)

@@ -155,7 +155,9 @@ Tally = dict[str, NDArray[np.int64]]
 def tally_of(simulation: Simulation, studies: range, progress: Progress = lambda done, total: None) -> Tally:
     """Simulate these studies and return the counts. Errors: InputError."""
     populations, people = simulation.populations(), range(max(simulation.ns))
-    tally = _zeros(simulation)
+    ns, each = len(simulation.ns), (len(simulation.ns), len(simulation.comparisons))
+    shapes = {"found": each, "unlimited": each, "pairs": each, "all_found": (ns,), "complete": (ns,)}
+    tally = {name: np.zeros(shapes.get(name, ()), np.int64) for name in (*shapes, "studies", "people", "finished")}
     for done, study in enumerate(studies, 1):
         cohorts = {part: population.of(people, simulation.seed, study) for part, population in populations.items()}
         for k in range(len(simulation.ns)):
@@ -246,12 +248,6 @@ def significant(design: Design, found: dict[Comparison, Floats], alpha: float) -
         for comparison, p in zip(family.comparisons, adjusted, strict=True):
             out[comparison] &= p <= alpha
     return out
-
-
-def _zeros(simulation: Simulation) -> Tally:
-    ns, each = len(simulation.ns), (len(simulation.ns), len(simulation.comparisons))
-    shapes = {"found": each, "unlimited": each, "pairs": each, "all_found": (ns,), "complete": (ns,)}
-    return {name: np.zeros(shapes.get(name, ()), np.int64) for name in (*shapes, "studies", "people", "finished")}
 
 
 def _count(tally: Tally, k: int, simulation: Simulation, cohorts: dict[str, Cohort]) -> None:

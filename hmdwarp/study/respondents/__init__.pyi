@@ -1,16 +1,9 @@
 from .response_model import Floats as Floats
 from .response_model import Model as Model
 from .response_model import RatingModel as RatingModel
-from .response_model import SicknessModel as SicknessModel
-from .response_model import draw_for as draw_for
 from .response_model import load_model as load_model
-from .response_model import model_from_text as model_from_text
 from .response_model import model_names as model_names
-from .response_model import normal as normal
-from .response_model import of_share as of_share
-from .response_model import on_scale as on_scale
 from .response_model import person_of as person_of
-from .response_model import table_of as table_of
 from .simulated import Cohort as Cohort
 from .simulated import NoRespondent as NoRespondent
 from .simulated import Population as Population

@@ -1,8 +1,1 @@
-"""Session: the steps of a study on the live loop, each stored before the next thing happens.
-
-Names are in __init__.pyi; each loads its module at first use.
-"""
-
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+"""Session: the steps of a study on the live loop, each stored before the next thing happens."""

@@ -17,9 +17,10 @@ from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
-from ..console import Console, make_console
+from ..console.line_console import Console
+from ..console.terminal_console import make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
-from ..dialogs import CONTROLS, hints_for
+from ..dialogs.buttons import CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
 from .runner import Interrupted, SessionRunner

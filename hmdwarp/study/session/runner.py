@@ -12,7 +12,8 @@ import attrs
 from ...display import Closed
 from ...run import Driver, Ending, check_received
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
-from ..dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, InputHints
+from ..dialogs.buttons import InputHints
+from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP
 from ..store import COMPLETE, DECLINED, SICK, STOPPED, Answer, Showing
 from .session_context import PAUSE, SessionContext
 from .step_handlers import (
@@ -333,7 +334,9 @@ class SessionRunner:
             return
         try:
             while why := self._why_sick():
-                self._tell_sick(why)
+                self.context.record(STOP_RULE, Read(STOP_RULE, ""), why=why)
+                self.context.say(f"the stop rule: {why}")
+                self.why = why
                 panel = sick_panel(bool(self._after()), self.hints)
                 handler = ConfirmHandler(self.context, Read(STOP_RULE, ""), panel)
                 self._drive(handler)
@@ -349,11 +352,6 @@ class SessionRunner:
 
     def _why_sick(self) -> str:
         return why_sick(self.context.design.sickness, self.context.store.answers(self.context.session))
-
-    def _tell_sick(self, why: str) -> None:
-        self.context.record(STOP_RULE, Read(STOP_RULE, ""), why=why)
-        self.context.say(f"the stop rule: {why}")
-        self.why = why
 
     def _after(self) -> list[Step]:
         return [step for step in self._undone() if isinstance(step, Ask) and step.phase == "after"]

@@ -12,7 +12,7 @@ from ...display import Command, Display, Status
 from ...geometry import Pose
 from ...poses import Origin, PoseSample
 from ...run import Markers, NoMarkers
-from ..console import Console, ConsoleState
+from ..console.line_console import Console, ConsoleState
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Design, Show, Step
 from ..respondents import Respondent

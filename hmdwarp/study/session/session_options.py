@@ -10,7 +10,7 @@ import attrs
 from ...errors import InputError
 from ...options import Declared, one_of, option, same_as
 from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES, LiveOptions
-from ..console import KINDS as CONSOLES
+from ..console.line_console import KINDS as CONSOLES
 from ..store import PERSON, PILOT, SIMULATED
 
 
@@ -34,7 +34,6 @@ class SessionOptions(Declared):
     store: Path | None = option(
         None,
         "Folder for the data; by default STUDY-data beside the file, STUDY-pilot-data, STUDY-simulated-data.",
-        kind=Path,
         convert=attrs.converters.optional(Path),
     )
     console: str = option(

@@ -9,16 +9,10 @@ from ...display import Command, Label
 from ...pipeline import Refresh
 from ...run import FrameHandler
 from ..design import Ask, PageStep, Pause, Read, Step
-from ..dialogs import (
-    BreakDialog,
-    ConsentDialog,
-    MenuDialog,
-    MessagePanel,
-    PageDialog,
-    QuestionDialog,
-    TextDialog,
-    hints_for,
-)
+from ..dialogs.buttons import hints_for
+from ..dialogs.choice_dialogs import BreakDialog, ConsentDialog, MenuDialog, PageDialog, TextDialog
+from ..dialogs.dialog_panels import MessagePanel
+from ..dialogs.question_dialog import QuestionDialog
 from ..scales import WORDS
 from .session_context import BREAK, INTERRUPTS, PARTICIPANT, REMARK, STOP, SessionContext
 

@@ -17,7 +17,7 @@ from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Rec
 from ...scenes import ACTIONS, InputBook, with_targets
 from ..actual import actual_of
 from ..design import Show
-from ..dialogs import hints_for
+from ..dialogs.buttons import hints_for
 from ..store import Showing
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler

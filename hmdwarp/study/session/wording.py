@@ -19,7 +19,8 @@ from ...report import counted
 from ...run import Recorder
 from ...scenes import scenes
 from ..design import Ask, Design, Page, PageStep, Pause, Read, Show, Step
-from ..dialogs import InputHints, MessagePanel, message_panel, trial_panel
+from ..dialogs.buttons import InputHints
+from ..dialogs.dialog_panels import MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
 from .session_options import SessionOptions
 

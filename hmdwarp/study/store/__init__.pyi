@@ -20,6 +20,4 @@ from .records import Contents as Contents
 from .records import Session as Session
 from .records import Showing as Showing
 from .recovery import recover as recover
-from .signature import plan_signature as plan_signature
-from .signature import signature_changes as signature_changes
 from .store import Store as Store

@@ -10,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.sweep import SweepOptions
+from hmdwarp.experiments.sweep.options import SweepOptions
 from hmdwarp.resources import folder
 
 TINY = BenchOptions(

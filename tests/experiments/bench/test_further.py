@@ -10,7 +10,7 @@ from recorded_folders import taken, write_npz
 
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.bench import BenchOptions
-from hmdwarp.experiments.bench.further import Recipe, about_sequence, further, recipes
+from hmdwarp.experiments.bench.bench_run import Recipe, about_sequence, further, recipes
 from hmdwarp.experiments.bench.suites import suites
 from hmdwarp.options.identity import hash_of_files
 from hmdwarp.sources import sequences

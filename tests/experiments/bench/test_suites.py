@@ -12,7 +12,7 @@ from hmdwarp.experiments.bench import BenchOptions
 from hmdwarp.experiments.bench.suite_means import Clusters, clustered_interval, over_all, ranks_of, suite_entry
 from hmdwarp.experiments.bench.suites import cost_text, half_of, halves, suites
 from hmdwarp.poses import KINDS
-from hmdwarp.report.bench import render_bench_page
+from hmdwarp.report.bench.page import render_bench_page
 from hmdwarp.resources import recording_names
 
 T_OF_2 = 4.302653  # Student's t, 97.5 %

@@ -21,7 +21,8 @@ from pathlib import Path
 import attrs
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.experiments.sweep import Result, SweepCase, SweepOptions, Swept, run_cases
+from hmdwarp.experiments.sweep import Result, SweepCase, Swept, run_cases
+from hmdwarp.experiments.sweep.options import SweepOptions
 
 SECONDS = 0.02
 

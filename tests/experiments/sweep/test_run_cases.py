@@ -7,7 +7,7 @@ from collections import Counter
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.experiments.sweep import SweepOptions
+from hmdwarp.experiments.sweep.options import SweepOptions
 from hmdwarp.options.identity import identity_of
 
 from .cheap import sweep

@@ -8,8 +8,8 @@ import pytest
 
 from hmdwarp.client import parse_fills, parse_warp
 from hmdwarp.errors import UnknownNameError
-from hmdwarp.experiments.thesis import PictureRun, experiments, experiments_named
-from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S, is_quick
+from hmdwarp.experiments.thesis.experiment import experiments, experiments_named
+from hmdwarp.experiments.thesis.run_kinds import SPEEDS_DEG_S, SPEEDS_M_S, PictureRun, is_quick
 from hmdwarp.poses import GLIDES
 from hmdwarp.scenes import scenes
 

@@ -8,23 +8,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.experiments.thesis import (
+from hmdwarp.experiments.thesis.experiment import experiments, experiments_named
+from hmdwarp.experiments.thesis.run_figures import Thoroughness, beyond
+from hmdwarp.experiments.thesis.run_kinds import (
     Finding,
     Motion,
     PictureRun,
     Rule,
-    Thoroughness,
     Verdict,
-    cases_of,
-    experiments,
-    experiments_named,
+    number_of,
     settings_text,
     share_text,
     verdict_of,
 )
-from hmdwarp.experiments.thesis.run_figures import beyond
-from hmdwarp.experiments.thesis.run_kinds import number_of
-from hmdwarp.experiments.thesis.thesis_run import csv_rows, figures_by_run, judge
+from hmdwarp.experiments.thesis.thesis_run import cases_of, csv_rows, figures_by_run, judge
 from hmdwarp.report import summary_markdown
 
 NUMBERS = st.floats(-1e6, 1e6)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo
+from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo
 from hmdwarp.study.design import SHIPPED
 from hmdwarp.study.scales import load_scale
 
@@ -43,7 +43,7 @@ def in_order(
 
     Effect per trial, carry times what the condition before is worth.
     """
-    from hmdwarp.study.design import williams
+    from hmdwarp.study.design.orders import williams
 
     random, rows = np.random.default_rng(seed), []
     square = williams(4)

@@ -18,7 +18,8 @@ from commands import hmdwarp
 
 from hmdwarp.errors import MachineError
 from hmdwarp.resources import import_extra
-from hmdwarp.study.analysis import analyse, analysis_folder, from_csv, write_analysis
+from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
+from hmdwarp.study.analysis.table_ratings import from_csv
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 

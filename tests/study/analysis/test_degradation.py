@@ -8,10 +8,14 @@ from scipy import stats
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis import analyse, condition_rows, from_contents
-from hmdwarp.study.design import Ask, Show, design_from_text, session_phases, steps_of
-from hmdwarp.study.export import long_rows
-from hmdwarp.study.respondents import Simulated, load_model, model_from_text, person_of
+from hmdwarp.study.analysis.descriptives import condition_rows
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
+from hmdwarp.study.design.outline import session_phases
+from hmdwarp.study.export.export_rows import long_rows
+from hmdwarp.study.respondents import Simulated, load_model, person_of
+from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.store import COMPLETE, SIMULATED, Store
 
 from ..made_up import simulate_study

@@ -10,7 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis import SourceOptions, analyse, families_for, from_csv
+from hmdwarp.study.analysis.comparisons import families_for
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
 
 from .tables import PUBLISHED, written
 

@@ -14,9 +14,12 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis import SourceOptions, analyse, from_contents, from_csv
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
-from hmdwarp.study.export import ExportOptions, declined, export
+from hmdwarp.study.export.export_rows import declined
+from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.scales import FOLDER as SCALES
 from hmdwarp.study.scales import load_scale, scored
 from hmdwarp.study.store import DECLINED, PERSON, PILOT, SIMULATED, Store

@@ -9,10 +9,15 @@ import pytest
 from scipy import stats
 
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis import Preference, Ratings, Resampling, analyse, from_contents, preference_results
+from hmdwarp.study.analysis.comparisons import Resampling
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.preferences import preference_results
+from hmdwarp.study.analysis.ratings import Preference, Ratings
+from hmdwarp.study.analysis.sources import from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, pair_of, steps_of
-from hmdwarp.study.export import ExportOptions, export
-from hmdwarp.study.respondents import Population, Simulated, load_model, model_from_text, person_of
+from hmdwarp.study.export.write import ExportOptions, export
+from hmdwarp.study.respondents import Population, Simulated, load_model, person_of
+from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.scales import NEITHER
 from hmdwarp.study.statistics import JOD_SPREAD
 from hmdwarp.study.store import COMPLETE, SIMULATED, Store

@@ -12,7 +12,10 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.report import p_text, signed
-from hmdwarp.study.analysis import Resampling, SourceOptions, analyse, claims_for, from_csv, load_claims, ratings_from
+from hmdwarp.study.analysis.comparisons import Resampling, load_claims
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.sources import claims_for, ratings_from
+from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
 from hmdwarp.study.design import SHIPPED
 
 from .tables import PUBLISHED

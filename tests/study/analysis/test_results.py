@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import comparison_lines, render_study_report
-from hmdwarp.study.analysis import Rating, Ratings, ScaleInfo, analyse, copied_rows, load_claims, order_effects
-from hmdwarp.study.analysis.full_analysis import sentence_of_copied, sentence_of_reference, sentences_of_order
+from hmdwarp.study.analysis.comparisons import load_claims
+from hmdwarp.study.analysis.descriptives import order_effects
+from hmdwarp.study.analysis.full_analysis import analyse, sentence_of_copied, sentence_of_reference, sentences_of_order
+from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo, copied_rows
 from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of

@@ -18,7 +18,8 @@ from pathlib import Path
 
 import attrs
 
-from hmdwarp.study.console import ConsoleState, Question, make_console
+from hmdwarp.study.console.line_console import ConsoleState, Question
+from hmdwarp.study.console.terminal_console import make_console
 
 GRADE = Question(
     "How good was the picture?", 1.0, 6.0, 0.25,

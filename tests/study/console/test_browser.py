@@ -27,7 +27,7 @@ pytest.importorskip("aiohttp", reason="textual-serve brings aiohttp")
 import aiohttp
 
 from hmdwarp.errors import MachineError
-from hmdwarp.study.console import make_console
+from hmdwarp.study.console.terminal_console import make_console
 
 from .played import HEADING
 from .terminals import PLAYED, ROOT

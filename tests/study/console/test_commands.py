@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.study.console import ConsoleState, KeyEntry, checked_answer, clock, parse_line, subject_of
+from hmdwarp.study.console.line_console import ConsoleState, checked_answer, clock, parse_line, subject_of
+from hmdwarp.study.console.screen_text import KeyEntry
 
 from .played import ASKING, GRADE, SHOWING, SICK, STATES
 

@@ -12,7 +12,8 @@ import attrs
 import pytest
 
 from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study.console import ConsoleState, LineConsole, make_console, news, subject_of
+from hmdwarp.study.console.line_console import ConsoleState, LineConsole, news, subject_of
+from hmdwarp.study.console.terminal_console import make_console
 
 from .played import ASKING, GRADE, SHOWING, STATES
 

@@ -8,18 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from hmdwarp.study.console import (
-    HINTS,
-    ConsoleState,
-    KeyEntry,
-    Question,
-    Scene,
-    end_of,
-    gauge,
-    keys_now,
-    plain,
-    scale_line,
-)
+from hmdwarp.study.console.line_console import ConsoleState, Question
+from hmdwarp.study.console.screen_text import HINTS, KeyEntry, Scene, end_of, gauge, keys_now, plain, scale_line
 
 from .played import ASKING, GRADE, SHOWING, SICK, STATES
 

@@ -18,7 +18,10 @@ pytest.importorskip("textual", reason="the experimenter's console needs textual:
 pytest.importorskip("pexpect", reason="these tests drive a pseudo-terminal by pexpect")
 pytest.importorskip("pyte", reason="these tests read a screen by pyte")
 
-from hmdwarp.study.console import HELP, MessageSocket, TerminalConsole, subject_of
+from hmdwarp.study.console.line_console import subject_of
+from hmdwarp.study.console.message_socket import MessageSocket
+from hmdwarp.study.console.screen_text import HELP
+from hmdwarp.study.console.terminal_console import TerminalConsole
 
 from .played import ASKING, STATES
 from .terminals import Terminal, played, played_by_a_shell

@@ -11,18 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.design import (
-    FIXED,
-    RANDOM,
-    RANDOM_ROWS,
-    WILLIAMS,
-    Condition,
-    Design,
-    Part,
-    allot,
-    rows_for,
-    williams,
-)
+from hmdwarp.study.design import Condition, Design, Part, allot, rows_for
+from hmdwarp.study.design.definitions import FIXED, RANDOM, WILLIAMS
+from hmdwarp.study.design.orders import RANDOM_ROWS, williams
 
 
 def design(count: int, *, order: str = WILLIAMS, repeats: int = 1, seed: int = 0, part: str = "p") -> Design:

@@ -10,17 +10,15 @@ from hmdwarp.study.design import (
     Ask,
     Pause,
     Show,
-    balance,
     design_as_json,
     design_from_text,
-    least_participants,
     load_design,
     notes,
-    presented,
     rows_for,
-    session_phases,
     steps_of,
 )
+from hmdwarp.study.design.orders import presented
+from hmdwarp.study.design.outline import balance, least_participants, session_phases
 from hmdwarp.study.statistics import smallest_p
 
 from .plans import WHOLE

@@ -14,19 +14,17 @@ from hmdwarp.study.design import (
     Ask,
     Show,
     adaptive_order,
-    balance,
     design_from_text,
     draw,
-    every_pair,
     notes,
     pair_of,
-    presented,
     rows_for,
-    session_phases,
     steps_of,
     tables_of,
     trials_of,
 )
+from hmdwarp.study.design.orders import every_pair, presented
+from hmdwarp.study.design.outline import balance, session_phases
 from hmdwarp.study.scales import FIRST, NEITHER, SECOND
 from hmdwarp.study.statistics import JOD_SPREAD, jod_scores
 

@@ -12,11 +12,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.study.design import (
-    BOTH,
-    FIXED,
     UNBLINDED,
-    WILLIAMS,
-    Breaks,
     Comparison,
     Design,
     design_from_text,
@@ -25,6 +21,7 @@ from hmdwarp.study.design import (
     steps_of,
     study_names,
 )
+from hmdwarp.study.design.definitions import BOTH, FIXED, WILLIAMS, Breaks
 
 from ..analysis.tables import PUBLISHED
 from .plans import WHOLE, line_of

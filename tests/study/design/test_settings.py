@@ -13,8 +13,8 @@ from hmdwarp.cli import runs as live_command
 from hmdwarp.errors import InputError
 from hmdwarp.options.named_files import OUTSIDE
 from hmdwarp.run import LiveOptions
-from hmdwarp.study.design import DISPLAY, KINDS, SettingFault, check_settings, live_options, resolve_paths
-from hmdwarp.study.design.definitions import _NOT_SETTINGS, PICTURE
+from hmdwarp.study.design import DISPLAY, KINDS, live_options
+from hmdwarp.study.design.definitions import _NOT_SETTINGS, PICTURE, SettingFault, check_settings, resolve_paths
 
 
 def test_every_option_of_live_is_a_setting_or_says_why_not():

@@ -10,7 +10,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.study.dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP, BreakDialog, ConsentDialog, MenuDialog
+from hmdwarp.study.dialogs.choice_dialogs import (
+    AGAIN,
+    BREAK,
+    CONTINUE,
+    SKIP,
+    STOP,
+    BreakDialog,
+    ConsentDialog,
+    MenuDialog,
+)
 
 from .made_scales import said
 

@@ -17,24 +17,16 @@ from hmdwarp.display.desktop import window_view
 from hmdwarp.display.present import KEPT
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
-from hmdwarp.study.dialogs import (
-    CONTROLLERS,
-    KEYS,
-    PAD,
-    TEXT,
-    WIDTH,
-    ConsentDialog,
+from hmdwarp.study.dialogs.buttons import CONTROLLERS, KEYS, PAD, TEXT, WIDTH, Button, Canvas, width_of, wrapped
+from hmdwarp.study.dialogs.choice_dialogs import ConsentDialog, MenuDialog
+from hmdwarp.study.dialogs.dialog_panels import (
     LineLayout,
-    MenuDialog,
     QuestionPanel,
     ScaleForm,
     layout_of,
     message_panel,
     trial_panel,
-    width_of,
-    wrapped,
 )
-from hmdwarp.study.dialogs.buttons import Button, Canvas
 
 from .made_scales import SHIPPED, any_scale, asked_of, said
 

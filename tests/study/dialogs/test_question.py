@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs import CONTROLLERS, QuestionDialog
+from hmdwarp.study.dialogs.buttons import CONTROLLERS
+from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import load_scale, number_text
 
 from .made_scales import SHIPPED, any_scale, asked_of, said

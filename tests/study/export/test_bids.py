@@ -14,7 +14,8 @@ import pytest
 
 from hmdwarp.poses import load_trace
 from hmdwarp.study.design import Show, steps_of
-from hmdwarp.study.export import CHANNELS, Rates, TrackingSystem, export, motion_text
+from hmdwarp.study.export.bids import CHANNELS, Rates, TrackingSystem, motion_text
+from hmdwarp.study.export.write import export
 from hmdwarp.study.store import PERSON, Store
 
 from .conftest import Day, write_trace

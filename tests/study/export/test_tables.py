@@ -15,23 +15,21 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.report import inert_text, raw_text
-from hmdwarp.study.analysis import from_csv
+from hmdwarp.study.analysis.table_ratings import from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
-from hmdwarp.study.export import (
+from hmdwarp.study.export.export_rows import answer_rows, long_rows
+from hmdwarp.study.export.table_columns import (
     COLUMNS,
     FLAG,
     INTEGER,
     LONG_COLUMNS,
     NUMBER,
-    ExportOptions,
-    answer_rows,
     columns_for,
     csv_text,
-    export,
     field_text,
-    long_rows,
     tsv_text,
 )
+from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.store import PILOT, SIMULATED, Store
 
 from ..made_up import LATE_OR_WARPED as TEXT
@@ -196,7 +194,7 @@ def test_the_block_of_a_trial_changes_at_each_planned_break(tmp_path):
 def test_only_the_name_of_a_file_is_exported(tmp_path):
     (tmp_path / "delays.csv").write_text("delay_ms\n100\n", encoding="utf-8")
     text = TEXT.replace('scene = "planes"', f'scene = "planes"\ndelay_trace = "{tmp_path}/delays.csv"')
-    from hmdwarp.study.export import settings_row
+    from hmdwarp.study.export.export_rows import settings_row
 
     row = settings_row(design_from_text(text, str(tmp_path / "s.toml"), checked=False).parts[0].conditions[0].settings)
     assert row["delay_trace"] == "delays.csv"

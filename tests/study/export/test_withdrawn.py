@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
-from hmdwarp.study.export import ExportOptions, export, field_text
+from hmdwarp.study.export.table_columns import field_text
+from hmdwarp.study.export.write import ExportOptions, export
 
 
 def bytes_of(folder):

@@ -11,9 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.study.design import Ask, Show, Sickness, load_design, steps_of
-from hmdwarp.study.respondents import Population, RatingModel, SicknessModel, Simulated, load_model
+from hmdwarp.study.respondents import Population, RatingModel, Simulated, load_model
+from hmdwarp.study.respondents.response_model import SicknessModel
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.session import why_sick
+from hmdwarp.study.session.runner import why_sick
 from hmdwarp.study.store import Answer
 
 from ..made_up import simulate_study

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs import KEYS, QuestionDialog
+from hmdwarp.study.dialogs.buttons import KEYS
+from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import (
     FOLDER,
     KINDS,

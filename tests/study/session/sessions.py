@@ -11,9 +11,10 @@ import attrs
 from run.offscreen import OffscreenDisplay
 
 from hmdwarp.display import Closed, Command, Lost
-from hmdwarp.study.console import ConsoleState
-from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
-from hmdwarp.study.session import SessionOptions, program
+from hmdwarp.study.console.line_console import ConsoleState
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.session import program
+from hmdwarp.study.session.session_options import SessionOptions
 from hmdwarp.study.store import Contents, Session, Store
 
 NAMES, LATENCIES_MS = ("plainly-late", "spun-about"), (130, 170)

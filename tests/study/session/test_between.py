@@ -9,10 +9,10 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis import from_contents
+from hmdwarp.study.analysis.sources import from_contents
 from hmdwarp.study.design import load_design
-from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
-from hmdwarp.study.export import export
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.export.write import export
 from hmdwarp.study.store import COMPLETE, DECLINED, STOPPED, UNCONSENTED
 
 from .sessions import Person, ScriptedConsole, contents, press, run, study, whole

@@ -6,10 +6,12 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError
-from hmdwarp.study.console import ConsoleState, checked_answer, parse_line
+from hmdwarp.study.console.line_console import ConsoleState, checked_answer, parse_line
 from hmdwarp.study.design import Ask, load_design
-from hmdwarp.study.dialogs import CONTROLLERS, MessagePanel, QuestionPanel, TextDialog
-from hmdwarp.study.export import answer_rows
+from hmdwarp.study.dialogs.buttons import CONTROLLERS
+from hmdwarp.study.dialogs.choice_dialogs import TextDialog
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
+from hmdwarp.study.export.export_rows import answer_rows
 from hmdwarp.study.scales import load_scale
 from hmdwarp.study.store import SIMULATED, Store, store_folder
 

@@ -11,7 +11,7 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.poses import load_trace
 from hmdwarp.study import actual, scales
 from hmdwarp.study.design import load_design
-from hmdwarp.study.session import facts_of
+from hmdwarp.study.session.program import facts_of
 from hmdwarp.study.store import COMPLETE, INTERRUPTED, RUNNING, Store
 
 from . import sessions

@@ -11,7 +11,7 @@ from run.offscreen import PERIOD_NS
 
 from hmdwarp.display.offscreen import AHEAD
 from hmdwarp.errors import MachineError
-from hmdwarp.study.dialogs import MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 
 from .sessions import Person, contents, run, study, whole
 
@@ -93,7 +93,7 @@ def test_without_pylsl_one_line_says_how_and_nothing_is_begun(tmp_path, gpu, mon
 
 
 def test_resuming_sends_markers_again(tmp_path, gpu, monkeypatch):
-    from hmdwarp.study.session import SessionOptions
+    from hmdwarp.study.session.session_options import SessionOptions
 
     options = SessionOptions(study="small", participant="P1", lsl=True)
     assert "--lsl" in options.command("P1", "main", several=False).split()

@@ -9,7 +9,8 @@ from PIL import Image
 from hmdwarp.display import Command, Presenter
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import load_design
-from hmdwarp.study.dialogs import MessagePanel, PageDialog
+from hmdwarp.study.dialogs.choice_dialogs import PageDialog
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 
 from .sessions import Person, closing, contents, run, study
 

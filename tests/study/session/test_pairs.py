@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hmdwarp.study.dialogs import MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 from hmdwarp.study.store import COMPLETE, INTERRUPTED
 
 from .sessions import TEXT, closing, contents, losing, run

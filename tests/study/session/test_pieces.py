@@ -15,7 +15,10 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.study import actual_of
 from hmdwarp.study.actual import NOTHING, NUMBERS
-from hmdwarp.study.session import HeadRange, SessionOptions, first_picture_wait_s, head_angles_deg
+from hmdwarp.study.session.session_context import head_angles_deg
+from hmdwarp.study.session.session_options import SessionOptions
+from hmdwarp.study.session.trial_runner import first_picture_wait_s
+from hmdwarp.study.session.wording import HeadRange
 
 from .conftest import SETTLED_S
 from .sessions import closing, run, study

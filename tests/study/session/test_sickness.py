@@ -7,9 +7,9 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.study.design import Sickness
-from hmdwarp.study.dialogs import QuestionPanel
+from hmdwarp.study.dialogs.dialog_panels import QuestionPanel
 from hmdwarp.study.scales import load_scale
-from hmdwarp.study.session import counting, why_sick
+from hmdwarp.study.session.runner import counting, why_sick
 from hmdwarp.study.store import SICK, Answer
 
 from .sessions import Person, ScriptedConsole, closing, contents, run, whole

@@ -16,13 +16,14 @@ from hmdwarp.gpu import download
 from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import inputs_beside, load_scene, read_inputs, with_targets
 from hmdwarp.study import MeasureOptions
-from hmdwarp.study.analysis import analyse, from_contents
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.sources import from_contents
 from hmdwarp.study.design import design_as_json, load_design
-from hmdwarp.study.dialogs import MessagePanel
-from hmdwarp.study.export import long_rows
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
+from hmdwarp.study.export.export_rows import long_rows
 from hmdwarp.study.measure import run_options
 from hmdwarp.study.session.wording import TaskScore
-from hmdwarp.study.store import plan_signature
+from hmdwarp.study.store.signature import plan_signature
 
 from . import sessions
 from .sessions import Person, SeatedDisplay, contents, run, study

@@ -6,7 +6,7 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.study.design import Show
-from hmdwarp.study.dialogs import MessagePanel
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 
 from .sessions import Person, ScriptedConsole, closing, contents, run, study
 

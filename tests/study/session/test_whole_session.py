@@ -11,7 +11,7 @@ from run.offscreen import PERIOD_NS, RATE_HZ
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RunOptions, replay
 from hmdwarp.study.actual import FLAGS, NUMBERS, TEXTS
-from hmdwarp.study.dialogs import MessagePanel, QuestionPanel
+from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
 
 from .conftest import LEAD_S, hurry
 from .sessions import LATENCIES_MS, NAMES, ScriptedConsole, contents, run, study, whole

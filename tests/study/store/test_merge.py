@@ -10,7 +10,7 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.scenes import inputs_beside
-from hmdwarp.study.export import long_rows
+from hmdwarp.study.export.export_rows import long_rows
 from hmdwarp.study.store import COMPLETE, PILOT, SICK, Contents, Store, merge
 from tests.study import tiny
 

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.study.design import WILLIAMS, rows_for
+from hmdwarp.study.design import rows_for
+from hmdwarp.study.design.definitions import WILLIAMS
 from hmdwarp.study.store import (
     COMPLETE,
     DATABASE,

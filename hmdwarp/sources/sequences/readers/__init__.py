@@ -16,7 +16,7 @@ from ..options import MASK, SequenceOptions
 from ..recorded import Sequence
 from ._base import CAMERA, SequenceReader
 
-readers: Registry[SequenceReader] = Registry("layout", __name__)
+readers: Registry[SequenceReader] = Registry("layout", __name__, holds_objects=True)
 # Folder of what the right eye saw, in that of the left one.
 RIGHT = "right"
 _NAMED = 6  # files of a folder that no reader knows

@@ -47,25 +47,6 @@ _LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
 _LEAST_USUAL_S, _MOST_USUAL_S = 0.9e-3, 10.0
 
 
-class SequenceReader:
-    """One layout of recorded frames. A new one is one file in this package."""
-
-    name = ""  # for --layout
-    summary = ""  # its files, in one line
-    # Of the options that few layouts take (frames_axes, frames_topics), those that this one does.
-    takes: tuple[str, ...] = ()
-    # What is taken for each of FACTS where files and options do not say it, and who says that.
-    assumes: tuple[Assumption, ...] = ()
-
-    def fits(self, path: Path) -> int:
-        """Return how likely `path` is of this layout: 0 not at all, 100 certainly."""
-        raise NotImplementedError
-
-    def read(self, path: Path, options: SequenceOptions) -> Sequence:
-        """Return the sequence. Errors: InputError naming the file and its fault."""
-        raise NotImplementedError
-
-
 @attrs.frozen
 class Facts:
     """Camera and depth scale of a folder whose frames share them."""
@@ -153,101 +134,117 @@ class Pair:
     camera: Camera | None = None
 
 
-def sequence_of(
-    reader: SequenceReader,
-    folder: Path,
-    pairs: Iterable[Pair],
-    facts: Facts,
-    *,
-    track: PoseTrack | None = None,
-    notes: Rows[str] = (),
-    more: Rows[Assumption] = (),
-    depth_of: Callable[[Path], NDArray[Any]] = read_depth,
-    fit: Fit = fitted_depth,
-) -> Sequence:
-    """Return the sequence of pairs of files that share one camera.
+class SequenceReader:
+    """One layout of recorded frames. A new one is one file in this package."""
 
-    track: a denser motion than the frames' own. more: facts beside those of the camera. depth_of,
-    fit: as `reading` takes them. Errors: InputError without frames, and for pictures of another
-    size than the layout's numbers are for.
-    """
-    pairs = sorted(pairs, key=lambda pair: pair.time_ns)
-    if not pairs:
-        raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {reader.summary}")
-    size = size_of(pairs[0].colour)
-    _refuse_other_size(reader, folder, facts, size)
+    name = ""  # for --layout
+    summary = ""  # its files, in one line
+    # Of the options that few layouts take (frames_axes, frames_topics), those that this one does.
+    takes: tuple[str, ...] = ()
+    # What is taken for each of FACTS where files and options do not say it, and who says that.
+    assumes: tuple[Assumption, ...] = ()
 
-    def frame(pair: Pair) -> RecordedFrame:
-        return RecordedFrame(
-            pair.colour.name,
-            pair.time_ns,
-            pair.pose,
-            (pair.camera or facts.camera).fov(size, str(folder)),
-            size,
-            reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
-            partial(depth_of, pair.depth),
-        )
+    def fits(self, path: Path) -> int:
+        """Return how likely `path` is of this layout: 0 not at all, 100 certainly."""
+        raise NotImplementedError
 
-    frames = [frame(pair) for pair in pairs]
-    return made(reader, folder, frames, track=track, notes=notes, assumptions=(*facts.assumptions, *more))
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        """Return the sequence. Errors: InputError naming the file and its fault."""
+        raise NotImplementedError
 
+    def sequence_of(
+        self,
+        folder: Path,
+        pairs: Iterable[Pair],
+        facts: Facts,
+        *,
+        track: PoseTrack | None = None,
+        notes: Rows[str] = (),
+        more: Rows[Assumption] = (),
+        depth_of: Callable[[Path], NDArray[Any]] = read_depth,
+        fit: Fit = fitted_depth,
+    ) -> Sequence:
+        """Return the sequence of pairs of files that share one camera.
 
-def _refuse_other_size(reader: SequenceReader, folder: Path, facts: Facts, size: Size) -> None:
-    """Raise InputError where numbers of a layout are for pictures of another size."""
-    open_facts = [assumption for assumption in facts.assumptions if assumption.by in (By.FORMAT, By.NOBODY)]
-    if facts.only_for in (None, size) or not open_facts:
-        return
-    (wide, high), (found_wide, found_high) = facts.only_for, size
-    taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
-    remedy = " ".join(_STATES[fact.what] for fact in open_facts)
-    raise InputError(
-        f"{folder}: pictures of {found_wide}x{found_high}, and what {reader.name} takes where files do not say it "
-        f"({taken}) is for {wide}x{high}: give {remedy}, or write {CAMERA} there"
-    )
+        track: a denser motion than the frames' own. more: facts beside those of the camera.
+        depth_of, fit: as `reading` takes them. Errors: InputError without frames, and for pictures
+        of another size than the layout's numbers are for.
+        """
+        pairs = sorted(pairs, key=lambda pair: pair.time_ns)
+        if not pairs:
+            raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {self.summary}")
+        size = size_of(pairs[0].colour)
+        self._refuse_other_size(folder, facts, size)
 
-
-def made(
-    reader: SequenceReader,
-    path: Path,
-    frames: Rows[RecordedFrame],
-    *,
-    track: PoseTrack | None = None,
-    notes: Rows[str] = (),
-    assumptions: Rows[Assumption] = (),
-) -> Sequence:
-    """Return the sequence of these frames, whose clock begins with the first.
-
-    track: a denser motion, on the frames' own clock. assumptions: those of this recording; the
-    others are what the reader assumes.
-    Errors: InputError for no frames, for two of one instant, and for several sizes.
-    """
-    if not frames:
-        raise InputError(f"{path}: no frames; expected {reader.summary}")
-    frames = sorted(frames, key=lambda frame: frame.time_ns)
-    for before, after in zip(frames, frames[1:], strict=False):
-        if before.time_ns == after.time_ns:
-            raise InputError(
-                f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
+        def frame(pair: Pair) -> RecordedFrame:
+            return RecordedFrame(
+                pair.colour.name,
+                pair.time_ns,
+                pair.pose,
+                (pair.camera or facts.camera).fov(size, str(folder)),
+                size,
+                reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
+                partial(depth_of, pair.depth),
             )
-        if before.size != after.size:
-            sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
-            raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
-    apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
-    if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
+
+        frames = [frame(pair) for pair in pairs]
+        return self.made(folder, frames, track=track, notes=notes, assumptions=(*facts.assumptions, *more))
+
+    def _refuse_other_size(self, folder: Path, facts: Facts, size: Size) -> None:
+        """Raise InputError where numbers of a layout are for pictures of another size."""
+        open_facts = [assumption for assumption in facts.assumptions if assumption.by in (By.FORMAT, By.NOBODY)]
+        if facts.only_for in (None, size) or not open_facts:
+            return
+        (wide, high), (found_wide, found_high) = facts.only_for, size
+        taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
+        remedy = " ".join(_STATES[fact.what] for fact in open_facts)
         raise InputError(
-            f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
-            "instants in their unit, or give --frames-rate"
+            f"{folder}: pictures of {found_wide}x{found_high}, and what {self.name} takes where files do not say it "
+            f"({taken}) is for {wide}x{high}: give {remedy}, or write {CAMERA} there"
         )
-    if not _LEAST_USUAL_S <= apart_s <= _MOST_USUAL_S:
-        unit = f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
-        notes = [*notes, unit]
-    name = (path if path.is_dir() else path.parent).resolve().name
-    begins_ns = frames[0].time_ns
-    frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
-    origin, epoch_ns = f"recorded frames ({reader.name})", begins_ns + (0 if track is None else track.epoch_ns)
-    own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
-    facts = replaced(reader.assumes, *assumptions)
-    return Sequence(name, path, reader.name, tuple(frames), own, tuple(notes), assumptions=facts)
+
+    def made(
+        self,
+        path: Path,
+        frames: Rows[RecordedFrame],
+        *,
+        track: PoseTrack | None = None,
+        notes: Rows[str] = (),
+        assumptions: Rows[Assumption] = (),
+    ) -> Sequence:
+        """Return the sequence of these frames, whose clock begins with the first.
+
+        track: a denser motion, on the frames' own clock. assumptions: those of this recording; the
+        others are what this reader assumes.
+        Errors: InputError for no frames, for two of one instant, and for several sizes.
+        """
+        if not frames:
+            raise InputError(f"{path}: no frames; expected {self.summary}")
+        frames = sorted(frames, key=lambda frame: frame.time_ns)
+        for before, after in zip(frames, frames[1:], strict=False):
+            if before.time_ns == after.time_ns:
+                raise InputError(
+                    f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
+                )
+            if before.size != after.size:
+                sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
+                raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
+        apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
+        if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
+            raise InputError(
+                f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
+                "instants in their unit, or give --frames-rate"
+            )
+        if not _LEAST_USUAL_S <= apart_s <= _MOST_USUAL_S:
+            unit = f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
+            notes = [*notes, unit]
+        name = (path if path.is_dir() else path.parent).resolve().name
+        begins_ns = frames[0].time_ns
+        frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
+        origin, epoch_ns = f"recorded frames ({self.name})", begins_ns + (0 if track is None else track.epoch_ns)
+        own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
+        facts = replaced(self.assumes, *assumptions)
+        return Sequence(name, path, self.name, tuple(frames), own, tuple(notes), assumptions=facts)
 
 
 def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:

@@ -19,7 +19,7 @@ from ..options import SequenceOptions
 from ..picture_files import read_depth
 from ..recorded import DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import DEPTHS, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, pose_of, sequence_of
+from ._base import DEPTHS, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, pose_of
 from ._dataset import axes_of, clock_of, left_out
 
 _MODELS = ("sparse/0", "sparse", ".", "colmap/sparse/0")
@@ -35,6 +35,7 @@ _KINDS = {
 _KINDS |= {"OPENCV": "fx fy cx cy k1 k2 p1 p2", "FULL_OPENCV": "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"}
 
 
+@readers.register
 class ColmapReader(SequenceReader):
     """Models of COLMAP with depth; poses are camera from world and inverted, in the model's unit.
 
@@ -85,7 +86,7 @@ class ColmapReader(SequenceReader):
         unit = Assumption("length", "1 m per unit of the model, whose own is any", By.NOBODY)
         more = (axes_of(axes), unit, clock_of(options))
         notes = left_out(len(images) - len(pairs), "no picture or no depth")
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more, depth_of=_depth)
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more, depth_of=_depth)
 
 
 def _model(path: Path) -> Path | None:
@@ -138,6 +139,3 @@ def _depth(path: Path) -> NDArray[Any]:
     if channels != b"1":
         raise InputError(f"{path}: {channels.decode('ascii', 'replace')} channels; expected 1, of depth")
     return values
-
-
-readers.register(ColmapReader())

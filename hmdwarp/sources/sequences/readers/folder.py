@@ -19,13 +19,14 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import EXR, PICTURES
 from ..recorded import DEPTH_SCALE, INTRINSICS, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import CAMERA, SequenceReader, at_rate, made, pictures_in
+from ._base import CAMERA, SequenceReader, at_rate, pictures_in
 from ._dataset import clock_of
 
 _TIMES = ("time_ns", "time_s")
 _ENCODINGS = ("srgb", "linear")  # of float colour
 
 
+@readers.register
 class FolderReader(SequenceReader):
     """Frames in the axes of OpenXR, with instants in time_s or time_ns, or one after the other."""
 
@@ -48,12 +49,12 @@ class FolderReader(SequenceReader):
         times = _times(path, found, options)
         frames = [_frame(one, time_ns, options) for one, time_ns in zip(found, times, strict=True)]
         if not found:
-            return made(self, path, frames)
+            return self.made(path, frames)
         has_clock = any(key in found[0].facts for key in _TIMES)
         facts = assumptions_of(found[0], options.intrinsics, options.depth_scale)
         facts.append(clock_of(options, file="time_s or time_ns of each frame" if has_clock else ""))
         notes = dict.fromkeys(note for frame in found for note in frame.notes)
-        return made(self, path, frames, assumptions=facts, notes=list(notes)[:1])
+        return self.made(path, frames, assumptions=facts, notes=list(notes)[:1])
 
 
 def _frames_in(path: Path) -> list[Path]:
@@ -117,6 +118,3 @@ def _checked(found: FrameFile, colour: Any, depth: Any) -> Pictures:
         light = linear_from_srgb(colour[..., :3])
         colour = np.concatenate([light, colour[..., 3:]], axis=2)
     return as_pictures(colour, depth)
-
-
-readers.register(FolderReader())

@@ -22,7 +22,6 @@ from ._base import (
     pose_of_numbers,
     rows_of,
     scale_fact,
-    sequence_of,
 )
 from ._dataset import clock_of
 
@@ -32,6 +31,7 @@ _TRAJECTORY = "*.gt.freiburg"
 _UNIT = 1 / 5000
 
 
+@readers.register
 class IclNuimReader(SequenceReader):
     """ICL-NUIM sequences.
 
@@ -69,7 +69,4 @@ class IclNuimReader(SequenceReader):
         missing = len(colours) - len(pairs)
         notes = [f"{missing} pictures were left out: they have no depth or no pose."] if missing else []
         more = [] if options.frames_rate_hz is None else [clock_of(options)]
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more)
-
-
-readers.register(IclNuimReader())
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more)

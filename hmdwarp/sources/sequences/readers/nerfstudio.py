@@ -20,7 +20,7 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import PICTURES, read_depth, size_of
 from ..recorded import AXES, CLOCK, INTRINSICS, NO_DEPTH, POSE, RecordedFrame, Sequence
 from . import readers
-from ._base import SequenceReader, intrinsics_fact, made, poses_of, reading, scale_fact
+from ._base import SequenceReader, intrinsics_fact, poses_of, reading, scale_fact
 from ._dataset import clock_of
 
 FILE = "transforms.json"
@@ -40,6 +40,7 @@ _REFUSED = ("is_fisheye", "fisheye", "ortho", "is_ortho", "latlong", "equirectan
 _SHARE_WITHIN = 1e-6
 
 
+@readers.register
 class NerfstudioReader(SequenceReader):
     """Data sets of nerfstudio and instant-ngp that have depth.
 
@@ -92,7 +93,7 @@ class NerfstudioReader(SequenceReader):
         ]
         assert camera is not None, "each frame has one"
         facts = [intrinsics_fact(camera, camera_by), scale_fact(scale, scale_by), way, clock]
-        return made(self, path, frames, notes=notes, assumptions=facts)
+        return self.made(path, frames, notes=notes, assumptions=facts)
 
 
 def _file(path: Path) -> Path:
@@ -193,6 +194,3 @@ def _is_share(times: list[float]) -> bool:
         return False
     ends = max(times), max(times) + (max(times) - min(times)) / (len(times) - 1)
     return min(times) < _SHARE_WITHIN and any(abs(end - 1) < _SHARE_WITHIN for end in ends)
-
-
-readers.register(NerfstudioReader())

@@ -9,22 +9,13 @@ from ....poses.assumptions import Assumption, By
 from ..options import SequenceOptions
 from ..recorded import AXES, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import (
-    Pair,
-    SequenceReader,
-    at_rate,
-    facts_of,
-    folder_named,
-    paired,
-    pose_of_numbers,
-    rows_of,
-    sequence_of,
-)
+from ._base import Pair, SequenceReader, at_rate, facts_of, folder_named, paired, pose_of_numbers, rows_of
 from ._dataset import clock_of
 
 POSES = ("pose.txt", "poses.txt")
 
 
+@readers.register
 class NumberedReader(SequenceReader):
     """Pictures by number, with poses from camera to world; x right, y down, z forward.
 
@@ -57,11 +48,8 @@ class NumberedReader(SequenceReader):
             Pair(colour, depth, at_rate(options, i), pose_of_numbers(axes, row.where, row.floats(7)))
             for i, (row, (colour, depth)) in enumerate(zip(rows, files, strict=True))
         ]
-        return sequence_of(self, path, pairs, facts, more=[clock_of(options)])
+        return self.sequence_of(path, pairs, facts, more=[clock_of(options)])
 
 
 def _poses(path: Path) -> Path:
     return next((path / name for name in POSES if (path / name).exists()), path / POSES[0])
-
-
-readers.register(NumberedReader())

@@ -14,18 +14,7 @@ from ..camera import Camera, camera_of, read_json
 from ..options import SequenceOptions
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import (
-    OPTICAL,
-    Pair,
-    SequenceReader,
-    at_rate,
-    facts_of,
-    folder_named,
-    paired,
-    poses_of,
-    scale_fact,
-    sequence_of,
-)
+from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, poses_of, scale_fact
 from ._dataset import axes_of, clock_of
 
 _UNIT = 0.001
@@ -34,6 +23,7 @@ _NAMES = ("camera_trajectory.json", "trajectory.json", "key.json")
 _HEAD = 4096  # bytes that are searched for the class
 
 
+@readers.register
 class Open3DReader(SequenceReader):
     """Trajectories of Open3D; extrinsics are from world to camera, matrices by columns.
 
@@ -74,7 +64,7 @@ class Open3DReader(SequenceReader):
             Pair(colour, depth, at_rate(options, at), pose, camera)
             for at, ((colour, depth), pose, camera) in enumerate(zip(files, poses, stated, strict=True))
         ]
-        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), order, clock_of(options)))
+        return self.sequence_of(path, pairs, facts, more=(axes_of(axes), order, clock_of(options)))
 
 
 def _parameters(trajectory: dict[str, Any]) -> Any:
@@ -110,6 +100,3 @@ def _camera(where: str, parameters: Any) -> Camera:
     if camera is None:
         raise InputError(f"{where}: no intrinsic_matrix; expected intrinsic and extrinsic")
     return camera
-
-
-readers.register(Open3DReader())

@@ -24,7 +24,6 @@ from ._base import (
     poses_of,
     rows_of,
     scale_fact,
-    sequence_of,
 )
 from ._dataset import clock_of
 
@@ -37,6 +36,7 @@ _UNIT = 1e-3  # of depth, by default in Open3D
 _COLOURS = ("color", "rgb", "image", "colour")
 
 
+@readers.register
 class RedwoodReader(SequenceReader):
     """Redwood and Open3D sequences, whose world is the first camera.
 
@@ -80,7 +80,7 @@ class RedwoodReader(SequenceReader):
             Pair(*files[number], at_rate(options, number), pose) for number, pose in zip(numbers, turned, strict=True)
         ]
         notes = unread_notes(named, stated, _READ) if named is not None else []
-        return sequence_of(self, path, pairs, facts, notes=notes, more=[way, clock_of(options)])
+        return self.sequence_of(path, pairs, facts, notes=notes, more=[way, clock_of(options)])
 
 
 def _scale(where: Path | None, stated: Mapping[str, Any]) -> float | None:
@@ -110,6 +110,3 @@ def _matrices(file: Path) -> list[tuple[int, str, list[list[float]]]]:
             raise head.wrong("the numbers of a frame")
         found.append((int(head.words[0]), head.where, [row.floats(4) for row in matrix]))
     return found
-
-
-readers.register(RedwoodReader())

@@ -12,17 +12,7 @@ from ..camera import Camera, number_of, read_json
 from ..options import SequenceOptions
 from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import (
-    Pair,
-    SequenceReader,
-    at_rate,
-    facts_of,
-    intrinsics_fact,
-    poses_of,
-    rows_of,
-    scale_fact,
-    sequence_of,
-)
+from ._base import Pair, SequenceReader, at_rate, facts_of, intrinsics_fact, poses_of, rows_of, scale_fact
 from ._dataset import axes_of, by_number, clock_of, left_out
 
 POSES, FACTS = "traj.txt", "cam_params.json"
@@ -31,6 +21,7 @@ _SCALE = 1 / 6553.5
 _WORLD = "x,z,y"  # z up
 
 
+@readers.register
 class ReplicaReader(SequenceReader):
     """Scenes of Replica in NICE-SLAM's form; matrices from camera to world, row by row.
 
@@ -68,7 +59,7 @@ class ReplicaReader(SequenceReader):
         ]
         more = (axes_of(axes), way, clock_of(options))
         notes = left_out(len(colours) - len(pairs), "no depth")
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more)
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more)
 
 
 def _stated(path: Path) -> tuple[Camera | None, float | None]:
@@ -84,6 +75,3 @@ def _stated(path: Path) -> tuple[Camera | None, float | None]:
     )
     cx, cy = (number_of(file, key, data.get(key)) for key in ("cx", "cy"))
     return Camera(fx, fy, cx, cy, size=(round(wide), round(high))), 1 / scale
-
-
-readers.register(ReplicaReader())

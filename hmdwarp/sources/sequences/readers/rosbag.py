@@ -31,7 +31,7 @@ from ..recorded import (
 )
 from ..ros_pictures import COLOURS, DEPTHS, Matrix, Motion, Transforms, encoding_of, pixels_of
 from . import readers
-from ._base import SequenceReader, at_rate, facts_of, made, pose_of_matrix
+from ._base import SequenceReader, at_rate, facts_of, pose_of_matrix
 from ._dataset import axes_of, clock_of, left_out, refuse_y_up
 
 # The world is x forward, y left, z up; the frame of a picture is optical, x right, y down.
@@ -49,6 +49,7 @@ _PARTS = ("colour", "depth", "info", "pose")
 _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as for TUM RGB-D
 
 
+@readers.register
 class RosBagReader(SequenceReader):
     """Bags of ROS 1 and ROS 2.
 
@@ -106,7 +107,7 @@ class RosBagReader(SequenceReader):
         more += [] if options.frames_rate_hz is None else [clock_of(options, By.USER)]
         notes = left_out(len(colours) - len(frames), "no depth within 20 ms, or no pose at their instants")
         notes += [f"{part}: the others are not read."] if (part := part_of(bag.path)) else []
-        return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
+        return self.made(path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
 
 
 @attrs.frozen
@@ -151,7 +152,12 @@ def _topics(path: Path, bag: Bag, tree: Transforms, stated: str | None) -> _Topi
     )
     fitting = [name for name, kind in pictures.items() if kind in DEPTHS]
     depth = named.get("depth") or _one(path, "depth", _registered(bag, fitting, colour), pictures)
-    _refuse_other_frame(path, bag, colour, depth)
+    frames = _frame(bag, colour), _frame(bag, depth)
+    if frames[0] != frames[1]:
+        raise InputError(
+            f"{path}: {depth} is in frame '{frames[1]}', {colour} in '{frames[0]}'; expected depth that is registered "
+            "to the colour (aligned_depth_to_color, depth_registered)"
+        )
     infos = [name for name, kind in bag.topics.items() if kind == _INFO]
     beside = colour.removesuffix("/compressed").rpartition("/")[0] + "/camera_info"
     info = named.get("info") or (beside if beside in infos else infos[0] if len(infos) == 1 else "")
@@ -201,15 +207,6 @@ def _registered(bag: Bag, fitting: list[str], colour: str) -> list[str]:
     """Return the depths in the frame of the colour, if there are any."""
     same = [topic for topic in fitting if _frame(bag, topic) == _frame(bag, colour)]
     return same or fitting
-
-
-def _refuse_other_frame(path: Path, bag: Bag, colour: str, depth: str) -> None:
-    frames = _frame(bag, colour), _frame(bag, depth)
-    if frames[0] != frames[1]:
-        raise InputError(
-            f"{path}: {depth} is in frame '{frames[1]}', {colour} in '{frames[0]}'; expected depth that is registered "
-            "to the colour (aligned_depth_to_color, depth_registered)"
-        )
 
 
 def _camera(path: Path, bag: Bag, topics: _Topics) -> Camera | None:
@@ -287,6 +284,3 @@ def _pictures(bag: Bag, topics: _Topics, colour: _Stamped, depth: Callable[[], A
 
 def _size(picture: Any) -> tuple[int, int]:
     return picture.shape[1], picture.shape[0]
-
-
-readers.register(RosBagReader())

@@ -17,18 +17,7 @@ from ..camera import Camera, refuse_distortion
 from ..options import SequenceOptions
 from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import (
-    Pair,
-    Row,
-    SequenceReader,
-    at_rate,
-    facts_of,
-    pictures_in,
-    pose_of_matrix,
-    rows_of,
-    scale_fact,
-    sequence_of,
-)
+from ._base import Pair, Row, SequenceReader, at_rate, facts_of, pictures_in, pose_of_matrix, rows_of, scale_fact
 from ._dataset import axes_of, clock_of, instant_ns, left_out, refuse_y_up, shared_camera
 
 # The world is that of ROS, x forward and z up; the camera is optical.
@@ -38,6 +27,7 @@ _LIST = re.compile(r"^(\w+):[^\n]*\n(?:\s+(?:rows|cols|dt):[^\n]*\n)*\s+data:\s*
 _NUMBER = re.compile(r"^(image_width|image_height):\s*(\d+)\s*$", re.MULTILINE)
 
 
+@readers.register
 class RtabMapReader(SequenceReader):
     """Exports of `rtabmap-export --images --poses_camera` (or --poses), which name a map NAME.
 
@@ -90,7 +80,7 @@ class RtabMapReader(SequenceReader):
             pairs = [attrs.evolve(pair, camera=camera) for pair, camera in zip(pairs, cameras, strict=True)]
         more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
         notes += left_out(len(colours) - len(pairs), "no depth or no pose")
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more)
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more)
 
 
 def _poses(path: Path) -> Path | None:
@@ -143,6 +133,3 @@ def _calibration(file: Path) -> _Calibration:
     camera = Camera(matrix[0], matrix[4], matrix[2], matrix[5], (sizes["image_width"], sizes["image_height"]))
     local = np.vstack([np.reshape(lists.get("local_transform", np.eye(4)[:3].ravel()), (3, 4)), [0, 0, 0, 1]])
     return _Calibration(camera, local)
-
-
-readers.register(RtabMapReader())

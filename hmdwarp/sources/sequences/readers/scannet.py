@@ -14,7 +14,7 @@ from ..options import SequenceOptions
 from ..picture_files import size_of
 from ..recorded import INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact, sequence_of
+from ._base import Pair, SequenceReader, at_rate, facts_of, pictures_in, scale_fact
 from ._dataset import axes_of, by_number, clock_of, depth_fit, left_out, matrix_in, poses_in_files, refuse_moved
 
 _WORLD = "x,z,y"  # z up
@@ -22,6 +22,7 @@ _UNIT = 0.001
 _OFF_CENTRE = 0.15  # of a picture's side, which no camera of the set's reaches
 
 
+@readers.register
 class ScanNetReader(SequenceReader):
     """Scans of ScanNet; matrices from camera to world, those of -inf where tracking was lost.
 
@@ -72,7 +73,7 @@ class ScanNetReader(SequenceReader):
         notes = left_out(len(colours) - len(pairs), "no depth, or no pose of finite numbers")
         more = (axes_of(axes), way, clock_of(options, By.FORMAT))
         fit = depth_fit(size, depth_size, facts.camera, cameras["depth"])
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more, fit=fit)
 
 
 def _file(path: Path, name: str) -> Path | None:
@@ -94,6 +95,3 @@ def _camera(file: Path | None) -> Camera | None:
 def _centred(camera: Camera, size: Size) -> bool:
     sides = zip((camera.cx, camera.cy), size, strict=True)
     return all(abs((centre + 0.5) / side - 0.5) < _OFF_CENTRE for centre, side in sides)
-
-
-readers.register(ScanNetReader())

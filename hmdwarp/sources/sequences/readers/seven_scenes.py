@@ -16,7 +16,7 @@ from ..options import SequenceOptions
 from ..picture_files import size_of
 from ..recorded import NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, intrinsics_fact, scale_fact, sequence_of
+from ._base import OPTICAL, Pair, SequenceReader, at_rate, facts_of, intrinsics_fact, scale_fact
 from ._dataset import axes_of, by_number, clock_of, depth_fit, left_out, matrix_in, poses_in_files, refuse_moved
 
 # The data set's page gives them for depth and says that neither camera was calibrated.
@@ -26,6 +26,7 @@ _INFO, _MATRIX = ("info.txt", "_info.txt"), "camera-intrinsics.txt"
 _UNREGISTERED = "Colour and depth of 7-Scenes are of two cameras and not registered to each other."
 
 
+@readers.register
 class SevenScenesReader(SequenceReader):
     """Sequences of 7-Scenes; matrices from camera to world, depth in millimetres.
 
@@ -68,7 +69,7 @@ class SevenScenesReader(SequenceReader):
         more = (axes_of(axes), way, clock_of(options))
         size, of_depth = (size_of(side[whole[0]]) if whole else (1, 1) for side in (colours, depths))
         fit = depth_fit(size, of_depth, facts.camera, stated.depth)
-        return sequence_of(self, path, pairs, facts, notes=notes, more=more, fit=fit)
+        return self.sequence_of(path, pairs, facts, notes=notes, more=more, fit=fit)
 
 
 @attrs.frozen
@@ -128,6 +129,3 @@ def _of_info(file: Path, text: str) -> _Stated:
 def _sequences_in(path: Path) -> list[str]:
     """Return the folders of a scene's sequences."""
     return sorted({pose.parent.name for pose in path.glob("seq-*/frame-*.pose.txt")})
-
-
-readers.register(SevenScenesReader())

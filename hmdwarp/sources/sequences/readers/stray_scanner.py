@@ -13,7 +13,7 @@ from ..options import SequenceOptions
 from ..picture_files import NPY, VideoPictures, fitted_depth, read_depth
 from ..recorded import CLOCK, INTRINSICS, NO_DEPTH, POSE, Pictures, RecordedFrame, Sequence, as_pictures, in_metres
 from . import readers
-from ._base import Row, SequenceReader, at_rate, facts_of, made, pictures_in, pose_of_numbers, rows_of, scale_fact
+from ._base import Row, SequenceReader, at_rate, facts_of, pictures_in, pose_of_numbers, rows_of, scale_fact
 from ._dataset import axes_of, clock_of, instant_ns, left_out, matrix_in, refuse_y_up, shared_camera
 
 VIDEO, CAMERA, ODOMETRY = "rgb.mp4", "camera_matrix.csv", "odometry.csv"
@@ -24,6 +24,7 @@ _CLOCK = Assumption(CLOCK, f"seconds in {ODOMETRY}", By.FILE, "--frames-rate")
 _HEADER = ["timestamp", "frame", "x", "y", "z", "qx", "qy", "qz", "qw"]
 
 
+@readers.register
 class StrayScannerReader(SequenceReader):
     """Recordings of Stray Scanner, whose depth has fewer pixels and the same field of view.
 
@@ -71,7 +72,7 @@ class StrayScannerReader(SequenceReader):
                 )
         more = () if options.frames_rate_hz is None else (clock_of(options, By.USER),)
         notes += left_out(len(rows) - len(frames), "no depth")
-        return made(self, path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
+        return self.made(path, frames, notes=notes, assumptions=(*facts.assumptions, *more))
 
 
 def _camera(numbers: Iterable[float]) -> Camera:
@@ -95,6 +96,3 @@ def _reading(video: VideoPictures, number: int, depth: Path, scale: float) -> Ca
         return as_pictures(colour, in_metres(fitted_depth(read_depth(depth), colour, depth), scale))
 
     return read
-
-
-readers.register(StrayScannerReader())

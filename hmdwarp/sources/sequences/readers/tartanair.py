@@ -27,7 +27,6 @@ from ._base import (
     pose_of_numbers,
     rows_of,
     scale_fact,
-    sequence_of,
 )
 from ._dataset import axes_of, by_number, clock_of, refuse_y_up
 
@@ -39,6 +38,7 @@ SECOND = Camera(320.0, 320.0, 320.0, 320.0, size=(640, 640), centre=0.5)
 _CAMERAS = {"left": (FIRST, None), "right": (FIRST, None), "lcam_front": (SECOND, 10.0), "rcam_front": (SECOND, 10.0)}
 
 
+@readers.register
 class TartanAirReader(SequenceReader):
     """Trajectories of TartanAir and TartanAir V2, the left camera if it is there.
 
@@ -76,7 +76,7 @@ class TartanAirReader(SequenceReader):
         poses = {at: pose_of_numbers(axes, rows[at].where, rows[at].floats(7)) for at in whole}
         clock = clock_of(options, By.FORMAT, rate_hz) if rate_hz else clock_of(options)
         pairs = [Pair(colours[at], depths[at], at_rate(options, at, rate_hz), poses[at]) for at in whole]
-        return sequence_of(self, path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
+        return self.sequence_of(path, pairs, facts, more=(axes_of(axes), clock), depth_of=_depth)
 
 
 def _side(path: Path) -> str | None:
@@ -100,6 +100,3 @@ def _depth(path: Path) -> NDArray[Any]:
     if pixels.shape[2] != 4 or pixels.dtype != np.uint8:
         raise InputError(f"{path}: {pixels.shape[2]} channels; expected four bytes a pixel, of one float")
     return np.ascontiguousarray(pixels[..., [2, 1, 0, 3]]).view("<f4")[..., 0]
-
-
-readers.register(TartanAirReader())

@@ -18,7 +18,7 @@ from ..options import RATE_HZ, SequenceOptions
 from ..picture_files import read_depth
 from ..recorded import AXES, CLOCK, DEPTH_SCALE, INTRINSICS, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of, sequence_of
+from ._base import CAMERA, OPTICAL, Pair, SequenceReader, at_rate, facts_of, folder_named, paired, rows_of
 from ._dataset import clock_of, left_out
 
 _COLOURS = ("color", "colour", "rgb", "images", "image")
@@ -39,6 +39,7 @@ _COVERED = 0.05  # of the trace, at least
 _AXES_OPTION = "--frames-axes"
 
 
+@readers.register
 class TracedReader(SequenceReader):
     """Pictures whose names are instants on the clock of a trace, or that have a pose each."""
 
@@ -81,7 +82,7 @@ class TracedReader(SequenceReader):
         by = By.FILE if "named" in clock else By.NOBODY
         more = [axes, clock_of(options, by) if stated else Assumption(CLOCK, clock, by)]
         more += [] if direction is None else [attrs.evolve(direction, what=POSE)]
-        return sequence_of(self, path, pairs, facts, track=None if stated else track, notes=notes, more=more)
+        return self.sequence_of(path, pairs, facts, track=None if stated else track, notes=notes, more=more)
 
 
 def _traces(path: Path) -> list[Path]:
@@ -167,6 +168,3 @@ def _camera(path: Path) -> Camera | None:
         numbers[at : at + names[len(numbers)]][:3] for at in range(0, 3 * names[len(numbers)], names[len(numbers)])
     ]
     return camera_of(file, {"intrinsic_matrix": nested})
-
-
-readers.register(TracedReader())

@@ -16,17 +16,7 @@ from ..camera import Camera
 from ..options import SequenceOptions
 from ..recorded import AXES, CLOCK, NO_DEPTH, POSE, Sequence
 from . import readers
-from ._base import (
-    VGA,
-    Pair,
-    SequenceReader,
-    facts_of,
-    for_size,
-    intrinsics_fact,
-    rows_of,
-    scale_fact,
-    sequence_of,
-)
+from ._base import VGA, Pair, SequenceReader, facts_of, for_size, intrinsics_fact, rows_of, scale_fact
 
 COLOUR, DEPTH, TRAJECTORY, CALIBRATION = "rgb.txt", "depth.txt", "groundtruth.txt", "calibration.txt"
 # What the authors advise for all sequences, whose depth is registered with it; those of freiburg3
@@ -38,6 +28,7 @@ _WITHIN_NS = 20_000_000  # of colour and depth of one frame, as the data set's o
 _WORLD = "x,z,y"
 
 
+@readers.register
 class TumReader(SequenceReader):
     """TUM RGB-D sequences, and those of ETH3D SLAM, which state their camera.
 
@@ -85,7 +76,7 @@ class TumReader(SequenceReader):
             )
         if lost:
             notes.append(f"{lost} frames were left out: {TRAJECTORY} has no pose at their instants.")
-        return sequence_of(self, path, pairs, facts, track=track, notes=notes)
+        return self.sequence_of(path, pairs, facts, track=track, notes=notes)
 
 
 def _calibration(path: Path) -> Camera | None:
@@ -125,6 +116,3 @@ def _associated(colours: list[tuple[int, str]], depths: list[tuple[int, str]]) -
         if abs(int(times[nearest]) - time_ns) <= _WITHIN_NS:
             found.append((time_ns, colour, depths[nearest][1]))
     return found
-
-
-readers.register(TumReader())

@@ -85,7 +85,9 @@ class Reflections(Part):
                 one.draw_image(eye, number, mirrors, over(seen.colour, seen.inverse_depth), around)
             elif (bounds := bounds_in_view(one.mirror.shape, eye.view, eye.size)) is not None:
                 if marched:
-                    self._march_through(eye, number, planes, bounds, seen)
+                    if self._march is None:
+                        self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
+                    self._store(self._march, Target(eye.colour, eye.inverse_depth), number, planes, bounds, seen)
                 else:
                     self._draw_behind(eye, one, number, planes, bounds, seen)
 
@@ -98,11 +100,6 @@ class Reflections(Part):
         framebuffer = self.context.framebuffers.over(behind.colour, behind.inverse_depth)
         self._mirrored.draw_behind(one.mirror.shape, eye.view, framebuffer, bounds, eye.drawn_ns)
         self._store(self._take, behind, number, mirrors, bounds, seen)
-
-    def _march_through(self, eye: EyeImage, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target) -> None:
-        if self._march is None:
-            self._march = self.context.gpu.shaders.compute("server/mirror_march.comp")
-        self._store(self._march, Target(eye.colour, eye.inverse_depth), number, mirrors, bounds, seen)
 
     def _store(
         self, program: Compute, behind: Target, number: int, mirrors: Uniforms, bounds: Bounds, seen: Target

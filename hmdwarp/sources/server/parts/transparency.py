@@ -51,20 +51,17 @@ class Transparency(Part):
         veil, passing = self.context.acquire(eye.size), self.context.acquire(eye.size, depth=False).colour
         nearest = self.kept("nearest", eye.size, _TWO_DEPTHS, depth=False).colour
         self._draw(self._tested(self._sheets.program(TESTS=1, COLOUR=0), 1), eye, nearest, (-1.0, -1.0, 0.0, 0.0), MOST)
-        self._choose_depth(nearest, veil.inverse_depth)
+        # Write the depth of the nearest sheet that is not hidden, else of the nearest of all.
+        nearest.bind_to_image(0, read=True, write=False)
+        veil.inverse_depth.bind_to_image(1, read=False, write=True)
+        program = self.context.gpu.shaders.compute("server/veil_depth.comp")
+        program.uniforms.set(nearest=0, inverse_depth=1)
+        program.run(*veil.inverse_depth.size)
+        self.context.gpu.barrier()
         nearest.use(2)
         for into, through, blending in ((veil.colour, 0.0, OVER_KEEPING_COVERAGE), (passing, 1.0, THROUGH)):
             self._draw(self._colour(2), eye, into, (through, through, through, 0.0), blending)
         return Transparent(Surface(veil.colour, veil.inverse_depth), passing)
-
-    def _choose_depth(self, nearest: moderngl.Texture, into: moderngl.Texture) -> None:
-        """Write the depth of the nearest sheet that is not hidden, else of the nearest of all."""
-        nearest.bind_to_image(0, read=True, write=False)
-        into.bind_to_image(1, read=False, write=True)
-        program = self.context.gpu.shaders.compute("server/veil_depth.comp")
-        program.uniforms.set(nearest=0, inverse_depth=1)
-        program.run(*into.size)
-        self.context.gpu.barrier()
 
     def _draw(
         self,
