@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Fov, Pose
 from ..headsets import Headset, HeadsetEye
+from ..link.codec import codecs
 from ..web import STEPS
 from .live_summary import LiveFacts
 from .options import DESKTOP, LiveOptions
@@ -72,6 +73,7 @@ class BrowserDisplay:
     views: tuple[list[float], ...] = attrs.field(validator=_views)
     browser: str = words(300)
     renderer: str = words(300)
+    codec: str = attrs.field()  # of the colours
     trace: str = words(80)
     width: int = number(1, 16384)
     height: int = number(1, 16384)
@@ -85,6 +87,11 @@ class BrowserDisplay:
     def _check_chains(self, _: object, value: object) -> None:
         if not (isinstance(value, tuple) and value and all(one in [*CHAINS] for one in value)):
             raise BadLog(f"chains: expected some of {', '.join(CHAINS)}")
+
+    @codec.validator
+    def _check_codec(self, _: object, value: object) -> None:
+        if value not in [*codecs.names()]:
+            raise BadLog(f"codec: expected one of {', '.join(codecs.names())}")
 
     @property
     def eyes(self) -> int:

@@ -1,7 +1,8 @@
 """The door for browsers: the page, and a WebSocket behind which the feed is spoken as it is.
 
-A request of a browser is a request of docs/feed.md, a frame is a frame: the door reads neither, but
-puts the server's token in. So whatever the server bounds, refuses or counts, it does here too.
+A request of a browser is a request of docs/feed.md, a frame is a frame: the door reads neither but
+for its id and times, and puts the server's token in. So whatever the server bounds, refuses or
+counts, it does here too.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import mimetypes
 import secrets
 import socket
 import ssl
+import struct
 import threading
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -34,6 +36,7 @@ from .es_shaders import PAGE, shaders
 
 _TOKEN_BYTES = 16
 _TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
+_ID, _DRAWING, _MOST_ASKED = struct.Struct("<12xQ"), struct.Struct("<44xq"), 64
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1}
 _MOST_UNSENT = 1 << 16  # bytes, in the system
 _REPORT = b"HWLG"  # before rows of a report
@@ -58,9 +61,12 @@ class Lock:
 
 
 class Log(Protocol):
-    """What takes a page's reports: text and bytes, after which it is closed."""
+    """What takes a page's reports, text and bytes, and what was sent to it; then it is closed."""
 
     def take(self, data: str | bytes) -> None: ...
+    def sent(self, took_ms: float, drawing_ms: float, size: int) -> None:
+        """Note a message: ms since its request came, those of drawing and coding, bytes."""
+
     def close(self) -> None: ...
 
 
@@ -214,8 +220,9 @@ class Door:
             server.curve_serverkey = pair.public
             server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
         server.connect(self._feed)
-        down = asyncio.ensure_future(self._pass_down(server, browser))
         log = self._log() if self._log is not None else None
+        came: dict[int, float] = {}  # when each request did, by its id
+        down = asyncio.ensure_future(self._pass_down(server, browser, came, log))
         silent = self._loop.call_later(SILENT_S, lambda: asyncio.ensure_future(browser.close()))
         try:
             async for message in browser:
@@ -225,6 +232,9 @@ class Door:
                 elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
                     break
                 else:
+                    came[_ID.unpack_from(message.data)[0]] = self._loop.time()
+                    while len(came) > _MOST_ASKED:
+                        del came[next(iter(came))]
                     with suppress(zmq.Again):  # as many wait already; the page asks again
                         await server.send(self._with_token(message.data), zmq.NOBLOCK)
         finally:
@@ -241,9 +251,13 @@ class Door:
         token = token_of(self._lock.secret)
         return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) : _SHARES_AT] + b"\0" + data[_SHARES_AT + 1 :]
 
-    async def _pass_down(self, server: Any, browser: Any) -> None:
+    async def _pass_down(self, server: Any, browser: Any, came: dict[int, float], log: Log | None) -> None:
         while True:
             data = await server.recv(copy=False)
+            begun = came.pop(_ID.unpack_from(data.buffer)[0], None)
+            if log is not None and begun is not None and len(data.buffer) >= _DRAWING.size:
+                drawing_ns = _DRAWING.unpack_from(data.buffer)[0]
+                log.sent(1e3 * (self._loop.time() - begun), 1e-6 * drawing_ns, len(data.buffer))
             await browser.send_bytes(data.buffer)  # waits until the browser has room
 
     def close(self) -> None:

@@ -24,7 +24,7 @@ from .browser import Browser, enter_vr
 from .looks import CLOCK, look_after, pictures_of
 
 DISPLAY = {
-    "browser": "a browser", "renderer": "a GPU", "trace": "walk", "width": 120, "height": 130,
+    "browser": "a browser", "renderer": "a GPU", "codec": "av1", "trace": "walk", "width": 120, "height": 130,
     "rendered_width": 150, "rendered_height": 162,
     "views": [[x, 0, 0, 0, 0, 0, 1, -0.7, 0.7, -0.7, 0.7] for x in (-0.034, 0.034)],
     "rate_hz": 90, "latency_ms": 100, "guard": 1.25, "chains": ["iterative", "mesh:grid=64", "rotation"],
@@ -62,6 +62,8 @@ def test_a_session_is_written_as_a_live_run(logs, tmp_path):
     log = logs.begin()
     log.take(json.dumps(DISPLAY))
     log.take(rows().tobytes())
+    for _ in range(400):
+        log.sent(12.0, 10.0, 10_000)
     later = rows()
     later[:, :2] += 5000  # nothing for 2.8 s
     log.take(later.tobytes())
@@ -74,8 +76,12 @@ def test_a_session_is_written_as_a_live_run(logs, tmp_path):
     assert 100 <= summary["live"]["age_ms"]["median"] <= 123 and summary["live"]["missed"] == 250
     parts = summary["link"]["response_ms"]
     assert (parts["render_ms"], parts["round_trip_ms"]) == (5, 55) and parts["total_ms"] == pytest.approx(104)
+    assert summary["link"]["codec"] == "av1"
+    assert summary["link"]["mbit_s"] == pytest.approx(400 * 0.08 / summary["live"]["seconds"])
+    assert summary["link"]["server"] == {"took_ms": 12, "drawing_ms": 10, "own_ms": 2, "own_share": 0.2}
     assert len((folder / "delays.csv").read_text(encoding="utf-8").split()) == 1 + 2 * 67
-    assert "Frame age at display" in (folder / "report.html").read_text(encoding="utf-8")
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Frame age at display" in page and "2.0 ms, 20.0% of drawing and coding" in page
 
 
 ROW = {"chain": "iterative", "fill": "none", "warp_ms": [2, 3], "total_ms": [3, 4]}
@@ -116,6 +122,7 @@ WRONG = {
     ),
     "three eyes": json.dumps(DISPLAY | {"views": DISPLAY["views"][:1] * 3}),
     "letters of a terminal": json.dumps(DISPLAY | {"browser": "\x1b[2J"}),
+    "a codec that is none": json.dumps(DISPLAY | {"codec": ["av1"]}),
     "a chain that is none": json.dumps(DISPLAY | {"chains": ["../../etc"]}),
     "a list of lists": json.dumps(DISPLAY | {"chains": [[]]}),
     "long": json.dumps(DISPLAY | {"browser": "x" * MOST_TEXT}),

@@ -75,13 +75,15 @@ def test_a_walk_200_ms_late_is_near_the_truth(page, gpu, record_property):
     assert np.mean(found) >= 28
 
 
-def test_with_videos_the_codecs_loss_is_all_that_is_added(page, gpu):
+@pytest.mark.parametrize("video", ["h264", "av1"])
+def test_with_videos_the_codecs_loss_is_all_that_is_added(page, gpu, video):
     """Where the head is then, nobody chooses, so medians count.
 
     At CRF 10 half the pixels of a decoded picture are within two levels of 255. Codes of depth
     move others by a fraction of a pixel, and textures by as much of their contrast: twice that.
     """
-    looked = page("trace=walk&latency=200&warp=iterative&size=256&crf=10").does(LOOK)
+    looked = page(f"trace=walk&latency=200&warp=iterative&size=256&crf=10&codec={video}").does(LOOK)
+    assert looked["video"] == video
     with Own(gpu, SAMPLES) as own:
         here = own.warped(looked)
     off = np.abs(pictures_of(looked)[0].astype(int) - here.colour)[here.coverage > 0]

@@ -35,7 +35,7 @@ export function mapBetween(from, to) {
   return { H: times(times(k, matrixOf(there.orientation)), inverted(camera(from.fov, from.size, from.isTopFirst))), e: apply(k, there.position) };
 }
 
-/** What seen.vert reads. */
+/** What whole.vert reads. */
 const seen = ({ mask, fov }) => (mask ? { edges: tangents(fov) } : {});
 
 const movesWholePixels = ({ H: [[a, b, x], [c, d, y], [f, g, h]], e }) =>
@@ -259,7 +259,7 @@ export class Chain {
 
   /** A program over all of a view that can be seen. */
   over({ mask }, fragment, defines = "") {
-    return this.program(fragment, { vertex: mask ? "seen.vert" : "whole.vert", defines });
+    return this.program(fragment, { defines: `${mask ? "#define SEEN" : ""}\n${defines}` });
   }
 
   /** Warp alone, before holes are filled. */
