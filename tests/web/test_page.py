@@ -175,6 +175,22 @@ def test_what_the_page_holds_stays_the_same_over_fifty_stalls_and_cuts(address, 
     assert held["frames"] <= 2 * held["coming"]
 
 
+def test_a_long_press_hides_the_panel_and_a_drag_does_not(page):
+    browser, hidden = page("raw&trace=walk&size=128", (600, 400)), "document.getElementById('panel').hidden"
+
+    def mouse(what: str, x: int) -> None:
+        browser.send("Input.dispatchMouseEvent", type=f"mouse{what}", x=x, y=200, button="left", buttons=1, clickCount=1)
+
+    mouse("Pressed", 450)
+    mouse("Moved", 500)
+    browser.does("new Promise((go) => setTimeout(go, 700))")  # it comes after what a press would have set off
+    assert not browser.does(hidden)
+    mouse("Released", 500)
+    mouse("Pressed", 450)
+    browser.until(hidden)
+    mouse("Released", 450)
+
+
 def test_a_lost_context_is_told(page):
     browser = page("raw&trace=walk&size=128")
     browser.does("hmdwarp.chain.gl.getExtension('WEBGL_lose_context').loseContext()")

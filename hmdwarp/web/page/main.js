@@ -25,6 +25,7 @@ const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
 const LEAST_BUDGET = 1.5; // times the cheapest chain, where none fits
 const MISSED = 1.5; // of the display's interval: a refresh that took longer was missed
+const HELD_MS = 600, MOVED_PX = 8; // of a press that shows or hides what is told, and of one that drags
 const NAMES = Object.keys(CHAINS);
 const $ = (name) => document.getElementById(name);
 
@@ -301,7 +302,7 @@ function tellFigures(session) {
     "drawn by the server in": `${frame.drawing.toFixed(1)} ms`,
     "decoded in": `${figures.decode.toFixed(1)} ms`,
     [`warped by ${session.inUse}, an eye`]: `${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms`,
-    [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "waited for",
+    [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "no GPU timer: waited for",
     "script, a refresh": `${(figures.script / Math.max(figures.refreshes, 1)).toFixed(2)} ms`,
     "refreshes a second": (figures.refreshes / passed).toFixed(0),
     "frames a second": (figures.frames / passed).toFixed(0),
@@ -311,6 +312,10 @@ function tellFigures(session) {
     "asked for": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : session.video === "none" ? "all" : `quality ${session.quality}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
     "rendered, shown": `${frame.size.join("x")}, ${session.size.join("x")}`,
   };
+  session.line = [
+    `${rows["age of the shown frame"]} old, round trip ${rows["round trip"]}, drawn in ${rows["drawn by the server in"]}, decoded in ${rows["decoded in"]},`,
+    `${session.inUse} ${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms, ${session.video} ${rows.received}, ${rows["refreshes without a new frame"]} without a new frame`,
+  ].join(" ");
   $("figures").replaceChildren(...Object.entries(rows).map(([name, value]) => {
     const row = document.createElement("tr");
     row.append(...[name, value].map((text) => Object.assign(document.createElement("td"), { textContent: text })));
@@ -333,6 +338,14 @@ function placeOf({ position: [x, y, z], orientation: [, turnY, , turnW] }, hasFl
   return { position: [x, hasFloor ? 0 : y, z], orientation: [0, turnY / length, 0, turnW / length] };
 }
 
+/** Call act() where something is held, from an event to any of others. */
+function onHeld(target, begins, ends, act) {
+  let timer = 0, from = null;
+  target.addEventListener(begins, (event) => ([from, timer] = [event, setTimeout(act, HELD_MS)]));
+  const isHeld = ({ type, clientX: x, clientY: y }) => type === "pointermove" && (!from || Math.hypot(x - from.clientX, y - from.clientY) < MOVED_PX);
+  for (const name of ends) target.addEventListener(name, (event) => isHeld(event) || clearTimeout(timer));
+}
+
 const UNSEEN = { hidden: "The headset shows something else: this goes on after it.", "visible-blurred": "The headset shows something in front." };
 
 async function enterVr(session, gl) {
@@ -340,7 +353,8 @@ async function enterVr(session, gl) {
   const xr = await navigator.xr.requestSession("immersive-vr", { optionalFeatures: ["local-floor"] }).catch(refused);
   if (!xr?.requestReferenceSpace) return;
   const masks = []; // by a view's number, where the browser tells what its lens hides
-  xr.addEventListener("visibilitymaskchange", ({ index, vertices, indices }) => (masks[index] = session.chain.mask(vertices, indices)));
+  xr.addEventListener("visibilitymaskchange", ({ index, vertices, indices }) => (masks[index] = session.chain.mask(vertices, indices, masks[index])));
+  onHeld(xr, "selectstart", ["selectend"], () => (session.tells = !session.tells));
   await gl.makeXRCompatible();
   const layer = new XRWebGLLayer(xr, gl, { antialias: false, depth: false });
   xr.updateRenderState({ baseLayer: layer });
@@ -349,6 +363,7 @@ async function enterVr(session, gl) {
   xr.addEventListener("visibilitychange", () => told(UNSEEN[xr.visibilityState] ?? "", "xr"));
   xr.addEventListener("end", () => {
     session.xr = null;
+    masks.splice(0).forEach((mask) => mask && session.chain.unmask(mask));
     told("VR has ended; the window goes on.", "xr");
     setTimeout(() => told("", "xr"), 5000);
   });
@@ -371,7 +386,8 @@ async function enterVr(session, gl) {
     if (!seen || gl.isContextLost()) return;
     told(viewer ? "" : "The headset does not know where it is: the picture stays.", "tracking");
     session.show(...seen, xr.frameRate ? 1000 / xr.frameRate : Math.max(now - last, 8));
-    if (telling) seen[1].forEach((eye, k) => session.chain.tell(telling, eye, layer.framebuffer, seen[3][k]));
+    const line = telling || (session.tells ? session.line : "");
+    if (line) seen[1].forEach((eye, k) => session.chain.tell(line, eye, layer.framebuffer, seen[3][k]));
     session.ended(begun);
     last = now;
   };
@@ -407,9 +423,9 @@ async function begin() {
     $("figures").hidden = !$("figures").hidden;
     $("more").setAttribute("aria-expanded", String(!$("figures").hidden));
   };
-  addEventListener("keydown", (event) => {
-    if (event.code === "KeyH") $("panel").hidden = !$("panel").hidden;
-  });
+  const hide = () => ($("panel").hidden = !$("panel").hidden);
+  addEventListener("keydown", ({ code }) => code === "KeyH" && hide());
+  onHeld(canvas, "pointerdown", ["pointermove", "pointerup", "pointercancel"], hide);
   $("panel").onsubmit = (event) => event.preventDefault();
   if (await navigator.xr?.isSessionSupported("immersive-vr")) $("enter").hidden = false;
   $("enter").onclick = () => enterVr(session, chain.gl);

@@ -5,7 +5,7 @@
 const LEAST_MS = 4; // of a burst by the page's clock, which is coarse: 0.1 ms in some browsers
 const TRIES = 3; // where something else took the device meanwhile
 const LOOK_MS = 2, MOST_LOOKS = 2000; // between looks at whether the timer has a result, and how many
-const TIMED = { gpu: "EXT_disjoint_timer_query_webgl2", wall: "waiting until a pixel can be read" };
+const TIMED = { gpu: "EXT_disjoint_timer_query_webgl2", wall: "waiting until a pixel can be read: this browser has no EXT_disjoint_timer_query_webgl2" };
 
 export class Stopwatch {
   /** most: draws of one burst. */
