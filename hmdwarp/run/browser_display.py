@@ -70,10 +70,10 @@ class BrowserDisplay:
     """What a page says of its display. Errors: BadLog for anything out of range."""
 
     chains: tuple[str, ...] = attrs.field()
+    codec: str = attrs.field()  # of the colours
     views: tuple[list[float], ...] = attrs.field(validator=_views)
     browser: str = words(300)
     renderer: str = words(300)
-    codec: str = attrs.field()  # of the colours
     trace: str = words(80)
     width: int = number(1, 16384)
     height: int = number(1, 16384)

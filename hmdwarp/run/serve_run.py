@@ -136,8 +136,13 @@ def _door(
     scene, is_recorded = source.scene, isinstance(source, RecordingSource)
     start, names = scene.viewpoint, [*([AS_RECORDED] if is_recorded else []), *recording_names()]
     viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
-    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": names, "head": names[0] if is_recorded else "hand"}
-    about |= {"videos": videos_for_browsers(), "codec": options.codec, "most_work": bounds.CODED.most}
+    about: dict[str, Any] = {"scene": scene.name, "viewpoint": viewpoint, "traces": names}
+    about |= {
+        "head": names[0] if is_recorded else "hand",
+        "videos": videos_for_browsers(),
+        "codec": options.codec,
+        "most_work": bounds.CODED.most,
+    }
     traces = {f"traces/{name}.json": functools.partial(_samples, name, source) for name in names}
     lock = web.Lock(secret, pair)
     with ExitStack() as opened:

@@ -17,7 +17,7 @@ import socket
 import ssl
 import struct
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
@@ -42,6 +42,7 @@ _MOST_UNSENT = 1 << 16  # bytes, in the system
 _REPORT = b"HWLG"  # before rows of a report
 MOST_PAGES, SILENT_S = 64, 10.0  # connections, and until a new one is cut that says nothing
 MOST_REPORT = 1 << 17  # bytes of one message
+_MOST_REPORTS = 16  # that wait while one is written
 _HEADERS = {
     "X-Frame-Options": "DENY",
     "X-Content-Type-Options": "nosniff",
@@ -120,6 +121,7 @@ class Door:
         host = hosts_at(host)[0]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         self._context, self._pages = zmq.asyncio.Context(), 0
+        self._tasks: set[asyncio.Future[None]] = set()
         self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
         self._loop = asyncio.new_event_loop()
         self._runner = self._loop.run_until_complete(self._begin())
@@ -148,6 +150,8 @@ class Door:
         asyncio.set_event_loop(self._loop)
         self._loop.run_forever()
         self._loop.run_until_complete(self._runner.cleanup())
+        if self._tasks:  # the last reports
+            self._loop.run_until_complete(asyncio.wait(self._tasks))
         self._loop.close()
 
     @web.middleware
@@ -222,13 +226,16 @@ class Door:
         server.connect(self._feed)
         log = self._log() if self._log is not None else None
         came: dict[int, float] = {}  # when each request did, by its id
+        reports: asyncio.Queue[str | bytes | None] = asyncio.Queue(_MOST_REPORTS)
+        if log is not None:  # whoever waited until a session is written would get no frames
+            self._do(self._log_all(log, reports))
         down = asyncio.ensure_future(self._pass_down(server, browser, came, log))
         silent = self._loop.call_later(SILENT_S, lambda: asyncio.ensure_future(browser.close()))
         try:
             async for message in browser:
                 silent.cancel()
                 if log is not None and (report := _report_in(message.data)) is not None:
-                    await asyncio.to_thread(log.take, report)
+                    await reports.put(report)
                 elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
                     break
                 else:
@@ -241,10 +248,20 @@ class Door:
             silent.cancel()
             down.cancel()
             server.close(0)
-            if log is not None:  # whoever waited for it would slow down all others
-                self._loop.run_in_executor(None, log.close)
+            self._do(reports.put(None))
         await browser.close()
         return browser
+
+    def _do(self, task: Coroutine[Any, Any, None]) -> None:
+        """Begin a task, and hold it until it is done."""
+        begun = asyncio.ensure_future(task)
+        self._tasks.add(begun)
+        begun.add_done_callback(self._tasks.discard)
+
+    async def _log_all(self, log: Log, reports: asyncio.Queue[str | bytes | None]) -> None:
+        while (report := await reports.get()) is not None:
+            await asyncio.to_thread(log.take, report)
+        await asyncio.to_thread(log.close)
 
     def _with_token(self, data: bytes) -> bytes:
         """Return a request with the server's token, and no wish for shared memory."""

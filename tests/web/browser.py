@@ -250,8 +250,9 @@ CANTED = """
   const canted = (view, side) => {
     const { position, orientation: { x, y, z, w } } = view.transform, [s, c] = [-side * turn[0], turn[1]];
     const orientation = { x: x * c - z * s, y: y * c + w * s, z: z * c + x * s, w: w * c - y * s };
-    const projectionMatrix = view.projectionMatrix.map((value, k) => (side > 0 && k === 0 ? 1.15 * value : side > 0 && k === 9 ? value + 0.1 : value));
-    return Object.create(view, { transform: { value: { position, orientation } }, projectionMatrix: { value: projectionMatrix } });
+    const seen = [...view.projectionMatrix], value = { position, orientation };
+    if (side > 0) [seen[0], seen[9]] = [1.15 * seen[0], seen[9] + 1 / 13]; // its guard band is whole pixels of 104
+    return Object.create(view, { transform: { value }, projectionMatrix: { value: seen } });
   };
   XRFrame.prototype.getViewerPose = function (space) {
     const pose = getViewerPose.call(this, space);
