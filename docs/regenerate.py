@@ -42,6 +42,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "layouts": ("-m hmdwarp list layouts --markdown", True),
     "clients": ("-m hmdwarp list clients --markdown", True),
     "feed": ("tests/bench_feed.py", True),
+    "codecs": ("tests/bench_codecs.py", True),
     "check rates": ("tests/check_rates.py", True),
     "warper cost": ("tests/bench_warper.py", True),
     "speed": ("tests/bench_quick.py", False),

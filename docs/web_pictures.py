@@ -12,13 +12,12 @@ from PIL import Image
 DOCS = Path(__file__).resolve().parent
 sys.path.insert(0, str(DOCS.parent / "tests"))
 from serving import Serving  # noqa: E402
-from web.browser import Browser, enter_vr  # noqa: E402
-from web.looks import CLOCK  # noqa: E402
+from web.browser import Browser, wear  # noqa: E402
+from web.looks import CLOCK, enter_vr_at_once  # noqa: E402
 
 PICTURES = {"web.png": (1400, 800), "web-phone.png": (390, 780)}
 HEADSET = {"web-headset.png": (1000, 560)}  # both eyes
 SERVED = ("--scene", "room", "--web", "127.0.0.1:*", "--samples", "4")  # as by default
-SHOWN = "hmdwarp.session.shown.number > 20"  # the pace of a new session has settled
 
 
 def sized(browser: Browser, size: tuple[int, int]) -> None:
@@ -34,26 +33,23 @@ def keep(browser: Browser, name: str) -> None:
 
 
 def main() -> None:
-    """Walk for a moment, 200 ms late; without figures, as the clock is not real.
+    """Walk for a moment, then look about in a headset, 200 ms late.
 
-    Then look about in a headset, whose clock is real.
+    Without figures, as the clock is not real.
     """
     with tempfile.TemporaryDirectory() as folder, Serving(*SERVED) as server:
         address = server.line("for a browser").split()[-1]
-        for name, size in PICTURES.items():
+        for name, size in {**PICTURES, **HEADSET}.items():
             with Browser(Path(folder) / name, size) as browser:
                 browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK)
                 sized(browser, size)
+                if name in HEADSET:
+                    wear(browser)
                 browser.open(f"{address}&trace=walk&latency=200&warp=iterative&crf=18&size=800")
                 browser.until("hmdwarp.session.feed.socket.readyState === 1")
+                if name in HEADSET:
+                    enter_vr_at_once(browser)
                 browser.does("stepped(45)")
-                keep(browser, name)
-            address = server.line("for another one").split()[-1]
-        for name, size in HEADSET.items():
-            with Browser(Path(folder) / name, size) as browser:
-                sized(browser, size)
-                enter_vr(browser, f"{address}&latency=200&warp=iterative&crf=18&size=160")
-                browser.until(SHOWN)
                 keep(browser, name)
             address = server.line("for another one").split()[-1]
 

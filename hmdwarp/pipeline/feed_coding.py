@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import MachineError
 from ..frames.layers import PICTURE
 from ..geometry import View
 from ..link.codec import (
@@ -18,6 +20,7 @@ from ..link.codec import (
     EXACT,
     STEP,
     STOPS,
+    VIDEOS,
     Coding,
     ColourDecoder,
     ColourEncoder,
@@ -28,6 +31,7 @@ from ..link.codec import (
     Packet,
     Undecodable,
     bytes_from_light,
+    check_codec,
     codecs,
     depth_step,
     light_from_bytes,
@@ -36,6 +40,7 @@ from ..link.codec import (
 from ..sources.array_passes import LINEAR, SRGB8, Arrays
 from ..sources.feed import bounds
 from ..sources.feed.message import (
+    AV1,
     DEPTH_CODES,
     DEPTH_EXACT,
     DEPTH_VIDEO,
@@ -46,6 +51,7 @@ from ..sources.feed.message import (
     NONE,
     RGBA8,
     RGBA16F,
+    VP9,
     Ask,
     DepthCodes,
     FrameMessage,
@@ -57,13 +63,13 @@ from .frame_coder import pixels_per_tangent
 
 # The layer of frames whose picture is light alone; its table may have how far that reaches.
 LIGHT = "light"
-_CODECS = {H264: "h264", HEVC: "hevc"}
+_CODECS = {H264: "h264", HEVC: "hevc", VP9: "vp9", AV1: "av1"}
 _RAW_COLOURS = {RGBA16F: "float16", RGBA8: "srgb8"}
 _RAW_DEPTHS = {INVERSE_DEPTH: "float32", DEPTH_CODES: "uint16"}
 # What `bounds.CODED` counts a pixel for, by format of colour and of depth; and the bytes that an
 # encoder keeps of one, FFV1's too.
-_WORK = {H264: 1, HEVC: 4}, {DEPTH_VIDEO: 2, DEPTH_VIDEO8: 2}
-_BYTES = {H264: 20, HEVC: 55}, {DEPTH_VIDEO: 65, DEPTH_VIDEO8: 65, DEPTH_EXACT: 40}
+_WORK = {H264: 1, HEVC: 4, VP9: 1, AV1: 3}, {DEPTH_VIDEO: 2, DEPTH_VIDEO8: 2}
+_BYTES = {H264: 20, HEVC: 55, VP9: 90, AV1: 55}, {DEPTH_VIDEO: 65, DEPTH_VIDEO8: 65, DEPTH_EXACT: 40}
 _FORMATS = {name: number for number, name in _CODECS.items()}
 _DEPTHS = {AS_VIDEO: DEPTH_VIDEO, AS_VIDEO8: DEPTH_VIDEO8}
 _VIDEOS = {number: DEPTH_VIDEOS[name] for name, number in _DEPTHS.items()}
@@ -151,6 +157,16 @@ def codes_video(form: int, *, of_depth: bool = False) -> bool:
 def check_work(ask: Ask) -> None:
     """Check what coding a frame will take. Errors: bounds.OutOfBounds."""
     bounds.CODED.check(_of_all_pixels(ask, _WORK))
+
+
+def videos_for_browsers() -> dict[str, int]:
+    """Return what this machine encodes, the best first; of each what a pixel counts, with depth."""
+    found = {}
+    for name in VIDEOS:
+        with suppress(MachineError):
+            check_codec(name)
+            found[name] = _WORK[0][_FORMATS[name]] + _WORK[1][DEPTH_VIDEO8]
+    return found
 
 
 def _of_all_pixels(ask: Ask, of: tuple[dict[int, int], dict[int, int]]) -> int:

@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..frames import EyeSizes
 from ..geometry import Fov, Pose
 from ..headsets import Headset, HeadsetEye
+from ..link.codec import codecs
 from ..web import STEPS
 from .live_summary import LiveFacts
 from .options import DESKTOP, LiveOptions
@@ -69,6 +70,7 @@ class BrowserDisplay:
     """What a page says of its display. Errors: BadLog for anything out of range."""
 
     chains: tuple[str, ...] = attrs.field()
+    codec: str = attrs.field()  # of the colours
     views: tuple[list[float], ...] = attrs.field(validator=_views)
     browser: str = words(300)
     renderer: str = words(300)
@@ -85,6 +87,11 @@ class BrowserDisplay:
     def _check_chains(self, _: object, value: object) -> None:
         if not (isinstance(value, tuple) and value and all(one in [*CHAINS] for one in value)):
             raise BadLog(f"chains: expected some of {', '.join(CHAINS)}")
+
+    @codec.validator
+    def _check_codec(self, _: object, value: object) -> None:
+        if value not in [*codecs.names()]:
+            raise BadLog(f"codec: expected one of {', '.join(codecs.names())}")
 
     @property
     def eyes(self) -> int:

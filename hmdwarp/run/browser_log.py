@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import threading
+from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -40,6 +41,8 @@ _MOST_SESSIONS, _MOST_REFRESHES = 1000, 1 << 19  # of a server, and of a session
 _LEAST_REFRESHES = 2
 _MOST_MS, _MOST_M = 1e9, 1e7
 _RESPONSE = tuple(ResponseTime().parts())
+_SENT = ("took_ms", "drawing_ms")  # of a message: since its request came, and of those drawing and coding
+_MOST_SENT = 1024  # messages between two reports
 
 
 def rows_of(data: bytes, after_ms: float, chains: int) -> NDArray[np.float64]:
@@ -78,6 +81,7 @@ class _Session:
     def __init__(self, display: BrowserDisplay, folder: Path, scene: str, command: str) -> None:
         self.display, self._facts, self._command = display, facts_of(display, scene), command
         self._figures, self._timeline, self._responses = LiveFigures(), Timeline(), Thinned(_RESPONSE)
+        self._sent, self._bytes = Thinned(_SENT), 0
         self._out = OutputFolder(folder, owned=(*OWNED, "trace.csv", "headset.toml"))
         self._ending = ExitStack()
         self._rows = Lines(self._out.path("frames.csv"))
@@ -94,6 +98,11 @@ class _Session:
         for row in rows[: _MOST_REFRESHES - self.count]:
             self._add(dict(zip(COLUMNS, row.tolist(), strict=True)))
         self.last_ms = float(rows[-1, 0])
+
+    def sent(self, took_ms: float, drawing_ms: float, size: int) -> None:
+        """Note a message that was sent to the page."""
+        self._sent.add((took_ms, drawing_ms))
+        self._bytes += size
 
     def _add(self, row: Mapping[str, float]) -> None:
         shown_ns, asked_ns = round(row["shown_ms"] * 1e6), round(row["asked_ms"] * 1e6)
@@ -180,8 +189,20 @@ class _Session:
             "response": "sum",
             "response_ms": figures_of_parts(responses),
             "timeline": self._timeline.as_list(),
+            "codec": self.display.codec,
+            "mbit_s": 8e-6 * self._bytes / max(summary["live"]["seconds"], 1e-3),
+            "server": self._server_figures(),
         }
         return summary
+
+    def _server_figures(self) -> dict[str, float]:
+        """Return medians of what a request takes here, and of that beside drawing and coding."""
+        took, drawing = (self._sent.column(name) for name in _SENT)
+        if not (drawing > 0).any():
+            return {}
+        own = (took - drawing)[drawing > 0]
+        medians = {"took_ms": took, "drawing_ms": drawing, "own_ms": own, "own_share": own / drawing[drawing > 0]}
+        return {name: float(np.median(values)) for name, values in medians.items()}
 
 
 def _pose(row: Mapping[str, float], which: str) -> Pose:
@@ -251,6 +272,11 @@ class BrowserLog:
     def __init__(self, logs: BrowserLogs) -> None:
         self._logs, self._is_bad, self._lock = logs, False, threading.Lock()
         self._session: _Session | None = None
+        self._sent: deque[tuple[float, float, int]] = deque(maxlen=_MOST_SENT)
+
+    def sent(self, took_ms: float, drawing_ms: float, size: int) -> None:
+        """Note a message that was sent to the page; from any thread."""
+        self._sent.append((took_ms, drawing_ms, size))
 
     def take(self, data: str | bytes) -> None:
         """Take a line about the display, or refreshes on it; after a wrong one, none."""
@@ -276,9 +302,16 @@ class BrowserLog:
             raise BadLog("refreshes of no display")
         else:
             self._session.take(data)
+            self._tell(self._session)
+
+    def _tell(self, session: _Session) -> None:
+        while self._sent:
+            session.sent(*self._sent.popleft())
 
     def _end(self) -> None:
         session, self._session = self._session, None
+        if session is not None:
+            self._tell(session)
         self._logs.ended(self, session)
 
     def close(self) -> None:

@@ -11,7 +11,7 @@ import attrs
 
 from .. import poses
 from ..errors import InputError
-from ..link.codec import Coding
+from ..link.codec import VIDEOS, Coding
 from ..options import (
     AUTO,
     DISPLAY,
@@ -444,6 +444,12 @@ class ServeOptions(ListenOptions):
     certificate: Path | None = option(
         None, "PEM file with the private key and certificate of --web, for https; made by openssl if missing."
     )
+    codec: str = option(
+        AUTO,
+        f"With --web: video of the colours, {', '.join(VIDEOS)}; by default the best that a browser decodes in "
+        "hardware, else h264.",
+        valid=one_of(AUTO, *VIDEOS),
+    )
     out: Path | None = out_field(
         None, "With --web: folder for what browsers report of their sessions, each as a live run; by default none."
     )
@@ -457,6 +463,8 @@ class ServeOptions(ListenOptions):
     def __attrs_post_init__(self) -> None:
         if self.out is not None and not self.web:
             raise InputError(f"--out {self.out}: browsers' sessions come by --web; name its address, or leave it out")
+        if self.codec != AUTO and not self.web:
+            raise InputError(f"--codec {self.codec}: it is for --web; other clients say theirs; leave it out")
         if self.certificate is not None and not self.web:
             raise InputError(f"--certificate {self.certificate}: it is for --web; name its address, or leave it out")
         if self.frames is None:

@@ -19,8 +19,10 @@ from ..frames import Frame, Needs
 from ..frames.layers import RENDERED, Delivered, EyeSizes, layers
 from ..gpu.context import Gpu
 from ..gpu.textures import download
+from ..link.codec import check_codec
+from ..options import AUTO
 from ..pipeline.channel import SEEN_PX, Changes
-from ..pipeline.feed_coding import LIGHT, FeedEncoder, check_work
+from ..pipeline.feed_coding import LIGHT, FeedEncoder, check_work, videos_for_browsers
 from ..pipeline.feed_layers import FOVEA_GRID, needs_of_client, parts_of, sizes_of
 from ..pipeline.options import NEAREST, PipelineOptions
 from ..pipeline.recorded_renderer import RecordedRenderer
@@ -129,10 +131,18 @@ def _door(
     options: ServeOptions, feed: str, source: Source, secret: str, pair: KeyPair | None, say: Callable[[str], None]
 ) -> AbstractContextManager[object]:
     import_extra("aiohttp", "aiohttp", "web")
+    if options.codec != AUTO:
+        check_codec(options.codec)
     scene, is_recorded = source.scene, isinstance(source, RecordingSource)
     start, names = scene.viewpoint, [*([AS_RECORDED] if is_recorded else []), *recording_names()]
     viewpoint = {"position": start.position_m.tolist(), "orientation": start.orientation_xyzw.tolist()}
-    about = {"scene": scene.name, "viewpoint": viewpoint, "traces": names, "head": names[0] if is_recorded else "hand"}
+    about: dict[str, Any] = {"scene": scene.name, "viewpoint": viewpoint, "traces": names}
+    about |= {
+        "head": names[0] if is_recorded else "hand",
+        "videos": videos_for_browsers(),
+        "codec": options.codec,
+        "most_work": bounds.CODED.most,
+    }
     traces = {f"traces/{name}.json": functools.partial(_samples, name, source) for name in names}
     lock = web.Lock(secret, pair)
     with ExitStack() as opened:

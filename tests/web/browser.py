@@ -235,21 +235,44 @@ HEADSET = """
 globalThis.headset = new IWER.XRDevice(IWER.metaQuest3, { stereoEnabled: true, visibilityMask: null });
 headset.ipd = 0.068;
 headset.installRuntime({ forceInstall: true });
-setInterval(() => {
-  const t = performance.now() / 1000, yaw = 0.15 * Math.sin(0.9 * t), pitch = 0.06 * Math.sin(1.1 * t);
+globalThis.moved = (ms) => {
+  const t = ms / 1000, yaw = 0.15 * Math.sin(0.9 * t), pitch = 0.06 * Math.sin(1.1 * t);
   headset.position.set(0.2 * Math.sin(0.8 * t), 1.6 + 0.05 * Math.sin(1.3 * t), 0.15 * Math.cos(0.7 * t));
   headset.quaternion.set(Math.sin(pitch) * Math.cos(yaw), Math.sin(yaw) * Math.cos(pitch),
     -Math.sin(yaw) * Math.sin(pitch), Math.cos(yaw) * Math.cos(pitch));
-}, 4);
+};
+setInterval(() => moved(performance.now()), 4);
+"""
+# Eyes that look past each other by 12 degrees, the right one with another field of view.
+CANTED = """
+{
+  const { getViewerPose } = XRFrame.prototype, turn = [Math.sin(0.052), Math.cos(0.052)];
+  const canted = (view, side) => {
+    const { position, orientation: { x, y, z, w } } = view.transform, [s, c] = [-side * turn[0], turn[1]];
+    const orientation = { x: x * c - z * s, y: y * c + w * s, z: z * c + x * s, w: w * c - y * s };
+    const seen = [...view.projectionMatrix], value = { position, orientation };
+    if (side > 0) [seen[0], seen[9]] = [1.15 * seen[0], seen[9] + 1 / 13]; // its guard band is whole pixels of 104
+    return Object.create(view, { transform: { value }, projectionMatrix: { value: seen } });
+  };
+  XRFrame.prototype.getViewerPose = function (space) {
+    const pose = getViewerPose.call(this, space);
+    return pose && { transform: pose.transform, views: pose.views.map((view, k) => canted(view, 2 * k - 1)) };
+  };
+}
 """
 
 
-def enter_vr(browser: Browser, address: str) -> None:
-    """Open the page in an emulated headset that moves, and wait until it shows both eyes."""
+def wear(browser: Browser, script: str = "") -> None:
+    """Give the pages opened from now on an emulated headset that moves."""
     with tarfile.open(needs.packed("iwer")) as package:
         runtime = package.extractfile("package/build/iwer.min.js")
         assert runtime is not None
-        browser.send("Page.addScriptToEvaluateOnNewDocument", source=runtime.read().decode() + HEADSET)
+        browser.send("Page.addScriptToEvaluateOnNewDocument", source=runtime.read().decode() + HEADSET + script)
+
+
+def enter_vr(browser: Browser, address: str) -> None:
+    """Open the page in an emulated headset, and wait until it shows both eyes."""
+    wear(browser)
     browser.open(address)
     browser.until("hmdwarp.session.shown && !document.getElementById('enter').hidden")
     browser.does("document.getElementById('enter').click()")

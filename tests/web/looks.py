@@ -14,7 +14,7 @@ from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 from hmdwarp.web import STEPS
 
-from .browser import PACKED
+from .browser import PACKED, Browser
 
 _LOOK = "const { pixels, ...rest } = await hmdwarp.session.look(); const found = "
 LOOK = f"(async () => {{ {_LOOK} {{...rest, pixels: ({PACKED})(pixels)}}; return found; }})()"
@@ -32,19 +32,27 @@ def looks(count: int) -> str:
 # Before a page's own scripts: a clock that only `stepped` moves on, by a refresh at a time, once
 # all that was asked for is there. So ages are those of a device that keeps up.
 CLOCK = """
-const virtual = { now: 0, refresh: null };
+const virtual = { now: 0, refreshes: [] };
 performance.now = () => virtual.now;
-globalThis.requestAnimationFrame = (refresh) => { virtual.refresh = refresh; return 1; };
+globalThis.requestAnimationFrame = (refresh) => virtual.refreshes.push(refresh);
 globalThis.stepped = async (count) => {
   for (let k = 0; k < count; k += 1) {
     virtual.now += 1000 / 60;
-    const refresh = virtual.refresh, { session } = globalThis.hmdwarp;
-    virtual.refresh = null;
-    refresh(virtual.now);
+    const { session } = globalThis.hmdwarp;
+    globalThis.moved?.(virtual.now); // an emulated headset
+    for (const refresh of virtual.refreshes.splice(0)) refresh(virtual.now);
     while (session.feed.asked.size || session.coming) await new Promise((go) => setTimeout(go, 1));
   }
 };
 """
+
+
+def enter_vr_at_once(browser: Browser) -> None:
+    """Enter VR by CLOCK, once the window has shown something, until both eyes have."""
+    browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); await stepped(3); })()")
+    browser.does("document.getElementById('enter').click()")
+    browser.until("hmdwarp.session.xr")
+    browser.does("(async () => { while (hmdwarp.session.shown.eyes.length < 2) await stepped(1); })()")
 
 
 def look_after(refreshes: int) -> str:

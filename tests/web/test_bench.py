@@ -24,7 +24,7 @@ pytestmark = needs.programs("chromium")
 
 GOVERNED = """
 async (levels, budget, times) => {
-  const { Governor } = await import("./governor.js"), governor = new Governor(levels, budget);
+  const { Governor } = await import("./measure.js"), governor = new Governor(levels, budget);
   return times.map((ms) => [Boolean(governor.measured(ms)), governor.level.name]);
 }
 """

@@ -14,7 +14,7 @@ from hmdwarp.colour import srgb8_from_linear
 from hmdwarp.gpu import download
 from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder
 from hmdwarp.scenes import load_scene
-from hmdwarp.sources.feed.message import DEPTH_VIDEO8, H264, Ask, FrameMessage, Wish, encode
+from hmdwarp.sources.feed.message import AV1, DEPTH_VIDEO8, H264, VP9, Ask, FrameMessage, Wish, encode
 from hmdwarp.sources.server import Server
 from hmdwarp.web import STEPS
 
@@ -105,7 +105,8 @@ def test_the_same_picture_as_here(browser, rendered, chain, warp, case, where):
     assert seen.mean() > 0.5 or case == "turned away"
 
 
-def test_a_picture_of_videos_is_what_python_decodes(browser, rendered):
+@pytest.mark.parametrize("video", [H264, VP9, AV1])
+def test_a_picture_of_videos_is_what_python_decodes(browser, rendered, video):
     """Depth by its very codes; colour within what two decoders' chroma and rounding may differ by.
 
     Python places chroma as the stream says, in the middle of four pixels; browsers differ there by
@@ -115,7 +116,7 @@ def test_a_picture_of_videos_is_what_python_decodes(browser, rendered):
     across = np.linspace(0, 1, SIZE[0], dtype=np.float16)
     light = np.broadcast_to(np.stack([across, 0.5 * across, 1 - across, across * 0 + 1], -1), (*SIZE[::-1], 4))
     view = View(STANDING, EYE)
-    ask = Ask(1, 0, 0, 0, 0, SIZE, STANDING, (view,), wish=Wish(H264, DEPTH_VIDEO8, 10))
+    ask = Ask(1, 0, 0, 0, 0, SIZE, STANDING, (view,), wish=Wish(video, DEPTH_VIDEO8, 10))
     coder, decoder = FeedEncoder(ask), FeedDecoder()
     browser.does("globalThis.video = null")
     for number in (1, 2):
@@ -142,7 +143,31 @@ def test_a_picture_of_videos_is_what_python_decodes(browser, rendered):
         assert np.percentile(off[drawn], 99) <= 4
 
 
+DEVICES = {
+    "all in hardware": (["av1", "hevc", "vp9", "h264"], ["av1", "hevc", "vp9", "h264"], "auto", "av1 hevc vp9 h264"),
+    "some in hardware": (["av1", "vp9", "h264"], ["vp9"], "auto", "vp9 h264"),
+    "in software alone": (["av1", "vp9", "h264"], [], "auto", "h264"),
+    "one that is chosen": (["av1", "vp9", "h264"], [], "av1", "av1"),
+    "one that it lacks": (["vp9", "h264"], ["vp9"], "av1", "vp9 h264"),
+    "no depth": (["av1", "vp9"], ["av1"], "auto", ""),
+}
+
+
+@pytest.mark.parametrize("device", DEVICES)
+def test_the_best_video_of_a_device_is_chosen(browser, device):
+    """By what its decoder says it takes, and takes in hardware; depth is H.264, always."""
+    decodes, quickly, wanted, chosen = DEVICES[device]
+    found = browser.does(
+        f"(async () => {{ const {{ VIDEOS, decodable }} = await import('./coded.js'), all = {json.dumps(decodes)}, "
+        f"quick = {json.dumps(quickly)}; const takes = async ({{ codec, hardwareAcceleration: how }}) => "
+        "(how ? quick : all).some((name) => VIDEOS[name].type === codec); "
+        f"return decodable(['av1', 'hevc', 'vp9', 'h264'], '{wanted}', takes); }})()"
+    )
+    assert " ".join(found) == chosen
+
+
 def test_depth_that_is_missing_is_told_by_its_place(browser):
     assert browser.does(
-        "(async () => (await new VideoEye({ size: [64, 64] }).decode({ place: 3, begins: false }, {})) === null)()"
+        "(async () => (await new VideoEye({ size: [64, 64], colour: 3 }).decode({ place: 3, begins: false }, {})) "
+        "=== null)()"
     )

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import needs
 import numpy as np
 import pytest
@@ -24,6 +27,13 @@ HIDES = """
   });
 })()
 """
+# What is held of what was made since.
+BUFFERS = """{
+  const gl = hmdwarp.chain.gl, { createBuffer } = gl;
+  globalThis.buffers = [];
+  gl.createBuffer = () => (buffers.push(createBuffer.call(gl)), buffers.at(-1));
+}"""
+HELD = "buffers.filter((buffer) => hmdwarp.chain.gl.isBuffer(buffer)).length"
 TOLD = "document.getElementById('told').textContent"
 
 
@@ -92,13 +102,42 @@ def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(serving, worn, gpu):
                 assert np.mean(seen & (off > 2)) <= 0.01, look["age"]
                 known.append(seen.mean())
         assert np.mean(known) > 0.5 and len(known) == 200
-        browser.does(HIDES)
+        browser.does(BUFFERS)
+        for _ in range(20):
+            browser.does(HIDES)
         (look,) = browser.does(looks(1))
         for eye, picture in enumerate(pictures_of(look)):  # an outline through the middles of its sides
             inside = np.abs(np.linspace(-1, 1, 130))[:, None] + np.abs(np.linspace(-1, 1, 120)) < 0.95
             off = np.abs(picture.astype(int) - own.warped(look, eye).colour).max(axis=-1)
             assert not picture[:20, :20].any() and not picture[-20:, -20:].any()
             assert np.mean(inside & (own.warped(look, eye).coverage > 0) & (off > 2)) <= 0.01
+        assert browser.does(HELD) == 4  # places and indices of each eye
+        browser.does("hmdwarp.session.xr.end()")
+        browser.until(f"{HELD} === 0")
+
+
+def test_a_trigger_that_is_held_shows_the_figures(serving, worn):
+    browser = worn(serving[1] + "&raw&size=128")
+    for shown in ("true", "false"):
+        browser.does("headset.controllers.right.updateButtonValue('trigger', 1)")
+        browser.until(f"Boolean(hmdwarp.session.tells) === {shown}")
+        browser.does("headset.controllers.right.updateButtonValue('trigger', 0)")
+        browser.does("globalThis.before = hmdwarp.figures.all")
+        browser.until("hmdwarp.figures.all > before + 1")  # a refresh has seen that it is let go
+        if shown == "true":
+            browser.until("hmdwarp.chain.told.text.includes('round trip')")
+
+
+def test_a_bench_in_a_headset_is_of_its_own_views(worn, tmp_path):
+    with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
+        browser = worn(server.line("for a browser").split()[-1] + "&raw&size=64&bench")
+        browser.until("hmdwarp.session.benched && hmdwarp.session.benched.width === 120 && !hmdwarp.session.isBusy")
+        views, told = browser.does("[hmdwarp.session.benched.views.length, hmdwarp.session.benched.how]")
+        assert browser.does(f"{TOLD}").startswith(f"Measured by {told}")
+        lines = [server.line("a browser's bench") for _ in range(2)]  # of the window, and of the headset
+    assert views == 2 and "EXT_disjoint_timer_query_webgl2" in told and "12" not in lines[0]
+    sizes = [json.loads((Path(line.split()[-1]) / "bench.json").read_text())["rows"][0]["size"] for line in lines]
+    assert sizes[-1] == [120, 130] != sizes[0]
 
 
 GOES_ON = f"!{TOLD} && hmdwarp.session.shown.number > before"

@@ -8,6 +8,7 @@ from .coding import AS_VIDEO8 as AS_VIDEO8
 from .coding import DEPTH_CODES as DEPTH_CODES
 from .coding import EXACT as EXACT
 from .coding import PARALLAX_PIXELS as PARALLAX_PIXELS
+from .coding import VIDEOS as VIDEOS
 from .coding import Coding as Coding
 from .coding import depth_step as depth_step
 from .depth_codec import DEPTH_VIDEOS as DEPTH_VIDEOS

@@ -33,6 +33,10 @@ _CRFS = (0, 51)
 EXACT, SIXTEENTH, AS_VIDEO, AS_VIDEO8 = DEPTH_CODES = ("exact", "sixteenth", "video", "video8")
 
 
+# For browsers, the best first: by bytes at an equal quality, see docs/results-link.md.
+VIDEOS = ("av1", "hevc", "vp9", "h264")
+
+
 @attrs.frozen
 class Coding(Declared):
     """Codec and quality. With neither crf nor bitrate_mbit, the codec's own quality.

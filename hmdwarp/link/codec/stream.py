@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import os
 import struct
 import zlib
 from collections.abc import Mapping
@@ -108,6 +109,7 @@ class VideoEncoder:
         av = pyav()
 
         codec.check()
+        os.environ.setdefault("SVT_LOG", "0")  # SVT-AV1 writes to stderr directly, past every logger
         self.size, self._codec = coded_size(size), codec
         context: Any = av.CodecContext.create(codec.encoder, "w")
         context.width, context.height = self.size
@@ -163,7 +165,8 @@ class VideoDecoder:
         # Frame threads would delay pictures.
         context.thread_type, context.thread_count = "SLICE", 2
         # Whatever size hostile bytes claim, no more memory than whole blocks take.
-        context.options = {"max_pixels": str((self._size[0] + _SMALLEST) * (self._size[1] + _SMALLEST))}
+        most_pixels = (self._size[0] + _SMALLEST) * (self._size[1] + _SMALLEST)
+        context.options = {"max_pixels": str(most_pixels), "flags": "low_delay"}
         self._context: Any = context
         # Of the next picture; None: wait for a key frame.
         self._next: int | None = None
@@ -221,7 +224,7 @@ class ColourDecoder:
 
 def _quality(codec: Codec, rate_hz: float, crf: int | None, bitrate_mbit: float | None) -> dict[str, str]:
     if bitrate_mbit is None:
-        return {"crf": str(codec.crf if crf is None else crf)}
+        return {"crf": str(codec.crf if crf is None else max(crf, codec.best))}
     bits = round(bitrate_mbit * 1e6)
     return {"b": str(bits), "maxrate": str(bits), "bufsize": str(max(1, round(_VBV_FRAMES * bits / rate_hz)))}
 

@@ -74,7 +74,8 @@ UNPACKED = Bound("length of a frame, or of its layers, as numbers", 0, 2**29, "b
 # 1.5 s of a core, and four times the memory.
 DRAWN_BY_CPU = Bound("length of a frame that `hmdwarp serve` draws without a GPU, as numbers", 0, 2**28, "bytes")
 # 2 s of a core, for key frames; depth is coded with more care than colour.
-CODED = Bound("pixels of a frame's videos that `hmdwarp serve` codes, H.265 counting 4 times, depth twice", 0, 1.75e7)
+_CODED = "pixels of a frame's videos that `hmdwarp serve` codes, H.265 counting 4 times, AV1 3, depth twice"
+CODED = Bound(_CODED, 0, 1.75e7)
 TEXT = Bound("length of a refusal's text", 0, 500, "bytes")
 
 BOUNDS = [value for value in list(vars().values()) if isinstance(value, Bound)]

@@ -27,9 +27,9 @@ VERSION = 3
 MAGIC = b"HWFD"
 ASK, FRAME, REFUSAL, STUB, UNCHANGED = 1, 2, 3, 4, 5
 # Formats of colour, and of depth; 0 in a request: the server's choice.
-RGBA16F, RGBA8, H264, HEVC = 1, 2, 3, 4
+RGBA16F, RGBA8, H264, HEVC, VP9, AV1 = COLOURS = (1, 2, 3, 4, 5, 6)
 # Those that are made of sRGB bytes.
-BYTES = (RGBA8, H264, HEVC)
+BYTES = (RGBA8, H264, HEVC, VP9, AV1)
 INVERSE_DEPTH, DEPTH_EXACT, DEPTH_VIDEO, DEPTH_VIDEO8, DEPTH_CODES = DEPTHS = (1, 2, 3, 4, 5)
 ANY = 0
 # Of a picture that is left out: neither wished nor sent.
@@ -581,9 +581,9 @@ def _frame(data: Data) -> FrameMessage:
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(asked_ns, received_ns, sent_ns, time_ns)
     bounds.DRAWING.check(render_ns)
-    if colour not in (RGBA16F, RGBA8, H264, HEVC, NONE) or depth not in (*DEPTHS, NONE):
+    if colour not in (*COLOURS, NONE) or depth not in (*DEPTHS, NONE):
         raise Malformed(
-            f"formats {colour} and {depth}: expected {RGBA16F} to {HEVC} for colour, {INVERSE_DEPTH} to "
+            f"formats {colour} and {depth}: expected {RGBA16F} to {COLOURS[-1]} for colour, {INVERSE_DEPTH} to "
             f"{DEPTHS[-1]} for depth, {NONE} for none"
         )
     at = _HEAD.size + _FRAME.size

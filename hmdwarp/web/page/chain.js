@@ -35,7 +35,7 @@ export function mapBetween(from, to) {
   return { H: times(times(k, matrixOf(there.orientation)), inverted(camera(from.fov, from.size, from.isTopFirst))), e: apply(k, there.position) };
 }
 
-/** What seen.vert reads. */
+/** What whole.vert reads. */
 const seen = ({ mask, fov }) => (mask ? { edges: tangents(fov) } : {});
 
 const movesWholePixels = ({ H: [[a, b, x], [c, d, y], [f, g, h]], e }) =>
@@ -122,19 +122,29 @@ export class Chain {
     else gl.drawArrays(gl.TRIANGLES, 0, count);
   }
 
-  /** Triangles of a view that can be seen, as WebXR has them: tangents x, y, and three indices each; null for all of it. */
-  mask(places, indices) {
-    const gl = this.gl, vertices = gl.createVertexArray();
-    if (!indices.length) return null;
-    gl.bindVertexArray(vertices);
-    for (const [target, values] of [[gl.ARRAY_BUFFER, places], [gl.ELEMENT_ARRAY_BUFFER, indices]]) {
-      gl.bindBuffer(target, gl.createBuffer());
+  /**
+   * Triangles of a view that can be seen, as WebXR has them: tangents x, y, and three indices each; null for all of it.
+   * old: what it takes the place of.
+   */
+  mask(places, indices, old = null) {
+    const gl = this.gl;
+    if (!indices.length) return old && this.unmask(old);
+    const mask = old ?? { vertices: gl.createVertexArray(), buffers: [gl.createBuffer(), gl.createBuffer()] };
+    gl.bindVertexArray(mask.vertices);
+    [[gl.ARRAY_BUFFER, places], [gl.ELEMENT_ARRAY_BUFFER, indices]].forEach(([target, values], k) => {
+      gl.bindBuffer(target, mask.buffers[k]);
       gl.bufferData(target, values, gl.STATIC_DRAW);
-    }
+    });
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 0, 0);
     gl.bindVertexArray(null);
-    return { vertices, count: indices.length };
+    return Object.assign(mask, { count: indices.length });
+  }
+
+  unmask({ vertices, buffers }) {
+    this.gl.deleteVertexArray(vertices);
+    for (const buffer of buffers) this.gl.deleteBuffer(buffer);
+    return null;
   }
 
   /** A picture to draw into that is not shown, until it is dropped. */
@@ -259,7 +269,7 @@ export class Chain {
 
   /** A program over all of a view that can be seen. */
   over({ mask }, fragment, defines = "") {
-    return this.program(fragment, { vertex: mask ? "seen.vert" : "whole.vert", defines });
+    return this.program(fragment, { defines: `${mask ? "#define SEEN" : ""}\n${defines}` });
   }
 
   /** Warp alone, before holes are filled. */

@@ -1,6 +1,13 @@
 // Pictures of videos: colour as the browser decodes it, depth by its codes.
 
-const CODEC = "avc1.640033"; // H.264 High, level 5.1; Annex B, as no description is given
+/** Videos: format of docs/feed.md, what WebCodecs calls them (Annex B, as no description is given), crf of one quality. */
+export const VIDEOS = {
+  av1: { colour: 6, type: "av01.0.13M.08", crf: 33 },
+  hevc: { colour: 4, type: "hvc1.1.6.L153.B0", crf: 20 },
+  vp9: { colour: 5, type: "vp09.00.51.08", crf: 29 },
+  h264: { colour: 3, type: "avc1.640033", crf: 18 },
+};
+const typeOf = (colour) => Object.values(VIDEOS).find((video) => video.colour === colour).type;
 const HEADER_BYTES = 24; // CRC-32, f64 step, f64 nearest, u32 bytes of the map
 const MOST_CODE = 255;
 
@@ -16,19 +23,31 @@ export function bendOf(steps) {
   return low;
 }
 
+/**
+ * The videos to ask for, the best first: those of `names`, in their order, that the device decodes in hardware, then H.264.
+ * wanted: one that counts if it is decoded at all. takes(config): whether a decoder does. None where it lacks depth's H.264.
+ */
+export async function decodable(names, wanted, takes = async (config) => (await VideoDecoder.isConfigSupported(config)).supported) {
+  const decodes = (name, how) => takes({ codec: VIDEOS[name].type, ...how }).catch(() => false);
+  if (!names.includes("h264") || !(await decodes("h264", {}))) return [];
+  if (names.includes(wanted) && (await decodes(wanted, {}))) return [wanted];
+  const quick = await Promise.all(names.map((name) => decodes(name, { hardwareAcceleration: "prefer-hardware" })));
+  return [...names.filter((name, k) => quick[k] && name !== "h264"), "h264"];
+}
+
 async function inflated(bytes) {
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
 class Video {
-  constructor(size) {
+  constructor(size, type) {
     this.waiting = [];
     this.decoder = new VideoDecoder({
       output: (frame) => this.waiting.shift()?.(frame),
       error: () => this.waiting.splice(0).forEach((take) => take(null)),
     });
-    this.decoder.configure({ codec: CODEC, codedWidth: size[0], codedHeight: size[1], optimizeForLatency: true });
+    this.decoder.configure({ codec: type, codedWidth: size[0], codedHeight: size[1], optimizeForLatency: true });
   }
 
   /** The picture, null where it cannot be decoded. */
@@ -48,12 +67,12 @@ class Video {
 
 /** The streams of one eye, until a frame begins them anew. */
 export class VideoEye {
-  constructor({ size }) {
-    Object.assign(this, { size, next: 0, colour: new Video(size), depth: new Video(size) });
+  constructor({ size, colour }) {
+    Object.assign(this, { size, format: colour, next: 0, colour: new Video(size, typeOf(colour)), depth: new Video(size, VIDEOS.h264.type) });
   }
 
-  suits({ size, begins }) {
-    const goes = !begins && `${size}` === `${this.size}` && this.colour.decoder.state === "configured" && this.depth.decoder.state === "configured";
+  suits({ size, colour, begins }) {
+    const goes = !begins && colour === this.format && `${size}` === `${this.size}` && this.colour.decoder.state === "configured" && this.depth.decoder.state === "configured";
     if (!goes) [this.colour, this.depth].forEach((video) => video.close());
     return goes;
   }

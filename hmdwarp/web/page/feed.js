@@ -1,7 +1,7 @@
 // The feed in a browser: requests go up, frames come down, as docs/feed.md has them.
 
 const VERSION = 3, ASK = 1, FRAME = 2, REFUSAL = 3;
-export const RGBA16F = 1, RGBA8 = 2, H264 = 3, ANY_DEPTH = 1, DEPTH_VIDEO8 = 4, NONE = 255;
+export const RGBA16F = 1, RGBA8 = 2, ANY_DEPTH = 1, DEPTH_VIDEO8 = 4, NONE = 255;
 const ASK_BYTES = 180, FRAME_BYTES = 80, EYE_BYTES = 144, PART_BYTES = 32;
 const MOST_IN_FLIGHT = 8; // requests without an answer
 const LOST_MS = 1000; // after which a request gets no answer any more: a newer one took its place

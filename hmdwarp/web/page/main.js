@@ -2,11 +2,10 @@
 
 import { bench } from "./bench.js";
 import { Chain, CHAINS } from "./chain.js";
-import { VideoEye } from "./coded.js";
-import { DEPTH_VIDEO8, Feed, H264, RGBA8, ANY_DEPTH } from "./feed.js";
-import { Governor } from "./governor.js";
+import { VIDEOS, VideoEye, decodable } from "./coded.js";
+import { DEPTH_VIDEO8, Feed, RGBA8, ANY_DEPTH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
-import { Stopwatch } from "./measure.js";
+import { Governor, Stopwatch } from "./measure.js";
 import { Pace } from "./pace.js";
 import { Predictor } from "./predict.js";
 import { Report } from "./report.js";
@@ -20,13 +19,13 @@ const RATE_HZ = number("rate", 30, 1, 120); // of requests
 const GUARD = number("guard", 1.25, 1, 2); // the rendered picture's tangents over the shown one's
 const LONG_SIDE = number("size", 640, 64, 4096); // pixels of the shown picture in a window
 const UP_RAD = 0.61; // half a window's field of view, up and down
-const QUALITY = number("crf", 18, 0, 51);
 const BENCHED = "walk"; // the recording of ?bench, where none is chosen
 const MOST_KEPT = 128; // frames that wait until they are old enough
 const SHARE = 0.7; // of a refresh that a chain may take
 const TRIES = 3;
 const LEAST_BUDGET = 1.5; // times the cheapest chain, where none fits
 const MISSED = 1.5; // of the display's interval: a refresh that took longer was missed
+const HELD_MS = 600, MOVED_PX = 8; // of a press that shows or hides what is told, and of one that drags
 const NAMES = Object.keys(CHAINS);
 const $ = (name) => document.getElementById(name);
 
@@ -61,7 +60,8 @@ const poseOf = ({ position: p, orientation: q }) => ({ position: [p.x, p.y, p.z]
 
 class Session {
   constructor(about, chain, feed) {
-    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], coming: 0, isCoded: "VideoDecoder" in window && !asked.has("raw") });
+    Object.assign(this, { about, chain, kept: [], shownNumber: 0, begun: performance.now(), lastAsk: -1e9, coded: [], anew: true, looks: [], coming: 0 });
+    [this.videos, this.video] = [[], "none"]; // by name, the best first, until it is known what the device decodes; and the one in use
     this.chosen = CHAINS[asked.get("warp")] ? asked.get("warp") : null;
     this.isForced = this.chosen !== null;
     this.feed = feed((frame) => this.arrived(frame));
@@ -85,13 +85,31 @@ class Session {
     const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
     const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
     this.pace.pixels = eyes.length * sides[0] * sides[1];
+    const coded = VIDEOS[this.choose()], most = coded ? Math.min(scale, this.most(this.video)) : scale;
     this.feed.ask({
-      sent: now, time: this.time(), head_time: this.time() + ahead, size: sides.map((side) => even(scale * side)), head: then, rate, anew: this.anew,
-      colour: this.isCoded ? H264 : RGBA8, depth: this.isCoded ? DEPTH_VIDEO8 : ANY_DEPTH,
-      quality: this.isCoded && !mbit ? 1 + QUALITY : 0, mbit: mbit / eyes.length,
+      sent: now, time: this.time(), head_time: this.time() + ahead, size: sides.map((side) => even(most * side)), head: then, rate, anew: this.anew,
+      colour: coded?.colour ?? RGBA8, depth: coded ? DEPTH_VIDEO8 : ANY_DEPTH,
+      quality: coded && !mbit ? 1 + this.quality : 0, mbit: mbit / eyes.length,
       eyes: eyes.map((eye, k) => ({ world_from_eye: compose(then, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
     });
     this.anew = false;
+  }
+
+  get quality() {
+    return number("crf", VIDEOS[this.video].crf, 0, 51);
+  }
+
+  /** The share of the pictures' sides at which the server still codes them. */
+  most(name) {
+    return Math.min(1, Math.sqrt(this.about.most_work / (this.pace.pixels * this.about.videos[name])));
+  }
+
+  /** Take the best video that the server codes at full size, in the time between two frames. */
+  choose() {
+    if (this.feed.work > 1000 / RATE_HZ) this.videos.splice(0, this.videos.length - 1); // to H.264
+    const name = this.videos.find((one) => this.most(one) === 1) ?? this.videos.at(-1) ?? "none";
+    if (name !== this.video) this.report?.changed(this.time());
+    return (this.video = name);
   }
 
   async arrived(frame) {
@@ -210,7 +228,7 @@ class Session {
     gl.bindFramebuffer(gl.FRAMEBUFFER, target);
     views.forEach((_, k) => gl.readPixels(...corners[k], width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels.subarray(k * bytes, (k + 1) * bytes)));
     const { eyes, size, time, asked } = this.shown;
-    return { views, pixels, late: eyes.map(({ world_from_eye, fov }) => ({ pose: world_from_eye, fov, size })), time, age: performance.now() - asked, chain: this.inUse };
+    return { views, pixels, late: eyes.map(({ world_from_eye, fov }) => ({ pose: world_from_eye, fov, size })), time, age: performance.now() - asked, chain: this.inUse, video: this.video };
   }
 
   show(head, eyes, target, corners, interval) {
@@ -267,7 +285,7 @@ class Session {
   display() {
     const [{ size: [width, height] }] = this.eyes, [wide, high] = this.shown.size;
     return {
-      browser: navigator.userAgent.slice(0, 300), renderer: this.chain.renderer().slice(0, 300), trace: this.xr ? "webxr" : $("head").value,
+      browser: navigator.userAgent.slice(0, 300), renderer: this.chain.renderer().slice(0, 300), codec: this.video, trace: this.xr ? "webxr" : $("head").value,
       views: this.eyes.map(({ head_from_eye: { position, orientation }, fov }) => [...position, ...orientation, ...fov]),
       width, height, rendered_width: wide, rendered_height: high,
       rate_hz: Math.min(Math.max(Math.round(1000 / this.interval), 1), 1000), latency_ms: Number($("latency").value), guard: GUARD, chains: NAMES,
@@ -284,15 +302,20 @@ function tellFigures(session) {
     "drawn by the server in": `${frame.drawing.toFixed(1)} ms`,
     "decoded in": `${figures.decode.toFixed(1)} ms`,
     [`warped by ${session.inUse}, an eye`]: `${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms`,
-    [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "waited for",
+    [session.why]: session.watch.clock === "gpu" ? "GPU timer" : "no GPU timer: waited for",
     "script, a refresh": `${(figures.script / Math.max(figures.refreshes, 1)).toFixed(2)} ms`,
     "refreshes a second": (figures.refreshes / passed).toFixed(0),
     "frames a second": (figures.frames / passed).toFixed(0),
     "refreshes without a new frame": `${((100 * figures.stale) / Math.max(figures.refreshes, 1)).toFixed(0)} %`,
+    "video": session.video,
     "received": `${((8e-6 * session.feed.bytes) / passed).toFixed(1)} Mbit/s`,
-    "asked for": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : `quality ${QUALITY}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
+    "asked for": `${session.pace.wish.mbit ? `${session.pace.mbit.toFixed(1)} Mbit/s` : session.video === "none" ? "all" : `quality ${session.quality}`}, ${session.pace.wish.rate.toFixed(0)} Hz`,
     "rendered, shown": `${frame.size.join("x")}, ${session.size.join("x")}`,
   };
+  session.line = [
+    `${rows["age of the shown frame"]} old, round trip ${rows["round trip"]}, drawn in ${rows["drawn by the server in"]}, decoded in ${rows["decoded in"]},`,
+    `${session.inUse} ${(session.costs[session.inUse] ?? NaN).toFixed(2)} ms, ${session.video} ${rows.received}, ${rows["refreshes without a new frame"]} without a new frame`,
+  ].join(" ");
   $("figures").replaceChildren(...Object.entries(rows).map(([name, value]) => {
     const row = document.createElement("tr");
     row.append(...[name, value].map((text) => Object.assign(document.createElement("td"), { textContent: text })));
@@ -315,6 +338,14 @@ function placeOf({ position: [x, y, z], orientation: [, turnY, , turnW] }, hasFl
   return { position: [x, hasFloor ? 0 : y, z], orientation: [0, turnY / length, 0, turnW / length] };
 }
 
+/** Call act() where something is held, from an event to any of others. */
+function onHeld(target, begins, ends, act) {
+  let timer = 0, from = null;
+  target.addEventListener(begins, (event) => ([from, timer] = [event, setTimeout(act, HELD_MS)]));
+  const isHeld = ({ type, clientX: x, clientY: y }) => type === "pointermove" && (!from || Math.hypot(x - from.clientX, y - from.clientY) < MOVED_PX);
+  for (const name of ends) target.addEventListener(name, (event) => isHeld(event) || clearTimeout(timer));
+}
+
 const UNSEEN = { hidden: "The headset shows something else: this goes on after it.", "visible-blurred": "The headset shows something in front." };
 
 async function enterVr(session, gl) {
@@ -322,7 +353,8 @@ async function enterVr(session, gl) {
   const xr = await navigator.xr.requestSession("immersive-vr", { optionalFeatures: ["local-floor"] }).catch(refused);
   if (!xr?.requestReferenceSpace) return;
   const masks = []; // by a view's number, where the browser tells what its lens hides
-  xr.addEventListener("visibilitymaskchange", ({ index, vertices, indices }) => (masks[index] = session.chain.mask(vertices, indices)));
+  xr.addEventListener("visibilitymaskchange", ({ index, vertices, indices }) => (masks[index] = session.chain.mask(vertices, indices, masks[index])));
+  onHeld(xr, "selectstart", ["selectend"], () => (session.tells = !session.tells));
   await gl.makeXRCompatible();
   const layer = new XRWebGLLayer(xr, gl, { antialias: false, depth: false });
   xr.updateRenderState({ baseLayer: layer });
@@ -331,6 +363,7 @@ async function enterVr(session, gl) {
   xr.addEventListener("visibilitychange", () => told(UNSEEN[xr.visibilityState] ?? "", "xr"));
   xr.addEventListener("end", () => {
     session.xr = null;
+    masks.splice(0).forEach((mask) => mask && session.chain.unmask(mask));
     told("VR has ended; the window goes on.", "xr");
     setTimeout(() => told("", "xr"), 5000);
   });
@@ -353,7 +386,8 @@ async function enterVr(session, gl) {
     if (!seen || gl.isContextLost()) return;
     told(viewer ? "" : "The headset does not know where it is: the picture stays.", "tracking");
     session.show(...seen, xr.frameRate ? 1000 / xr.frameRate : Math.max(now - last, 8));
-    if (telling) seen[1].forEach((eye, k) => session.chain.tell(telling, eye, layer.framebuffer, seen[3][k]));
+    const line = telling || (session.tells ? session.line : "");
+    if (line) seen[1].forEach((eye, k) => session.chain.tell(line, eye, layer.framebuffer, seen[3][k]));
     session.ended(begun);
     last = now;
   };
@@ -366,6 +400,7 @@ async function begin() {
   const address = `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/feed`;
   const session = new Session(about, chain, (frame) => new Feed(address, { frame, told: (text) => told(text, "feed") }));
   $("scene").textContent = about.scene;
+  if ("VideoDecoder" in window && !asked.has("raw")) session.videos = await decodable(Object.keys(about.videos), asked.get("codec") ?? about.codec);
   $("chain").append(...NAMES.map((name) => new Option(name)));
   $("chain").onchange = () => Object.assign(session, { chosen: $("chain").value, isForced: true, governor: null });
   $("head").append(new Option("by hand", "hand"), ...about.traces.map((name) => new Option(name)));
@@ -388,9 +423,9 @@ async function begin() {
     $("figures").hidden = !$("figures").hidden;
     $("more").setAttribute("aria-expanded", String(!$("figures").hidden));
   };
-  addEventListener("keydown", (event) => {
-    if (event.code === "KeyH") $("panel").hidden = !$("panel").hidden;
-  });
+  const hide = () => ($("panel").hidden = !$("panel").hidden);
+  addEventListener("keydown", ({ code }) => code === "KeyH" && hide());
+  onHeld(canvas, "pointerdown", ["pointermove", "pointerup", "pointercancel"], hide);
   $("panel").onsubmit = (event) => event.preventDefault();
   if (await navigator.xr?.isSessionSupported("immersive-vr")) $("enter").hidden = false;
   $("enter").onclick = () => enterVr(session, chain.gl);

@@ -1,9 +1,11 @@
-// What drawing takes on this device: by its own timer where the browser has one, else by waiting for it.
+// What drawing takes on this device: by its own timer where the browser has one, else by waiting for it. And what keeps a
+// session within its budget by moving between chains, as hmdwarp's own governor does, with its numbers.
+// Source: evidence by cumulative sums: Page, E. S. (1954), Continuous inspection schemes, Biometrika 41, eq. 1.
 
 const LEAST_MS = 4; // of a burst by the page's clock, which is coarse: 0.1 ms in some browsers
 const TRIES = 3; // where something else took the device meanwhile
 const LOOK_MS = 2, MOST_LOOKS = 2000; // between looks at whether the timer has a result, and how many
-const TIMED = { gpu: "EXT_disjoint_timer_query_webgl2", wall: "waiting until a pixel can be read" };
+const TIMED = { gpu: "EXT_disjoint_timer_query_webgl2", wall: "waiting until a pixel can be read: this browser has no EXT_disjoint_timer_query_webgl2" };
 
 export class Stopwatch {
   /** most: draws of one burst. */
@@ -94,5 +96,96 @@ export class Stopwatch {
     const ms = gl.getQueryParameter(query, gl.QUERY_RESULT) / 1e6;
     this.free.push(this.waiting.shift());
     return ms;
+  }
+}
+
+// As pipeline/governor.py has them, with the reasons.
+const CLIP = 0.25, ENOUGH = 1, MARGIN = 0.95, WINDOW = 31, PATIENCE = 60, TRIAL = 240, BACK_OFF = 4, DOUBT = 0.85, SETTLING = 2;
+
+function median(values) {
+  const sorted = [...values].sort((a, b) => a - b), middle = sorted.length >> 1;
+  return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
+}
+
+const kept = (values, value, most) => {
+  values.push(value);
+  if (values.length > most) values.shift();
+};
+
+export class Governor {
+  /** levels: {name, ms of an eye}, from the cheapest to the best; it starts at the best within the budget, else at the cheapest. */
+  constructor(levels, budget) {
+    const fits = levels.filter(({ ms }) => ms <= budget).length;
+    Object.assign(this, { levels, budget, at: Math.max(fits - 1, 0), refresh: -1, failures: levels.map(() => 0) });
+    this.own = new Map([[this.at, levels[this.at].ms]]); // times seen in this run, up to one common factor
+    this.stay(null, 0, false);
+  }
+
+  get level() {
+    return this.levels[this.at];
+  }
+
+  stay(came, arrived, climbed) {
+    Object.assign(this, { came, arrived, climbed, room: this.levels.map(() => 0), window: [], evidence: 0, against: [] });
+  }
+
+  /** Count the ms of a refresh's worse eye. Returns why another level is next, in words; "" to stay. */
+  measured(ms) {
+    this.refresh += 1;
+    if (this.refresh - this.arrived < SETTLING) return "";
+    kept(this.window, ms, WINDOW);
+    this.evidence = Math.min(Math.max(0, this.evidence + Math.min(Math.max(ms / this.budget - 1, -CLIP), CLIP)), ENOUGH);
+    if (this.evidence) kept(this.against, ms, WINDOW >> 1);
+    else this.against.length = 0;
+    if (this.evidence >= ENOUGH && this.at > 0) return this.down();
+    if (this.window.length < WINDOW) return "";
+    const usual = median(this.window);
+    this.learn(usual);
+    return this.up(usual);
+  }
+
+  down() {
+    const ms = median(this.against);
+    this.learn(ms);
+    let to = this.at - 1;
+    while (to > 0 && Math.max(...this.expected(to, ms)) > this.budget) to -= 1;
+    if (this.climbed) {
+      const failures = this.failures[this.at], lasted = this.refresh - this.arrived >= TRIAL * BACK_OFF ** failures;
+      if (lasted) this.failures[this.at] = Math.max(0, failures - 1);
+      else for (let k = this.at; k < this.failures.length; k += 1) this.failures[k] = Math.max(failures + 1, this.failures[k]);
+    }
+    return this.change(to, ms, `${this.level.name} took ${ms.toFixed(2)} ms of ${this.budget.toFixed(2)}`);
+  }
+
+  up(ms) {
+    let to = -1;
+    for (let k = this.at + 1; k < this.levels.length; k += 1) {
+      this.room[k] = this.hoped(k, ms) <= MARGIN * this.budget ? this.room[k] + 1 : 0;
+      if (this.room[k] >= PATIENCE * BACK_OFF ** this.failures[k]) to = k;
+    }
+    return to < 0 ? "" : this.change(to, ms, `hoped to take ${this.hoped(to, ms).toFixed(2)} ms of ${this.budget.toFixed(2)}`);
+  }
+
+  /** ms of a level: by what was measured before, and by this run. */
+  expected(k, ms) {
+    const before = (ms * this.levels[k].ms) / this.level.ms;
+    return [before, this.own.has(k) && this.own.has(this.at) ? (ms * this.own.get(k)) / this.own.get(this.at) : before];
+  }
+
+  hoped(k, ms) {
+    const [before, own] = this.expected(k, ms);
+    return own < DOUBT * before ? own : before;
+  }
+
+  learn(ms) {
+    if (this.came && this.came[1] > 0 && ms > 0) this.own.set(this.at, (this.own.get(this.came[0]) * ms) / this.came[1]);
+    this.came = null;
+  }
+
+  change(to, ms, why) {
+    const climbed = to > this.at;
+    this.stay([this.at, ms], this.refresh + 1, climbed);
+    this.at = to;
+    return why;
   }
 }

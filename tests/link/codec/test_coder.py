@@ -338,11 +338,11 @@ def test_frames_of_another_shape_are_refused(codec):
 
 
 def test_names():
-    assert codecs.names() == ["h264", "hevc", "none"]
+    assert codecs.names() == ["av1", "h264", "hevc", "none", "vp9"]
     with pytest.raises(UnknownNameError, match="did you mean 'h264'"):
         check_codec("h265")
     assert check_codec("none").is_none
-    with pytest.raises(InputError, match="codec 'none' encodes nothing: expected one of h264, hevc"):
+    with pytest.raises(InputError, match="codec 'none' encodes nothing: expected one of av1, h264, hevc, vp9"):
         Encoder("none", (64, 64), 60)
 
 

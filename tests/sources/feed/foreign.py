@@ -167,7 +167,7 @@ def any_request(rng: random.Random, number: int, pixels: int = 1 << 12) -> bytes
         number,
         size=any_size(rng, pixels),
         eyes=tuple(one_eye() for _ in range(rng.randint(1, 2))),
-        formats=(rng.choice((0, 0, 1, 2, 3, 4, 9, 255)), rng.choice((0, 5, 1, 2, 3, 9))),
+        formats=(rng.choice((0, 0, 1, 2, 3, 4, 5, 6, 9, 255)), rng.choice((0, 5, 1, 2, 3, 9))),
         quality=rng.choice((0, 1, 27, 52)),
         anew=rng.choice((0, 1, 255)),
         shares=rng.choice((0, 1)),

@@ -13,6 +13,7 @@ from hmdwarp.link.codec import Undecodable
 from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder, depth_error
 from hmdwarp.sources.feed.message import (
     ANY,
+    AV1,
     DEPTH_CODES,
     DEPTH_EXACT,
     DEPTH_VIDEO,
@@ -21,6 +22,7 @@ from hmdwarp.sources.feed.message import (
     INVERSE_DEPTH,
     NONE,
     RGBA8,
+    VP9,
     DepthCodes,
     FrameMessage,
     Wish,
@@ -32,6 +34,7 @@ from hmdwarp.sources.feed.message import (
 from .test_message import ASK, FRAME
 
 SIZE = (96, 80)
+HOSTILE = ((H264, DEPTH_VIDEO), (HEVC, DEPTH_EXACT), (VP9, DEPTH_EXACT), (AV1, DEPTH_EXACT))
 STEP = 2.0**-10
 
 
@@ -49,7 +52,7 @@ def asked(colour: int, depth: int) -> FeedEncoder:
     return FeedEncoder(attrs.evolve(ASK, size=SIZE, wish=Wish(colour, depth, rate_hz=60.0, depth_step=STEP)))
 
 
-@pytest.mark.parametrize("colour", [H264, HEVC, RGBA8])
+@pytest.mark.parametrize("colour", [H264, HEVC, VP9, AV1, RGBA8])
 @pytest.mark.parametrize("depth", [DEPTH_EXACT, DEPTH_VIDEO, INVERSE_DEPTH])
 def test_coded_frames_come_back_in_fewer_bytes(colour, depth):
     encoder, decoder = asked(colour, depth), FeedDecoder()
@@ -144,7 +147,7 @@ def test_a_lost_frame_stops_decoding_until_the_stream_begins_anew():
 def test_hostile_coded_pictures_are_decoded_or_refused():
     """Bytes are changed, and the checksums made right, so that the decoders themselves are met."""
     rng, refused = random.Random(7), 0
-    whole = [asked(colour, depth).encode(drawn(0)) for colour, depth in ((H264, DEPTH_VIDEO), (HEVC, DEPTH_EXACT))]
+    whole = [asked(colour, depth).encode(drawn(0)) for colour, depth in HOSTILE]
     for _ in range(600):
         frame = rng.choice(whole)
         frame = attrs.evolve(

@@ -25,6 +25,8 @@ class Codec:
     decoder: str = ""
     # The default constant-quality setting.
     crf: int = 0
+    # The best one that it takes.
+    best: int = 0
     # Fixed, because the slices, and so the bytes, depend on it.
     threads: int = 1
     # Of the encoder, besides quality.
