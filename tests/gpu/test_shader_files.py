@@ -38,7 +38,7 @@ from hmdwarp.resources import folder
 from hmdwarp.run import HoleCounter
 from hmdwarp.run.late_client import DepthSamples
 from hmdwarp.scenes import Emission, Scene, Texture, load_scene, scenes
-from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, TakeIn, Upload
+from hmdwarp.sources.array_passes import LINEAR, Arrays, GiveCodes, GiveOut, PixelBuffers, Scaling, TakeIn, Upload
 from hmdwarp.sources.server import MIRRORS, Server
 
 from .preprocessor import Sides, value_of, walk
@@ -142,6 +142,9 @@ def _take_arrays_over(gpu: Gpu) -> None:
         for depth, scale in ((ones, None), (whole, 0.001), (whole.astype(np.int32), 1)):
             raw = raw_picture(np.ones((7, 9, channels), kind), depth, scale, encoding)
             taking.run(raw, taking.send(raw, buffers), into, buffers.found, 0)
+    scaling = Scaling((9, 7), (0, 0, 9, 7))
+    scaled = Arrays(np.ones((7, 9, 3), np.uint8), SRGB8, ones, is_apart=True, scaling=scaling)
+    taking.run(scaled, taking.send(scaled, buffers), into, buffers.found, 0)
     for kind, depth in product((np.uint8, np.float32), (ones.astype(np.float32), whole)):
         upload = Upload(gpu, (9, 7))
         for is_inverse in (False, True):
