@@ -128,7 +128,7 @@ def bench(folder: Path, *ready: str) -> None:
     from hmdwarp.report.bench.charts import pareto_plot_png
 
     later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"
-    plain = "bench --predict none --samples 1"
+    plain = "bench --predict none"
     runs = {"200": plain, "later": f"{plain} {later}"}
     made = read(ready) or [hmdwarp(command, folder / name, "bench.json") for name, command in runs.items()]
     rows = [row for data in made for row in data["rows"]]
@@ -232,7 +232,7 @@ def strategies(folder: Path, *ready: str) -> None:
     from hmdwarp.client.strategies import strategies as every
     from hmdwarp.report.compare_page import assigned_markdown, chosen_markdown, compare_markdown
 
-    command = f"compare --samples 1 --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
+    command = f"compare --client {','.join(client_names())} --seconds 0.6 --rate 30 --metrics-every 6"
     data = read(ready)[0] if ready else hmdwarp(command, folder / "compare", "compare.json")
     listed = [(f"`{each.name}`", each.crosses, each.client, each.late) for each in sorted(every, key=lambda s: s.name)]
     replace("strategies", markdown(("strategy", "crosses the link", "the client", "late"), listed, texts=4))
