@@ -245,7 +245,7 @@ class ProxySource(Source):
             "warp": asked.warp,
             "fill": asked.fill,
             "effects": list(plan.effects),
-            "rendered": rendered_entry(asked.guard, made),
+            "rendered": rendered_entry(asked.guard, made, plan.needs),
         }
         proxy = Proxy(loop, known, channel, made.shown, about)
         stack.callback(proxy.close)

@@ -10,6 +10,7 @@ from ..client.plan import Plan, needs_of
 from ..errors import InputError, MachineError
 from ..frames import EyeSizes, Needs, frame_bytes
 from ..geometry import Eyes, Fovea, Guard, GuardBand, ParallelEyes, Pose, guarded_eyes
+from ..geometry.cube import wide_size
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
 from ..headsets import Headset
@@ -62,18 +63,19 @@ def eye_sizes(guard: Guard, eyes: Eyes, size: Size) -> EyeSizes:
     return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())), other)
 
 
-def rendered_entry(guard: Guard, sizes: EyeSizes, fovea: Fovea | None = None) -> dict[str, Any]:
+def rendered_entry(guard: Guard, sizes: EyeSizes, needs: Needs, fovea: Fovea | None = None) -> dict[str, Any]:
     """Return the `rendered` of summary.json: what the server draws for one eye.
 
-    size: [w, h]. pixels: how many times those of the shown picture are drawn. fov_deg: [across,
-    down], of the left eye, on the whole. parallel: how many times the pixels of canted views, where
-    views are parallel instead.
+    size: [w, h]. pixels: how many times those of the shown picture are drawn, with those of a wide
+    view that is needed. fov_deg: [across, down], of the left eye, on the whole. parallel: how many
+    times the pixels of canted views, where views are parallel instead.
     """
     (width, height), (shown_width, shown_height) = sizes.rendered, sizes.shown
     fov, size = sizes.drawn or (sizes.fovs[0], sizes.shown)
     left, right, down, up = fov.guarded(guard, size, sizes.rendered)[0].tangents.tolist()
     canted = sizes.fovs[0].guarded(guard, sizes.shown)[1]
     pixels = width * height if fovea is None else fovea.drawn_pixels(fov, size, sizes.rendered)
+    pixels += math.prod(wide_size(fov, size)) if "wide" in needs else 0
     degrees = [math.degrees(math.atan(high) - math.atan(low)) for low, high in ((left, right), (down, up))]
     return {
         "size": [width, height],
@@ -177,7 +179,7 @@ def frame_weight(options: PipelineOptions, headset: Headset, plans: Sequence[Pla
     layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
     return {
         "eyes": pictures,
-        **rendered_entry(options.guard_band, sizes, options.fovea),
+        **rendered_entry(options.guard_band, sizes, needs, options.fovea),
         "layers": layers,
         "bytes": sum(layers.values()),
         "at_once": frames_held(options, rate_hz, needs),

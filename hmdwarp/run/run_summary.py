@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ..frames import EyeSizes
+from ..frames import EyeSizes, Needs
 from ..geometry import Pose, View
 from ..gpu.context import Gpu
 from ..link import response_figures
@@ -86,6 +86,8 @@ class Facts:
     machine: dict[str, Any]
     # "gpu" or "wall".
     clock: str
+    # What its frames carry, as its plan wants it.
+    needs: Needs = Needs()
     # Axes in which a recorded trace was read, and who says so; empty for a head that is live.
     trace_axes: str = ""
     # Of recorded frames: folder, layout, frames, size, fov_deg and eye_distance_mm.
@@ -120,6 +122,7 @@ class Facts:
             pixels_per_degree=view.fov.pixels_per_degree(shown),
             machine=machine_of(gpu),
             clock=gpu.timer.clock,
+            needs=pipeline.plan.needs,
             trace_axes=trace_axes,
             recorded=source.entry,
             assumptions=(*assumptions, *source.assumptions),
@@ -152,7 +155,7 @@ class Facts:
             "rate_hz": self.rate_hz,
             "server_rate_hz": options.network.server_rate_hz,
             "guard": options.guard_band.factors(self.sizes.shown).entry,
-            "rendered": rendered_entry(options.guard_band, self.sizes, options.fovea),
+            "rendered": rendered_entry(options.guard_band, self.sizes, self.needs, options.fovea),
             "predict": options.predict,
             "pixels_per_degree": self.pixels_per_degree,
             "machine": self.machine,

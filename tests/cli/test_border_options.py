@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
+
+import pytest
 
 SMALL = ("--headset", "flat-90", "--latency", "200", "--rate", "30")
 
@@ -30,6 +33,12 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
     command(*usual, "--wide").done()
     found = summary(quick)
     assert found["fill"] == "wide"
+    # 150 x 140 degrees, with a quarter of the pixels of a tangent on each axis; in whole pixels.
+    wide, own = (
+        [math.tan(math.radians(angle / 2)) for angle in fov] for fov in ((150, 140), without["rendered"]["fov_deg"])
+    )
+    assert without["rendered"]["pixels"] == 1
+    assert found["rendered"]["pixels"] == pytest.approx(1 + math.prod(wide) / math.prod(own) / 16, rel=0.03)
     assert without["quality"]["border_share"]["mean"] > 0.05, "there is a border to close"
     assert found["filled"]["wide"] > 0.8 * found["quality"]["border_share"]["mean"]
     assert found["quality"]["psnr_db"]["mean"] > without["quality"]["psnr_db"]["mean"] + 3
