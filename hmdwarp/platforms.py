@@ -13,8 +13,10 @@ import select
 import signal
 import socket
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 from .errors import MachineError
@@ -101,6 +103,35 @@ def lower_priority(steps: int, *, batch: bool = False) -> None:
         os.nice(steps)
     if batch and sys.platform == "linux":
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
+
+
+@contextmanager
+def priority_kept() -> Iterator[None]:
+    """Undo what a library does to the priority of this process's threads meanwhile (Linux).
+
+    SVT-AV1, run by root, makes its threads and the calling one real-time tasks, ahead of all else
+    on the machine. Threads that begin meanwhile get the caller's priority.
+    """
+    before = _priorities()
+    try:
+        yield
+    finally:
+        usual = before.get(threading.get_native_id())
+        for thread, found in _priorities().items():
+            kept = before.get(thread, usual)
+            if kept is not None and found != kept:
+                with suppress(ProcessLookupError):  # it has ended since
+                    os.sched_setscheduler(thread, kept[0], os.sched_param(kept[1]))
+
+
+def _priorities() -> dict[int, tuple[int, int]]:
+    """Return (policy, priority) of each thread of this process; none where they are not listed."""
+    found = {}
+    if sys.platform == "linux":
+        for thread in (int(each.name) for each in Path("/proc/self/task").iterdir()):
+            with suppress(ProcessLookupError):
+                found[thread] = os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority
+    return found
 
 
 def in_foreground(descriptor: int) -> bool:

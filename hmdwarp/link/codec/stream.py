@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb, srgb8_from_linear, srgb_from_linear
 from ...errors import MachineError
+from ...platforms import priority_kept
 from ...resources import pyav
 from .codecs import Codec
 
@@ -123,7 +124,8 @@ class VideoEncoder:
         context.colorspace = context.color_primaries = _BT709
         context.options = {"chroma_sample_location": _CHROMA, **codec.options_for(self.size), **options}
         try:
-            context.open()
+            with priority_kept():
+                context.open()
         except (OSError, ValueError, av.FFmpegError) as error:
             found = f"encoder '{codec.encoder}' does not take pictures of {size[0]}x{size[1]} at {rate_hz:g} Hz"
             raise MachineError(f"{found} ({error}): use another size, rate or codec") from error

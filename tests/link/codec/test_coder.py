@@ -6,6 +6,9 @@ What comes back, what a lost one costs, and what is said where a codec is missin
 from __future__ import annotations
 
 import functools
+import os
+import sys
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -310,6 +313,16 @@ def test_coding_prints_nothing(codec, capfd):
         decoder.decode(attrs.evolve(third, data=bytes(100)))
     del encoder, decoder
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are listed on Linux alone")
+def test_no_thread_takes_the_machine_for_itself(codec):
+    """Run by root, SVT-AV1 asks for real time: an X server beside it waited for ever."""
+    encoder = Encoder(codec, (160, 120), 60)
+    for picture in frames()[:2]:
+        encoder.encode(picture)
+    policies = {os.sched_getscheduler(int(thread.name)) for thread in Path("/proc/self/task").iterdir()}
+    assert policies <= {os.SCHED_OTHER, os.SCHED_BATCH}
 
 
 @pytest.mark.parametrize(
