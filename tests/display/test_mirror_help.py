@@ -16,7 +16,8 @@ from hmdwarp.display import CONTROLS as LIVE
 from hmdwarp.display.openxr.mirror_window import Mirror
 from hmdwarp.display import Presenter
 from hmdwarp.gpu.context import Gpu
-from hmdwarp.study.dialogs import CONTROLS, message_panel
+from hmdwarp.study.dialogs.buttons import CONTROLS
+from hmdwarp.study.dialogs.dialog_panels import message_panel
 
 class Noting(Presenter):
     def notice(self, label):

@@ -151,7 +151,7 @@ def test_no_process_names_the_token_nor_does_a_log_file(tmp_path):
     log = tmp_path / "stderr"
     code = f"""
 import os, sys; os.dup2(os.open({str(log)!r}, os.O_WRONLY | os.O_CREAT), 2)
-from hmdwarp.study.console import make_console
+from hmdwarp.study.console.terminal_console import make_console
 with make_console("browser", "x") as console:
     from urllib.request import url2pathname
     page = open(2, closefd=False) and open({str(log)!r}).read().split()[2].removeprefix("file://")
