@@ -185,7 +185,7 @@ def later_table(rows: Sequence[dict[str, Any]]) -> str:
 
 def front_page() -> str:
     """Return both tables of README.md, each with a line that says what it shows."""
-    defaults = "From the thesis's method to the default: 200 ms late, 480x600 an eye, one sample a pixel."
+    defaults = "From the thesis's method to the default: 200 ms late, 480x600 an eye, antialiased."
     machine = text_of("machine").split(";")[1].strip()
     warps = f"200 ms late, guard band 1.5, 1280x800 an eye, one sample a pixel, {machine}; "
     warps += "each warp with the fill of the lowest FLIP."
