@@ -116,12 +116,13 @@ def priority_kept() -> Iterator[None]:
     try:
         yield
     finally:
-        usual = before.get(threading.get_native_id())
-        for thread, found in _priorities().items():
-            kept = before.get(thread, usual)
-            if kept is not None and found != kept:
-                with suppress(ProcessLookupError):  # it has ended since
-                    os.sched_setscheduler(thread, kept[0], os.sched_param(kept[1]))
+        if sys.platform == "linux":
+            usual = before[threading.get_native_id()]
+            for thread, found in _priorities().items():
+                policy, priority = before.get(thread, usual)
+                if found != (policy, priority):
+                    with suppress(ProcessLookupError):  # it has ended since
+                        os.sched_setscheduler(thread, policy, os.sched_param(priority))
 
 
 def _priorities() -> dict[int, tuple[int, int]]:
