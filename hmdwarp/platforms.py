@@ -127,7 +127,7 @@ def priority_kept() -> Iterator[None]:
 
 def _priorities() -> dict[int, tuple[int, int]]:
     """Return (policy, priority) of each thread of this process; none where they are not listed."""
-    found = {}
+    found: dict[int, tuple[int, int]] = {}
     if sys.platform == "linux":
         for thread in (int(each.name) for each in Path("/proc/self/task").iterdir()):
             with suppress(ProcessLookupError):
