@@ -59,8 +59,8 @@ class Pending:
     wanted: Wanted | None
     # Whether it was to be foveated.
     looks: bool
-    # How many inputs the server knows once it has answered.
-    acted: int = 0
+    # Which inputs it told the server.
+    acted: range = range(0)
 
 
 @attrs.frozen(eq=False)
@@ -172,7 +172,7 @@ class Remote:
         sent_ns = self._caller.ask(attrs.evolve(ask, session=session, fovea=fovea, inputs=inputs))
         small = grown if fovea is None else fovea.grid(wide[0], grown).small
         made = head, now_ns, sent_ns, small, grown, wide, wanted, fovea is not None
-        self._pending[self._number] = Pending(self._number, *made, acted)
+        self._pending[self._number] = Pending(self._number, *made, range(self._known_inputs, acted))
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(next(iter(self._pending)))
 
@@ -221,7 +221,8 @@ class Remote:
             if told_in is not None and told_in <= number:
                 del self._fates[fate.number]
         pending = self._pending.pop(number)
-        self._known_inputs = max(self._known_inputs, pending.acted)
+        if pending.acted.start <= self._known_inputs:  # not where the server has forgotten those before, too
+            self._known_inputs = max(self._known_inputs, pending.acted.stop)
         return pending
 
     def measure(

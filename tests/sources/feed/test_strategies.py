@@ -322,8 +322,8 @@ def test_a_server_that_was_started_again_is_told_of_all_that_people_did(gpu, tmp
             setup.channel.newest(next(numbered)[1])
         with Serving(*command):
             monkeypatch.setattr(Remote, "pace", unhurried)
-            before = len(remote.delays_ns)
-            while len(remote.delays_ns) == before:
+            before = remote._began
+            while remote._began == before:
                 flown(setup, itertools.islice(numbered, 1))
             monkeypatch.setattr(Remote, "pace", patient)
             _, told_ns = next(numbered)
