@@ -33,7 +33,8 @@ def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):
     command(*usual, "--wide").done()
     found = summary(quick)
     assert found["fill"] == "wide"
-    # 150 x 140 degrees, with a quarter of the pixels of a tangent on each axis; in whole pixels.
+    # 150 x 140 degrees, with a quarter of the pixels of a tangent on each axis. Whole pixels are up
+    # to one row and column more, 3 % of 90 x 55.
     wide, own = (
         [math.tan(math.radians(angle / 2)) for angle in fov] for fov in ((150, 140), without["rendered"]["fov_deg"])
     )

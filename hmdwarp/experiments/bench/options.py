@@ -59,6 +59,12 @@ def parquet_field() -> Any:
 DEFAULT_SIZES = ((1280, 800),)
 
 
+def _suite(what: str) -> Any:
+    """Return the option that names a suite. what: it is, with {} for their names."""
+    names = " or ".join(suites())
+    return option("", f"Named {what.format(names)}", valid=one_of("", *suites()), limits=names)
+
+
 @attrs.frozen(kw_only=True, field_transformer=own_first)
 class BenchOptions(RecordedOptions):
     """Options of a bench: it runs all combinations of warps, fills, latencies, scenes and so on.
@@ -71,13 +77,7 @@ class BenchOptions(RecordedOptions):
     why_not = "a bench takes what was recorded"
 
     # Sets what is run; "" for none.
-    suite: str = option(
-        "",
-        f"Named benchmark: {' or '.join(suites())}. It has a version, says what is run, and takes means over all heads "
-        "and scenes.",
-        valid=one_of("", *suites()),
-        limits=" or ".join(suites()),
-    )
+    suite: str = _suite("benchmark: {}. It has a version, says what is run, and takes means over all heads and scenes.")
     also: Path | None = option(
         None,
         "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
@@ -200,12 +200,8 @@ class CompareOptions(RecordedOptions):
     why_not = "all are compared on the camera's own frames, head and rate"
 
     # Sets what is run, in scenes and over links of which there may be several; "" for none.
-    suite: str = option(
-        "",
-        f"Named comparison: {' or '.join(suites())}. It says what is run, over links that are lived, and takes means "
-        "over all heads and scenes.",
-        valid=one_of("", *suites()),
-        limits=" or ".join(suites()),
+    suite: str = _suite(
+        "comparison: {}. It says what is run, over links that are lived, and takes means over all heads and scenes."
     )
     # With settings where they matter; empty for all.
     strategies: tuple[str, ...] = several(

@@ -332,7 +332,7 @@ def test_a_server_that_was_started_again_is_told_of_all_that_people_did(gpu, tmp
                 refresh = setup.loop.show(instant_ns)
                 if refresh is not None and refresh.frame.drawn_ns > told_ns:
                     break  # what was asked for before came from a server that knew nothing
-            assert refresh.frame.drawn_ns > told_ns
+            assert refresh.frame.drawn_ns > max(told_ns, 900_000_000)
             eye = refresh.frame.eyes[0]
             truth = setup.server.draw(eye.view, eye.size, time_ns=refresh.frame.drawn_ns)
             np.testing.assert_array_equal(download(eye.colour), download(truth.colour))
