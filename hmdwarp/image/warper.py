@@ -131,6 +131,14 @@ class _Request:
     eye: int
     out: Mapping[str, NDArray[Any]]
 
+    def __attrs_post_init__(self) -> None:
+        for name, kind, expected in (
+            ("others", Sequence, "a list of (colour, depth_m, view), or () for none"),
+            ("out", Mapping, 'a dict of arrays by the name of a result, such as {"colour": array}'),
+        ):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"{name} is of type {type(getattr(self, name)).__name__}: expected {expected}")
+
 
 @attrs.define(eq=False)
 class _Flight:
@@ -224,6 +232,8 @@ class Warper:
         budget_ms: float | None = None,
         bench: Path | str | None = None,
     ) -> None:
+        if gpu is not None and not isinstance(gpu, Gpu):
+            raise InputError(f"gpu is of type {type(gpu).__name__}: expected a hmdwarp.gpu.Gpu, as Gpu(context) is")
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
         auto = plans_of_levels(bench, effects, depth, budget_ms) if warp == AUTO else None

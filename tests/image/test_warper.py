@@ -250,6 +250,24 @@ def test_times_sum_up_to_the_call(gpu):
     assert max(shares[1:]) > 0.5  # the first call compiles
 
 
+@pytest.mark.parametrize(
+    ("argument", "expected"),
+    [
+        ({"others": None}, "others is of type NoneType: expected a list of"),
+        ({"layers": None}, "layers is of type NoneType: expected a dict of arrays by name"),
+        ({"out": np.empty((30, 40, 3))}, 'out is of type ndarray: expected a dict .* such as {"colour": array}'),
+    ],
+)
+def test_what_is_no_list_or_dict_is_refused_by_name(gpu, argument, expected):
+    with Warper(SIZE, gpu=gpu) as warper, pytest.raises(InputError, match=expected):
+        warper.warp(*picture(0), view(), view(), **argument)
+
+
+def test_a_context_of_moderngl_is_none_of_ours(gpu):
+    with pytest.raises(InputError, match=r"gpu is of type Context: expected a hmdwarp.gpu.Gpu, as Gpu\(context\) is"):
+        Warper(SIZE, gpu=gpu.gl)
+
+
 def test_a_warper_warns_once(gpu):
     """Of depth in millimetres, the largest integer, and no depth, at the first such picture."""
     colour, depth = np.zeros((30, 40, 3), np.uint8), np.full((30, 40), 2000.0)
