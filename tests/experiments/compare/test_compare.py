@@ -235,6 +235,8 @@ def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
     assert "Mbit/s" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), narrow)
     slow = attrs.evolve(able, decoder_mpx_s=takes * 0.999)
     assert "the client decodes" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), slow)
+    uncoded = {**row, "link": {**row["link"], "codec": "none"}}
+    assert unfit(uncoded, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, decoder_mpx_s=0.0)) == ""
     timed = {**row, "clock": "gpu", "time_ms": {"total": {"median": 100.0}}}
     assert "ms an eye" in unfit(timed, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, budget_ms=1.0))
 
