@@ -2,7 +2,7 @@
 
 import { bench } from "./bench.js";
 import { Chain, CHAINS } from "./chain.js";
-import { VIDEOS, VideoEye, decodable } from "./coded.js";
+import { Panels, VIDEOS, VideoEye, decodable } from "./coded.js";
 import { DEPTH_VIDEO8, Feed, RGBA8, ANY_DEPTH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
 import { Governor, Stopwatch } from "./measure.js";
@@ -68,6 +68,7 @@ class Session {
     [this.costs, this.watch, this.why] = [{}, new Stopwatch(chain), "being measured"]; // ms of an eye, by chain
     this.pace = new Pace(RATE_HZ);
     this.predictor = new Predictor();
+    this.panels = new Panels(chain);
     this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
   }
 
@@ -90,6 +91,7 @@ class Session {
       sent: now, time: this.time(), head_time: this.time() + ahead, size: sides.map((side) => even(most * side)), head: then, rate, anew: this.anew,
       colour: coded?.colour ?? RGBA8, depth: coded ? DEPTH_VIDEO8 : ANY_DEPTH,
       quality: coded && !mbit ? 1 + this.quality : 0, mbit: mbit / eyes.length,
+      panels: this.about.panels ? { size: eyes[0].size, fovs: eyes.map(({ fov }) => fov) } : null,
       eyes: eyes.map((eye, k) => ({ world_from_eye: compose(then, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
     });
     this.anew = false;
@@ -114,11 +116,12 @@ class Session {
 
   async arrived(frame) {
     this.coming += 1;
-    await this.decoded(frame);
+    const taken = frame.panels && this.panels.take(frame).catch((error) => told(`The server's panels cannot be read: ${error.message}`, "panels"));
+    await this.decoded(frame, taken);
     this.coming -= 1;
   }
 
-  async decoded(frame) {
+  async decoded(frame, taken) {
     const begun = performance.now();
     figures.frames += 1;
     let pictures = null;
@@ -135,6 +138,7 @@ class Session {
       }
     }
     figures.decode = performance.now() - begun;
+    await taken;
     this.kept.push({ ...frame, pictures, decoded: figures.decode });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
@@ -160,6 +164,7 @@ class Session {
       frame.pictures.forEach((picture, k) => {
         this.chain.takeIn(k, { size: frame.size, ...picture, view: { pose: frame.eyes[k].world_from_eye, fov: frame.eyes[k].fov } });
       });
+      this.panels.show(frame);
       this.kept.splice(0, due).forEach((frame) => this.drop(frame));
       this.shown = frame;
     } else figures.stale += 1;
@@ -184,7 +189,7 @@ class Session {
     [this.measured, this.governor] = [key, null];
     const scratch = this.chain.scratch(shown.size), costs = {};
     for (const name of this.isForced ? [this.chosen] : NAMES) {
-      const times = await this.watch.times(() => this.chain.show(0, shown, name, scratch.target), TRIES);
+      const times = await this.watch.times(() => this.chain.show(0, shown, name, scratch.target, [0, 0], "pyramid", this.panels.laid), TRIES);
       costs[name] = Math.min(...times); // other load can only make a chain slower
     }
     this.chain.dropped(scratch);
@@ -233,11 +238,11 @@ class Session {
 
   show(head, eyes, target, corners, interval) {
     if (this.isBusy || !this.takeIn()) return;
-    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), fov: eye.fov, size: eye.size, mask: eye.mask ?? null }));
+    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: eye.fov, size: eye.size, mask: eye.mask ?? null }));
     this.interval = interval;
     this.measure(views[0], eyes.length);
-    const isTimed = this.watch.begin();
-    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k]));
+    const isTimed = this.watch.begin(), { laid } = this.panels;
+    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k], "pyramid", laid));
     if (isTimed) this.watch.end();
     figures.all += 1;
     figures.refreshes += 1;
