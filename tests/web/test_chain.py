@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import struct
 
 import needs
 import numpy as np
@@ -160,6 +161,39 @@ def test_panels_are_laid_as_here(browser, rendered, case, occluded):
     off = np.abs(here.colour - there[..., :3]).max(axis=-1)
     assert np.mean(seen & ((off > MOST_OFF + MOST_OFF_PANEL) | (there[..., 3] < 1 - 2.0**-9))) <= MOST_PARTED
     assert laid.mean() > 0.02
+
+
+def _put(at: int, how: str, *numbers):
+    """Return what changes a row of numbers in what a frame brings of panels."""
+    return lambda content: content[:at] + struct.pack(how, *numbers) + content[at + struct.calcsize(how) :]
+
+
+THING = 8 + 2 + 2 + 14  # after the instant, one panel's picture, the first fragment's head
+PICTURE = THING + 76 + 14
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda content: content[:5], "Offset is outside"),
+        (lambda content: content[:-7], "does not fit"),
+        (_put(8, "<H", 9), "does not fit"),
+        (_put(10, "<H", 1), "show other pictures"),
+        (_put(THING, "<d", np.nan), "a panel at NaN"),
+        (_put(THING + 24, "<d", 3), "a panel at"),
+        (_put(THING + 56, "<d", -1), "a panel at"),
+        (_put(THING + 56, "<d", np.inf), "a panel at"),
+        (_put(THING - 2, "<H", 75), "75 bytes of places"),
+        (_put(PICTURE, "<I", 0), "decoded"),
+        (_put(PICTURE + 16, ">I", 8193), "a picture of 8193x8: 8192 a side at most"),
+    ],
+)
+def test_what_is_no_panel_is_refused_in_a_line(browser, change, message):
+    assert message in browser.does(brought([Panel(LABEL, Pose(), (1, 1))], change))
+
+
+def test_more_panels_than_fit_are_refused(browser):
+    assert "of places" in browser.does(brought([Panel(LABEL, Pose(), (1, 1))] * 16))
 
 
 @pytest.mark.parametrize("video", [H264, VP9, AV1])

@@ -173,8 +173,8 @@ export class Chain {
   }
 
   /** A picture to draw into that is not shown, until it is dropped. */
-  scratch(size) {
-    const texture = this.texture(this.gl.RGBA8, size);
+  scratch(size, format = this.gl.RGBA8) {
+    const texture = this.texture(format, size);
     return { texture, target: this.target([texture]) };
   }
 
@@ -306,21 +306,27 @@ export class Chain {
 
   /** A panel's picture as panel.frag reads it: premultiplied light with mip levels, the bottom row first. source: the top row first. */
   picture(source) {
-    const gl = this.gl, size = [source.width, source.height], given = this.texture(gl.SRGB8_ALPHA8, size);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, gl.RGBA, gl.UNSIGNED_BYTE, source);
-    const made = this.texture(gl.RGBA16F, size, gl.LINEAR, 1 + Math.floor(Math.log2(Math.max(...size)))), into = this.target([made]);
-    gl.enable(gl.BLEND);
-    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ZERO, gl.ONE, gl.ZERO);
-    const turned = [[1 / size[0], 0, 0], [0, -1 / size[1], 1], [0, 0, 1]];
-    this.use(this.program("panel.frag"), { panel: given, panel_texels: size, panel_from_shown: turned, corner: [0, 0] });
-    this.draw(into, size);
-    gl.disable(gl.BLEND);
-    gl.bindTexture(gl.TEXTURE_2D, made);
-    gl.generateMipmap(gl.TEXTURE_2D);
+    const gl = this.gl, texels = [source.width, source.height], count = 1 + Math.floor(Math.log2(Math.max(...texels)));
+    const texture = this.texture(gl.RGBA16F, texels, gl.LINEAR, count), turned = [[1 / texels[0], 0, 0], [0, -1 / texels[1], 1], [0, 0, 1]];
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_NEAREST);
-    gl.deleteFramebuffer(into);
-    gl.deleteTexture(given);
-    return { texture: made, texels: size };
+    let [size, before] = [texels, this.texture(gl.SRGB8_ALPHA8, texels)];
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, gl.RGBA, gl.UNSIGNED_BYTE, source);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ZERO, gl.ONE, gl.ZERO);
+    for (let level = 0; level < count; level += 1) {
+      const next = texels.map((side) => Math.max(side >> level, 1)), made = this.scratch(next, gl.RGBA16F);
+      const values = { panel: before, panel_texels: size, level_texels: next, panel_from_shown: turned, corner: [0, 0] };
+      if (!level) gl.enable(gl.BLEND);
+      this.use(this.program("panel.frag", { defines: level ? "#define LEVEL" : "" }), values);
+      this.draw(made.target, next);
+      gl.disable(gl.BLEND);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.copyTexSubImage2D(gl.TEXTURE_2D, level, 0, 0, 0, 0, ...next);
+      gl.deleteFramebuffer(made.target);
+      gl.deleteTexture(before);
+      [size, before] = [next, made.texture];
+    }
+    gl.deleteTexture(before);
+    return { texture, texels };
   }
 
   /** Blend a panel over an eye's picture, at a corner of a framebuffer. panel: {pose, isOnHead, metres, texture, texels}. */

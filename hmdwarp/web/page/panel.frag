@@ -1,4 +1,5 @@
-// One panel over an eye's picture, sampled once, at the newest pose.
+// One panel over an eye's picture, sampled once, at the newest pose; LEVEL: a mip level of it, each
+// texel the mean of its part of the level below.
 // In: its place in the picture; OCCLUDED: the depth of what may hide it. Out: premultiplied linear
 // light to blend over; ENCODED: sRGB, and the share that it covers.
 // Source: Porter and Duff 1984, Compositing Digital Images (over); lib/panel_sample.glsl.
@@ -12,6 +13,20 @@ uniform ivec2 corner; // of the picture
 uniform mat3 panel_from_shown;
 out vec4 written;
 
+#ifdef LEVEL
+uniform vec2 level_texels;
+
+void main() {
+    vec2 side = panel_texels / level_texels, low = floor(gl_FragCoord.xy) * side, high = low + side;
+    written = vec4(0.0);
+    for (int y = int(low.y); y < int(ceil(high.y)); ++y)
+        for (int x = int(low.x); x < int(ceil(high.x)); ++x) {
+            vec2 shared_part = min(high, vec2(x + 1, y + 1)) - max(low, vec2(x, y));
+            written += shared_part.x * shared_part.y * texelFetch(panel, ivec2(x, y), 0);
+        }
+    written /= side.x * side.y;
+}
+#else
 void main() {
     ivec2 p = ivec2(gl_FragCoord.xy) - corner;
     vec3 q = panel_from_shown * vec3(vec2(p) + 0.5, 1.0);
@@ -23,3 +38,4 @@ void main() {
     written.rgb = encoded_of(written.rgb / max(written.a, 1e-6));
 #endif
 }
+#endif
