@@ -116,6 +116,20 @@ def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(serving, worn, gpu):
         browser.until(f"{HELD} === 0")
 
 
+def test_panels_are_laid_before_both_eyes(worn, gpu):
+    """The one in the world and the one on the head, by the same bound."""
+    with Serving("--scene", "reading", "--samples", "4", "--web", "127.0.0.1:*") as server:
+        browser = worn(server.line("for a browser").split()[-1] + "&raw&size=128&warp=iterative")
+        browser.until("hmdwarp.session.panels.laid.length === 2")
+        (look,) = browser.does(looks(1))
+    with Own(gpu, 4, "reading") as own:
+        for eye, picture in enumerate(pictures_of(look)):
+            here = own.warped(look, eye)
+            off = np.abs(picture.astype(int) - here.colour).max(axis=-1)
+            assert np.mean((here.coverage > 0) & (off > 2)) <= 0.01
+            assert (here.colour.min(axis=-1) > 225).mean() > 0.002  # paper: the wall is darker
+
+
 def test_a_trigger_that_is_held_shows_the_figures(serving, worn):
     browser = worn(serving[1] + "&raw&size=128")
     for shown in ("true", "false"):
