@@ -89,7 +89,9 @@ class Own:
         key = repr(looked["late"])
         if key not in self._drawn:
             views = tuple(map(view_of, looked["late"]))
-            frame = self._server.draw_frame(views, round(looked["time"] * 1e6), tuple(looked["late"][0]["size"]), needs=self._needs)
+            frame = self._server.draw_frame(
+                views, round(looked["time"] * 1e6), tuple(looked["late"][0]["size"]), needs=self._needs
+            )
             self._drawn[key] = []
             for eye in frame.eyes:
                 light, depth = (download(texture) for texture in (eye.colour, eye.inverse_depth))

@@ -115,10 +115,10 @@ def test_the_same_picture_as_here(browser, rendered, chain, warp, case, where):
 
 
 def brought(panels: list[Panel], change=lambda content: content) -> str:
-    """Return a script that makes the browser's panels of what a frame brings; what is wrong with them, or null."""
+    """Return a script that makes panels of what a frame brings; it finds what is wrong, or null."""
     content = with_showing(Outbox(things_of(panels)).update(range(99), 1 << 20, 0), 0, [0] * len(panels)).content
-    content = change(content.tobytes())
-    frame = f"{{ began: 1, panels: {{ bytes: bytes({_base64(np.frombuffer(content, np.uint8))}), length: {len(content)} }} }}"
+    came = np.frombuffer(change(content.tobytes()), np.uint8)
+    frame = f"{{ began: 1, panels: {{ bytes: bytes({_base64(came)}), length: {len(came)} }} }}"
     return (
         f"(async () => {{ globalThis.panels = new Panels(chain); const frame = {frame}; "
         "try { await panels.take(frame); } catch (error) { return error.message; } "
@@ -130,8 +130,8 @@ PAGE = np.random.default_rng(3).integers(0, 256, (64, 128, 4), dtype=np.uint8)
 LABEL = np.random.default_rng(4).integers(0, 256, (8, 16, 3), dtype=np.uint8)
 # Relative to the eye that was rendered; magnified, minified and aslant; partly in what was seen.
 PAGE_AT, LABEL_AT = turned(-5, 25, (-0.3, 0.1, -1.6)), Pose((0.15, -0.2, -1.0))
-# The samplers weigh texels by at least 8 bits on each axis, beside steps of 1; and half floats round
-# texels and what is between them.
+# The samplers weigh texels by at least 8 bits on each axis, beside steps of 1; and half floats
+# round texels and what is between them.
 MOST_OFF_PANEL = 2 * 2.0**-8 + 4 * 2.0**-12
 
 

@@ -100,7 +100,7 @@ def test_a_server_that_goes_is_told_and_taken_up_again(page):
 
 
 def test_panels_come_once_and_stay(tmp_path, gpu):
-    """Where hmdwarp's own pass lays them; while a server starts anew, and once lost graphics are back."""
+    """As hmdwarp lays them; while a server starts anew, and once lost graphics are back."""
     (tmp_path / "secret").write_text("a shared secret", encoding="utf-8")
     options = ("--scene", "reading", "--samples", str(SAMPLES), "--token-file", str(tmp_path / "secret"), "--web")
     laid, least = "hmdwarp.session.panels.laid.length === 2", 10 + 2 * 2  # bytes, of what only says what is shown

@@ -1,9 +1,13 @@
 // The feed in a browser: requests go up, frames come down, as docs/feed.md has them.
 
+import { rotate } from "./head.js";
+
 const VERSION = 3, ASK = 1, FRAME = 2, REFUSAL = 3;
 export const RGBA16F = 1, RGBA8 = 2, ANY_DEPTH = 1, DEPTH_VIDEO8 = 4, NONE = 255;
-const ASK_BYTES = 180, FRAME_BYTES = 80, EYE_BYTES = 144, PART_BYTES = 32, FATE_BYTES = 17;
-const TAKES_SESSION = 2, MOST_FATES = 512;
+const ASK_BYTES = 180, FRAME_BYTES = 80, EYE_BYTES = 144, PART_BYTES = 32, FATE_BYTES = 17, INPUT_BYTES = 73;
+const TAKES_SESSION = 2, TAKES_INPUTS = 8, MOST_FATES = 512, MOST_INPUTS = 512;
+const MOST_ACTED = 2 ** 14 - MOST_INPUTS; // a server keeps so many inputs of a session, those told again included
+export const PUSH = 1, SWITCH = 2, GRAB = 3, RELEASE = 4;
 const PANELS = "panels", PANELS_BYTES = 20_000; // a layer, and how much of it a frame may bring
 const MOST_IN_FLIGHT = 8; // requests without an answer
 const LOST_MS = 1000; // after which a request gets no answer any more: a newer one took its place
@@ -29,9 +33,10 @@ function getPose(view, at) {
 /**
  * A request's bytes. eyes: {world_from_eye, head_from_eye, fov: [left, right, down, up] in radians}.
  * panels: {size, fovs} of the shown pictures where the scene's panels are wished; fates: {number, arrived, time}, null where there is no session.
+ * inputs: {time, action, hand}, what people did with a hand whose ray is along -z.
  */
-export function encodeAsk({ number, sent, time, head_time, received, size, head, eyes, colour, depth, anew, rate, quality, mbit, panels = null, fates = null }) {
-  const bytes = ASK_BYTES + EYE_BYTES * eyes.length + (panels ? 40 + 32 * eyes.length : 0) + (fates ? 16 + FATE_BYTES * fates.length : 0);
+export function encodeAsk({ number, sent, time, head_time, received, size, head, eyes, colour, depth, anew, rate, quality, mbit, panels = null, fates = null, inputs = [] }) {
+  const bytes = ASK_BYTES + EYE_BYTES * eyes.length + (panels ? 40 + 32 * eyes.length : 0) + (fates ? 16 + FATE_BYTES * fates.length : 0) + (inputs.length ? 2 + INPUT_BYTES * inputs.length : 0);
   const view = new DataView(new ArrayBuffer(bytes));
   [72, 87, 70, 68].forEach((letter, k) => view.setUint8(k, letter)); // HWFD
   view.setUint16(4, VERSION, true);
@@ -42,7 +47,7 @@ export function encodeAsk({ number, sent, time, head_time, received, size, head,
   view.setBigUint64(44, BigInt(received), true);
   view.setUint32(84, size[0], true);
   view.setUint32(88, size[1], true);
-  [eyes.length, colour, depth, quality, anew ? 1 : 0, panels ? 1 : 0, 0, fates ? TAKES_SESSION : 0].forEach((value, k) => view.setUint8(92 + k, value));
+  [eyes.length, colour, depth, quality, anew ? 1 : 0, panels ? 1 : 0, 0, (fates ? TAKES_SESSION : 0) + (inputs.length ? TAKES_INPUTS : 0)].forEach((value, k) => view.setUint8(92 + k, value));
   view.setFloat64(100, rate, true);
   view.setFloat64(108, mbit, true);
   let at = putPose(view, 124, head);
@@ -65,7 +70,15 @@ export function encodeAsk({ number, sent, time, head_time, received, size, head,
       view.setUint8(at + 24 + FATE_BYTES * k, fate.arrived ? 1 : 0);
       view.setBigInt64(at + 25 + FATE_BYTES * k, ns(fate.time), true);
     });
+    at += 16 + FATE_BYTES * fates.length;
   }
+  if (inputs.length) view.setUint16(at, inputs.length, true);
+  inputs.forEach(({ time, action, hand }, k) => {
+    const from = at + 2 + INPUT_BYTES * k; // its target stays empty: what the hand means
+    view.setBigInt64(from, ns(time), true);
+    view.setUint8(from + 8, action);
+    [...hand.position, ...rotate(hand.orientation, [0, 0, -1])].forEach((value, n) => view.setFloat64(from + 25 + 8 * n, value, true));
+  });
   return view.buffer;
 }
 
@@ -102,13 +115,14 @@ export function decode(buffer) {
   }
   if (from > buffer.byteLength) throw new Error("a frame that is cut short");
   return { kind: "frame", number, asked: ms(20), received: ms(28), sent: ms(36), drawing: ms(44), time: ms(52), size, colour, depth,
-    begins: begins !== 0, place: view.getUint32(72, true), eyes, bytes: buffer.byteLength, panels, hasSession: (view.getUint8(77) & TAKES_SESSION) !== 0, began: view.getUint16(78, true) };
+    begins: begins !== 0, place: view.getUint32(72, true), eyes, bytes: buffer.byteLength, panels, takes: view.getUint8(77), began: view.getUint16(78, true) };
 }
 
 /** One server, called again whenever it is gone. told(text): a line for people, "" once all is well. */
 export class Feed {
   constructor(address, { frame, told }) {
     Object.assign(this, { address, frame, told, number: 0, newest: 0, bytes: 0, answered: new Map(), closed: false, fates: null });
+    Object.assign(this, { reacts: false, began: -1, acted: [], known: 0, toldIn: new Map() }); // inputs, how many the server is known to have
     this.asked = new Map(); // when each request that has no answer yet was sent
     [this.round, this.work] = [0, 0]; // ms from a request to its frame, and of the server's in it, smoothed
     this.open();
@@ -121,6 +135,7 @@ export class Feed {
     this.socket.onmessage = (message) => this.take(message.data);
     this.socket.onclose = () => {
       this.asked.clear();
+      this.known = 0;
       if (this.closed) return;
       this.told("The server is not there: its last picture stays. Calling it again ..");
       const strange = () => this.told("The server does not know this browser any more: open the address that it printed last.");
@@ -147,8 +162,22 @@ export class Feed {
     this.asked.set(this.number, request.sent);
     const fates = this.fates?.slice(0, MOST_FATES) ?? null; // each told until a request that told it is answered
     for (const fate of fates ?? []) [fate.in, fate.time] = [fate.in ?? this.number, fate.time ?? request.time];
-    this.socket.send(encodeAsk({ ...request, number: this.number, received: this.newest, fates }));
+    const inputs = this.reacts ? this.acted.slice(this.known, this.known + MOST_INPUTS) : [];
+    if (inputs.length) this.toldIn.set(this.number, [this.known, this.known + inputs.length]);
+    this.socket.send(encodeAsk({ ...request, number: this.number, received: this.newest, fates, inputs }));
     return this.number;
+  }
+
+  /** Tell what people did, with the requests from now on until one that told it is answered. */
+  act(time, action, hand) {
+    if (this.reacts && this.acted.length < MOST_ACTED) this.acted.push({ time, action, hand });
+  }
+
+  heardInputs({ number, began }) {
+    const [from, to] = this.toldIn.get(number) ?? [0, 0];
+    if (from <= this.known) this.known = Math.max(this.known, to);
+    if (began !== this.began) [this.began, this.known] = [began, 0]; // it knows nothing of what it was told before
+    for (const older of this.toldIn.keys()) if (older <= number) this.toldIn.delete(older);
   }
 
   take(data) {
@@ -158,7 +187,9 @@ export class Feed {
       this.told(`The server refused: ${message.why}`);
       return;
     }
-    if (message.panels && message.hasSession) {
+    this.reacts = (message.takes & TAKES_INPUTS) !== 0;
+    this.heardInputs(message);
+    if (message.panels && message.takes & TAKES_SESSION) {
       this.fates = (this.fates ?? []).filter((fate) => !(fate.in <= message.number));
       for (let number = this.newest + 1; number <= message.number; number += 1) this.fates.push({ number, arrived: number === message.number });
     }

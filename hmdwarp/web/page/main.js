@@ -3,7 +3,7 @@
 import { bench } from "./bench.js";
 import { Chain, CHAINS } from "./chain.js";
 import { Panels, VIDEOS, VideoEye, decodable } from "./coded.js";
-import { DEPTH_VIDEO8, Feed, RGBA8, ANY_DEPTH } from "./feed.js";
+import { ANY_DEPTH, DEPTH_VIDEO8, Feed, GRAB, PUSH, RELEASE, RGBA8, SWITCH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
 import { Governor, Stopwatch } from "./measure.js";
 import { Pace } from "./pace.js";
@@ -76,12 +76,24 @@ class Session {
     return performance.now() - this.begun;
   }
 
+  /** Push, switch, grab or let go what a hand points at, along its -z. */
+  act(action, hand) {
+    if (hand) this.feed.act(this.time(), action, hand);
+  }
+
+  letGo() {
+    if (this.holding) this.act(RELEASE, this.gaze);
+    this.holding = null;
+  }
+
   /** Ask for a frame for the head as it will be, where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
   ask(head, eyes) {
     const now = performance.now(), { mbit, scale, rate } = this.pace.wish;
+    this.gaze = head;
     this.predictor.saw(now, head);
     if (now - this.lastAsk < 1000 / rate || !this.feed.hasRoom(1000 / rate, this.pace.shortest)) return;
     this.lastAsk = now;
+    if (this.holding) this.act(GRAB, this.holding(head)); // what is held follows the hand
     const ahead = Math.max(Number($("latency").value), this.feed.round) + 500 / rate, then = this.predictor.at(now, ahead);
     const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
     const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
@@ -301,6 +313,7 @@ class Session {
 function tellFigures(session) {
   const passed = (performance.now() - figures.since) / 1000, frame = session.shown;
   if (!frame) return;
+  $("acts").hidden = !session.feed.reacts;
   const rows = {
     "age of the shown frame": `${(performance.now() - frame.asked).toFixed(0)} ms`,
     "round trip": `${session.feed.round.toFixed(0)} ms`,
@@ -368,15 +381,31 @@ async function enterVr(session, gl) {
   xr.addEventListener("visibilitychange", () => told(UNSEEN[xr.visibilityState] ?? "", "xr"));
   xr.addEventListener("end", () => {
     session.xr = null;
+    session.letGo();
     masks.splice(0).forEach((mask) => mask && session.chain.unmask(mask));
     told("VR has ended; the window goes on.", "xr");
     setTimeout(() => told("", "xr"), 5000);
   });
   told("", "xr");
   session.xr = xr;
-  let last = 0, seen = null;
+  let last = 0, seen = null, newest = null, pressed = null;
+  const handOf = ({ targetRaySpace }, frame) => {
+    const pose = frame.getPose(targetRaySpace, space);
+    return pose && compose(place, poseOf(pose.transform));
+  };
+  xr.addEventListener("selectstart", ({ inputSource, frame }) => (pressed = { since: performance.now(), hand: handOf(inputSource, frame) }));
+  xr.addEventListener("selectend", () => {
+    const { since, hand } = pressed; // where it pointed before the finger moved it
+    if (performance.now() - since < HELD_MS) for (const action of [PUSH, SWITCH]) session.act(action, hand); // each means what takes it
+  });
+  xr.addEventListener("squeezestart", ({ inputSource, frame }) => {
+    session.act(GRAB, handOf(inputSource, frame));
+    session.holding = () => newest && handOf(inputSource, newest);
+  });
+  xr.addEventListener("squeezeend", () => session.letGo());
   const refresh = (now, frame) => {
     xr.requestAnimationFrame(refresh);
+    newest = frame;
     const viewer = frame.getViewerPose(space), begun = performance.now();
     if (viewer) {
       const own = poseOf(viewer.transform), head = compose(place, own);
@@ -429,7 +458,15 @@ async function begin() {
     $("more").setAttribute("aria-expanded", String(!$("figures").hidden));
   };
   const hide = () => ($("panel").hidden = !$("panel").hidden);
-  addEventListener("keydown", ({ code }) => code === "KeyH" && hide());
+  addEventListener("keydown", ({ code, repeat }) => {
+    if (code === "KeyH") hide();
+    const action = { KeyZ: PUSH, KeyL: SWITCH, KeyB: GRAB }[code];
+    if (!action || repeat || session.xr) return;
+    session.act(action, session.gaze);
+    if (action === GRAB) session.holding = (head) => head;
+  });
+  addEventListener("keyup", ({ code }) => code === "KeyB" && session.letGo());
+  addEventListener("blur", () => session.letGo());
   onHeld(canvas, "pointerdown", ["pointermove", "pointerup", "pointercancel"], hide);
   $("panel").onsubmit = (event) => event.preventDefault();
   if (await navigator.xr?.isSessionSupported("immersive-vr")) $("enter").hidden = false;
