@@ -388,14 +388,15 @@ async function enterVr(session, gl) {
   });
   told("", "xr");
   session.xr = xr;
-  let last = 0, seen = null, newest = null, pressed = null;
+  let last = 0, seen = null, newest = null;
+  const pressed = new Map(); // by controller: since when, and where it pointed before the finger moved it
   const handOf = ({ targetRaySpace }, frame) => {
     const pose = frame.getPose(targetRaySpace, space);
     return pose && compose(place, poseOf(pose.transform));
   };
-  xr.addEventListener("selectstart", ({ inputSource, frame }) => (pressed = { since: performance.now(), hand: handOf(inputSource, frame) }));
-  xr.addEventListener("selectend", () => {
-    const { since, hand } = pressed; // where it pointed before the finger moved it
+  xr.addEventListener("selectstart", ({ inputSource, frame }) => pressed.set(inputSource, [performance.now(), handOf(inputSource, frame)]));
+  xr.addEventListener("selectend", ({ inputSource }) => {
+    const [since, hand] = pressed.get(inputSource) ?? [-HELD_MS, null];
     if (performance.now() - since < HELD_MS) for (const action of [PUSH, SWITCH]) session.act(action, hand); // each means what takes it
   });
   xr.addEventListener("squeezestart", ({ inputSource, frame }) => {
