@@ -42,10 +42,10 @@ HARNESS = (
 <canvas id="shown"></canvas>
 <script type="module">
 import { Chain } from "./chain.js";
-import { VideoEye } from "./coded.js";
+import { Panels, VideoEye } from "./coded.js";
 import { decode } from "./feed.js";
 const shaders = await (await fetch("shaders.json")).json();
-Object.assign(globalThis, { VideoEye, decode });
+Object.assign(globalThis, { Panels, VideoEye, decode });
 globalThis.bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 globalThis.packed = """
     + PACKED

@@ -99,6 +99,37 @@ def test_a_server_that_goes_is_told_and_taken_up_again(page):
     browser.until("hmdwarp.session.shown.number > before && !document.getElementById('told').textContent")
 
 
+def test_panels_come_once_and_stay(tmp_path, gpu):
+    """As hmdwarp lays them; while a server starts anew, and once lost graphics are back."""
+    (tmp_path / "secret").write_text("a shared secret", encoding="utf-8")
+    options = ("--scene", "reading", "--samples", str(SAMPLES), "--token-file", str(tmp_path / "secret"), "--web")
+    laid, least = "hmdwarp.session.panels.laid.length === 2", 10 + 2 * 2  # bytes, of what only says what is shown
+    come = f"{laid} && hmdwarp.session.shown.panels.length === {least} && !hmdwarp.session.panels.old.length"
+    with Browser(tmp_path / "profile", (400, 300)) as browser:
+        browser.send("Page.addScriptToEvaluateOnNewDocument", source=HOLDS)
+        with Serving(*options, "127.0.0.1:*") as server:
+            address = server.line("for a browser").split()[-1]
+            browser.open(f"{address}&raw&trace=walk&latency=100&warp=iterative&size=96")
+            browser.until(f"{come} && hmdwarp.session.costs.iterative !== undefined")
+            looked = browser.does(LOOK)
+            held = browser.does("[held().made.Texture, held().made.Framebuffer]")
+        with Own(gpu, SAMPLES, "reading") as own:
+            here = own.warped(looked)
+        off = np.abs(pictures_of(looked)[0].astype(int) - here.colour).max(axis=-1)
+        assert np.mean((here.coverage > 0) & (off > 2)) <= 0.01  # as above
+        browser.does("globalThis.least = 2")
+        browser.does("setInterval(() => (least = Math.min(least, hmdwarp.session.panels.laid.length)), 4)")
+        browser.until(says("not there"))
+        with Serving(*options, f"127.0.0.1:{urlsplit(address).port}"):
+            browser.until(f"{come} && !document.getElementById('told').textContent")
+            assert browser.does("[held().made.Texture, held().made.Framebuffer, least]") == [*held, 2]
+            assert not [line for line in browser.said if "GL" in line]
+            browser.does("globalThis.lost = hmdwarp.chain.gl.getExtension('WEBGL_lose_context'), lost.loseContext()")
+            browser.until(says("graphics"))
+            browser.does("lost.restoreContext()")
+            browser.until(f"!globalThis.lost && {come}")
+
+
 # Before a page's own scripts: notes what it holds, and calls a lost server again at once.
 HOLDS = """
 {
