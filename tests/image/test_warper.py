@@ -238,10 +238,13 @@ def test_times_sum_up_to_the_call(gpu):
     colour, depth = picture(0, (160, 120))
     with Warper((160, 120), fill="memory+pyramid", repair="complete", depth=True, gpu=gpu) as warper:
         warper.warp(colour, depth, view(), view((0.1, 0, 0)))
-        started = time.perf_counter_ns()
-        found = warper.warp(colour.astype(np.longdouble), depth, view(), view((0.1, 0, 0))).time_ms
-        took_ms = (time.perf_counter_ns() - started) * 1e-6
-    assert min(found.values()) >= 0 and 0.5 * took_ms < sum(found.values()) <= took_ms
+        shares = []
+        for _ in range(5):  # in some a busy machine may turn to something else between two stages
+            started = time.perf_counter_ns()
+            found = warper.warp(colour.astype(np.longdouble), depth, view(), view((0.1, 0, 0))).time_ms
+            shares.append(sum(found.values()) / ((time.perf_counter_ns() - started) * 1e-6))
+            assert min(found.values()) >= 0
+    assert 0.5 < max(shares) <= 1
 
 
 def test_a_warper_warns_once(gpu):
