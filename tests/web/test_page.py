@@ -48,7 +48,7 @@ def page(address, tmp_path):
 def in_time(browser: Browser) -> dict:
     """What a refresh shows on a device that keeps up, whatever else this machine does."""
     browser.does("(async () => { while (!hmdwarp.session.shown) await stepped(1); })()")
-    return browser.does(look_after(24))
+    return browser.does(look_after(6))
 
 
 def test_what_is_shown_is_the_late_frame_warped_to_the_newest_head(page, gpu):
