@@ -112,5 +112,6 @@ def test_the_page_does_so_over_a_real_link(tmp_path):
             browser.until("hmdwarp.session.shown")
             relay.bytes_s = 50_000  # scripts of the page have crossed
             best = browser.does("hmdwarp.session.shown.size[0]")
-            browser.until(f"hmdwarp.session.pace.wish.mbit > 0 && hmdwarp.session.shown.size[0] <= {best} * 0.75")
-            assert browser.does("hmdwarp.session.pace.mbit") < 1
+            # What a stalled machine passes on in a lump is measured as more, for a while.
+            narrow = "hmdwarp.session.pace.wish.mbit > 0 && hmdwarp.session.pace.mbit < 1"
+            browser.until(f"{narrow} && hmdwarp.session.shown.size[0] <= {best} * 0.75")
