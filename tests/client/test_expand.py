@@ -260,9 +260,7 @@ def drawn_and_expanded(gpu, eye: EyeImage) -> tuple[list[np.ndarray], list[np.nd
     return [pixels(eye[name].texture) for name in WITH_INSET], found
 
 
-@pytest.mark.parametrize(
-    ("scene", "samples"), [("planes", 1), ("planes", 4), ("room", 1), ("room", 4), ("reading", 4)]
-)
+@pytest.mark.parametrize(("scene", "samples"), [("planes", 1), ("planes", 4), ("room", 1), ("room", 4), ("reading", 4)])
 def test_an_inset_and_a_coarse_picture_are_drawn_and_expanded_to_the_whole_one(gpu, scene, samples):
     """The middle of a coarse pixel of 3 x 3 is a pixel's: the same ray meets the same surface.
 

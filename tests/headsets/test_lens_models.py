@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -205,6 +206,16 @@ def shown_tangents(headset: Headset, eye: int, size: tuple[int, int], name: str)
     r2, (k1, k2, k3, k4, *_) = (place**2).sum(axis=-1, keepdims=True), block["coeffs"]
     tangent = place * (1 / (1 + k1 * r2 + k2 * r2**2 + k3 * r2**3) + k4) / told["intrinsics"][0][0] * (1, -1)
     return np.where(r2 <= told["undistort_r2_cutoff"], tangent, np.nan)
+
+
+@pytest.mark.parametrize("name", ["pancake", "vive"])
+def test_the_headset_says_what_the_formulas_say(request, name):
+    headset = request.getfixturevalue(name)
+    places = np.stack(np.meshgrid((np.arange(41) + 0.5) / 41, (np.arange(37) + 0.5) / 37), axis=-1)
+    for eye, wanted_colour in itertools.product((0, 1), COLOURS):
+        wanted = shown_tangents(headset, eye, (41, 37), wanted_colour)
+        seen = ~np.isnan(wanted)  # beyond a cutoff the formula goes on
+        assert headset.through_lens(eye, places, wanted_colour)[seen] == pytest.approx(wanted[seen], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["pancake", "vive", "mesh"])
