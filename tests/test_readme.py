@@ -99,7 +99,7 @@ def run_block(block: str, folder: Path, page: bool) -> None:
 def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show.
 
-    A suite says by itself what is run: see small_suites. Servers listen at ports that are free here.
+    A suite says by itself what is run: see small_suites. Servers listen at free ports.
     """
     for port in ("5570", "5571"):
         with socket.create_server(("127.0.0.1", 0)) as free:
@@ -125,7 +125,7 @@ def _plain_scene(line: str) -> str:
 
 @pytest.fixture
 def small_suites(tmp_path_factory, monkeypatch) -> None:
-    """Named benchmarks draw pictures of 48x30 without antialiasing: all their cases all the same."""
+    """Let named benchmarks draw pictures of 48x30 without antialiasing; they keep their cases."""
     text = (ROOT / "hmdwarp/experiments/bench/suites.toml").read_text(encoding="utf-8")
     file = tmp_path_factory.mktemp("suites") / "suites.toml"
     file.write_text(re.sub("size = .*\nsamples = .*", 'size = ["48x30"]\nsamples = 1', text), encoding="utf-8")

@@ -12,7 +12,7 @@ from serving import Serving
 from sources.feed.relay import Relay
 
 from .browser import Browser, says
-from .looks import CLOCK, Own, look_after, pictures_of
+from .looks import CLOCK, LOOK, Own, look_after, pictures_of
 
 pytestmark = needs.programs("chromium")
 
