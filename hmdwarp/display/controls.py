@@ -11,7 +11,7 @@ from statistics import fmean
 
 import attrs
 
-from ..geometry import Pose
+from .. import geometry  # a face: help texts load this file, and no NumPy
 
 MOVED = "moved"  # value of a command of kind "hold" whose hand has gone on
 
@@ -24,7 +24,7 @@ class Command:
     value: object = None  # what it is set to, None for one step
     back: bool = False  # a step back instead of forward
     # of a controller: world_from_hand, which points along -z; None for keys and mouse
-    hand: Pose | None = None
+    hand: geometry.Pose | None = None
 
 
 @attrs.frozen
