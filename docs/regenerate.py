@@ -209,7 +209,7 @@ def suite(folder: Path, *ready: str) -> None:
     heads += ["best in %", "FLIP, fitted on", "FLIP, held out"]
     counts = "{} heads, {} scenes".format(max(row["heads"] for row in rows), max(row["scenes"] for row in rows))
     told = f"Suite `{about['name']}` {about['version']}, {counts}, {data['rows'][0]['frames']} pictures a case."
-    told += " Each warp with its better fill, `iterative` with both."
+    told += "\nEach warp with its better fill, `iterative` with both."
     best: dict[tuple[float, str], float] = {}
     for row in rows:
         place = row["latency_ms"], row["warp"]

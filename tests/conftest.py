@@ -58,6 +58,7 @@ def pytest_sessionstart() -> None:
     """
     from hmdwarp.scenes import scenes
 
+    gc.disable()  # what collecting the tests makes stays
     contexts.install()
     found = scenes.get
     scenes.get = functools.cache(lambda name: attrs.evolve(found(name), build=functools.cache(found(name).build)))
@@ -69,6 +70,7 @@ def pytest_collection_finish() -> None:
     Each run of `live` collects first: 0.4 s among all these objects, and a study's session has 35.
     """
     _freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="module", autouse=True)

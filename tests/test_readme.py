@@ -99,25 +99,22 @@ def run_block(block: str, folder: Path, page: bool) -> None:
 def smaller(block: str) -> str:
     """Return the commands of a block with the options of SMALLER; of a study, less to show.
 
-    A suite says by itself what is run. Servers listen at ports that are free here.
+    A suite says by itself what is run: see small_suites. Servers listen at free ports.
     """
     for port in ("5570", "5571"):
         with socket.create_server(("127.0.0.1", 0)) as free:
             block = block.replace(f"127.0.0.1:{port}", f"127.0.0.1:{free.getsockname()[1]}")
     block = block.replace('size = "160x200"', 'size = "64x80"').replace("seconds = 1\n", "seconds = 0.3\n")
     block = block.replace("--scene room", "--scene planes").replace("voxels:size=32", "voxels:size=8,cones=4")
-    return "\n".join(
-        line
-        + next(
-            (
-                more + _plain_scene(line)
-                for start, more in SMALLER.items()
-                if line.startswith(start) and "--suite" not in line
-            ),
-            "",
-        )
-        for line in block.splitlines()
-    )
+    lines = block.splitlines()
+    return "\n".join(line + "".join(_more(line, *each) for each in SMALLER.items()) for line in lines)
+
+
+def _more(line: str, start: str, options: str) -> str:
+    """Return the options of a command that starts so."""
+    if not line.startswith(start):
+        return ""
+    return " --workers 0" if "--suite" in line else options + _plain_scene(line)
 
 
 def _plain_scene(line: str) -> str:
@@ -126,7 +123,17 @@ def _plain_scene(line: str) -> str:
     return "" if "--scene" in line or elsewhere else " --scene planes"
 
 
+@pytest.fixture
+def small_suites(tmp_path_factory, monkeypatch) -> None:
+    """Let named benchmarks draw pictures of 48x30 without antialiasing; they keep their cases."""
+    text = (ROOT / "hmdwarp/experiments/bench/suites.toml").read_text(encoding="utf-8")
+    file = tmp_path_factory.mktemp("suites") / "suites.toml"
+    file.write_text(re.sub("size = .*\nsamples = .*", 'size = ["48x30"]\nsamples = 1', text), encoding="utf-8")
+    monkeypatch.setattr("hmdwarp.experiments.bench.suites._FILE", file)
+
+
 @pytest.mark.slow(25)
+@pytest.mark.usefixtures("small_suites")
 @pytest.mark.parametrize(
     "page", [name for name, blocks in BLOCKS.items() if {"sh", "python"} & {kind for kind, _ in blocks}]
 )

@@ -25,6 +25,8 @@ _TOML = Option("The headset's file to write, a .toml.", Path, required=True, nam
 def show(said: Said) -> None:
     """Draw both views in one projection, with overlap, hidden area and the lens's grid."""
     report.refuse_existing(said["out"], force=said["force"])
+    if said["out"].suffix != ".png":
+        raise InputError(f"--out {said['out']}: expected a .png file")
     report.write_bytes(said["out"], report.headset_plot_png(headsets.load_headset(said["headset"])))
 
 

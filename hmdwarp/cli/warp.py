@@ -75,14 +75,12 @@ class WarpOptions(Declared):
     )
 
 
-_NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
-
-
 @takes(WarpOptions)
 def warp(said: Said) -> None:
     """Warp an RGB-D frame to the pose it should be seen from."""
     from ..frames.layers import PICTURE
     from ..image.image_files import has_depth, write_image
+    from ..image.picture_arrays import about_holes
     from ..image.usable import plan_of
     from ..image.warper import warp_image
     from ..report import refuse_existing, refuse_source
@@ -119,13 +117,8 @@ def warp(said: Said) -> None:
     write_image(options.out, result, shown)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
-    for note in _notes(frame, shown, options):
+    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share)):
         typer.echo(f"note: {note}")
-    if result.hole_share > _NOTHING:
-        typer.echo(
-            f"note: {100 * result.hole_share:.1f} % of the picture is empty before the fill: the frame has no depth "
-            "there, or the two views see little in common; check depth_m and position_m (metres) and the orientations"
-        )
 
 
 def _without_holes(frame: sequences.FrameFile, scale: float | None) -> tuple[Any, float | None]:

@@ -8,6 +8,7 @@ from ._base import Picture as Picture
 from ._base import TextPanel as TextPanel
 from ._base import Tick as Tick
 from .controls import CONTROLS as CONTROLS
+from .controls import MOVED as MOVED
 from .controls import MOVING as MOVING
 from .controls import Command as Command
 from .controls import Control as Control

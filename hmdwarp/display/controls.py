@@ -11,6 +11,10 @@ from statistics import fmean
 
 import attrs
 
+from .. import geometry  # a face: help texts load this file, and no NumPy
+
+MOVED = "moved"  # value of a command of kind "hold" whose hand has gone on
+
 
 @attrs.frozen
 class Command:
@@ -19,6 +23,8 @@ class Command:
     control: str  # its name in display.controls
     value: object = None  # what it is set to, None for one step
     back: bool = False  # a step back instead of forward
+    # of a controller: world_from_hand, which points along -z; None for keys and mouse
+    hand: geometry.Pose | None = None
 
 
 @attrs.frozen
@@ -53,9 +59,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("effects", "C", "compensate effects: auto or none", "choice"),
     Control("lens", "O", "lens on or off", "switch"),
     Control("view", "V", "both eyes or one flat view", "switch"),
-    Control("push", "Z", "push what is ahead, in a scene that reacts", "action", mouse="left"),
+    Control("push", "Z", "push what is ahead, in a scene that reacts", "action", mouse="left", buttons=("select",)),
     Control("switch", "L", "switch a lamp on or off", "action", mouse="middle"),
-    Control("grab", "B", "grab and move what is ahead, or let go", "hold", mouse="right"),
+    Control("grab", "B", "grab and move what is ahead, or let go", "hold", mouse="right", buttons=("squeeze",)),
     Control("recentre", "R", "head back to where it began", "action", of_display=True),
     Control("full_screen", "F11", "full screen", "switch", of_display=True),
     Control("vsync", "Y", "wait for the screen's refresh", "switch", of_display=True),

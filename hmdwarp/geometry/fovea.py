@@ -84,7 +84,8 @@ class Fovea:
         if self.inset:
             w, h = (min(side + 2 * self.rim, most) for side, most in zip(least, size, strict=True))
             ends = zip(centre, (w, h), size, strict=True)
-            x, y = (min(max(round(at - side / 2), 0), most - side) for at, side, most in ends)
+            # Even: GPUs choose a texture's level for two by two pixels at once.
+            x, y = (2 * min(max(round((at - side / 2) / 2), 0), (most - side) // 2) for at, side, most in ends)
             return InsetGrid(size, self.rim, (x, y), (w, h))
         coarse = [(side - sharp) // self.rim for side, sharp in zip(size, least, strict=True)]
         before = []

@@ -265,6 +265,8 @@ class CallerLayers:
 
 def with_panels(passed: Mapping[str, Any], panels: Any) -> Mapping[str, Any]:
     """Return the layers with the panels of a call, if it has any."""
+    if not isinstance(passed, Mapping):
+        raise InputError(f"layers is of type {type(passed).__name__}: expected a dict of arrays by name, maybe empty")
     return (
         passed if panels is None or (isinstance(panels, list | tuple) and not panels) else {**passed, "panels": panels}
     )

@@ -23,6 +23,7 @@ ENCODINGS = (SRGB, LINEAR)
 # Light above it is rare, and a picture is not lit like that in most places, nor in whole numbers:
 # 8-bit values are, as floats.
 _BRIGHTEST = 64.0
+_NOTHING = 0.95  # share of holes that a late frame leaves only by mistake
 
 
 @attrs.frozen(eq=False)
@@ -156,6 +157,16 @@ def about_corners(picture: RawPicture) -> list[str]:
     return [
         "the corners of colour are black and have no depth, as what a lens hides: holes there are filled with what is "
         "beside them; give the views hidden=Hidden(polygons, fov), which leaves it black"
+    ]
+
+
+def about_holes(share: float) -> list[str]:
+    """Return a note on a result that hardly anything of the picture is seen in. share: of holes."""
+    if share <= _NOTHING:
+        return []
+    return [
+        f"{100 * share:.1f} % of the picture is empty before the fill: the frame has no depth there, or the two views "
+        "see little in common; check depth_m and position_m (metres) and the orientations"
     ]
 
 

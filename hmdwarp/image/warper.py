@@ -43,6 +43,7 @@ from .layer_arrays import CallerLayers, with_panel_effects, with_panels
 from .picture_arrays import (
     RawPicture,
     about_corners,
+    about_holes,
     checked_picture,
     checked_size,
     checked_view,
@@ -53,7 +54,7 @@ from .picture_textures import INVERSE, ForeignTextures, HeldPicture
 from .usable import plan_of
 
 IN_FLIGHT = 3  # calls of Warper.submit whose pixels are on their way at once
-_LARGEST, _UNIT, _CORNERS = "largest", "unit", "corners"  # what a Warper warns of once
+_LARGEST, _UNIT, _CORNERS, _HOLES = "largest", "unit", "corners", "holes"  # what a Warper warns of once
 _CLOSED_FIRST = "this Warper was closed before result() was called: call it first"
 Other = tuple[ArrayLike, ArrayLike, View]
 _shared: Gpu | None = None
@@ -129,6 +130,14 @@ class _Request:
     result: str | None
     eye: int
     out: Mapping[str, NDArray[Any]]
+
+    def __attrs_post_init__(self) -> None:
+        for name, kind, expected in (
+            ("others", Sequence, "a list of (colour, depth_m, view), or () for none"),
+            ("out", Mapping, 'a dict of arrays by the name of a result, such as {"colour": array}'),
+        ):
+            if not isinstance(getattr(self, name), kind):
+                raise InputError(f"{name} is of type {type(getattr(self, name)).__name__}: expected {expected}")
 
 
 @attrs.define(eq=False)
@@ -223,6 +232,8 @@ class Warper:
         budget_ms: float | None = None,
         bench: Path | str | None = None,
     ) -> None:
+        if gpu is not None and not isinstance(gpu, Gpu):
+            raise InputError(f"gpu is of type {type(gpu).__name__}: expected a hmdwarp.gpu.Gpu, as Gpu(context) is")
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
         auto = plans_of_levels(bench, effects, depth, budget_ms) if warp == AUTO else None
@@ -431,7 +442,7 @@ class Warper:
                 arrays = self._give_out.arrays(flight.made, flight.out)
         finally:
             self._free_buffers.append(flight.buffers)
-        holes = flight.found.holes / (self.size[0] * self.size[1])
+        holes = self._hole_share(flight)
         times = {} if late else self._times(gpu, flight)
         return WarpedImage(arrays["colour"], arrays["coverage"], times, holes, flight.result, arrays.get("depth_m"))
 
@@ -621,7 +632,7 @@ class Warper:
         return self._count
 
     def _warn_about(self, flight: _Flight, *, late: bool) -> None:
-        """Warn of depth that is no measurement, or hardly in metres; of each once."""
+        """Warn of depth that is none, no measurement, or hardly in metres; of each once."""
         largest: Sequence[str] = ()
         if _LARGEST not in self._warned:
             checked = flight.pictures[0].checked
@@ -633,8 +644,15 @@ class Warper:
         unit = self._unit_notes(lambda: self._picture(flight, 0, late=late).metres(), flight.views, "depth_scale={:g}")
         corners = about_corners(self._picture(flight, 0, late=late)) if _CORNERS not in self._warned else []
         self._warned.add(_CORNERS)  # of the first picture
-        for note in (*largest, *unit, *corners):
+        # Where nothing fills holes, coverage tells of them.
+        is_made_up = flight.plan.fills and _HOLES not in self._warned
+        empty = about_holes(self._hole_share(flight)) if is_made_up else []
+        self._warned.update([_HOLES] if empty else [])
+        for note in (*largest, *unit, *corners, *empty):
             warnings.warn(note, stacklevel=5 if late else 4)  # where warp, warp_image or result is called
+
+    def _hole_share(self, flight: _Flight) -> float:
+        return flight.found.holes / (self.size[0] * self.size[1])
 
     def _unit_notes(self, depth: Callable[[], NDArray[Any]], views: tuple[View, View], option: str) -> list[str]:
         """Return a note on depth that is hardly in metres, at the first picture whose eye moves.
@@ -808,7 +826,8 @@ def warp_image(
     seconds from drawing the picture to showing it, for what moves.
     depth_scale: metres per unit of depth, which integers must have: 0.001 for millimetres; the
     largest of their type, such as 65535, is a hole. Warns of those, and of depth that is hardly in
-    metres: over 40 m everywhere, while the eye moves by less than a tenth of that.
+    metres: over 40 m everywhere, while the eye moves by less than a tenth of that, or within 1 and
+    crowded there, as a depth buffer's; and of a result that is empty before the fill.
     encoding: "linear" or "srgb" (0..1) of float colour; by default it is linear, and values that
     look like 8 bits as floats are refused. result: "srgb8" (uint8), "srgb" or "linear" (float32);
     by default as `colour` is. depth: whether the result has the depth of what is shown.

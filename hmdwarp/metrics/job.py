@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
-from .picture_pairs import Alike, check_pair, db_of, error_image, flip, pixel_centres, row_blocks, ssim
+from .picture_pairs import Alike, check_pair, db_of, error_image, flip, row_blocks, ssim
 
 T = TypeVar("T")
 
@@ -74,7 +74,7 @@ class QualityJob:
     rendered_size: tuple[int, int] | None = None
     # The late frame's picture, for reports only.
     rendered_picture: NDArray[Any] | None = None
-    # FLIP and SSIM of `now`, where a PairPass has found them.
+    # FLIP, SSIM and flicker, where a PairPass has found them.
     alike: Alike | None = None
     # (name, picture) of other warps on the same late frame, for reports only.
     beside: tuple[tuple[str, NDArray[Any]], ...] = ()
@@ -96,6 +96,11 @@ class QualityJob:
             )
 
     @property
+    def flicker(self) -> float | None:
+        """Flicker that a PairPass has found, in place of the frame before; None: it has not."""
+        return None if self.alike is None else self.alike.flicker
+
+    @property
     def inputs(self) -> Input:
         """The inputs of metrics that the job has."""
         there = Input.TRUTH
@@ -103,7 +108,7 @@ class QualityJob:
             (Input.COVERAGE, self.covered),
             (Input.DEPTH, self.truth_inverse_depth),
             (Input.RENDERED, None if self.rendered is None else self.rendered_size),
-            (Input.PREVIOUS, self.previous),
+            (Input.PREVIOUS, self.flicker if self.previous is None else self.previous),
         ):
             if value is not None:
                 there |= flag
@@ -150,6 +155,11 @@ class Measurement:
     def ssim(self) -> float:
         """Mean structural similarity."""
         return ssim(self.now.shown, self.now.truth) if self._job.alike is None else self._job.alike.ssim
+
+    @property
+    def flicker(self) -> float | None:
+        """Flicker, where it is known."""
+        return self._job.flicker
 
     @property
     def previous(self) -> Compared:
@@ -228,7 +238,8 @@ def border_holes(
         if not here.any():
             continue
         depth = np.nan_to_num(inverse_depth[rows][here].astype(np.float64), nan=0.0)
-        pixel, _, w = mapping.apply(pixel_centres(rows, width)[here], depth)
+        y, x = here.nonzero()
+        pixel, _, w = mapping.apply(np.stack([x, y + rows.start], axis=1) + 0.5, depth)
         beyond[rows][here] = ~((w > 0) & (pixel >= 0).all(axis=-1) & (pixel <= rendered_size).all(axis=-1))
     found: NDArray[np.bool_] = flip_rows(beyond)
     return found

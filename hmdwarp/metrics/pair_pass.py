@@ -1,4 +1,4 @@
-"""FLIP and SSIM on the GPU; flip-evaluator and scikit-image are the judges in the tests."""
+"""FLIP, SSIM and flicker on the GPU; libraries and float64 are the judges in the tests."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
+from ..geometry import WarpMap
 from ..gpu import SCALAR, Gpu, allocate
 from ..gpu.shaders import Compute
 from ..gpu.textures import release_all
+from .job import Compared
 from .picture_pairs import SSIM_SIGMA, Alike, check_pair
 
 Array = NDArray[np.float64]
@@ -75,8 +77,10 @@ class PairPass:
         (wide, high), gl = size, gpu.gl
         # Of both pictures, the truth first, whose filtered rows stay for the next picture.
         self._bytes, self._has_truth = np.zeros((2, high, wide, 4), np.uint8), False
+        self._earlier, self._earlier_truth = np.zeros_like(self._bytes), np.empty(0)
         # Pixels, light of bytes, what is filtered along rows, a map.
-        self._pixels, self._light = allocate(gl, (wide, 2 * high), (4, "u1")), allocate(gl, (256, 1), SCALAR)
+        self._pixels, self._before = (allocate(gl, (wide, 2 * high), (4, "u1")) for _ in range(2))
+        self._light = allocate(gl, (256, 1), SCALAR)
         self._between, self._map = allocate(gl, (2 * wide, 3 * high), (4, "f4")), allocate(gl, size, SCALAR)
         self._light.write(linear_from_srgb(np.arange(256, dtype=np.uint8)).tobytes())
         constant = {"size": size, "sight": sight, "shape": shape, "white_from_rgb": _WHITE_FROM_RGB}
@@ -92,6 +96,7 @@ class PairPass:
             (compute("metrics/ssim_rows.comp"), window, -(-wide // 2)),
             (compute("metrics/ssim.comp"), window, wide),
         )
+        self._change = compute("metrics/flicker.comp")
 
     def run(self, shown: NDArray[Any], truth: NDArray[Any]) -> Alike:
         """Return how alike two pictures are.
@@ -109,6 +114,29 @@ class PairPass:
         self._has_truth = True
         return Alike(flip_map, 1 - float(self._made(self._ssim, high).mean(dtype=np.float64)))
 
+    def flicker(self, now: Compared, before: Compared) -> float | None:
+        """Return the flicker of the pictures of the last run against those before them.
+
+        None where metrics.flicker has to find it: views that hide pixels, and other sizes.
+        """
+        wide, high = self._size
+        if before.shown.shape != (high, wide, 3) or not (now.view.hidden is before.view.hidden is None):
+            return None
+        if before.truth is not self._earlier_truth:
+            self._earlier[0, ..., :3] = self._earlier_truth = before.truth
+        self._earlier[1, ..., :3] = before.shown
+        self._before.write(self._earlier)
+        for unit, texture in ((0, self._pixels), (2, self._before), (3, self._map)):
+            texture.bind_to_image(unit, read=unit < 3, write=unit == 3)
+        turned = np.array([[1, 0, 0], [0, -1, high], [0, 0, 1]])  # the top row first
+        turn = turned @ WarpMap.between(now.view, self._size, before.view, self._size).H @ turned
+        self._change.uniforms.set(size=self._size, before_from_now=turn)
+        self._change.run(wide, high)
+        self._gpu.barrier()
+        found = self._read_map()
+        there = found[found >= 0]
+        return float(there.mean(dtype=np.float64)) if there.size else None
+
     def _made(
         self, programs: Sequence[tuple[Compute, dict[str, Any], int]], lines: int, **more: int
     ) -> NDArray[np.float32]:
@@ -121,8 +149,11 @@ class PairPass:
         columns.uniforms.set(**values)
         columns.run(wide, high)
         self._gpu.barrier()
-        return np.frombuffer(self._map.read(), np.float32).reshape(high, wide)
+        return self._read_map()
+
+    def _read_map(self) -> NDArray[np.float32]:
+        return np.frombuffer(self._map.read(), np.float32).reshape(self._size[::-1])
 
     def close(self) -> None:
         """Free the textures."""
-        release_all(self._pixels, self._light, self._between, self._map)
+        release_all(self._pixels, self._before, self._light, self._between, self._map)

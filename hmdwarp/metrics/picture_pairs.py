@@ -132,6 +132,8 @@ class Alike:
     flip_map: NDArray[np.float32]
     # As ssim.
     ssim: float
+    # As flicker; None where the pass did not find it.
+    flicker: float | None = None
 
 
 def sharpness(shown: NDArray[Any], truth: NDArray[Any], where: NDArray[Any] | None = None) -> float | None:

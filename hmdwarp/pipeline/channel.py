@@ -86,10 +86,9 @@ class Changes:
         if not self._scene.lamps:
             return None
         lit_ns = self._scene.lit_ns(time_ns)
-        poses = (self._scene.bodies[number - 1].motion.state(lit_ns).pose for number in self._stops_light)
         return (
             tuple((*lamp.place(lit_ns), *lamp.fading(lit_ns), *lamp.light(lit_ns)) for lamp in self._scene.lamps),
-            tuple(pose.matrix().tobytes() for pose in poses),
+            tuple(self._scene.bodies[number - 1].lit_as(lit_ns) for number in self._stops_light),
         )
 
     def _by_movers(self, eye: EyeImage, view: View, then_ns: int, now_ns: int) -> float:
@@ -123,11 +122,17 @@ class _MovedBody(_Mover):
         positions = np.concatenate([mesh.positions for mesh in meshes]).astype(np.float64)
         ends = zip(positions.min(axis=0), positions.max(axis=0), strict=True)
         self._corners = np.array([(*corner, 1.0) for corner in product(*ends)])
-        self._motion = body.motion
+        self._body = body
+
+    def moved_rad(self, places: Sequence[Points], then_ns: int, now_ns: int) -> float:
+        shown = [self._body.is_shown(time_ns) for time_ns in (then_ns, now_ns)]
+        if all(shown):
+            return super().moved_rad(places, then_ns, now_ns)
+        return math.inf if any(shown) else 0.0
 
     def points(self, time_ns: int) -> Points:
         # A rigid motion moves no point of a box farther than one of its corners.
-        return (self._corners @ self._motion.state(time_ns).pose.matrix().T)[:, :3]
+        return (self._corners @ self._body.motion.state(time_ns).pose.matrix().T)[:, :3]
 
 
 class _DeformedMesh(_Mover):

@@ -54,7 +54,7 @@ def _quality(name: str) -> Column:
 
 
 def _rated(figure: Figure) -> Column:
-    return Column(figure, lambda row: ratings_of(row)[figure.name])
+    return Column(figure, lambda row: ratings_of(row).get(figure.name))
 
 
 def _taken(name: str, label: str, unit: str, digits: int, scale: float = 1.0) -> Column:
@@ -141,13 +141,19 @@ def compare_table(rows: Iterable[Row]) -> TerminalTable:
         table.add_section()
         table.add_row(Words(label, style="bold"))
         for row in _ordered(group):
-            table.add_row(row["strategy"], *(column.text(row) for column in shown))
+            table.add_row(_named(row), *(column.text(row) for column in shown))
     return table
 
 
 def _columns(rows: Iterable[Row]) -> list[Column]:
-    """Return the columns of a table: those of a rating only where every row has one."""
-    return [*COLUMNS.values(), *(RATED if all("jod" in row for row in rows) else ())]
+    """Return the columns of a table: those of a rating only where every row that showed has one."""
+    shown = [row for row in rows if "nothing" not in row]
+    return [*COLUMNS.values(), *(RATED if shown and all("jod" in row for row in shown) else ())]
+
+
+def _named(row: Row) -> str:
+    """Return the strategy, and why it showed nothing over a link that let nothing through."""
+    return f"{row['strategy']}: {row['nothing']}" if "nothing" in row else str(row["strategy"])
 
 
 def compare_markdown(rows: Iterable[Row]) -> str:
@@ -156,7 +162,11 @@ def compare_markdown(rows: Iterable[Row]) -> str:
     columns = _columns(rows)
     heads = [("case", ""), ("strategy", ""), *(column.head for column in columns)]
     lines = [
-        [label, f"`{row['strategy']}`", *(column.text(row) for column in columns)]
+        [
+            label,
+            _named(row).replace(row["strategy"], f"`{row['strategy']}`", 1),
+            *(column.text(row) for column in columns),
+        ]
         for label, group, _ in _cases(rows, [])
         for row in _ordered(group)
     ]
@@ -269,7 +279,7 @@ def _facts(rows: Sequence[Row]) -> list[str]:
         *([("links", lived)] if lived else []),
         ("an eye", "x".join(map(str, first["size"]))),
         ("codec", first["link"]["codec"]),
-        ("refreshes a run", first["frames"]),
+        ("refreshes a run", max(row["frames"] for row in rows)),
     ]
     return [fact(label, text) for label, text in facts]
 
@@ -283,18 +293,26 @@ def _notes(data: Mapping[str, Any]) -> list[str]:
         notes.append(
             "No GPU: client times compare strategies with each other, and no class is measured by its budget of time."
         )
+    if silent := [row for row in data["rows"] if "nothing" in row]:
+        notes.append(
+            f"{counted(len(silent), 'run')} showed nothing, as the link let no frame through in time: their figures "
+            "are dashes, and no mean has them."
+        )
     return [*notes, *dict.fromkeys(note for row in data["rows"] for note in row["notes"])]
 
 
 def _table(label: str, group: Sequence[Row]) -> Table:
     columns = _columns(group)
-    lines = [[row["strategy"], *(column.text(row) for column in columns)] for row in _ordered(group)]
+    lines = [[_named(row), *(column.text(row) for column in columns)] for row in _ordered(group)]
     return Table.of(f"{label}, least FLIP first", [("strategy", ""), *(column.head for column in columns)], lines)
 
 
 def _strip(group: Sequence[Row], pictures: Sequence[Pictures]) -> list[Picture]:
     """Return the truth and what each strategy shows."""
-    by_row = sorted(zip(group, pictures, strict=True), key=lambda pair: _error(pair[0]))
+    both = [(row, load) for row, load in zip(group, pictures, strict=True) if "nothing" not in row]
+    if not both:
+        return []
+    by_row = sorted(both, key=lambda pair: _error(pair[0]))
     shown = [("what should be seen", by_row[0][1]()[1])]
     shown += [(f"{row['strategy']}: FLIP {COLUMNS[PRIMARY].text(row)}", load()[0]) for row, load in by_row]
     return [Picture(caption, data_uri(_small(picture)), caption) for caption, picture in shown]
@@ -377,6 +395,8 @@ def _assigned(data: Mapping[str, Any]) -> Table:
     names = [client["name"] for client in data["clients"]]
     for strategy in data["strategies"]:
         rows = [row for row in data["rows"] if row["strategy"] == strategy["name"]]
+        # A link that let nothing through says nothing of the clients, unless there is no other.
+        rows = [row for row in rows if "nothing" not in row] or rows
         unfit = {name: next((row["unfit"][name] for row in rows if row["unfit"][name]), "") for name in names}
         can = [name for name, why in unfit.items() if not why]
         lacking = [f"{name}: {why}" for name, why in unfit.items() if why]

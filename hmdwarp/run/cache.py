@@ -113,7 +113,7 @@ def _hashed(value: Any) -> Any:
 
 
 def key_of_job(cache: Cache, job: QualityJob, pixels_per_degree: float, by: str) -> str:
-    """Return the key of a job's figures; by: what finds FLIP and SSIM."""
+    """Return the key of a job's figures; by: what finds FLIP, SSIM and flicker."""
     pairs = [(pair.shown, pair.truth, pair.view) for pair in (job.now, job.previous) if pair is not None]
     places = job.covered, job.truth_inverse_depth, job.rendered, job.rendered_size, job.regions
     return cache.key("figures", pixels_per_degree, by, len(pairs), *(part for pair in pairs for part in pair), *places)

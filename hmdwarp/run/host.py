@@ -11,7 +11,7 @@ import attrs
 
 from ..client.plan import Plan, needs_of
 from ..client.variants import every_fill, every_warp
-from ..display import Command, Display, Lost, control
+from ..display import MOVED, Command, Display, Lost, control
 from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
@@ -24,7 +24,7 @@ from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample
 from ..poses.track import LoopedSource, Moment
-from ..scenes import ACTIONS, GRAB, RELEASE, SWITCH, InputEvent, SceneOptions, scenes
+from ..scenes import ACTIONS, GRAB, PUSH, RELEASE, SWITCH, InputEvent, SceneOptions, scenes
 from .bench_levels import levels_from_file
 from .options import BOTH, FLAT, OFFSCREEN, LiveOptions
 from .setup import EmulatedScreen, RecentPoses, RunSetup
@@ -283,7 +283,7 @@ _STEPS: dict[str, Callable[[LiveOptions, int], object]] = {
 
 @attrs.define(eq=False)
 class Hand:
-    """What the user does in the scene: from where the head is, towards where it looks."""
+    """What the user does in the scene: by a controller, or from the head towards where it looks."""
 
     host: PipelineHost
     now_ns: Callable[[], int]
@@ -291,40 +291,53 @@ class Hand:
     took: Callable[[InputEvent, bool], None]
     _head: Pose | None = None
     _grabbed: InputEvent | None = None
+    _by_controller: bool = False  # whether what is held follows a controller
     _last_ns: int = 0
 
     def follow(self, refresh: Refresh) -> None:
         """Be where the head is; move what is held."""
         self._head = refresh.head.pose
-        if self._grabbed is not None:
-            self._do(GRAB)
+        if self._grabbed is not None and not self._by_controller:
+            self._do(GRAB, self._head)
 
     def act(self, command: Command) -> None:
-        """Push, switch, grab or let go. Errors: as Source.act."""
-        action = command.control
+        """Push, switch, grab or let go; a controller's push may switch. Errors: as Source.act."""
+        action, pose = command.control, command.hand or self._head
+        if command.value == MOVED:
+            if self._grabbed is not None:
+                self._do(GRAB, pose)
+            return
         if action == GRAB:
             grabs = self._grabbed is None if command.value is None else bool(command.value)
             if grabs == (self._grabbed is not None):
                 return
-            action = GRAB if grabs else RELEASE
-        done = self._do(action)
+            action, self._by_controller = GRAB if grabs else RELEASE, command.hand is not None
+        log = self.host.source.scene.inputs
+        if action == PUSH and command.hand is not None and log is not None:
+            action = log.nearest(_event(self.now_ns(), PUSH, command.hand), PUSH, SWITCH)
+        done = self._do(action, pose)
         self._grabbed = done if action == GRAB else self._grabbed if action == SWITCH else None
 
-    def _do(self, action: str) -> InputEvent | None:
-        if self._head is None:
+    def _do(self, action: str, pose: Pose | None) -> InputEvent | None:
+        if pose is None:
             return None
-        x, y, z = self._head.position_m.tolist()
-        dx, dy, dz = (-self._head.rotation_matrix[:, 2]).tolist()
-        held = self._grabbed
-        if action == GRAB and held is not None and (held.origin_m, held.direction) == ((x, y, z), (dx, dy, dz)):
-            return held  # no news
         # Later than what was drawn by now, which does not show it.
-        self._last_ns = max(self.now_ns(), self._last_ns) + 1
-        done = self.host.source.act(InputEvent(self._last_ns, action, "", (x, y, z), (dx, dy, dz)))
+        asked, held = _event(max(self.now_ns(), self._last_ns) + 1, action, pose), self._grabbed
+        is_held = action == GRAB and held is not None
+        if is_held and held is not None and held.ray == asked.ray:
+            return held  # no news
+        self._last_ns = asked.time_ns
+        done = self.host.source.act(asked)
         if done is not None:
-            self.took(done, action == GRAB and held is not None)
+            self.took(done, is_held)
             self._grabbed = done if action == GRAB else held
         return done
+
+
+def _event(time_ns: int, action: str, pose: Pose) -> InputEvent:
+    x, y, z = pose.position_m.tolist()
+    dx, dy, dz = (-pose.rotation_matrix[:, 2]).tolist()
+    return InputEvent(time_ns, action, "", (x, y, z), (dx, dy, dz))
 
 
 @attrs.define(eq=False)

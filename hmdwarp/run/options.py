@@ -122,7 +122,7 @@ class RunOptions(PipelineOptions):
     )
     metrics_by: str = option(
         BY_GPU,
-        f"What computes FLIP and SSIM: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
+        f"What computes FLIP, SSIM and flicker: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
         valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )

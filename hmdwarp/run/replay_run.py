@@ -190,6 +190,17 @@ class Measured:
     misses: list[Row]
 
 
+class NothingShown(InputError):
+    """A replay over a link that let nothing through in time.
+
+    result: what is known even so; its summary has the reason as `nothing`.
+    """
+
+    def __init__(self, message: str, result: Measured | None = None) -> None:
+        super().__init__(message)
+        self.result = result
+
+
 def measured(
     options: RunOptions, progress: Progress = lambda done, total: None, pools: SharedPool | None = None
 ) -> Measured:
@@ -248,7 +259,19 @@ def _run(
                 count += 1
             progress(count, setup.schedule.count)
     if not count:
-        raise InputError(_nothing_arrived(setup))
+        counts = _fates(setup)
+        raise NothingShown(
+            f"no frame has arrived in time to be shown ({counts}): "
+            "use less loss, more bandwidth, or a longer part of the trace",
+            Measured(
+                result_of(setup, log, [], {"nothing": f"no frame arrived in time ({counts})"}).summary,
+                [],
+                setup.plan,
+                setup.pipeline.sizes,
+                [],
+                [],
+            ),
+        )
     return log, late
 
 
@@ -279,12 +302,9 @@ def _add_event(events: TraceEvents, seen: Seen) -> None:
         events.add(seen.refresh)
 
 
-def _nothing_arrived(setup: ReplaySetup) -> str:
-    counts = ", ".join(f"{name} {count}" for name, count in setup.channel.link.tally.as_dict().items() if count)
-    return (
-        f"no frame has arrived in time to be shown ({counts}): "
-        "use less loss, more bandwidth, or a longer part of the trace"
-    )
+def _fates(setup: ReplaySetup) -> str:
+    tally = setup.channel.link.tally.as_dict()
+    return ", ".join(f"{name.replace('_', ' ')} {count}" for name, count in tally.items() if count)
 
 
 def _video(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[VideoWriter | None]:
@@ -364,4 +384,4 @@ def _compared(log: ReplayLog, probe: Probe, pool: QualityPool) -> list[list[Row]
     return [log.compared(*pair) for pair in zip(probe.against_ms, figures, strict=True)] if all(figures) else []
 
 
-__all__ = ["Measured", "ReplayResult", "figures", "measured", "replay"]
+__all__ = ["Measured", "NothingShown", "ReplayResult", "figures", "measured", "replay"]

@@ -17,7 +17,7 @@ from ..errors import InputError, counted
 from ..frames import Needs
 from ..gpu.context import Gpu
 from ..headsets import Headset
-from ..metrics import Alike, Compared, PairPass, QualityJob, QualityPool
+from ..metrics import PairPass, QualityJob, QualityPool
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
 from ..pipeline.governor import AdaptiveCompensator
@@ -132,25 +132,27 @@ class ReplaySetup:
     def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
         """Submit a picture to be measured, or what the cache has of it. Errors: as pool.submit."""
         if self.cache is None:
-            pool.submit(key, attrs.evolve(job, alike=self._alike_of(job.now)), keep=keep)
+            pool.submit(key, self._compared(job), keep=keep)
             return
         job, cache = attrs.evolve(job, error_map=True), self.cache
         place = key_of_job(cache, job, self.pixels_per_degree, self.options.metrics_by)
         if (known := cache.get(place, figures_in)) is not None:
             pool.take(key, job, known, keep=keep)
             return
-        job = attrs.evolve(job, alike=self._alike_of(job.now))
-        pool.submit(key, job, keep=keep, then=lambda found: cache.put(place, figures_as_arrays(found)))
+        pool.submit(key, self._compared(job), keep=keep, then=lambda found: cache.put(place, figures_as_arrays(found)))
 
-    def _alike_of(self, now: Compared) -> Alike | None:
-        """Return how alike the pictures of an eye are; None where libraries find it."""
+    def _compared(self, job: QualityJob) -> QualityJob:
+        """Return the job with what the GPU finds of its pictures, unless libraries do."""
         with self.part(ALIKE):
             if self.options.metrics_by == BY_LIBRARY:
-                return None
+                return job
             if not self._alike:
                 self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
                 self._cleanup.callback(self._alike[0].close)
-            return self._alike[0].run(now.shown, now.truth)
+            alike = self._alike[0].run(job.now.shown, job.now.truth)
+            if job.previous is None or (flicker := self._alike[0].flicker(job.now, job.previous)) is None:
+                return attrs.evolve(job, alike=alike)
+            return attrs.evolve(job, alike=attrs.evolve(alike, flicker=flicker), previous=None)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""

@@ -142,6 +142,7 @@ def _door(
         "videos": videos_for_browsers(),
         "codec": options.codec,
         "most_work": bounds.CODED.most,
+        "panels": bool(scene.panels),
     }
     traces = {f"traces/{name}.json": functools.partial(_samples, name, source) for name in names}
     lock = web.Lock(secret, pair)

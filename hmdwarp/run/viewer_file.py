@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from ..errors import InputError
 from ..frames import EyeImage
@@ -153,6 +152,8 @@ class ViewerFile:
 
     def _placed(self, pose: Pose, own_axes: NDArray[np.float64]) -> tuple[dict[str, float], dict[str, float]]:
         """Return position and quaternion in the axes of ROS of a frame with its own axes."""
+        from scipy.spatial.transform import Rotation  # 0.3 s, which a run without such a file need not wait for
+
         turn = Rotation.from_matrix(self._ros_from_openxr @ pose.rotation_matrix @ own_axes).as_quat()
         place = self._ros_from_openxr @ pose.position_m
         return dict(zip("xyz", place.tolist(), strict=True)), dict(zip("xyzw", turn.tolist(), strict=True))

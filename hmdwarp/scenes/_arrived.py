@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import RigidState
-from ._mesh import Body, Brightness, Deformation, Motion, Opening
+from ._mesh import Body, Brightness, Deformation, Motion, Opening, Showing
 from ._scene import Lamp, Scene
 from .motions import swing_m
 
@@ -57,6 +57,17 @@ class _ArrivedBrightness:
 
 
 @attrs.frozen(eq=False)
+class _ArrivedShowing:
+    """Whether a body is there, by what has arrived of it."""
+
+    showing: Showing
+    arrived: ArrivedState
+
+    def shows(self, time_ns: int) -> bool:
+        return self.showing.shows(self.arrived.known(time_ns)[0])
+
+
+@attrs.frozen(eq=False)
 class _ArrivedOpening:
     """A spot's cone by what has arrived of it."""
 
@@ -96,15 +107,21 @@ def _arrived_lamp(lamp: Lamp, arrived: ArrivedState) -> Lamp:
     return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness, opening=opening)
 
 
+def _arrived_body(body: Body, arrived: ArrivedState) -> Body:
+    showing = None if body.showing is None else _ArrivedShowing(body.showing, arrived)
+    return Body(body.name, _ArrivedMotion(body.motion, arrived), showing)
+
+
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     """Return the scene in which all that moves is known by the states that have arrived.
 
     States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
-    and lamps go on as RigidState.after says, vertices as motions.swing_m, and lamps stay as bright.
+    and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright,
+    and what is hidden stays so.
     """
     return attrs.evolve(
         scene,
-        bodies=[Body(body.name, _ArrivedMotion(body.motion, arrived)) for body in scene.bodies],
+        bodies=[_arrived_body(body, arrived) for body in scene.bodies],
         lamps=[_arrived_lamp(lamp, arrived) for lamp in scene.lamps],
         meshes=[
             mesh

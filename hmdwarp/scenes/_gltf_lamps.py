@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ._gltf_file import LIGHTS, GltfFile
 from ._gltf_nodes import COLOUR, CONE, INTENSITY, NodeMotion, Nodes
-from ._mesh import Mesh, Texture
+from ._mesh import Brightness, Mesh, Texture
 from ._notes import Notes
 from ._scene import ATLAS, MOST_LAMPS, Lamp
 from .motions import Still
@@ -84,6 +84,20 @@ class _Animated:
         return min(inner, outer), outer
 
 
+@attrs.frozen(eq=False)
+class _Hiding:
+    """A light whose node is hidden at times."""
+
+    motion: NodeMotion
+    brightness: Brightness | None
+
+    def share(self, time_ns: int) -> float | Array:
+        """Return the share of each channel that it sends."""
+        if not self.motion.shows(time_ns):
+            return 0.0
+        return 1.0 if self.brightness is None else self.brightness.share(time_ns)
+
+
 def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: int) -> Lamp:
     kind, spot = said.get("type"), said.get("spot") or {}
     cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
@@ -102,7 +116,9 @@ def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: 
         raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
     motion = NodeMotion(nodes, node)
     placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
-    shines = animated if {INTENSITY, COLOUR} & curves.keys() and light.any() else None
+    shines: Brightness | None = animated if {INTENSITY, COLOUR} & curves.keys() and light.any() else None
+    if nodes.hides(node):
+        shines = _Hiding(motion, shines)
     opens = animated if {*CONE} & curves.keys() and kind == _SPOT else None
     return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None, shines, opens)
 

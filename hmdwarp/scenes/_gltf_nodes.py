@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..geometry import Pose, RigidState
-from ._gltf_file import LIGHTS, POINTER, GltfFile
+from ._gltf_file import LIGHTS, POINTER, VISIBILITY, GltfFile
 from ._notes import Notes
 from .options import NONE, numbered
 
@@ -27,6 +27,9 @@ _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
 # Of a light, by KHR_animation_pointer (Khronos 2024).
 INTENSITY, COLOUR, CONE = "intensity", "color", ("spot/innerConeAngle", "spot/outerConeAngle")
 _OF_LIGHT = re.compile(rf"/extensions/{LIGHTS}/lights/(\d+)/({'|'.join((INTENSITY, COLOUR, *CONE))})")
+# Of a node. Source: Khronos 2025, KHR_node_visibility.
+_SHOWN = re.compile(rf"/nodes/(\d+)/extensions/{VISIBILITY}/visible")
+_VISIBLE = "visible"
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
@@ -104,12 +107,13 @@ class Nodes:
         self.curves: dict[int, dict[str, Curve]] = {}
         # Of lights, by their numbers.
         self.lights: dict[int, dict[str, Curve]] = {}
+        self._showing: dict[int, Curve] = {}  # of nodes whose visibility is animated
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
         every = [one for of in (self.lights, self.curves) for curves in of.values() for one in curves.values()]
-        ends = [curve.times_s[-1] for curve in every]
+        ends = [curve.times_s[-1] for curve in (*every, *self._showing.values())]
         self.period_s = float(max(ends, default=0.0))
 
     @staticmethod
@@ -138,6 +142,21 @@ class Nodes:
     def moves(self, node: int) -> bool:
         """Return whether the node or an ancestor is animated."""
         return any(parent in self.curves for parent in self.line(node))
+
+    def hides(self, node: int) -> bool:
+        """Return whether the visibility of the node or an ancestor is animated."""
+        return any(parent in self._showing for parent in self.line(node))
+
+    def is_visible(self, node: int, time_ns: int | None) -> bool:
+        """Return whether the node and all above it are; at None, whether they ever may be."""
+        return all(self._is_visible(parent, time_ns) for parent in self.line(node))
+
+    def _is_visible(self, node: int, time_ns: int | None) -> bool:
+        curve = self._showing.get(node)
+        if curve is not None:
+            return bool(curve.values.any() if time_ns is None else curve.at(self._seconds(time_ns))[0][0])
+        said = (self._nodes[node].get("extensions") or {}).get(VISIBILITY) or {}
+        return said.get("visible", True) is not False
 
     def line(self, node: int) -> list[int]:
         """Return the node and its ancestors, the topmost first."""
@@ -246,9 +265,18 @@ class Nodes:
         self, samplers: list[dict[str, Any]], index: object, pointer: str, name: str, notes: Notes
     ) -> None:
         """Read what changes something else than a node."""
+        shown = _SHOWN.fullmatch(pointer)
+        if shown is not None and int(shown[1]) not in self._showing:
+            self._file.item("nodes", int(shown[1]), name)
+            sampler = self._sampler(samplers, index, name)
+            self._showing[int(shown[1])] = self._curve(sampler, _VISIBLE, f"{name}, {pointer}")
+            return
         found = _OF_LIGHT.fullmatch(pointer)
         if found is None or found[2] in self.lights.get(int(found[1]), {}):
-            what = "of what an animation points at, intensity, colour and cone of lights alone are played"
+            what = (
+                "of what an animation points at, intensity, colour and cone of lights and visibility of nodes alone "
+                "are played"
+            )
             notes.add(what, f"{name}, {pointer}")
             return
         curve = self._curve(self._sampler(samplers, index, name), found[2], f"{name}, {pointer}")
@@ -260,7 +288,9 @@ class Nodes:
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
         times = self._file.numbers(sampler.get("input"), name, 1)[:, 0].astype(np.float64)
         values = self._file.numbers(sampler.get("output"), name, _WIDTH.get(path, 3 if path == COLOUR else 1))
-        if values.dtype.kind != "f":
+        if path == _VISIBLE:
+            kind = "STEP"  # a truth has nothing between
+        elif values.dtype.kind != "f":
             raise error(f"{name}: its values are integers; expected floats or normalised integers")
         values = values.astype(np.float64)
         each = 3 if kind == "CUBICSPLINE" else 1
@@ -321,6 +351,10 @@ class NodeMotion:
         flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
         return np.linalg.inv(right.T @ flip @ np.diag(sizes) @ right)
 
+    def shows(self, time_ns: int) -> bool:
+        """Return whether the node is visible."""
+        return self.nodes.is_visible(self.node, time_ns)
+
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
         placed, moving = self.nodes.at(self.node, time_ns)
@@ -336,13 +370,16 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
     if abs(np.linalg.det(start)) < 1e-12:
         return False
     keys = np.unique(
-        np.concatenate([c.times_s for parent in nodes.line(node) for c in nodes.curves.get(parent, {}).values()])
+        [s for parent in nodes.line(node) for c in nodes.curves.get(parent, {}).values() for s in c.times_s]
     )
     for seconds in np.union1d(keys, (keys[1:] + keys[:-1]) / 2):
         turn = nodes.at(node, round(seconds * 1e9))[0][:3, :3] @ np.linalg.inv(start)
         if np.abs(turn.T @ turn - np.eye(3)).max() > RIGID or np.linalg.det(turn) < 0:
             return False
     return True
+
+
+FAR_M = 1e6
 
 
 @attrs.frozen(eq=False)
@@ -356,6 +393,7 @@ class Driven:
     which: NDArray[np.int64]  # (n, k) indices into joints, and their weights
     weights: Array
     origin: Array  # origin of the scene
+    node: int = -1  # hidden while this one is, -1 for never
 
     def _blended(self, time_ns: int, derivative: int) -> Array:
         pairs = zip(self.joints, self.inverse, strict=True)
@@ -364,12 +402,18 @@ class Driven:
         return np.asarray(np.einsum("nij,nj->ni", blended[:, :, :3], self.rest) + blended[:, :, 3])
 
     def positions(self, time_ns: int) -> Array:
-        """Return (n, 3) metres relative to the scene's origin."""
+        """Return (n, 3) metres relative to the scene's origin; what is hidden is one far point."""
+        if self.node >= 0 and not self.nodes.is_visible(self.node, time_ns):
+            return np.full_like(self.rest, -FAR_M)
         return self._blended(time_ns, 0) - self.origin
 
     def velocities(self, time_ns: int) -> Array:
         """Return (n, 3) m/s in world axes."""
         return self._blended(time_ns, 1)
+
+    def hiding(self, node: int) -> Driven:
+        """Return the same where it is hidden whenever that node is."""
+        return attrs.evolve(self, node=node) if self.nodes.hides(node) else self
 
     def seen_from(self, origin: Array) -> Driven:
         """Return the same in a scene with that origin."""

@@ -83,12 +83,29 @@ class Opening(Protocol):
         """Return both angles, as of Lamp."""
 
 
+class Showing(Protocol):
+    """Whether something is there: a function of the scene's clock."""
+
+    def shows(self, time_ns: int) -> bool:
+        """Return whether it is drawn, lit and stops light."""
+
+
 @attrs.frozen(eq=False)
 class Body:
     """A rigid body; meshes belong to it by number."""
 
     name: str
     motion: Motion
+    # None for one that is always there.
+    showing: Showing | None = None
+
+    def is_shown(self, time_ns: int) -> bool:
+        """Return whether it is there at an instant."""
+        return self.showing is None or self.showing.shows(time_ns)
+
+    def lit_as(self, time_ns: int) -> bytes:
+        """Return what tells its light and shadow of an instant from those of others."""
+        return self.motion.state(time_ns).pose.matrix().tobytes() if self.is_shown(time_ns) else b""
 
 
 class Deformation(Protocol):

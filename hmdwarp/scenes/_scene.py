@@ -264,6 +264,13 @@ class Scene:
         """Mirrors, plane ones first; see mirrors_of for its errors."""
         return mirrors_of(self.name, self.meshes, self.origin_m)
 
+    @cached_property
+    def all_shown(self) -> Scene:
+        """The same where no body is ever hidden; itself where none is."""
+        if all(body.showing is None for body in self.bodies):
+            return self
+        return attrs.evolve(self, bodies=[attrs.evolve(body, showing=None) for body in self.bodies])
+
     def lit_ns(self, time_ns: int) -> int:
         """Return of which instant the light is in which the scene is seen at an instant."""
         return time_ns if self.light_ns is None else self.light_ns

@@ -55,6 +55,11 @@ class InputEvent:
             )
 
     @property
+    def ray(self) -> tuple[Triple, Triple]:
+        """Where the hand is, and where it points."""
+        return self.origin_m, self.direction
+
+    @property
     def row(self) -> str:
         """Its line in a file, with the newline."""
         numbers = map(repr, map(float, (*self.origin_m, *self.direction)))
@@ -140,6 +145,11 @@ class InputLog:
     def __len__(self) -> int:
         return len(self.book)
 
+    def nearest(self, event: InputEvent, *actions: str) -> str:
+        """Return which action the thing nearest to the ray takes; the event's own without one."""
+        found = [(*each, action) for action in actions for each in self._aimed(attrs.evolve(event, action=action))]
+        return min(found)[2] if found else event.action
+
     def _meant(self, event: InputEvent) -> str:
         """Return the name of the thing that takes the action and is nearest to the ray, or "".
 
@@ -148,13 +158,17 @@ class InputLog:
         held = next((name for name in self.things if self._is_held(name, event.time_ns)), "")
         if event.action == RELEASE or (event.action == GRAB and held):  # wherever the hand points by then
             return held
+        return min(self._aimed(event), default=(0.0, ""))[1]
+
+    def _aimed(self, event: InputEvent) -> list[tuple[float, str]]:
+        """Return the things near the ray that take the action, each after its angle from it."""
         ray, found = np.array(event.direction), []
         for name, thing in self.things.items():
             if event.action in thing.takes:
                 way = thing.handle(event.time_ns) - event.origin_m
                 off = math.atan2(float(np.linalg.norm(np.cross(ray, way))), float(ray @ way))
-                found.append((off, name))
-        return min(found)[1] if found and min(found)[0] <= _AIM_RAD else ""
+                found += [(off, name)] if off <= _AIM_RAD else []
+        return found
 
     def _is_held(self, name: str, time_ns: int) -> bool:
         events, count = self.of(name, time_ns)

@@ -123,11 +123,15 @@ def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
 
 
 def moved_meshes(scene: Scene, time_ns: int, meshes: Sequence[Mesh] | None = None) -> list[Mesh]:
-    """Return the lit meshes of bodies in the scene's axes at an instant. meshes: in its place."""
+    """Return the lit meshes of bodies in the scene's axes, of those shown at an instant.
+
+    meshes: in place of the scene's.
+    """
     moved = []
     for mesh in scene.meshes if meshes is None else meshes:
-        if mesh.light_uv is not None and mesh.body:
-            pose = scene.bodies[mesh.body - 1].motion.state(scene.lit_ns(time_ns)).pose
+        lit_ns = scene.lit_ns(time_ns)
+        if mesh.light_uv is not None and mesh.body and scene.bodies[mesh.body - 1].is_shown(lit_ns):
+            pose = scene.bodies[mesh.body - 1].motion.state(lit_ns).pose
             positions = pose.transform(mesh.positions.astype(np.float64)) - scene.origin_m
             moved.append(attrs.evolve(mesh, positions=positions, normals=pose.rotation.apply(mesh.normals)))
     return moved
@@ -413,8 +417,7 @@ class _Moved:
     @classmethod
     def of(cls, scene: Scene, time_ns: int) -> _Moved:
         lit_ns, lit = scene.lit_ns(time_ns), {mesh.body for mesh in scene.meshes if mesh.light_uv is not None} - {0}
-        poses = (scene.bodies[number - 1].motion.state(lit_ns).pose for number in sorted(lit))
-        return cls(b"".join(pose.matrix().tobytes() for pose in poses), lit_ns)
+        return cls(b"|".join(scene.bodies[number - 1].lit_as(lit_ns) for number in sorted(lit)), lit_ns)
 
 
 @lru_cache(maxsize=4)  # each pass of an instant asks
@@ -482,10 +485,12 @@ def _transport_at(scene: Scene, moved: _Moved, folder: Path | None, rays: int) -
     every, still = _receivers_at(scene, moved), _still_rays(scene.meshes, scene.textures, folder, rays)
     own, triangles = len(still.patch), len(_still_receivers(scene.meshes, scene.textures).blockers.corners)
     others = Receivers(every.patches, Blockers(every.blockers.corners[triangles:]), every.atlas[triangles:])
-    near = _near(still, others.blockers.corners.reshape(-1, 3))
-    met = others.meet(still.starts[near], still.ways[near])
-    patch, stopped = still.patch.copy(), met.far < still.far[near]
-    patch[tuple(which[stopped] for which in near)] = met.patch[stopped]
+    patch = still.patch.copy()
+    if len(others.blockers.corners):
+        near = _near(still, others.blockers.corners.reshape(-1, 3))
+        met = others.meet(still.starts[near], still.ways[near])
+        stopped = met.far < still.far[near]
+        patch[tuple(which[stopped] for which in near)] = met.patch[stopped]
     still = attrs.evolve(still, patch=patch)
     of_moved = _cast(every, slice(own, None), rays)
     parts, count = (still, of_moved), len(every.patches)

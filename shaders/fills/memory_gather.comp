@@ -79,7 +79,8 @@ void main() {
     ivec2 first = ivec2(piece % wide * PIECE + int(lane), piece / wide * ROWS);
     if (first.x >= shown_size.x) return;
     vec3 base = H * vec3(vec2(first) + 0.5, 1.0);
-    // llvmpipe runs both sides of every `if`, so a loop visits the holes of the column one by one.
+    // llvmpipe runs both sides of every `if`, so a loop visits the holes of the column one by one;
+    // with its test at the end, as the body also runs where a test before it ends the loop.
     uint left = 0u;
     for (int row = 0; row < ROWS; ++row) {
         ivec2 pixel = first + ivec2(0, row);
@@ -87,9 +88,10 @@ void main() {
         bool open = imageLoad(shown_colour, pixel).a == 0.0 && before_at(pixel).r < SETTLED;
         left |= open ? 1u << row : 0u;
     }
-    for (; left != 0u; left &= left - 1u) {
+    if (left == 0u) return;
+    do {
         int row = findLSB(left);
         ivec2 pixel = first + ivec2(0, row);
         fill(pixel, base + H[1] * float(row), before_at(pixel));
-    }
+    } while ((left &= left - 1u) != 0u);
 }

@@ -73,5 +73,6 @@ void main() {
     // selected pixels of the column one by one.
     uint left = 0u;
     for (int row = 0; row < ROWS; ++row) left |= is_wanted(p + ivec2(0, row)) ? 1u << row : 0u;
-    for (; left != 0u; left &= left - 1u) push(p + ivec2(0, findLSB(left)));
+    if (left == 0u) return;
+    do push(p + ivec2(0, findLSB(left))); while ((left &= left - 1u) != 0u);
 }

@@ -164,5 +164,6 @@ void main() {
     // pixels of the column one by one.
     uint left = 0u;
     for (int row = 0; row < ROWS; ++row) left |= p.y + row < shown_size.y && imageLoad(warped, p + ivec2(0, row)).a == 0.0 ? 1u << row : 0u;
-    for (; left != 0u; left &= left - 1u) visit(p + ivec2(0, findLSB(left)));
+    if (left == 0u) return;
+    do visit(p + ivec2(0, findLSB(left))); while ((left &= left - 1u) != 0u);
 }

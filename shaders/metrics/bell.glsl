@@ -3,7 +3,12 @@
 #define RADIUS 5
 uniform float bell[2 * RADIUS + 1];
 
+int mirrored_once(int at, int count) {
+    at = max(at, -1 - at);
+    return min(at, 2 * count - 1 - at);
+}
+
+// Twice, which is enough from two pixels on; a division would take longer than the rest.
 int mirrored(int at, int count) {
-    int within = (at + 2 * RADIUS * count) % (2 * count);
-    return within < count ? within : 2 * count - 1 - within;
+    return max(mirrored_once(mirrored_once(at, count), count), 0);
 }

@@ -1,6 +1,8 @@
-// Filters two sRGB pictures, their squares and their product along rows by a Gaussian, for SSIM.
-// In: rgba8 sRGB, the reference's rows and then the other's. Out: 15 floats a pixel.
-// Source: Wang, Bovik, Sheikh, Simoncelli 2004, eq. 14 to 16.
+// Filters two sRGB pictures, their difference, its square and their squares along rows by a
+// Gaussian, for SSIM.
+// In: rgba8 sRGB, the reference's rows and then the other's. Out: 4 floats a channel.
+// Source: Wang, Bovik, Sheikh, Simoncelli 2004, eq. 14 to 16, of the difference in place of the
+// product.
 #define PIXELS 2
 #include "metrics/bell.glsl"
 layout(local_size_x = 64, local_size_y = 1) in;
@@ -22,22 +24,17 @@ void main() {
         y[k] = bytes_at(at);
         x[k] = bytes_at(at + ivec2(0, size.y));
     }
-    for (int n = 0; n < PIXELS; ++n) {
-        vec3 sx = vec3(0.0), sy = vec3(0.0), xx = vec3(0.0), yy = vec3(0.0), xy = vec3(0.0);
-        for (int k = 0; k <= 2 * RADIUS; ++k) {
-            vec3 a = x[n + k], b = y[n + k], wa = bell[k] * a, wb = bell[k] * b;
-            sx += wa;
-            sy += wb;
-            xx += wa * a;
-            yy += wb * b;
-            xy += wa * b;
+    for (int c = 0; c < 3; ++c) {
+        vec4 sums[PIXELS];
+        for (int n = 0; n < PIXELS; ++n) sums[n] = vec4(0.0);
+        for (int k = 0; k < PIXELS + 2 * RADIUS; ++k) {
+            float a = x[k][c], b = y[k][c], apart = a - b;
+            vec4 here = vec4(a, apart, apart * apart, a * a + b * b);
+            for (int n = 0; n < PIXELS; ++n)
+                if (k >= n && k - n <= 2 * RADIUS) sums[n] += bell[k - n] * here;
         }
-        if (q.x + n < size.x) {
-            ivec2 at = q + ivec2(n, size.y);
-            imageStore(between, at, vec4(sx, xx.r));
-            imageStore(between, at + ivec2(size.x, 0), vec4(sy, xx.g));
-            imageStore(between, at + ivec2(0, size.y), vec4(yy, xx.b));
-            imageStore(between, at + size, vec4(xy, 0.0));
-        }
+        ivec2 at = q + ivec2(c & 1, 1 + (c >> 1)) * size;
+        for (int n = 0; n < PIXELS; ++n)
+            if (q.x + n < size.x) imageStore(between, at + ivec2(n, 0), sums[n]);
     }
 }

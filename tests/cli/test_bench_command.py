@@ -110,3 +110,10 @@ def test_a_warp_with_settings_is_not_split(command, tmp_path):
 def test_a_list_may_be_longer_than_the_name_of_a_file(command, tmp_path):
     latencies = ",".join(str(20 + 4 * k) for k in range(100))
     command("bench", "walk", *QUICK, "--latency", f"{latencies},soon", "--out", tmp_path / "out").refused("'soon'")
+
+
+@pytest.mark.parametrize("experiment", ["bench", "compare"])
+def test_an_unknown_suite_is_refused_by_name(experiment, command, tmp_path):
+    command(experiment, "--suite", "standart", "--out", tmp_path).refused(
+        "unknown suite 'standart': did you mean 'standard'?"
+    )

@@ -25,6 +25,7 @@ def test_a_picture_of_a_headset(command, tmp_path, name):
     for colour in ((255, 255, 255), (11, 99, 197), (194, 65, 12)):
         assert (np.abs(picture.astype(int) - colour).max(axis=-1) < 8).sum() > 100
     command("headset", "show", name, "--out", out).refused("exists already")
+    command("headset", "show", name, "--out", tmp_path / "shown.jpg").refused("expected a .png file")
 
 
 def test_an_export_becomes_a_file_of_the_same_eyes(command, tmp_path):

@@ -11,7 +11,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hmdwarp.display.openxr.actions import AXES, BUTTONS, FIRST_NS, LET_GO, NEXT_NS, PROFILES, PUSHED, ButtonRepeat
+from hmdwarp.display.openxr.actions import (
+    ACTS,
+    AIM,
+    AXES,
+    BUTTONS,
+    FIRST_NS,
+    LET_GO,
+    NEXT_NS,
+    PROFILES,
+    PUSHED,
+    ButtonRepeat,
+)
 from hmdwarp.study.dialogs.buttons import CONTROLS
 
 PERIOD_NS = 11_111_111  # 90 a second
@@ -116,12 +127,16 @@ def test_never_more_than_was_done(states):
 def test_every_kind_of_controller_can_do_everything(profile):
     assert re.fullmatch(r"/interaction_profiles/\w+/\w+", profile)
     names = {name for name, _ in PROFILES[profile]}
-    assert names <= {*BUTTONS, *AXES}
+    acts = {AIM, *ACTS} if "/gamepad/" not in PROFILES[profile][0][1] else set()  # it is in no hand that aims
+    assert acts <= names <= {*BUTTONS, *AXES, *acts}
     assert {"confirm", "menu"} <= names
     assert {"left", "right"} <= names or "across" in names or {"pad_across", "pad"} <= names
-    paths = [path for _, path in PROFILES[profile]]
-    assert len(set(paths)) == len(paths), "one path, one thing"
-    assert all(re.fullmatch(r"/user/(hand/(left|right)|gamepad)/input/\w+/(click|value|x|y)", path) for path in paths)
+    # What answers questions acts in a scene too, which no question lies over.
+    for which in (acts, {*BUTTONS, *AXES}):
+        paths = [path for name, path in PROFILES[profile] if name in which]
+        assert len(set(paths)) == len(paths), "one path, one thing"
+    form = r"/user/(hand/(left|right)|gamepad)/input/\w+/(click|value|force|pose|x|y)"
+    assert all(re.fullmatch(form, path) for _, path in PROFILES[profile])
 
 
 def test_the_controls_of_a_study_are_what_controllers_can_do():

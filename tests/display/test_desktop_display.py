@@ -24,7 +24,7 @@ def screen(tmp_path_factory):
         yield made
 
 
-@pytest.mark.parametrize("what", ["twice", "beside", "source", "switches", "bare", "reset", "colours"])
+@pytest.mark.parametrize("what", ["twice", "beside", "source", "switches", "bare", "reset", "colours", "words"])
 def test_alone(screen, what):
     paths = os.pathsep.join([str(ROOT), str(ROOT / "tests")])
     command = [sys.executable, "-W", "error", "-m", "display.window_alone", what]

@@ -17,7 +17,7 @@ import pytest
 from hmdwarp.poses import load_trace
 
 from .desktop_program import ROOT, SMALL, Live
-from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
+from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen, until
 
 pytestmark = [needs_a_screen, pytest.mark.slow]  # programs of their own: 15 s
 
@@ -63,16 +63,14 @@ def as_manager(screen: VirtualScreen, program: str, **values: object) -> None:
 
 
 def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path):
-    """1.5 s of W are 1.4 m/s ahead, level; the recording has it."""
+    """W is 1.4 m/s ahead, level; the recording has it."""
     trace = tmp_path / "walk.csv"
     with Live(screen, tmp_path, *SMALL, "--view", "flat", "--record", str(trace)) as live:
         screen.do("mousemove", 300, 200)
         before = live.shows(lambda p: p.max() > 100, "a picture")
-        screen.do("keydown", "w", "sleep", 1.5, "keyup", "w")
-        live.shows(lambda p: np.abs(p.astype(int) - before).mean() > 3, "another place")
-        screen.do("sleep", 1)
-        after = live.picture()
-        screen.do("click", 1)
+        screen.do("keydown", "w")
+        live.shows(lambda p: grown(before, p) > 1, "what is ahead, nearer")
+        screen.do("keyup", "w", "sleep", 1, "click", 1)
         live.press("Escape")  # lets the mouse go
         screen.do("sleep", 0.5)
         assert "fps" in live.title
@@ -81,14 +79,11 @@ def test_escape_twice_lets_go_and_ends_and_the_walk_is_recorded(screen, tmp_path
     assert status == 0 and "the window was closed" in told and "Traceback" not in told
     track = load_trace(trace).track
     way = track.position_m[-1] - track.position_m[0]
-    # 1.5 s and what xdotool, and a program that looks at its keys once a picture under load, add to
-    # it.
-    assert 1.4 * 1.3 < -way[2] < 1.4 * 4 and abs(way[0]) < 1e-9 and abs(way[1]) < 1e-9
-    speed = -np.diff(track.position_m[:, 2]) / (np.diff(track.time_ns) * 1e-9)
-    # Keys are looked at once a picture, poses are of when it will be seen: on a busy machine the
-    # two drift apart from picture to picture, and come together again.
-    assert np.median(speed[speed > 0]) <= 1.4 * 1.02
-    assert grown(before, after) > 1
+    assert way[2] < -0.1 and abs(way[0]) < 1e-9 and abs(way[1]) < 1e-9
+    # Keys are looked at once a picture, and poses are of when it will be seen: one interval more.
+    (steps,) = np.diff(track.position_m[:, 2]).nonzero()
+    times_s = 1e-9 * track.time_ns[steps[0] : steps[-1] + 2]
+    assert -way[2] <= 1.4 * (times_s[-1] - times_s[0] + np.diff(times_s).max())
 
 
 def grown(before: np.ndarray, after: np.ndarray) -> float:
@@ -132,10 +127,13 @@ def test_minimised_it_waits_and_comes_back(screen, tmp_path):
     """Meanwhile it hardly uses the processor, of which it takes all of one otherwise."""
     with Live(screen, tmp_path, *SMALL) as live:
         as_manager(screen, STATE, window=live.window, state=3)
-        screen.do("sleep", 1)
-        began = cpu_s(live.pid)
-        screen.do("sleep", 1.5)
-        assert cpu_s(live.pid) - began < 0.5
+
+        def waits() -> bool:
+            began = cpu_s(live.pid)
+            screen.do("sleep", 1.5)
+            return cpu_s(live.pid) - began < 0.5
+
+        until(waits, "a program that hardly works")
         assert live.running
         as_manager(screen, STATE, window=live.window, state=1)
         screen.do("mousemove", 300, 200)

@@ -76,10 +76,11 @@ class Led:
         return self.until(lambda one: one.get("done") == word)
 
     def hand(self, *what: object) -> None:
-        """xdotool, and time for a few refreshes, as a hand takes."""
+        """xdotool, and a few refreshes, as many as a hand takes time for."""
         self._screen.do(*what)
         time.sleep(0.15)
-        self.say("where")
+        for _ in range(4):
+            self.say("where")
 
     def grab(self) -> tuple[int, int]:
         """Where the latency slider's grab is, once the panel has been drawn."""
@@ -121,7 +122,8 @@ def led(screen):
 
 def test_the_slider_of_latency_is_dragged(led):
     x, y = led.grab()
-    led.hand("mousemove", x, y, "sleep", "0.2", "mousedown", "1")
+    led.hand("mousemove", x, y)
+    led.hand("mousedown", "1")
     led.hand("mousemove", x + 40, y)
     led.hand("mousemove", x + 80, y + 200)
     led.hand("mouseup", "1")
@@ -136,7 +138,8 @@ def test_a_click_beside_the_panel_is_the_windows_and_one_on_it_the_panels(led):
     _, y = led.grab()
     led.hand("mousemove", "100", "300", "click", "1")
     assert [event["wanted"] for event in led.heard("click")] == [False, False]
-    led.hand("mousemove", "600", y, "sleep", "0.2", "click", "1")
+    led.hand("mousemove", "600", y)
+    led.hand("click", "1")
     assert [event["wanted"] for event in led.heard("click")] == [True, True]
     led.say("off")
     led.hand("click", "1")
@@ -159,7 +162,9 @@ def test_keys_are_the_windows_until_a_number_is_typed(led):
     x, y = led.grab()
     led.hand("mousemove", x, y, "sleep", "0.2", "key", "t")
     assert [event["wanted"] for event in led.heard("key")] == [False, False]
-    led.hand("keydown", "ctrl", "sleep", "0.2", "click", "1", "sleep", "0.2", "keyup", "ctrl")
+    led.hand("keydown", "ctrl")
+    led.hand("click", "1")
+    led.hand("keyup", "ctrl")
     led.heard("key")
     led.hand("type", "--delay", "60", "345")
     typed = led.heard("key")

@@ -15,7 +15,7 @@ from pathlib import Path
 import needs
 import numpy as np
 
-PATIENCE_S = 90.0  # against hanging alone
+PATIENCE_S = 600.0  # against hanging alone
 
 
 needs_a_screen = needs.programs("Xvfb", "xdotool")

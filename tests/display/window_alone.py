@@ -22,7 +22,7 @@ SMALL = DisplayOptions(size=(32, 40), control_panel=False)
 def refresh(display: DesktopDisplay, times: int = 1) -> None:
     for _ in range(times):
         tick = display.wait()
-        assert tick is not None and tick.render and tick.shown_ns > display.now_ns() - 10**9
+        assert tick is not None and tick.render and tick.shown_ns > display.now_ns() - 600 * 10**9
         display.show(None)
 
 
@@ -169,7 +169,6 @@ def colours() -> None:
     top.
     """
     import attrs
-    import glfw
 
     from hmdwarp.colour import srgb8_from_linear
 
@@ -186,29 +185,55 @@ def colours() -> None:
     pictures, rng = [], np.random.default_rng(7)
     for _ in range(2):
         canvas = Canvas(display.gpu.gl, (32, 40))
-        picture = np.repeat(np.repeat(rng.uniform(0, 1, (5, 4, 4)), 8, axis=0), 8, axis=1)
-        picture[..., 3] = 1
-        canvas.texture.write(picture.astype(np.float16).tobytes())
-        pictures.append((picture, Eye(canvas)))
+        light = np.repeat(np.repeat(rng.uniform(0, 1, (5, 4, 4)), 8, axis=0), 8, axis=1)
+        light[..., 3] = 1
+        canvas.texture.write(light.astype(np.float16).tobytes())
+        pictures.append((light, Eye(canvas)))
     for _ in range(2):
         display.wait()
         display.show(Refresh(tuple(eye for _, eye in pictures)))
-    w, h = display._window.framebuffer_size
-    glfw.make_context_current(display._window.handle)
-    shown = np.frombuffer(
-        display.gpu.gl.screen.read(viewport=(0, 0, w, h), components=3, attachment=0), np.uint8
-    ).reshape(h, w, 3)
+    shown = picture(display)
+    h, w = shown.shape[:2]
     wide = (w // 2) // 4
-    for eye, (picture, _) in enumerate(pictures):
+    for eye, (light, _) in enumerate(pictures):
         for row in range(5):
             for column in range(4):
                 x, y = eye * (w // 2) + column * wide + wide // 2, row * (h // 5) + h // 10
-                wanted = srgb8_from_linear(picture[row * 8, column * 8, :3])
+                wanted = srgb8_from_linear(light[row * 8, column * 8, :3])
                 # Half floats are 11 bits: 2^-12 of the value, which is below half a level of 255
                 # anywhere on the curve.
                 assert np.abs(shown[y, x].astype(int) - wanted).max() <= 1, (eye, row, column, shown[y, x], wanted)
     display.close()
 
 
+def picture(display: DesktopDisplay) -> np.ndarray:
+    """(h, w, 3) what the window shows, from the bottom."""
+    import glfw
+
+    w, h = display._window.framebuffer_size
+    glfw.make_context_current(display._window.handle)
+    return np.frombuffer(
+        display.gpu.gl.screen.read(viewport=(0, 0, w, h), components=3, attachment=0), np.uint8
+    ).reshape(h, w, 3)
+
+
+def words() -> None:
+    """The first pictures say how to look; after a while nothing does."""
+    import attrs
+
+    from hmdwarp.display.desktop import painter
+
+    painter.REMARK_NS = 10**18  # however slow this machine is
+    display = DesktopDisplay(attrs.evolve(SMALL, size=(96, 120)))
+    now_ns = display._painter._now_ns
+    for late_ns, says in ((0, True), (10**18, False)):
+        display._painter._now_ns = lambda late_ns=late_ns: now_ns() + late_ns
+        refresh(display, 2)
+        assert (picture(display).min(axis=-1) > 240).any() == says
+    display.close()
+
+
 if __name__ == "__main__":
-    {function.__name__: function for function in (twice, beside, source, switches, bare, reset, colours)}[sys.argv[1]]()
+    {function.__name__: function for function in (twice, beside, source, switches, bare, reset, colours, words)}[
+        sys.argv[1]
+    ]()

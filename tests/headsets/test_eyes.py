@@ -34,12 +34,10 @@ def eyes(draw, side: int) -> HeadsetEye:
     return HeadsetEye(pose, Fov.from_tangents((-left, right, -down, up)), hidden=(corner,))
 
 
-HEADSETS = st.one_of(
-    st.sampled_from(SHIPPED).map(load_headset),
-    st.builds(
-        lambda left, right: Headset("random", "made up", "made up", (64, 48), 60, (left, right)), eyes(-1), eyes(1)
-    ),
+MADE_UP = st.builds(
+    lambda left, right: Headset("random", "made up", "made up", (64, 48), 60, (left, right)), eyes(-1), eyes(1)
 )
+HEADSETS = st.one_of(st.sampled_from(SHIPPED).map(load_headset), MADE_UP)
 
 
 @given(HEADSETS, poses(), st.tuples(*[st.floats(-0.9, 0.9)] * 2), st.floats(0.5, 50))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from reference.lens_curve import lens_from_tangent, tangent_from_lens
+from reference.lens_curve import lens_from_tangent
 
 from hmdwarp.errors import InputError
 from hmdwarp.headsets import MAX_COEFFICIENTS, RadialLens, headset_names, load_headset
@@ -29,7 +29,7 @@ def test_there_and_back_over_the_panel(name, colour, eye):
     x, y = np.meshgrid(np.linspace(0, 1, 23), np.linspace(0, 1, 29))  # with the four corners
     scale, offset = headset.lens_from_panel(eye, (1, 1))
     on_lens = np.stack([x, y], axis=-1) * scale + offset
-    again = lens_from_tangent(headset.lens, tangent_from_lens(headset.lens, on_lens, colour), colour)
+    again = lens_from_tangent(headset.lens, headset.lens.tangents(colour, on_lens), colour)
     assert np.abs(again - on_lens).max() <= 1e-9
 
 
@@ -39,7 +39,7 @@ def test_back_and_there_over_the_field_of_view(name, colour):
     headset = load_headset(name)
     left, right, down, up = headset.left_fov.tangents
     tangent = np.stack(np.meshgrid(np.linspace(left, right, 23), np.linspace(down, up, 29)), axis=-1)
-    again = tangent_from_lens(headset.lens, lens_from_tangent(headset.lens, tangent, colour), colour)
+    again = headset.lens.tangents(colour, lens_from_tangent(headset.lens, tangent, colour))
     seen = ~np.isnan(again).any(axis=-1)
     assert seen.mean() > 0.9
     assert np.abs(again - tangent)[seen].max() <= 1e-9
@@ -55,7 +55,7 @@ GROWING = st.builds(
 def test_any_growing_lens_goes_there_and_back(coefficients, reach, share, angle):
     made = lens(*coefficients, reach=reach)
     on_lens = share * reach * np.array([math.cos(angle), math.sin(angle)])
-    again = lens_from_tangent(made, tangent_from_lens(made, on_lens, "green"), "green")
+    again = lens_from_tangent(made, made.tangents("green", on_lens), "green")
     # cos and sin may make r larger than reach by a unit: that is no longer seen.
     if not np.isnan(again).any():
         assert np.abs(again - on_lens).max() <= 1e-9
@@ -67,13 +67,13 @@ def test_any_growing_lens_goes_there_and_back(coefficients, reach, share, angle)
 def test_the_formula(coefficients, x, y):
     r2 = x * x + y * y
     wanted = np.array([x, y]) * 0.9 * sum(k * r2**i for i, k in enumerate(coefficients))
-    assert tangent_from_lens(lens(*coefficients), (x, y), "green") == pytest.approx(wanted, rel=1e-12, abs=1e-300)
+    assert lens(*coefficients).tangents("green", np.array([x, y])) == pytest.approx(wanted, rel=1e-12, abs=1e-300)
 
 
 @given(GROWING)
 def test_the_middle_stays_the_middle(coefficients):
     made = lens(*coefficients)
-    assert np.array_equal(tangent_from_lens(made, (0, 0), "green"), (0, 0))
+    assert np.array_equal(made.tangents("green", np.zeros(2)), (0, 0))
     assert np.array_equal(lens_from_tangent(made, (0, 0), "green"), (0, 0))
     # Beside it: the slope is the first coefficient.
     assert lens_from_tangent(made, (1e-9, 0), "green")[0] == pytest.approx(1e-9 / 0.9 / coefficients[0], rel=1e-6)
@@ -81,7 +81,7 @@ def test_the_middle_stays_the_middle(coefficients):
 
 def test_beyond_the_panel_there_is_nothing():
     made = lens(1.0, 0.2, reach=1.0)
-    edge = float(tangent_from_lens(made, (1.0, 0.0), "green")[0])
+    edge = float(made.tangents("green", np.array([1.0, 0.0]))[0])
     assert not np.isnan(lens_from_tangent(made, (edge, 0), "green")).any()
     assert np.isnan(lens_from_tangent(made, (edge * 1.001, 0), "green")).all()
     assert np.isnan(lens_from_tangent(made, (0, -5.0), "green")).all()
@@ -90,7 +90,7 @@ def test_beyond_the_panel_there_is_nothing():
 def test_shapes_are_kept():
     made = lens(1.0, 0.2)
     points = np.random.default_rng(0).uniform(-0.5, 0.5, (3, 4, 2))
-    assert tangent_from_lens(made, points, "red").shape == (3, 4, 2)
+    assert made.tangents("red", np.asarray(points)).shape == (3, 4, 2)
     assert lens_from_tangent(made, points, "red").shape == (3, 4, 2)
 
 
@@ -121,7 +121,7 @@ def test_a_lens_that_does_not_grow_at_its_middle_is_refused(coefficients):
 def test_accepted_lenses_grow(coefficients):
     made = lens(*coefficients)
     r = np.linspace(0, made.reach, 200)
-    tangents = tangent_from_lens(made, np.stack([r, np.zeros_like(r)], axis=-1), "green")[:, 0]
+    tangents = made.tangents("green", np.stack([r, np.zeros_like(r)], axis=-1))[:, 0]
     assert (np.diff(tangents) > 0).all()
 
 
@@ -134,7 +134,7 @@ def test_any_polynomial_is_refused_or_grows(coefficients):
     except InputError:
         return
     r = np.linspace(0, made.reach, 500)
-    tangents = tangent_from_lens(made, np.stack([r, np.zeros_like(r)], axis=-1), "green")[:, 0]
+    tangents = made.tangents("green", np.stack([r, np.zeros_like(r)], axis=-1))[:, 0]
     # A double root of the slope is a point of rest, not a turn. The slope may be 1e-12 of its terms
     # below 0 there (they are below 9 * 1.5^8 = 231 each), over a step of 0.003.
     assert np.diff(tangents).min() >= -1e-12

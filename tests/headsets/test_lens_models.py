@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -50,7 +51,7 @@ blue = {[round(1.01 * d, 4) for d in DISTANCES]}
 
 
 def colour(name: str, x: float, *k: float) -> dict[str, object]:
-    return {name: {"center_x": x, "center_y": 0.01, "coeffs": [*k, 0.0, 0.0, 0.0, 0.0, 0.0], "type": "DISTORT_DPOLY3"}}
+    return {name: {"center_x": x, "center_y": 0.01, "coeffs": ([*k] + [0.0] * 8)[:8], "type": "DISTORT_DPOLY3"}}
 
 
 def vive_json() -> dict[str, object]:
@@ -59,8 +60,8 @@ def vive_json() -> dict[str, object]:
     def eye(side: int) -> dict[str, object]:
         c, s = math.cos(math.radians(5)), math.sin(math.radians(5))
         return {
-            **colour("distortion_red", side * -0.08, -0.18, -0.08, 0.01),
-            **colour("distortion", side * -0.081, -0.2, -0.08, 0.01),
+            **colour("distortion_red", side * -0.08, -0.18, -0.08, 0.01, 0.003),
+            **colour("distortion", side * -0.081, -0.2, -0.08, 0.01, 0.002),
             **colour("distortion_blue", side * -0.082, -0.23, -0.08, 0.01),
             "eye_to_head": [[c, 0, -side * s], [0, 1, 0], [side * s, 0, c]],
             "grow_for_undistort": 0.6,
@@ -202,9 +203,19 @@ def shown_tangents(headset: Headset, eye: int, size: tuple[int, int], name: str)
     told = vive_json()["tracking_to_eye_transform"][eye]  # type: ignore[index]
     block = told[{"red": "distortion_red", "green": "distortion", "blue": "distortion_blue"}[name]]
     place = from_middle * (1, -1) - (block["center_x"], block["center_y"])  # +y is down there
-    r2, (k1, k2, k3, *_) = (place**2).sum(axis=-1, keepdims=True), block["coeffs"]
-    tangent = place / (1 + k1 * r2 + k2 * r2**2 + k3 * r2**3) / told["intrinsics"][0][0] * (1, -1)
+    r2, (k1, k2, k3, k4, *_) = (place**2).sum(axis=-1, keepdims=True), block["coeffs"]
+    tangent = place * (1 / (1 + k1 * r2 + k2 * r2**2 + k3 * r2**3) + k4) / told["intrinsics"][0][0] * (1, -1)
     return np.where(r2 <= told["undistort_r2_cutoff"], tangent, np.nan)
+
+
+@pytest.mark.parametrize("name", ["pancake", "vive"])
+def test_the_headset_says_what_the_formulas_say(request, name):
+    headset = request.getfixturevalue(name)
+    places = np.stack(np.meshgrid((np.arange(41) + 0.5) / 41, (np.arange(37) + 0.5) / 37), axis=-1)
+    for eye, wanted_colour in itertools.product((0, 1), COLOURS):
+        wanted = shown_tangents(headset, eye, (41, 37), wanted_colour)
+        seen = ~np.isnan(wanted)  # beyond a cutoff the formula goes on
+        assert headset.through_lens(eye, places, wanted_colour)[seen] == pytest.approx(wanted[seen], abs=1e-9)
 
 
 @pytest.mark.parametrize("name", ["pancake", "vive", "mesh"])

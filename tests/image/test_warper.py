@@ -234,25 +234,49 @@ def test_times_name_each_fill_and_sum_up_pictures(gpu, fill):
 
 
 def test_times_sum_up_to_the_call(gpu):
-    """Conversion, repair and all else included: the caller's own clock sees a little more."""
+    """Conversion, repair and all else included: the caller's own clock sees a little more.
+
+    A busy machine may stop between the clocks: of eight calls the least disturbed one counts.
+    """
     colour, depth = picture(0, (160, 120))
+    shares = []
     with Warper((160, 120), fill="memory+pyramid", repair="complete", depth=True, gpu=gpu) as warper:
-        warper.warp(colour, depth, view(), view((0.1, 0, 0)))
-        started = time.perf_counter_ns()
-        found = warper.warp(colour.astype(np.longdouble), depth, view(), view((0.1, 0, 0))).time_ms
-        took_ms = (time.perf_counter_ns() - started) * 1e-6
-    assert min(found.values()) >= 0 and 0.5 * took_ms < sum(found.values()) <= took_ms
+        for _ in range(9):
+            started = time.perf_counter_ns()
+            found = warper.warp(colour.astype(np.longdouble), depth, view(), view((0.1, 0, 0))).time_ms
+            took_ms = (time.perf_counter_ns() - started) * 1e-6
+            assert min(found.values()) >= 0 and sum(found.values()) <= took_ms
+            shares.append(sum(found.values()) / took_ms)
+    assert max(shares[1:]) > 0.5  # the first call compiles
+
+
+@pytest.mark.parametrize(
+    ("argument", "expected"),
+    [
+        ({"others": None}, "others is of type NoneType: expected a list of"),
+        ({"layers": None}, "layers is of type NoneType: expected a dict of arrays by name"),
+        ({"out": np.empty((30, 40, 3))}, 'out is of type ndarray: expected a dict .* such as {"colour": array}'),
+    ],
+)
+def test_what_is_no_list_or_dict_is_refused_by_name(gpu, argument, expected):
+    with Warper(SIZE, gpu=gpu) as warper, pytest.raises(InputError, match=expected):
+        warper.warp(*picture(0), view(), view(), **argument)
+
+
+def test_a_context_of_moderngl_is_none_of_ours(gpu):
+    with pytest.raises(InputError, match=r"gpu is of type Context: expected a hmdwarp.gpu.Gpu, as Gpu\(context\) is"):
+        Warper(SIZE, gpu=gpu.gl)
 
 
 def test_a_warper_warns_once(gpu):
-    """Of depth in millimetres, and of the largest integer, at the first picture that has it."""
+    """Of depth in millimetres, the largest integer, and no depth, at the first such picture."""
     colour, depth = np.zeros((30, 40, 3), np.uint8), np.full((30, 40), 2000.0)
     with Warper(SIZE, gpu=gpu) as warper:
         with pytest.warns(UserWarning) as caught:
             for _ in range(3):
                 warper.warp(colour, depth, view(), view((0.05, 0, 0)))
                 warper.warp(colour, np.full((30, 40), 65535, np.uint16), view(), view(), depth_scale=0.001)
-        assert [str(warning.message)[:11] for warning in caught] == ["The nearest", "1200 pixels"]
+        assert [str(warning.message)[:11] for warning in caught] == ["The nearest", "1200 pixels", "100.0 % of "]
         assert all(warning.filename == __file__ for warning in caught)
 
 

@@ -308,6 +308,7 @@ def test_twice_is_the_same():
         assert np.array_equal(first.colour, again.colour) and np.array_equal(first.coverage, again.coverage)
 
 
+@pytest.mark.filterwarnings("ignore:Depth goes from")  # such depth may look like a depth buffer
 @settings(max_examples=40)
 @given(data=st.data())
 def test_results_are_finite_for_any_depths(data):
@@ -319,6 +320,16 @@ def test_results_are_finite_for_any_depths(data):
     out = warp_image(np.full((5, 7, 3), 0.5), depth, view(), view(position=position), warp)
     assert np.isfinite(out.colour).all() and ((out.coverage >= 0) & (out.coverage <= 1)).all()
     assert (out.colour[out.coverage == 0] == 0).all()
+
+
+@pytest.mark.parametrize("depth", [0.0, np.nan])
+def test_a_picture_that_a_fill_makes_up_is_warned_of(depth):
+    colour, depth_m = np.full((6, 8, 3), 0.5), np.full((6, 8), depth)
+    depth_m[3, 4] = 2.0
+    with pytest.warns(UserWarning, match="97.9 % of the picture is empty before the fill: the frame has no depth"):
+        made_up = warp_image(colour, depth_m, view(), view(), fill="pyramid")
+    assert made_up.hole_share == 47 / 48 and (made_up.coverage == 1).all()
+    assert warp_image(colour, depth_m, view(), view()).coverage.sum() == 1  # which says it: no warning
 
 
 def test_light_beyond_half_is_clipped_not_lost():

@@ -63,7 +63,7 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 
 def _is_of_monado(item: pytest.Item) -> bool:
-    return isinstance(item, pytest.Function) and HERE in item.path.parents
+    return isinstance(item, pytest.Function) and str(item.path).startswith(f"{HERE}{os.sep}")
 
 
 def _close(config: pytest.Config) -> None:

@@ -22,7 +22,7 @@ from hmdwarp.report import validate_summary
 from hmdwarp.run import LiveOptions, LiveResult
 
 SMALL = (96, 120)
-LONG_S = 90.0  # against hanging; a machine under load is slow
+LONG_S = 600.0  # against hanging; a machine under load is slow, and may stand still
 
 
 def quick(**options: object) -> LiveOptions:

@@ -21,7 +21,7 @@ WOBBLING = {"SIMULATED_ENABLE": "1"}
 REMOTE = {"P_OVERRIDE_ACTIVE_CONFIG": "remote", "SIMULATED_ENABLE": "0"}
 UNSEEN = {"XRT_COMPOSITOR_NULL": "1"}
 ON_SCREEN = {"XRT_COMPOSITOR_NULL": "0", "XRT_COMPOSITOR_FORCE_XCB": "1"}
-START_S = 20.0
+START_S = 600.0  # against hanging
 
 
 def listens(socket: Path) -> bool:

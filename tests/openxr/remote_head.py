@@ -96,6 +96,11 @@ class RemoteHead:
             view.head_from_eye.put(head_from_eye)
         self._socket.sendall(bytes(self._data))
 
+    def aim(self, hand: str, pose: Pose) -> None:
+        """world_from_hand of "left" or "right" from now on."""
+        getattr(self._data, hand).pose.put(pose)
+        self.hold(hand)
+
     def hold(self, hand: str, **states: float) -> None:
         """From now on "left" or "right" has these, by their names in AXES (-1..1) and BUTTONS (0 or
         1); what is not named stays.

@@ -15,7 +15,7 @@ from hmdwarp.geometry import Fov, Pose
 from hmdwarp.gpu import upload
 from hmdwarp.pipeline import Refresh
 
-from .live_runs import Here, quick
+from .live_runs import LONG_S, Here, quick
 from .monado import ON_SCREEN, REMOTE
 from .remote_head import RemoteHead
 from .screen import Screen
@@ -67,11 +67,13 @@ def test_known_colours_arrive_on_the_screen(runtime, screen, monkeypatch):
 
 
 def when_lit(screen: Screen) -> np.ndarray:
-    """The first picture that is not all black; a compositor under load comes late."""
-    until = time.monotonic() + 60
-    while not (picture := screen.picture()).any():
+    """The first picture that is not all black, and whole: a compositor under load comes late."""
+    until, lit, picture = time.monotonic() + LONG_S, -1, screen.picture()
+    while not picture.any() or picture.any(axis=-1).sum() > 1.01 * lit:
         assert time.monotonic() < until, "the screen stays black"
-        time.sleep(0.05)
+        lit = picture.any(axis=-1).sum()
+        time.sleep(0.2)
+        picture = screen.picture()
     return picture
 
 

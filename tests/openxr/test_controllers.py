@@ -7,13 +7,16 @@ from __future__ import annotations
 
 import time
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from hmdwarp.display import CONTROLS, Command, DisplayOptions, Lost
 from hmdwarp.display.openxr import OpenXrDisplay
 from hmdwarp.display.openxr.actions import Actions
 from hmdwarp.display.openxr.runtime import State
 from hmdwarp.geometry import Pose
+from hmdwarp.scenes import inputs_beside, load_scene, read_inputs
 from hmdwarp.study.design import Ask
 from hmdwarp.study.dialogs.buttons import CONTROLLERS
 from hmdwarp.study.dialogs.buttons import CONTROLS as STUDY_CONTROLS
@@ -21,7 +24,7 @@ from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 from hmdwarp.study.dialogs.question_dialog import QuestionDialog
 from hmdwarp.study.scales import load_scale
 
-from .live_runs import SMALL
+from .live_runs import SMALL, Here, quick
 from .remote_head import RemoteHead
 
 pytestmark = pytest.mark.usefixtures("no_screen")
@@ -49,9 +52,9 @@ class Controllers:
     def _count_time(self, actions: Actions) -> None:
         sync = actions.sync
 
-        def counted(now_ns: int) -> None:
+        def counted(now_ns: int, shown: int) -> None:
             self.real_ns.append(now_ns)
-            sync(len(self.real_ns) * PERIOD_NS)
+            sync(len(self.real_ns) * PERIOD_NS, shown)
 
         actions.sync = counted
 
@@ -167,6 +170,61 @@ def test_after_a_reconnection_they_are_heard_again(display, monado):
         assert hands.press("right", a_click=1) == ["confirm"]
 
 
+EYE = np.array((0.2, 1.4, -0.3))
+PULLED = {"squeeze_value": 1, "squeeze_force": 1}
+LOOSE = dict.fromkeys(PULLED, 0)
+# Where the right hand aims from EYE, and how far it has gone to the right; and its buttons.
+DONE: list[tuple[str, float, dict[str, float]]] = [
+    ("lamp", 0.0, {}),
+    ("lamp", 0.0, {"trigger_click": 1, "trigger_value": 1}),
+    ("lamp", 0.0, {"trigger_click": 0, "trigger_value": 0}),
+    ("ball", 0.0, {}),
+    ("ball", 0.0, PULLED),
+    ("ball", 0.2, PULLED),
+    ("ball", 0.2, LOOSE),
+    ("lamp", 0.0, PULLED),  # what cannot be grabbed
+    ("door", 0.0, PULLED),  # nor what the hand passes over then
+    ("door", 0.0, LOOSE),
+    ("door", 0.0, {"trigger_click": 1, "trigger_value": 1}),
+]
+
+
+def aimed(name: str, aside_m: float) -> Pose:
+    """A hand that points at where a thing was at the start."""
+    way = load_scene("playroom").inputs.things[name].handle(0) - EYE
+    turn = Rotation.align_vectors([way / np.linalg.norm(way)], [[0, 0, -1]])[0]
+    return Pose(EYE + (aside_m, 0, 0), turn.as_quat())
+
+
+def test_a_live_session_is_acted_in_by_hand(monado, remote_head, monkeypatch, tmp_path):
+    """The trigger does what the thing aimed at takes; what is squeezed follows the hand."""
+    here, out, left, places = Here(monkeypatch), tmp_path / "head.csv", list(DONE), iter(range(100))
+
+    def after(number: int) -> None:
+        if number % 4 or not left:
+            return
+        name, aside_m, buttons = left.pop(0)
+        place = Pose((0.0, 1.6 + 0.001 * next(places), 0.0))
+        remote_head.aim("right", aimed(name, aside_m))
+        remote_head.hold("right", **buttons)
+        remote_head.put(place)
+        while not here.head().isclose(place, 1e-4):  # then the runtime has all of it
+            time.sleep(0.001)
+
+    here.run(quick(scene="playroom", warp="none", record=out, pictures=4 * (len(DONE) + 2)), after)
+    done = read_inputs(inputs_beside(out))
+    said = [f"{event.action} {event.target}" for event in done]
+    assert [what for k, what in enumerate(said) if what not in said[:k]] == [
+        "switch lamp", "grab ball", "release ball", "push door",
+    ]  # fmt: skip
+    assert [said.count(what) for what in ("switch lamp", "grab ball", "push door")] == [1, 2, 1]
+    expected = [aimed(*step) for step in (("lamp", 0.0), ("ball", 0.0), ("ball", 0.2), ("ball", 0.2), ("door", 0.0))]
+    for event, pose in zip(done, expected, strict=True):
+        # The runtime's numbers are float32, and turned into matrices by quaternions of length 1.
+        assert np.allclose(event.origin_m, pose.position_m, atol=1e-5)
+        assert np.allclose(event.direction, -pose.rotation_matrix[:, 2], atol=1e-5)
+
+
 def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, monado):
     hands = Controllers(display, remote_head)
     assert display._connection.session.state == State.FOCUSED
@@ -191,8 +249,8 @@ def _focus_is_elsewhere(display: OpenXrDisplay) -> None:
 
 
 def test_where_no_control_has_a_button_nothing_is_asked(monado):
-    assert not any(control.buttons for control in CONTROLS)
-    made = OpenXrDisplay(DisplayOptions(size=SMALL))
+    controls = tuple(control for control in CONTROLS if not control.buttons)
+    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=controls))
     try:
         assert made._connection.actions is None
     finally:

@@ -5,9 +5,11 @@ The head as the runtime tells it, through the runtime's death and return.
 
 from __future__ import annotations
 
+import contextlib
+import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -17,13 +19,13 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import load_trace
 from hmdwarp.run import RecordOptions, record
 
+from .live_runs import LONG_S
 from .remote_head import RemoteHead
 
 pytestmark = pytest.mark.usefixtures("no_screen")
 
 PLACES = [Pose((0.1, 1.7, -0.25), (0.1, -0.2, 0.05, 0.97)), Pose((0.0, 1.6, 0.1), (0.1, -0.1, 0.05, 0.97))]
 FLOAT32 = 2e-7  # relative step of the runtime's numbers, all of which are below 2 here
-LONG_S = 60.0
 
 
 def poses_in(path) -> int:
@@ -31,18 +33,31 @@ def poses_in(path) -> int:
     return sum(line[:1].isdigit() for line in path.read_text(encoding="utf-8").splitlines()) if path.is_file() else 0
 
 
-def after_poses(path, count: int, do: Callable[[], None]) -> threading.Thread:
-    """Do it as soon as so many are on the disk."""
+@contextlib.contextmanager
+def meanwhile(path, do: Callable[[], None], seen: Callable[[], bool] = lambda: False) -> Iterator[None]:
+    """Do it as soon as ten poses are on the disk; press Ctrl-C ten after what follows was seen."""
+    over, until = threading.Event(), time.monotonic() + LONG_S
 
-    def wait() -> None:
-        until = time.monotonic() + LONG_S
-        while poses_in(path) < count and time.monotonic() < until:
+    def wait(there: Callable[[], bool]) -> None:
+        while not there() and not over.is_set() and time.monotonic() < until:
             time.sleep(0.02)
-        do()
 
-    thread = threading.Thread(target=wait)
+    def work() -> None:
+        wait(lambda: poses_in(path) >= 10)
+        do()
+        wait(seen)
+        count = poses_in(path)
+        wait(lambda: poses_in(path) >= count + 10)
+        if not over.is_set():
+            signal.raise_signal(signal.SIGINT)
+
+    thread = threading.Thread(target=work)
     thread.start()
-    return thread
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
 
 
 def places_in(path) -> np.ndarray:
@@ -60,15 +75,17 @@ def places_in(path) -> np.ndarray:
 def test_poses_are_the_runtime_s(monado, remote_head, tmp_path):
     out, said = tmp_path / "head.csv", []
     remote_head.put(PLACES[0])
-    moving = after_poses(out, 20, lambda: remote_head.put(PLACES[1]))
-    record(RecordOptions(source="openxr", out=out, seconds=3.0, rate_hz=50.0), said.append)
-    moving.join()
+    with meanwhile(out, lambda: remote_head.put(PLACES[1]), lambda: places_in(out)[-1] == 1):
+        record(RecordOptions(source="openxr", out=out, rate_hz=50.0), said.append)
     places = places_in(out)
     assert (np.diff(places) >= 0).all()
     assert places[0] == 0
     assert places[-1] == 1
     track = load_trace(out).track
-    assert track.rate_hz == pytest.approx(50.0, rel=0.2)  # a median, on a machine that may be busy
+    # A busy machine samples late, after which the next one has its whole period; now and then it is
+    # in time.
+    assert track.duration_ns >= (len(track) - 2) * 20_000_000 and np.diff(track.time_ns).min() < 30_000_000
+    assert "# rate: 50 Hz" in out.read_text().splitlines()
     assert "Monado" in track.origin
     assert "headset" in track.origin
     assert said[0].startswith("recording ")
@@ -86,22 +103,18 @@ def test_a_runtime_that_comes_back_goes_on_in_the_same_file(monado, tmp_path):
         with RemoteHead() as again:
             again.put(PLACES[0])
 
-    restarting = after_poses(out, 10, restart)
-    record(RecordOptions(source="openxr", out=out, seconds=6.0, rate_hz=50.0), said.append)
-    restarting.join()
-    assert "it is back" in said
+    began = time.monotonic()
+    with meanwhile(out, restart, lambda: "it is back" in said):
+        record(RecordOptions(source="openxr", out=out, rate_hz=50.0, reconnect_s=LONG_S), said.append)
     track = load_trace(out).track
-    assert track.broken.sum() >= 1  # the gap is one in the recording, too
-    assert np.diff(track.time_ns).max() < 6e9
-    assert track.broken.argmax() >= 9
+    assert track.broken[9:].any()  # the gap is one in the recording, too
+    assert track.duration_ns < 1e9 * (time.monotonic() - began)
 
 
 def test_a_runtime_that_stays_away_leaves_what_was_recorded(monado, remote_head, tmp_path):
     out, said = tmp_path / "head.csv", []
     remote_head.put(PLACES[0])
-    killing = after_poses(out, 10, monado.kill)
-    with pytest.raises(Lost, match="has not come back within 1 s"):
+    with meanwhile(out, monado.kill), pytest.raises(Lost, match="has not come back within 1 s"):
         record(RecordOptions(source="openxr", out=out, rate_hz=50.0, reconnect_s=1.0), said.append)
-    killing.join()
     assert len(load_trace(out).track) >= 10
     assert "waiting up to 1 s" in said[1]

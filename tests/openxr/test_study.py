@@ -17,10 +17,10 @@ from study import tiny
 from hmdwarp.errors import InputError
 from hmdwarp.study.store import Contents, Store
 
+from .live_runs import LONG_S
 from .monado import UNSEEN, WOBBLING
 
 pytestmark = pytest.mark.usefixtures("no_screen")
-LONG_S = 60.0
 
 
 def contents(folder: Path) -> Contents | None:

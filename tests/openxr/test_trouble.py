@@ -145,7 +145,7 @@ def test_a_killed_service_ends_the_program_with_a_line(runtime, tmp_path):
 def test_a_service_that_hangs_is_given_up(runtime, tmp_path):
     monado = runtime(WOBBLING, UNSEEN)
     monado.start()
-    with Program(tmp_path, "--hang", "2", "--out", str(tmp_path / "out")) as program:
+    with Program(tmp_path, "--hang", "10", "--out", str(tmp_path / "out")) as program:
         program.until_recorded(5)
         monado.pause()
         assert program.status() == 3

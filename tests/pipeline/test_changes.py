@@ -9,6 +9,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
+from lit_rooms import moving_room
 from recorded_folders import taken, write_npz
 from replays import rows_of, run
 
@@ -18,7 +19,7 @@ from hmdwarp.gpu import Gpu, download
 from hmdwarp.link import GilbertElliott, LinkOptions
 from hmdwarp.pipeline import Changes
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.scenes import Body, Spinning, Still, load_scene
+from hmdwarp.scenes import Body, Material, Spinning, Still, load_scene
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)
@@ -183,6 +184,60 @@ def test_the_shadow_of_what_moves_counts_wherever_it_falls(gpu):
         server.close()
     assert changes.moved_px([view], 0) < 1e-9
     assert changes.moved_px([view], 10**9) == math.inf
+
+
+def test_a_spot_that_turns_where_it_is_counts(gpu):
+    """Its place stays, and what it lights does not."""
+    scene = load_scene("lantern")
+    spot = attrs.evolve(scene.lamps[0], motion=Spinning(scene.viewpoint, (1, 0, 0), 1e-3), cone=(0.3, 0.5))
+    found = [Changes(attrs.evolve(scene, lamps=[lamp])) for lamp in (spot, attrs.evolve(spot, cone=None))]
+    assert [changes.light_at(0) == changes.light_at(10**9) for changes in found] == [False, True]
+
+
+def test_of_a_body_the_mesh_that_moves_farthest_counts_whichever_it_is(gpu):
+    """It turns about the axis of one of its two meshes, 0.1 rad a second: the other is 2 m out."""
+    square = attrs.evolve(load_scene("planes").meshes[0], material=Material(), texture=-1)
+    square = attrs.evolve(square, positions=(square.positions - square.positions.mean(axis=0)) * 1e-3, body=1)
+    far = attrs.evolve(square, positions=square.positions + np.array((2, 0, 0), np.float32))
+    body, view, server = Body("arm", Spinning(Pose((0, 1.6, -5)), (0, 0, 1), 0.1)), View(Pose((0, 1.6, 0)), FOV), None
+    bounds = []
+    for meshes in ([square, far], [far, square]):
+        scene = attrs.evolve(load_scene("planes"), meshes=meshes, bodies=[body], textures=(), lamps=())
+        changes, server = Changes(scene), Server(gpu, scene)
+        changes.sent(frame_of(server, [view]))
+        bounds.append(changes.moved_px([view], 10**9))
+        server.close()
+    # 0.2 m at 5 m, at the least pixels that a radian has.
+    least = 0.99 * 0.2 / 5.4 * SIZE[0] / (2 * math.tan(0.75))
+    assert bounds[0] == bounds[1] > least
+
+
+@pytest.mark.parametrize("origin", [(3.0, 0.0, -2.0), (0.0, -1.0, 0.0)])
+def test_another_origin_of_the_scene_changes_nothing(gpu, origin):
+    """Bodies, lamps, shadows, light between surfaces and what deforms stay where they are."""
+    scene, time_ns = moving_room(), 300_000_000
+
+    def from_there(mesh):
+        if mesh.body:
+            return mesh
+        waves = mesh.deformation and attrs.evolve(mesh.deformation, rest=mesh.deformation.rest - origin)
+        return attrs.evolve(mesh, positions=mesh.positions - np.array(origin, np.float32), deformation=waves)
+
+    other = attrs.evolve(scene, meshes=map(from_there, scene.meshes), origin_m=origin)
+    view, shown, bounds = View(Pose((0, 1.6, 1.2)), FOV), [], []
+    for each in (scene, other):
+        # The bound is that of the flag: the box goes farther.
+        deforming = [mesh for mesh in each.meshes if not mesh.body]
+        server, changes = Server(gpu, each), Changes(attrs.evolve(each, lamps=(), meshes=deforming))
+        picture = server.draw(view, SIZE, time_ns=time_ns)
+        shown.append([download(one).astype(float) for one in (picture.colour, picture.inverse_depth)])
+        changes.sent(frame_of(server, [view]))
+        bounds.append(changes.moved_px([view], time_ns))
+        server.close()
+    # Positions are float32, so that an edge may fall into the next pixel; halves are 2^-10 apart.
+    for one, there in zip(*shown, strict=True):
+        assert (np.abs(one - there) > 4e-3).mean() < 5e-3
+    assert bounds[0] == pytest.approx(bounds[1], rel=1e-5) and 1 < bounds[0] < math.inf
 
 
 def test_light_that_stays_as_it_was_does_not_count(tmp_path):

@@ -102,6 +102,12 @@ def test_the_slowest_stage_sets_the_pace(tmp_path, stage):
     assert min(ages_ms(tmp_path)) == pytest.approx(4 * PERIOD_MS, abs=2e-6)
 
 
+def test_stages_work_on_different_frames_at_once(tmp_path):
+    """15 ms each, 45 of work for a frame: one comes at every refresh of 16.7 ms all the same."""
+    frames = run(tmp_path, latency_ms=20.0, network=network("sum:render=15,encode=15,decode=15")).summary["link"]
+    assert frames["frames"]["skipped"] == 0 and frames["frames"]["shown"] == 30
+
+
 def test_the_time_line_adds_up(tmp_path):
     options = {"network": network(bandwidth="60", jitter="uniform:5"), "latency_ms": 30.0}
     line = run(tmp_path, page=True, **options).summary["link"]["timeline"]

@@ -9,8 +9,9 @@ import pytest
 from replays import each_refresh, run, small
 from scipy.spatial.transform import Rotation
 
-from hmdwarp.display import Command
+from hmdwarp.display import MOVED, Command
 from hmdwarp.errors import InputError
+from hmdwarp.geometry import Pose
 from hmdwarp.gpu import download
 from hmdwarp.pipeline.proxy_options import ProxyOptions
 from hmdwarp.poses import PoseTrack
@@ -185,6 +186,24 @@ def test_a_session_with_inputs_is_recorded_and_replayed_bit_for_bit(monkeypatch,
     for at_ns in both:
         np.testing.assert_array_equal(again[at_ns], display.seen[at_ns + first_ns], err_msg=str(at_ns))
     assert len({again[at_ns].tobytes() for at_ns in both}) > 20
+
+
+def test_what_a_controller_holds_follows_it_and_not_the_head(monkeypatch, tmp_path):
+    track = looking_at((0.0, "ball"), (0.1, "ball"), (0.4, "door"))
+    first, then = (Pose(track.position_m[0] + (0.1 * k, 0, 0), track.orientation_xyzw[0]) for k in range(2))
+    asked = {
+        1: [Command("grab", MOVED, hand=first)],  # of nothing
+        3: [Command("grab", True, hand=first), Command("switch", hand=first)],
+        9: [Command("grab", MOVED, hand=first)],  # no news
+        12: [Command("grab", MOVED, hand=then)],
+        20: [Command("grab", False)],
+    }
+    display = OffscreenDisplay(track=track, size=(48, 40), asked=asked, events=closed_at(24))
+    run_on(monkeypatch, display, LiveOptions(**LIVE, warp="none", record=tmp_path / "head.csv"))
+    done = read_inputs(tmp_path / "head.input.csv")
+    assert [f"{event.action} {event.target}" for event in done] == ["grab ball", "grab ball", "release ball"]
+    places = [then.position_m if number else first.position_m for number in range(2)]
+    assert np.allclose([event.origin_m for event in done[:2]], places)
 
 
 def test_a_scene_that_does_not_react_says_so_and_a_run_without_inputs_writes_none(monkeypatch, tmp_path):

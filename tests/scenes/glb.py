@@ -72,7 +72,8 @@ class Glb:
         animation = self.header.setdefault("animations", [{"name": "walk", "samplers": [], "channels": []}])[0]
         ends = {
             "input": self.numbers(np.array(times, np.float32)),
-            "output": self.numbers(np.array(values, np.float32)),
+            # Bytes stay bytes: truths.
+            "output": self.numbers(values if isinstance(values, np.ndarray) else np.array(values, np.float32)),
         }
         animation["samplers"].append(ends | {"interpolation": kind})
         target = {"node": node, "path": path}

@@ -19,15 +19,16 @@ from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, SQUARE, Glb, boxes, cube
 
+VISIBILITY = "KHR_node_visibility"
 BLACK, RED = {"baseColorFactor": [0, 0, 0, 1]}, {"baseColorFactor": [1, 0, 0, 1]}
 # Colours are half floats of at most 4; bytes of textures are exact to half of one in 255.
 HALF, BYTE = 2e-3, 4e-3
 
 
-def middle(gpu, scene, eye=(0, 1, 0)) -> tuple[np.ndarray, float]:
+def middle(gpu, scene, eye=(0, 1, 0), time_ns: int = 0) -> tuple[np.ndarray, float]:
     """Colour and distance in metres straight ahead."""
     server = Server(gpu, scene)
-    drawn = server.draw(View(Pose(eye), Fov.symmetric(0.3, 0.3)), (9, 9))
+    drawn = server.draw(View(Pose(eye), Fov.symmetric(0.3, 0.3)), (9, 9), time_ns=time_ns)
     colour, depth = read(drawn.colour)[4, 4, :3], read(drawn.inverse_depth)[4, 4]
     server.close()
     return colour, 1 / float(np.ravel(depth)[0]) if np.ravel(depth)[0] > 0 else np.inf
@@ -172,6 +173,29 @@ def test_a_hidden_node_hides_what_hangs_from_it(tmp_path, gpu):
     assert not any("KHR_node_visibility" in note for note in scene.notes)
     glb.header["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = True
     assert middle(gpu, glb.load(tmp_path, "seen.glb"))[1] == pytest.approx(2)
+
+
+@pytest.mark.parametrize("moves", ["stands", "moves", "grows", "skin"])
+def test_a_node_whose_visibility_is_animated_is_there_at_its_times(tmp_path, gpu, moves):
+    """Whatever its file says it is without the animation, and however it moves beside."""
+    glb = Glb().material(pbrMetallicRoughness=RED)
+    glb.header["nodes"].append({"mesh": 0, "translation": [0, 1, -2], "extensions": {VISIBILITY: {"visible": False}}})
+    glb.header["scenes"][0]["nodes"].append(1)
+    if moves == "skin":
+        glb.skin(weights=np.tile((1, 0, 0, 0), (4, 1)))
+        glb.header["nodes"][0] = {}
+        glb.header["nodes"][1] |= {"skin": 0}
+        glb.header["nodes"][2] = {"translation": [0, 1, -2]}
+    elif moves != "stands":
+        path, ends = (
+            ("translation", [(0, 1, -2), (0, 1.2, -2)]) if moves == "moves" else ("scale", [(1,) * 3, (2,) * 3])
+        )
+        glb.animate(path, [0, 3], ends, node=1)
+    truths = np.array([[0], [7], [0]], np.uint8)
+    glb.animate("", [0, 1, 2], truths, "STEP", pointer=f"/nodes/1/extensions/{VISIBILITY}/visible")
+    glb.animate("translation", [0, 3], [(0, 1, -3)] * 2)
+    scene = glb.load(tmp_path)
+    assert [middle(gpu, scene, time_ns=ms * 10**6)[1] < 2.5 for ms in (0, 990, 1010, 1990, 2010)] == [0, 0, 1, 1, 0]
 
 
 def test_a_file_with_every_node_hidden_says_why_there_is_nothing(tmp_path):

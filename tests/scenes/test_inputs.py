@@ -167,6 +167,17 @@ def test_a_ray_means_what_it_points_at_and_takes_the_action():
             assert (found is not None and found.target == name) == ("grab" in thing.takes)
 
 
+def test_of_several_actions_a_ray_means_that_of_the_nearest_thing():
+    log, eye = load_scene("playroom").inputs, np.array((0.0, 1.6, 0.5))
+    ways = {name: thing.handle(0) - eye for name, thing in log.things.items()}
+    # The lamp's switch is 15 degrees from the door: between them both are meant.
+    between = {name: InputEvent(0, "push", "", tuple(eye), tuple(ways[name] + 0.2 * ways["lamp"])) for name in ways}
+    found = {name: log.nearest(event, "push", "switch") for name, event in between.items()}
+    assert found == {"ball": "push", "door": "push", "lamp": "switch"}
+    up = InputEvent(0, "push", "", tuple(eye), (0.0, 1.0, 0.0))
+    assert log.nearest(up, "push", "switch") == "push" and log.add(up) is None
+
+
 def test_each_book_is_a_history_of_its_own():
     scene = load_scene("playroom")
     log, moment, seen = scene.inputs, 900 * MS, {}

@@ -4,13 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 from replays import run
 
 from hmdwarp.errors import SceneError
+from hmdwarp.frames import Frame
+from hmdwarp.geometry import Fov, Pose, View
+from hmdwarp.gpu import download
+from hmdwarp.pipeline import Changes
 from hmdwarp.scenes import ATLAS, ArrivedState, as_arrived, lamps_at, load_scene, receivers_of
 from hmdwarp.scenes.radiosity import direct_light
+from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, Glb
 
@@ -123,7 +129,7 @@ def test_an_animation_of_a_light_is_its_brightness_and_what_else_it_points_at_is
     assert np.allclose(np.divide(spot.colour, still.colour), np.outer(80, SPOT["color"])[0] / np.multiply(
         POINT["intensity"], POINT["color"]))  # fmt: skip
     (note,) = [note for note in scene.notes if "points at" in note]
-    assert "intensity, colour and cone of lights alone are played" in note and "lights/1/range" in note
+    assert "visibility of nodes alone are played" in note and "lights/1/range" in note
 
 
 @pytest.mark.parametrize("knows", ["now", "late"])
@@ -144,6 +150,47 @@ def test_colour_and_cone_of_a_light_may_be_animated(tmp_path, knows):
     inner, outer = np.cos((0.25, 0.6))
     assert np.allclose(np.linalg.norm(spot.fading(at_ns)[:3]), 1 / (inner - outer))
     assert np.isclose(spot.fading(at_ns)[3], -outer / (inner - outer))
+
+
+def hiding_file() -> Glb:
+    """The room whose block is there from 0.25 to 0.5 s, and whose spot is not from 0.4 to 0.7 s."""
+    glb, shows = room_file(), "/nodes/{}/extensions/KHR_node_visibility/visible"
+    glb.header["extensionsUsed"] += ["KHR_node_visibility", "KHR_animation_pointer"]
+    truths = np.array([[0], [1], [0], [0]], np.uint8)
+    glb.animate("", [0, 0.25, 0.5, 1.0], truths, "STEP", pointer=shows.format(4))
+    glb.animate("", [0, 0.4, 0.7], 1 - truths[:3], "STEP", pointer=shows.format(6))
+    return glb
+
+
+@pytest.mark.parametrize("ms", [0, 240, 260, 450, 600, 1300])
+def test_what_an_animation_hides_is_neither_drawn_nor_lights_nor_stops_light(tmp_path, gpu, ms):
+    """It repeats each second. The same bits as of a scene put together without it."""
+    scene, time_ns = hiding_file().load(tmp_path), ms * 1_000_000
+    assert not any("KHR_node_visibility" in note for note in scene.notes)
+    block, spot = 250 <= ms % 1000 < 500, not 400 <= ms % 1000 < 700
+    lamps = [attrs.evolve(lamp, brightness=None) for k, lamp in enumerate(scene.lamps) if spot or k != 1]
+    meshes = [mesh for mesh in scene.meshes if block or not mesh.body]
+    truth = attrs.evolve(scene.all_shown, meshes=meshes, lamps=lamps)
+    view, found = View(Pose((0, 1.6, 1.2)), Fov.symmetric(0.8, 0.8)), []
+    for each in (scene, truth):
+        server = Server(gpu, each)
+        found.append(download(server.draw(view, (24, 20), time_ns=time_ns).colour))
+        server.close()
+    assert np.array_equal(*found)
+
+
+def test_what_appears_has_arrived_before_a_client_shows_it_and_a_frame_is_sent(tmp_path, gpu):
+    scene = hiding_file().load(tmp_path)
+    arrived = ArrivedState(extrapolates=True)
+    known, late_ns = as_arrived(scene, arrived), 300_000_000
+    assert not known.bodies[0].is_shown(late_ns) and scene.bodies[0].is_shown(late_ns)
+    arrived.take(260_000_000)
+    assert known.bodies[0].is_shown(late_ns)
+    still = attrs.evolve(scene, lamps=())
+    changes, view, server = Changes(still), View(still.viewpoint, Fov.symmetric(0.8, 0.8)), Server(gpu, still)
+    changes.sent(Frame((server.draw(view, (24, 20)),), 0))
+    server.close()
+    assert [changes.moved_px([view], ms * 1_000_000) for ms in (200, 300, 600)] == [0, np.inf, 0]
 
 
 def test_a_spot_fades_between_its_angles():
@@ -253,12 +300,15 @@ def test_damaged_lamps_are_refused_in_one_line(tmp_path, light, node):
 @pytest.mark.parametrize(
     "light", [{"warp": "irradiance"}, {"warp": "photons:paths=1024"}, {"indirect": "voxels:size=16"}]
 )
-def test_strategies_for_moving_light_run_on_it(tmp_path, gpu, light):
+@pytest.mark.parametrize("hides", [False, True])
+def test_strategies_for_moving_light_run_on_it(tmp_path, gpu, light, hides):
     """Light is late, surfaces are not: nearer to the truth than the late picture as it is.
 
     But for voxels, which are lit alone: their light is coarser than 0.1 s of motion costs.
     """
-    own = {"scene": str(ROOM), "latency_ms": 100.0, "seconds": 0.2, "rate_hz": 20.0, "metrics_every": 2, "gpu": gpu}
+    room = tmp_path / "room.glb"
+    room.write_bytes((hiding_file() if hides else room_file()).data())
+    own = {"scene": str(room), "latency_ms": 100.0, "seconds": 0.2, "rate_hz": 20.0, "metrics_every": 2, "gpu": gpu}
     late, found = (
         run(tmp_path / name, **own, **which).summary["quality"]["psnr_db"]["mean"]
         for name, which in (("late", {"warp": "none"}), ("own", light))

@@ -174,9 +174,15 @@ class Killed:
             # How long and how talkative a life is.
             usual = {start: live(start, [*first, "--new-session"]) for start in (nursery, Cold)}
             assert all(run.status == 0 for run in usual.values()), usual
-            while sum(self.tally.values()) < self.kills:
+            while not self.is_enough:
                 self.codes.append(f"person-{len(self.codes) + 1}")
                 self._session(tiny.session(study, model, self.codes[-1], "--store", str(self.store)), chance, usual)
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether so many were killed, most of them in a session: a slow machine starts slowly."""
+        count = sum(self.tally.values())
+        return count >= self.kills and self.tally["starting"] < count / 2
 
     @property
     def store(self) -> Path:
@@ -198,7 +204,7 @@ class Killed:
         """Half of them at any time of a life, half shortly after something was stored, where
         commits are close to each other.
         """
-        if sum(self.tally.values()) >= self.kills:
+        if self.is_enough:
             return {}
         if chance.random() < 0.5:
             return {"after_s": chance.uniform(0, usual.seconds)}
@@ -252,8 +258,8 @@ def _of_the_told(killed: Killed, contents: Contents) -> list[str]:
     out += [f"there {count} times: {one}" for one, count in there.items() if count > 1]
     out += [f"confirmed {count} times: {one}" for one, count in confirmed.items() if count > 1]
     unconfirmed = there - confirmed
-    if unconfirmed.total() > killed.kills:
-        out.append(f"{unconfirmed.total()} answers that nobody was told of, by {killed.kills} kills")
+    if unconfirmed.total() > (kills := sum(killed.tally.values())):
+        out.append(f"{unconfirmed.total()} answers that nobody was told of, by {kills} kills")
     shown = {
         (code_of[showing.session], showing.key, showing.presentation, showing.complete) for showing in contents.showings
     }

@@ -15,7 +15,7 @@ from .session.conftest import hurry
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = (sys.executable, "-m", "hmdwarp")
-PATIENCE_S = 120  # against hanging; nothing here takes a tenth of it on an idle machine
+PATIENCE_S = 600  # against hanging; nothing here takes a tenth of it on an idle machine
 
 STUDY = """schema = 1
 name = "tiny"

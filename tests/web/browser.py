@@ -42,10 +42,10 @@ HARNESS = (
 <canvas id="shown"></canvas>
 <script type="module">
 import { Chain } from "./chain.js";
-import { VideoEye } from "./coded.js";
+import { Panels, VideoEye } from "./coded.js";
 import { decode } from "./feed.js";
 const shaders = await (await fetch("shaders.json")).json();
-Object.assign(globalThis, { VideoEye, decode });
+Object.assign(globalThis, { Panels, VideoEye, decode });
 globalThis.bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 globalThis.packed = """
     + PACKED
@@ -189,6 +189,14 @@ class Browser:
         """Send a command of the protocol; return its result."""
         return self._run(self._send(method, params))
 
+    def send_all(self, *commands: tuple[str, dict[str, Any]]) -> None:
+        """Send commands, none of which waits for the answer to another."""
+
+        async def together() -> None:
+            await asyncio.gather(*(self._send(method, params) for method, params in commands))
+
+        self._run(together())
+
     def open(self, address: str) -> None:
         """Open a page."""
         found = self.send("Page.navigate", url=address)
@@ -274,6 +282,11 @@ def enter_vr(browser: Browser, address: str) -> None:
     """Open the page in an emulated headset, and wait until it shows both eyes."""
     wear(browser)
     browser.open(address)
+    entered(browser)
+
+
+def entered(browser: Browser) -> None:
+    """Enter VR on an open page, and wait until it shows both eyes."""
     browser.until("hmdwarp.session.shown && !document.getElementById('enter').hidden")
     browser.does("document.getElementById('enter').click()")
     browser.until("hmdwarp.session.xr && hmdwarp.session.shown.eyes.length === 2")

@@ -5,10 +5,13 @@ from __future__ import annotations
 import base64
 from typing import Any
 
+import attrs
 import numpy as np
 
 from hmdwarp import Fov, Pose, View, Warper
 from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.frames import Needs
+from hmdwarp.frames.layers.panels import Panels
 from hmdwarp.gpu import download
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
@@ -62,7 +65,9 @@ def look_after(refreshes: int) -> str:
 
 
 def view_of(told: dict[str, Any]) -> View:
-    return View(Pose(told["pose"]["position"], told["pose"]["orientation"]), Fov(*told["fov"]))
+    pose, head_from_eye = told["pose"], told.get("head_from_eye", {"position": (0, 0, 0), "orientation": (0, 0, 0, 1)})
+    from_eye = Pose(head_from_eye["position"], head_from_eye["orientation"])
+    return View(Pose(pose["position"], pose["orientation"]), Fov(*told["fov"]), from_eye)
 
 
 def pictures_of(looked: dict[str, Any]) -> list[np.ndarray]:
@@ -74,15 +79,19 @@ def pictures_of(looked: dict[str, Any]) -> list[np.ndarray]:
 class Own:
     """hmdwarp's own warp of what the server drew for the views sent. Use it in a `with`."""
 
-    def __init__(self, gpu, samples: int = 1) -> None:
-        self._gpu, self._server, self._warpers = gpu, Server(gpu, load_scene("room"), samples=samples), {}
+    def __init__(self, gpu, samples: int = 1, scene: str = "room") -> None:
+        self._gpu, self._scene, self._warpers = gpu, load_scene(scene), {}
+        self._server = Server(gpu, self._scene, samples=samples)
+        self._needs = Needs(panels=Panels.something) if self._scene.panels else Needs()
         self._drawn: dict[str, list] = {}
 
     def _late(self, looked: dict[str, Any]) -> list:
         key = repr(looked["late"])
         if key not in self._drawn:
             views = tuple(map(view_of, looked["late"]))
-            frame = self._server.draw_frame(views, round(looked["time"] * 1e6), tuple(looked["late"][0]["size"]))
+            frame = self._server.draw_frame(
+                views, round(looked["time"] * 1e6), tuple(looked["late"][0]["size"]), needs=self._needs
+            )
             self._drawn[key] = []
             for eye in frame.eyes:
                 light, depth = (download(texture) for texture in (eye.colour, eye.inverse_depth))
@@ -107,8 +116,13 @@ class Own:
         warp = f"iterative:seed=rotation,steps={STEPS}"
         sizes = tuple(shown["size"]), tuple(late["size"])
         if sizes not in self._warpers:
-            self._warpers[sizes] = Warper(sizes[0], rendered_size=sizes[1], warp=warp, fill="none", gpu=self._gpu)
-        return self._warpers[sizes].warp(colour, metres, view_of(late), view_of(shown), result="srgb8")
+            how = {"warp": warp, "fill": "none", "effects": "panels,occluded_panels" if self._scene.panels else "none"}
+            self._warpers[sizes] = Warper(sizes[0], rendered_size=sizes[1], gpu=self._gpu, **how)
+        showing = [(panel, panel.showing(round(looked["time"] * 1e6))) for panel in self._scene.panels]
+        panels = [attrs.evolve(panel, pictures=panel.pictures[number]) for panel, number in showing]
+        return self._warpers[sizes].warp(
+            colour, metres, view_of(late), view_of(shown), result="srgb8", panels=panels or None
+        )
 
     def __enter__(self) -> Own:
         return self

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import base64
 import json
+import struct
 
 import needs
 import numpy as np
 import pytest
 
-from hmdwarp import Fov, Pose, View, warp_image
+from hmdwarp import Fov, Panel, Pose, View, warp_image
 from hmdwarp.colour import srgb8_from_linear
+from hmdwarp.frames.layers import Outbox
+from hmdwarp.frames.layers.panels import things_of, with_showing
 from hmdwarp.gpu import download
 from hmdwarp.pipeline.feed_coding import FeedDecoder, FeedEncoder
 from hmdwarp.scenes import load_scene
@@ -64,24 +67,30 @@ def rendered(gpu):
     return np.dstack([srgb8_from_linear(colour[..., :3]), coverage]) * (coverage > 0)[..., None], depth
 
 
+def _pose(pose: Pose) -> dict:
+    return {"position": pose.position_m.tolist(), "orientation": pose.orientation_xyzw.tolist()}
+
+
 def _view(view: View) -> dict:
     fov = view.fov
-    pose = {"position": view.pose.position_m.tolist(), "orientation": view.pose.orientation_xyzw.tolist()}
-    return {"pose": pose, "fov": [fov.left, fov.right, fov.down, fov.up]}
+    angles = [fov.left, fov.right, fov.down, fov.up]
+    return {"pose": _pose(view.pose), "head_from_eye": _pose(view.head_from_eye), "fov": angles}
 
 
 def _base64(array: np.ndarray) -> str:
     return json.dumps(base64.b64encode(np.ascontiguousarray(array).tobytes()).decode())
 
 
-def in_browser(browser: Browser, colour, depth, rendered: View, shown: View, size, chain: str) -> np.ndarray:
+def in_browser(
+    browser: Browser, colour, depth, rendered: View, shown: View, size, chain: str, panels: str = "[]"
+) -> np.ndarray:
     """(h, w, 4) light and coverage from the top, as the page's chain has them before its fill."""
     given = {"size": [colour.shape[1], colour.shape[0]], "view": _view(rendered)}
     numbers = f"new Float32Array(bytes({_base64(depth)}).buffer)"
     picture = f"colour: bytes({_base64(colour)}), depth: {{numbers: {numbers}}}"
     browser.does(f"chain.takeIn(0, {{...{json.dumps(given)}, {picture}}})")
     view = json.dumps({**_view(shown), "size": list(size)})
-    found = browser.does(f"packed(chain.read(0, {view}, {json.dumps(chain)}))")
+    found = browser.does(f"packed(chain.read(0, {view}, {json.dumps(chain)}, {panels}))")
     return np.frombuffer(base64.b64decode(found), np.float32).reshape(size[1], size[0], 4)[::-1]
 
 
@@ -103,6 +112,88 @@ def test_the_same_picture_as_here(browser, rendered, chain, warp, case, where):
     assert np.mean(seen != there_seen) <= MOST_PARTED
     assert np.abs(here.colour - there[..., :3])[seen & there_seen].max(initial=0) <= MOST_OFF
     assert seen.mean() > 0.5 or case == "turned away"
+
+
+def brought(panels: list[Panel], change=lambda content: content) -> str:
+    """Return a script that makes panels of what a frame brings; it finds what is wrong, or null."""
+    content = with_showing(Outbox(things_of(panels)).update(range(99), 1 << 20, 0), 0, [0] * len(panels)).content
+    came = np.frombuffer(change(content.tobytes()), np.uint8)
+    frame = f"{{ began: 1, panels: {{ bytes: bytes({_base64(came)}), length: {len(came)} }} }}"
+    return (
+        f"(async () => {{ globalThis.panels = new Panels(chain); const frame = {frame}; "
+        "try { await panels.take(frame); } catch (error) { return error.message; } "
+        "panels.show(frame); return null; })()"
+    )
+
+
+PAGE = np.random.default_rng(3).integers(0, 256, (64, 128, 4), dtype=np.uint8)
+LABEL = np.random.default_rng(4).integers(0, 256, (8, 16, 3), dtype=np.uint8)
+# Relative to the eye that was rendered; magnified, minified and aslant; partly in what was seen.
+PAGE_AT, LABEL_AT = turned(-5, 25, (-0.3, 0.1, -1.6)), Pose((0.15, -0.2, -1.0))
+# The samplers weigh texels by at least 8 bits on each axis, beside steps of 1; and half floats
+# round texels and what is between them.
+MOST_OFF_PANEL = 2 * 2.0**-8 + 4 * 2.0**-12
+
+
+@pytest.mark.parametrize("occluded", [False, True])
+@pytest.mark.parametrize("case", CASES)
+def test_panels_are_laid_as_here(browser, rendered, case, occluded):
+    """One in the world and one on the head, over each other and over what is warped."""
+    colour, depth = rendered
+    moved, fov, size = CASES[case]
+    base = Pose((FAR, 0, -FAR)) @ STANDING
+    head_from_eye = turned(0, 6, (0.032, 0, 0))
+    from_, to = View(base, EYE), View(base @ moved, fov, head_from_eye)
+    panels = [
+        Panel(PAGE, base @ PAGE_AT, (1.5, 0.75), occluded=occluded),
+        Panel(LABEL, head_from_eye @ LABEL_AT, (0.6, 0.3), head_locked=True, occluded=occluded),
+    ]
+    with np.errstate(divide="ignore"):
+        metres = np.where(depth < 0, np.nan, 1 / depth)
+    warp = f"iterative:seed=rotation,steps={STEPS}"
+    here, bare = (
+        warp_image(colour, metres, from_, to, warp, "none", size, result="linear", panels=laid)
+        for laid in (panels, None)
+    )
+    assert browser.does(brought(panels)) is None
+    there = in_browser(browser, colour, depth, from_, to, size, "iterative", "panels.laid")
+    seen, laid = here.coverage > 0, np.abs(here.colour - bare.colour).max(axis=-1) > 0.01
+    off = np.abs(here.colour - there[..., :3]).max(axis=-1)
+    assert np.mean(seen & ((off > MOST_OFF + MOST_OFF_PANEL) | (there[..., 3] < 1 - 2.0**-9))) <= MOST_PARTED
+    assert laid.mean() > 0.02
+
+
+def _put(at: int, how: str, *numbers):
+    """Return what changes a row of numbers in what a frame brings of panels."""
+    return lambda content: content[:at] + struct.pack(how, *numbers) + content[at + struct.calcsize(how) :]
+
+
+THING = 8 + 2 + 2 + 14  # after the instant, one panel's picture, the first fragment's head
+PICTURE = THING + 76 + 14
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda content: content[:5], "Offset is outside"),
+        (lambda content: content[:-7], "does not fit"),
+        (_put(8, "<H", 9), "does not fit"),
+        (_put(10, "<H", 1), "show other pictures"),
+        (_put(THING, "<d", np.nan), "a panel at NaN"),
+        (_put(THING + 24, "<d", 3), "a panel at"),
+        (_put(THING + 56, "<d", -1), "a panel at"),
+        (_put(THING + 56, "<d", np.inf), "a panel at"),
+        (_put(THING - 2, "<H", 75), "75 bytes of places"),
+        (_put(PICTURE, "<I", 0), "decoded"),
+        (_put(PICTURE + 16, ">I", 8193), "a picture of 8193x8: 8192 a side at most"),
+    ],
+)
+def test_what_is_no_panel_is_refused_in_a_line(browser, change, message):
+    assert message in browser.does(brought([Panel(LABEL, Pose(), (1, 1))], change))
+
+
+def test_more_panels_than_fit_are_refused(browser):
+    assert "of places" in browser.does(brought([Panel(LABEL, Pose(), (1, 1))] * 16))
 
 
 @pytest.mark.parametrize("video", [H264, VP9, AV1])

@@ -208,9 +208,9 @@ async def _sockets(address: str, jar: CookieJar, count: int, says: bytes) -> lis
                 opened_now.append(await session.ws_connect(address.replace("http", "ws") + "feed"))
             except aiohttp.WSServerHandshakeError as error:
                 found.append(error.status)
-        for socket in opened_now:
-            if says:
-                await socket.send_bytes(says)
+            else:
+                if says:  # at once, so that a busy machine does not make it silent
+                    await opened_now[-1].send_bytes(says)
         waits = [socket.receive(timeout=2.0 if says else None) for socket in opened_now]
         for message in await asyncio.gather(*waits, return_exceptions=True):
             if not isinstance(message, TimeoutError):

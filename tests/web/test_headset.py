@@ -8,11 +8,12 @@ from pathlib import Path
 import needs
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from serving import Serving
 from sources.feed.relay import Relay
 
-from .browser import Browser, enter_vr, says
-from .looks import Own, looks, pictures_of
+from .browser import Browser, enter_vr, says, wear
+from .looks import CLOCK, Own, enter_vr_at_once, looks, pictures_of
 
 pytestmark = [needs.programs("chromium"), needs.from_npm("iwer")]
 
@@ -116,6 +117,20 @@ def test_a_hundred_refreshes_are_our_own_warp_at_their_ages(serving, worn, gpu):
         browser.until(f"{HELD} === 0")
 
 
+def test_panels_are_laid_before_both_eyes(worn, gpu):
+    """The one in the world and the one on the head, by the same bound."""
+    with Serving("--scene", "reading", "--samples", "4", "--web", "127.0.0.1:*") as server:
+        browser = worn(server.line("for a browser").split()[-1] + "&raw&size=128&warp=iterative")
+        browser.until("hmdwarp.session.panels.laid.length === 2")
+        (look,) = browser.does(looks(1))
+    with Own(gpu, 4, "reading") as own:
+        for eye, picture in enumerate(pictures_of(look)):
+            here = own.warped(look, eye)
+            off = np.abs(picture.astype(int) - here.colour).max(axis=-1)
+            assert np.mean((here.coverage > 0) & (off > 2)) <= 0.01
+            assert (here.colour.min(axis=-1) > 225).mean() > 0.002  # paper: the wall is darker
+
+
 def test_a_trigger_that_is_held_shows_the_figures(serving, worn):
     browser = worn(serving[1] + "&raw&size=128")
     for shown in ("true", "false"):
@@ -178,3 +193,49 @@ def test_a_server_started_anew(worn, tmp_path, keeps_its_secret):
     browser.does("globalThis.before = hmdwarp.session.shown.number")
     with Serving("--web", f"127.0.0.1:{port_of(address)}", *options):
         browser.until(GOES_ON if keeps_its_secret else says("does not know this browser any more"))
+
+
+HAND = "headset.controllers.right"
+
+
+def test_controllers_push_switch_and_grab(tmp_path):
+    """What the hand's ray means, or a key, by the light of what is drawn for a still head."""
+    with Serving("--scene", "playroom", "--web", "127.0.0.1:*") as server, Browser(tmp_path / "profile") as browser:
+        browser.send("Page.addScriptToEvaluateOnNewDocument", source=CLOCK)
+        browser.send("Emulation.setDeviceMetricsOverride", width=160, height=80, deviceScaleFactor=1, mobile=False)
+        wear(browser, "globalThis.moved = () => headset.position.set(0, 1.6, 0);")
+        browser.open(server.line("for a browser").split()[-1] + "&raw&size=64&latency=0&rate=120")
+        connected = "hmdwarp.session.feed.socket.readyState === 1"
+        browser.until(connected)
+
+        def light_after(*does: str) -> int:
+            """Return the sum of a frame's levels, once all that is done has been answered."""
+            steps = " ".join(f"{one}; await stepped(3);" for one in does)
+            sums = "hmdwarp.session.shown.eyes[0].colour.reduce((sum, level) => sum + level)"
+            return browser.does(f"(async () => {{ {steps} return {sums}; }})()")
+
+        def pointing(x: float, y: float, z: float) -> str:
+            """Return what lets the hand stand at the head, and point along a direction."""
+            way = Rotation.align_vectors([[x, y, z]], [[0, 0, -1]])[0].as_quat().tolist()
+            return f"{HAND}.position.set(0, 1.6, 0), {HAND}.quaternion.set(...{way})"
+
+        trigger, squeeze = (
+            [f"{HAND}.updateButtonValue('{name}', {k})" for k in (1, 0)] for name in ("trigger", "squeeze")
+        )
+        lit = light_after("0")
+        key = "dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyL' }))"
+        assert light_after(key) < 0.9 * lit == 0.9 * light_after(key)
+        enter_vr_at_once(browser)
+        lit = light_after(pointing(0.75, -0.35, -3.6))  # at the lamp's switch
+        dark = light_after(*trigger)
+        assert dark < 0.9 * lit
+        browser.does("hmdwarp.session.feed.socket.close()")
+        browser.until(connected)
+        assert light_after("0") == dark, "all is told again"
+        assert light_after(*trigger) == lit
+        taken = light_after(pointing(0.45, -1.46, -1.9), squeeze[0])  # at the ball
+        assert taken == lit != light_after(pointing(0.1, -0.3, -1.0))
+        light_after(squeeze[1])
+        found = browser.does("(({ known, acted }) => [known, acted.map(({ action }) => action)])(hmdwarp.session.feed)")
+        known, acted = found
+        assert known == len(acted) and acted[:6] == [2, 2, 1, 2, 1, 2] and {*acted[6:-1]} == {3} and acted[-1] == 4

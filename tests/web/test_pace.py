@@ -108,9 +108,10 @@ def test_the_page_does_so_over_a_real_link(tmp_path):
     with Serving("--scene", "room", "--web", "127.0.0.1:*") as server:
         place, _, rest = server.line("for a browser").split()[-1].partition("/?")
         with Relay(int(place.rpartition(":")[2])) as relay, Browser(tmp_path / "profile") as browser:
-            relay.bytes_s = 50_000
             browser.open(f"http://{relay.address}/?{rest}&trace=walk&size=640")
             browser.until("hmdwarp.session.shown")
+            relay.bytes_s = 50_000  # scripts of the page have crossed
             best = browser.does("hmdwarp.session.shown.size[0]")
-            browser.until(f"hmdwarp.session.pace.wish.mbit > 0 && hmdwarp.session.shown.size[0] <= {best} * 0.75")
-            assert browser.does("hmdwarp.session.pace.mbit") < 1
+            # What a stalled machine passes on in a lump is measured as more, for a while.
+            narrow = "hmdwarp.session.pace.wish.mbit > 0 && hmdwarp.session.pace.mbit < 1"
+            browser.until(f"{narrow} && hmdwarp.session.shown.size[0] <= {best} * 0.75")

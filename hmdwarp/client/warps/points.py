@@ -14,6 +14,7 @@ from ...frames.layers.points import LEAST_BUDGET, PAGE, Block, Cloud, PointRoom,
 from ...geometry import View
 from ...gpu.raw_gl import clear_buffer
 from ...gpu.textures import Canvas, release_all
+from ...sources.server import NOWHERE
 from ..client_scene import ClientScene, Store, receiver_of
 from ..inputs import PassInputs
 from ..warp_kinds import check_room
@@ -128,6 +129,12 @@ class KeptPoints(Store):
         still[:3, 3] = self.client.scene.origin_m
         return np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in self.client.scene.bodies)])
 
+    def eye_from(self, view: View, time_ns: int) -> NDArray[np.float64]:
+        """Return (n, 4, 4) as bodies(), to the eye; of what is hidden, to the eye itself."""
+        out = eye_from(self.bodies(time_ns), view)
+        out[[number for number, body in enumerate(self.client.scene.bodies, 1) if not body.is_shown(time_ns)]] = NOWHERE
+        return out
+
     def weights(self) -> list[dict[str, Any]]:
         """Return what has crossed before packing, in bytes, and what the client holds."""
         weight = {
@@ -205,9 +212,7 @@ class Points(Warp):
         into.bind_for_writing(_COLOUR)
         if self.depth_into is not None:
             self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
-        self._bodies.write(
-            eye_from(cloud.bodies(inputs.shown_ns), view).transpose(0, 2, 1).astype(np.float32).tobytes()
-        )
+        self._bodies.write(cloud.eye_from(view, inputs.shown_ns).transpose(0, 2, 1).astype(np.float32).tobytes())
         for binding, buffer in enumerate(
             (self._keys, self._winners, cloud.points, cloud.pages, cloud.cells, self._bodies)
         ):

@@ -1,6 +1,7 @@
 """Controllers through OpenXR actions: one action set, suggested for every kind of controller.
 
-It is read once a refresh.
+It is read once a refresh. Buttons of either hand answer questions; those of ACTS act in the scene,
+from where the controller is along where it aims.
 """
 
 from __future__ import annotations
@@ -11,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import xr
 
-from ...errors import MachineError
+from ...errors import InputError, MachineError
+from ...geometry import Pose
 from .. import Command
-from ..controls import Control
+from ..controls import MOVED, Control
 from .runtime import Calls, Instance
+from .tracking import Spaces, pose_of
 
 if TYPE_CHECKING:
 
@@ -28,7 +31,10 @@ if TYPE_CHECKING:
 # Any other result means that the session lacks the focus (XR_SESSION_NOT_FOCUSED), and buttons are
 # ignored.
 _SYNCED = xr.Result.SUCCESS.value
+_VALID = xr.SpaceLocationFlags.ORIENTATION_VALID_BIT.value | xr.SpaceLocationFlags.POSITION_VALID_BIT.value
 _WORDS = {
+    "select": "push or switch what the controller aims at",
+    "squeeze": "grab and move what the controller aims at",
     "across": "stick, across",
     "along": "stick, along",
     "pad": "pad pressed",
@@ -43,22 +49,31 @@ class Actions:
     controls: of several with the same button, the first one is requested.
     """
 
-    def __init__(self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> None:
+    def __init__(
+        self, calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
+    ) -> None:
         self._calls, self._session = calls, session
         self._controls = {button: control for control in reversed(controls) for button in control.buttons}
         self._repeat, self._commands = ButtonRepeat(), list[Command]()
         handle = calls.call_once(
-            xr.create_action_set, instance.handle, xr.ActionSetCreateInfo("answers", "Answers to questions", 0)
+            xr.create_action_set,
+            instance.handle,
+            xr.ActionSetCreateInfo("answers", "Answers to questions, acts in the scene", 0),
         )
         hands = [self._path(instance, path) for path in HANDS]
         actions = {name: self._create(handle, name, xr.ActionType.BOOLEAN_INPUT, []) for name in BUTTONS}
         actions |= {name: self._create(handle, name, xr.ActionType.FLOAT_INPUT, hands) for name in AXES}
+        actions |= {name: self._create(handle, name, xr.ActionType.BOOLEAN_INPUT, hands[:2]) for name in ACTS}
+        actions[AIM] = self._create(handle, AIM, xr.ActionType.POSE_INPUT, hands[:2])
         self._suggest(instance, actions)
         calls.call_once(xr.attach_session_action_sets, session, xr.SessionActionSetsAttachInfo(action_sets=[handle]))
         # Kept referenced: the next line only points to it.
         self._active = (xr.ActiveActionSet * 1)(xr.ActiveActionSet(handle, xr.NULL_PATH))
         self._sync = xr.ActionsSyncInfo(count_active_action_sets=1, active_action_sets=self._active)
         self._buttons = {name: _Query(actions[name], xr.ActionStateBoolean()) for name in BUTTONS}
+        self._hands = [Hand(calls, session, actions, hand, spaces) for hand in hands[:2]]
+        self._held: dict[tuple[str, Hand], bool] = {}  # of each button that acts; none after a pause
+        self._holds: tuple[str, Hand] | None = None  # the button by which something is held
         # Each hand separately: with both in one query, Monado 25 reports 0 where one stick is at -1
         # and the other at 0.
         self._axes = {name: [_Query(actions[name], xr.ActionStateFloat(), hand) for hand in hands] for name in AXES}
@@ -82,10 +97,17 @@ class Actions:
         """Return an XrPath, a ctypes integer that has no conversion of its own."""
         return self._calls.call_once(xr.string_to_path, instance.handle, text)
 
-    def sync(self, now_ns: int) -> None:
-        """Read the buttons, once a refresh. now_ns: on any running clock. Errors: Lost."""
+    def sync(self, now_ns: int, shown: int = 0) -> None:
+        """Read the buttons, once a refresh.
+
+        now_ns: on any running clock. shown: the instant of the picture, on the runtime's clock.
+        Errors: Lost.
+        """
         if self._calls("xrSyncActions", self._session, ctypes.byref(self._sync)) != _SYNCED:
             self._repeat.forget()
+            if self._holds is not None:
+                self._commands.append(Command(self._controls[self._holds[0]].name, False))
+            self._held, self._holds = {}, None
             return
         buttons = {name: self._state("xrGetActionStateBoolean", one) != 0 for name, one in self._buttons.items()}
         axes = {
@@ -97,6 +119,32 @@ class Actions:
             if control is not None:
                 self._commands.append(Command(control.name, control.value))
 
+        for name in ACTS:
+            if name in self._controls:
+                for hand in self._hands:
+                    self._act(self._controls[name], (name, hand), shown)
+
+    def _act(self, control: Control, button: tuple[str, Hand], shown: int) -> None:
+        """Request what a button of a hand does: at its press or, for what is held, all the time."""
+        name, hand = button
+        is_held, was_held = self._state("xrGetActionStateBoolean", hand.buttons[name]) != 0, self._held.get(button)
+        if (is_held and was_held is None) or (control.kind == "hold" and self._holds not in (None, button)):
+            return  # held since before; or the other hand holds something
+        self._held[button] = is_held
+        if not is_held and not was_held:
+            return
+        pose = hand.aim(shown)
+        if control.kind != "hold":
+            if is_held and not was_held and pose is not None:
+                self._commands.append(Command(control.name, control.value, hand=pose))
+        elif not is_held:
+            if self._holds is not None:
+                self._commands.append(Command(control.name, False, hand=pose))
+            self._holds = None
+        elif pose is not None:
+            self._commands.append(Command(control.name, MOVED if self._holds is not None else True, hand=pose))
+            self._holds = button
+
     def _state(self, call: str, one: _Query) -> float:
         self._calls(call, self._session, one.info_pointer, one.state_pointer)
         return one.state.current_state if one.state.is_active else 0
@@ -105,6 +153,32 @@ class Actions:
         """Return the commands since the last call."""
         commands, self._commands = self._commands, []
         return commands
+
+
+class Hand:
+    """One controller: the buttons that act, and where it aims."""
+
+    def __init__(
+        self, calls: Calls, session: xr.Session, actions: Mapping[str, xr.Action], hand: int, spaces: Spaces
+    ) -> None:
+        self._calls, self._world, self._location = calls, spaces.world, xr.SpaceLocation()
+        self.buttons = {name: _Query(actions[name], xr.ActionStateBoolean(), hand) for name in ACTS}
+        here = xr.Posef(xr.Quaternionf(0, 0, 0, 1), xr.Vector3f(0, 0, 0))
+        info = xr.ActionSpaceCreateInfo(action=actions[AIM], subaction_path=hand, pose_in_action_space=here)
+        self._space = calls.call_once(xr.create_action_space, session, info)
+
+    def aim(self, time: int) -> Pose | None:
+        """Return world_from_hand at an instant of the runtime; None while it is not tracked.
+
+        Errors: Lost.
+        """
+        self._calls("xrLocateSpace", self._space, self._world, time, ctypes.byref(self._location))
+        if self._location._location_flags & _VALID != _VALID:
+            return None
+        try:
+            return pose_of(self._location.pose)
+        except InputError:  # NaN, or a zero quaternion
+            return None
 
 
 class _Query:
@@ -118,16 +192,19 @@ class _Query:
         self.info_pointer, self.state_pointer = ctypes.byref(self._info), ctypes.byref(state)
 
 
-def open_actions(calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control]) -> Actions | None:
+def open_actions(
+    calls: Calls, instance: Instance, session: xr.Session, controls: Sequence[Control], spaces: Spaces
+) -> Actions | None:
     """Open the actions, or return None if no control has a button.
 
     Errors: MachineError.
     """
-    return Actions(calls, instance, session, controls) if any(control.buttons for control in controls) else None
+    return Actions(calls, instance, session, controls, spaces) if any(one.buttons for one in controls) else None
 
 
 BUTTONS = ("left", "right", "up", "down", "confirm", "menu", "pad")
 AXES = ("across", "along", "pad_across", "pad_along")
+ACTS, AIM = ("select", "squeeze"), "aim"
 HANDS = ("/user/hand/left", "/user/hand/right", "/user/gamepad")
 _LEFT, _RIGHT, _PAD = (f"{hand}/input" for hand in HANDS)
 Bindings = tuple[tuple[str, str], ...]  # (button or axis, path)
@@ -138,6 +215,7 @@ def _both(*pairs: tuple[str, str]) -> Bindings:
     return tuple((name, f"{hand}/{what}") for hand in (_LEFT, _RIGHT) for name, what in pairs)
 
 
+_AIM, _CLICK, _VALUE = "aim/pose", "trigger/click", "trigger/value"
 _STICK = (("across", "thumbstick/x"), ("along", "thumbstick/y"))
 _TRACKPAD = (("pad_across", "trackpad/x"), ("pad_along", "trackpad/y"), ("pad", "trackpad/click"))
 
@@ -150,10 +228,11 @@ PROFILES: dict[str, Bindings] = {
         ("right", f"{_RIGHT}/select/click"),
         ("confirm", f"{_RIGHT}/menu/click"),
         ("menu", f"{_LEFT}/menu/click"),
+        *_both((AIM, _AIM), ("select", "select/click"), ("squeeze", "menu/click")),
     ),
     # The right hand's menu button is reserved by the system.
     "/interaction_profiles/oculus/touch_controller": (
-        *_both(*_STICK, ("confirm", "trigger/value")),
+        *_both(*_STICK, ("confirm", _VALUE), (AIM, _AIM), ("select", _VALUE), ("squeeze", "squeeze/value")),
         ("confirm", f"{_LEFT}/x/click"),
         ("confirm", f"{_RIGHT}/a/click"),
         ("menu", f"{_LEFT}/menu/click"),
@@ -161,13 +240,30 @@ PROFILES: dict[str, Bindings] = {
         ("menu", f"{_RIGHT}/b/click"),
     ),
     "/interaction_profiles/valve/index_controller": _both(
-        *_STICK, ("confirm", "trigger/click"), ("confirm", "a/click"), ("menu", "b/click")
+        *_STICK,
+        ("confirm", _CLICK),
+        ("confirm", "a/click"),
+        ("menu", "b/click"),
+        (AIM, _AIM),
+        ("select", _CLICK),
+        ("squeeze", "squeeze/force"),  # its value is 1 for a hand that merely lies on it
     ),
     "/interaction_profiles/htc/vive_controller": _both(
-        *_TRACKPAD, ("confirm", "trigger/click"), ("menu", "menu/click")
+        *_TRACKPAD,
+        ("confirm", _CLICK),
+        ("menu", "menu/click"),
+        (AIM, _AIM),
+        ("select", _CLICK),
+        ("squeeze", "squeeze/click"),
     ),
     "/interaction_profiles/microsoft/motion_controller": _both(
-        *_STICK, *_TRACKPAD, ("confirm", "trigger/value"), ("menu", "menu/click")
+        *_STICK,
+        *_TRACKPAD,
+        ("confirm", _VALUE),
+        ("menu", "menu/click"),
+        (AIM, _AIM),
+        ("select", _VALUE),
+        ("squeeze", "squeeze/click"),
     ),
     "/interaction_profiles/microsoft/xbox_controller": (
         ("across", f"{_PAD}/thumbstick_left/x"),

@@ -172,8 +172,8 @@ def connect(
         opaque = xr.EnvironmentBlendMode.OPAQUE.value
         session = Session(calls, instance, graphics.binding)
         stack.callback(session.destroy)
-        actions = open_actions(calls, instance, session.handle, controls)
         spaces = Spaces(calls, instance, session.handle)
+        actions = open_actions(calls, instance, session.handle, controls, spaces)
         tracker.attach(calls, instance, spaces)
         session.on_world_change = tracker.world_changes
         frames = FrameCalls(calls, session.handle, opaque if opaque in modes else modes[0])

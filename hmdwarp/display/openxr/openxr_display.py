@@ -194,7 +194,7 @@ class OpenXrDisplay(Connected):
             return None
         made.frames.begin()
         if made.actions is not None:
-            made.actions.sync(time.monotonic_ns())
+            made.actions.sync(time.monotonic_ns(), state.predicted_display_time)
         self.source.offset_ns = made.instance.offset_ns()
         self.eyes.locate(self._calls, made.session.handle, made.spaces.head, state.predicted_display_time)
         shown_ns = state.predicted_display_time - self.source.offset_ns

@@ -29,7 +29,7 @@ from ...pipeline.proxy import source_of
 from ...report import OutputFolder, png_bytes, write_paper
 from ...report.compare_page import compare_page, first_cases
 from ...run.options import RunOptions
-from ...run.replay_run import Measured, measured
+from ...run.replay_run import Measured, NothingShown, measured
 from ...run.setup import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Runner, SweepCase, experiment
 from .cases import heads_of
@@ -218,7 +218,7 @@ class ComparePart:
 
 
 def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
-    """Return what the left eye saw at the first measured instant, and the truth.
+    """Return what the left eye saw at the first measured instant, and the truth, where it saw any.
 
     Each is (h, w, 3) sRGB, top row first.
     """
@@ -244,6 +244,9 @@ def _run_part(pools: SharedPool, case: SweepCase, step: Callable[[float], None])
     part: ComparePart = case.what
     try:
         result = measured(part.run, pools=pools)
+    except NothingShown as error:  # a result of its own, without pictures
+        assert error.result is not None
+        return Result(_row(part.run, error.result, [load_client(name) for name in part.clients]))
     except BaseException:
         pools.end(at_once=True)
         raise
@@ -255,6 +258,7 @@ def _run_part(pools: SharedPool, case: SweepCase, step: Callable[[float], None])
 def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[str, Any]:
     """Return one row of compare.json: the keys of summary.json, and what the strategy takes."""
     summary, about = result.summary, (result.plan, result.sizes)
+    answer = summary["link"]["response_ms"]  # None where nothing was shown
     summary["link"].pop("timeline")
     return {
         **summary,
@@ -265,7 +269,7 @@ def _row(run: RunOptions, result: Measured, clients: Sequence[Client]) -> dict[s
             name: {str(frame): value for frame, value in at_instants(result.rows, name).items()} for name in MEASURES
         },
         "client_ms": summary["time_ms"]["total"]["median"],
-        "server_ms": summary["link"]["response_ms"]["render_ms"] + summary["link"]["response_ms"]["encode_ms"],
+        "server_ms": answer and answer["render_ms"] + answer["encode_ms"],
         "mbit_s": summary["link"]["mbit_s"],
         "up_mbit_s": summary["link"]["up_mbit_s"],
         "decoded_mpx_s": decoded_mpx_s(summary, *about),
@@ -281,6 +285,8 @@ def unfit(summary: Mapping[str, Any], plan: Plan, sizes: EyeSizes, client: Clien
     summary: as summary.json. Its time counts where a GPU measured it: a class's budget is of its
     own machine, and a software renderer's times say nothing about that.
     """
+    if "nothing" in summary:
+        return str(summary["nothing"])
     reasons = [lacking(plan, client)]
     mbit_s = summary["link"]["mbit_s"]
     if mbit_s > client.download_mbit_s:

@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 
 from ... import metrics
-from ...errors import InputError
+from ...errors import InputError, unknown_name
 
 # Halves of scenes and heads.
 FIT, HELD_OUT = "fit", "held_out"
@@ -70,12 +70,14 @@ def with_suite(said: Mapping[str, Any], usual: Mapping[str, Any], *, compares: b
     """Return the set options with those of the suite that they name, if any.
 
     usual: the default of each option. compares: whether they are those of a comparison.
-    Errors: InputError for an option that the suite sets.
+    Errors: InputError for an unknown suite, and for an option that the suite sets.
     """
     if not said.get("suite"):
         if said.get("also") is not None:
             raise InputError("--also without --suite: give scenes by --scene and recorded frames by --frames")
         return said
+    if said["suite"] not in suites():
+        raise unknown_name("suite", said["suite"], list(suites()))
     suite = suites()[said["suite"]]
     sets = suite.compare if compares else suite.sets
     for name in (*sets, "frames", "trace", *(sets["links"][-1] if compares else ())):

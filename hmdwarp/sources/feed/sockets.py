@@ -62,7 +62,7 @@ LINK = {
 }
 # Buffer of the kernel for each connection.
 KERNEL_BYTES = 1 << 14
-_EVERY_MS = 20
+_EVERY_MS, _MOST_EVENTS = 20, 256
 # Of struct tcp_info of Linux: tcpi_rtt in us, tcpi_bytes_received.
 _RTT, _RTT_AT = struct.Struct("=I"), 68
 _RECEIVED, _RECEIVED_AT, _INFO_BYTES = struct.Struct("=Q"), 128, 136
@@ -167,12 +167,17 @@ class Connections:
         # When the server last took all that had come; it may be drawing since.
         self.listened_ns = 0
         self._ended = threading.Event()
+        self._lock = threading.RLock()
         self._accepted = router.get_monitor_socket(zmq.EVENT_ACCEPTED | zmq.EVENT_CLOSED | zmq.EVENT_DISCONNECTED)
         self._thread = threading.Thread(target=self._watch, name="connections", daemon=True)
         self._thread.start()
 
     def took(self, parts: list[Any]) -> Connection | None:
-        """Note a whole message, as frames of the library; return where it came from."""
+        """Note a whole message, as frames of the library; return where it came from.
+
+        The watcher may be behind: a connection that is not known to ask would lose its place.
+        """
+        self._catch_up()
         with contextlib.suppress(self._zmq.ZMQError):  # not of a connection that has a descriptor
             found = self._of.get(parts[-1].get(self._zmq.SRCFD))
             if found is not None:
@@ -181,15 +186,30 @@ class Connections:
         return None
 
     def _watch(self) -> None:
-        due_ns = 0
+        due_ns, wait_ms = 0, 0
+        # By its descriptor, as two threads may not wait at a socket.
+        poller = self._zmq.Poller()
+        poller.register(self._accepted.getsockopt(self._zmq.FD), self._zmq.POLLIN)
         while not self._ended.is_set():
-            # Those that come and go must not keep it from looking at the others.
-            if self._accepted.poll(_EVERY_MS):
-                self._note(self._accepted.recv_multipart())
+            poller.poll(wait_ms)
+            # The descriptor tells of new events once: what is left is looked for without waiting.
+            wait_ms = _EVERY_MS if self._catch_up() else 0
             if time.monotonic_ns() >= due_ns:
                 for one in list(self._of.values()):
                     self._check(one)
                 due_ns = time.monotonic_ns() + _EVERY_MS * 1_000_000
+
+    def _catch_up(self) -> bool:
+        """Note who has come and gone; return whether that is all.
+
+        Those that come and go must not keep it from looking at the others.
+        """
+        with self._lock:
+            for _ in range(_MOST_EVENTS):
+                if not (event := waiting_parts(self._zmq, self._accepted)):
+                    return True
+                self._note(event)
+        return False
 
     def _note(self, event: list[bytes]) -> None:
         kind, descriptor = struct.unpack_from("=HI", event[0])
@@ -228,10 +248,11 @@ class Connections:
 
     def cut(self, one: Connection, why: str) -> None:
         """Cut a connection; the library closes it at once, and its client learns of it."""
-        if self._of.get(one.descriptor) is one:
-            self._leave(one.descriptor)
-            self.cuts.append((one.address, why))
-            cut(one.descriptor)
+        with self._lock:
+            if self._of.get(one.descriptor) is one:
+                self._leave(one.descriptor)
+                self.cuts.append((one.address, why))
+                cut(one.descriptor)
 
     def _leave(self, descriptor: int) -> None:
         if (left := self._of.pop(descriptor, None)) is not None:

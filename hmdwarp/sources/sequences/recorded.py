@@ -238,13 +238,16 @@ _BELOW, _LEAST_MOST, _LEAST_SHARE = 64, 511, 0.005
 _FAR_M, _FARTHEST_M, _MOVED = 40.0, 2e4, 0.1
 _FAR_AXIS = 0.2  # of a side from the middle: no camera or headset is built so
 _UNITS = {"centimetres": 0.01, "millimetres": 0.001}
+# Of a depth buffer at most 1 half the values are above the first or below the second: a near plane
+# of 0.1 m puts all beyond 1 m there, and nobody's eye is 5 cm from half of what it sees.
+_STANDARD, _REVERSED = 0.9, 0.05
 
 
 def depth_notes(sequence: Sequence) -> list[str]:
     """Return what some frames of a sequence suggest.
 
-    Values that are no measurement, sky that was written as no depth, depth in another unit,
-    intrinsics of another picture size.
+    No depth at all, values that are no measurement, sky that was written as no depth, depth that is
+    not in metres, intrinsics of another picture size.
     """
     last = len(sequence.frames) - 1
     looked = [sequence.frames[at] for at in sorted({round(last * k / (LOOKED_AT - 1)) for k in range(LOOKED_AT)})]
@@ -257,7 +260,16 @@ def depth_notes(sequence: Sequence) -> list[str]:
     )
     sky = [] if is_far else about_sky(depths)
     of_depth = [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}")]
-    return [*of_depth, *_about_axis(sequence.frames[0])]
+    return [*_about_no_depth(depths), *of_depth, *_about_axis(sequence.frames[0])]
+
+
+def _about_no_depth(depths: Several[NDArray[np.floating]]) -> list[str]:
+    """Return a note on frames that have no depth anywhere."""
+    empty = [depth for depth in depths if not (depth > 0).any()]
+    note = f"{len(empty)} of {len(depths)} frames looked at have no depth at all: warps by depth show nothing of them."
+    if any((depth < 0).any() for depth in empty):
+        note += " It is below 0: expected metres along -z, which are above."
+    return [note] if empty else []
 
 
 def _about_axis(frame: RecordedFrame) -> list[str]:
@@ -313,11 +325,22 @@ def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
 
 
 def about_unit(depths: Several[NDArray[np.floating]], moved_m: float, option: str) -> list[str]:
-    """Return a note on depth in a smaller unit than metres: far away, while the eye hardly moves.
+    """Return a note on depth that is hardly in metres.
 
+    In a smaller unit: far away, while the eye hardly moves. The values of a depth buffer: all
+    within 1, and crowded at one end.
     depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
     """
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
+    if len(known) and moved_m and known.min() < known.max() <= 1:
+        middle = float(np.median(known))
+        side = "above" if middle > _STANDARD else "below"
+        if middle > _STANDARD or middle < _REVERSED:
+            return [
+                f"Depth goes from {known.min():.3g} to {known.max():.3g}, half of it {side} {middle:.3g}: so are the "
+                "values of a depth buffer, not metres. If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, near, "
+                "far) has metres; 'hmdwarp check' finds near and far."
+            ]
     near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0
     if not _FAR_M < near <= _FARTHEST_M or not 0 < moved_m < _MOVED * near:
         return []

@@ -17,7 +17,7 @@ from ...gpu.context import Gpu
 from ...gpu.textures import SCALAR
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import SAME_SURFACE, Lighting, ScenePasses
+from .passes import SAME_SURFACE, Lighting, ScenePasses, Viewport
 from .targets import Framebuffers, Multisampled, Renderer, Target
 from .upload import SceneBuffers, SceneTextures, moving_parts
 
@@ -100,22 +100,25 @@ class Server(Renderer):
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.size, size)
-        self._draw_surfaces(self._passes_for(drawing), view, target, drawing.time_ns)
+        whole, viewport = drawing.part_of or (view, None)
+        self._draw_surfaces(self._passes_for(drawing), whole, target, drawing.time_ns, viewport)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
         for part in self._parts_for(drawing):
             eye = part.add(eye, drawing)
         return eye
 
-    def _draw_surfaces(self, passes: ScenePasses, view: View, target: Target, time_ns: int) -> None:
+    def _draw_surfaces(
+        self, passes: ScenePasses, view: View, target: Target, time_ns: int, viewport: Viewport | None
+    ) -> None:
         if self._several is None:
-            passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns)
+            passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns, viewport)
             return
-        self._draw_colour(passes, view, target.colour, time_ns)
+        self._several.draw(passes, view, target.colour, time_ns, viewport)
         # Parts of the picture compare depth at the centres of pixels, and test against its buffer.
-        self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns)
+        self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns, viewport)
         if self._nearest:
             near = self._several.over(target.size, SCALAR)
-            self._depth_passes().draw(view, near, time_ns)
+            self._depth_passes().draw(view, near, time_ns, viewport)
             self._several.one(near, target.inverse_depth, same=SAME_SURFACE)
 
     def _draw_colour(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:

@@ -55,7 +55,7 @@ class Lighting:
         self.indirect = self._own
         self.splats: Inputs | None = None
         if most_blockers is None:
-            most_blockers = len(receivers_of(scene).blockers.corners)
+            most_blockers = len(receivers_of(scene.all_shown).blockers.corners)
         self._blockers = gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4")
         self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)
@@ -236,12 +236,22 @@ class ScenePasses:
         """Counts changes of what is drawn, apart from textures."""
         return self.buffers.revision + sum(drawing.buffers.revision for drawing in self.moving)
 
-    def draw(self, view: View, framebuffer: moderngl.Framebuffer, time_ns: int = 0, **uniforms: object) -> None:
-        """Draw the whole picture at that instant over the previous content."""
+    def draw(
+        self,
+        view: View,
+        framebuffer: moderngl.Framebuffer,
+        time_ns: int = 0,
+        viewport: Viewport | None = None,
+        **uniforms: object,
+    ) -> None:
+        """Draw the whole picture at that instant over the previous content.
+
+        viewport: of the view, where the framebuffer holds a part of that; without a hidden area.
+        """
         clear_depth(self._gl, framebuffer)
         if view.hidden is not None:
             self._hide(view, framebuffer)
-        self.draw_into(view, framebuffer, None, time_ns, **uniforms)
+        self.draw_into(view, framebuffer, viewport, time_ns, **uniforms)
 
     def _hide(self, view: View, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the hidden area in front of everything."""
@@ -257,7 +267,7 @@ class ScenePasses:
         time_ns: int = 0,
         **uniforms: object,
     ) -> None:
-        """Draw `view` into a part of a framebuffer, None for all of it.
+        """Draw `view` into a viewport of a framebuffer, None for all of it.
 
         Its depth must be cleared.
         """
@@ -285,6 +295,7 @@ class ScenePasses:
                 self._draw_surfaces(vertices, one.buffers, view, one.place(view))
             self._draw_background()
             gl.depth_func = "<"
+        framebuffer.viewport = (0, 0, *framebuffer.size)
 
     def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
         """Prepare what the surfaces' shader reads, before anything is drawn."""

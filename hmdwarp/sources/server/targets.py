@@ -18,7 +18,7 @@ from ...gpu.context import Gpu
 from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
 from ..array_passes import Arrays, GiveCodes, Upload
-from .passes import ScenePasses
+from .passes import ScenePasses, Viewport
 
 # Settings of a layer for which something is kept, of all clients: those of one request, at most.
 MOST_SETTINGS = 8
@@ -410,10 +410,12 @@ class Multisampled:
         textures = [gl.texture(size, components, dtype=dtype, samples=self.count) for components, dtype in kinds]
         return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=self.count))
 
-    def draw(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
+    def draw(
+        self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int, viewport: Viewport | None = None
+    ) -> None:
         """Draw the colour of the whole picture: the mean of each pixel's samples."""
         drawn = self.over(into.size, COLOUR)
-        passes.draw(view, drawn, time_ns)
+        passes.draw(view, drawn, time_ns, viewport)
         self.mean(drawn, into)
 
     def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Texture) -> None:

@@ -231,7 +231,9 @@ def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
 
 
 STAYS = np.eye(4)
-STAYS.flags.writeable = False
+# Of what is hidden: to the eye itself, where nothing is drawn.
+NOWHERE = np.diag((0.0, 0.0, 0.0, 1.0))
+STAYS.flags.writeable = NOWHERE.flags.writeable = False
 
 
 @attrs.frozen(eq=False)
@@ -277,17 +279,18 @@ class MovingBody(Moving):
     def __init__(self, gpu: Gpu, scene: Scene, meshes: Sequence[Mesh], textures: SceneTextures) -> None:
         self.number = meshes[0].body
         self.buffers = SceneBuffers(gpu, meshes, textures)
-        self._motion, self._origin_m = scene.bodies[self.number - 1].motion, scene.origin_m
+        self._body, self._origin_m = scene.bodies[self.number - 1], scene.origin_m
 
     def set_time(self, time_ns: int) -> None:
         # Not kept for the next time: what people did by that instant may have come since.
-        self._pose = self._motion.state(time_ns).pose
+        self._pose, self._is_shown = self._body.motion.state(time_ns).pose, self._body.is_shown(time_ns)
 
     def place(self, view: View) -> Place:
-        return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)
+        eye_from_here = self._pose.relative_to(view.pose).matrix() if self._is_shown else NOWHERE
+        return Place(eye_from_here, view.pose.relative_to(self._pose).position_m)
 
     def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
-        matrix = self._motion.state(time_ns).pose.matrix()
+        matrix = self._body.motion.state(time_ns).pose.matrix()
         matrix[:3, 3] -= self._origin_m
         return matrix
 

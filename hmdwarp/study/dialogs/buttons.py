@@ -138,7 +138,8 @@ _POINT = Control("digit", ".", "a number", "action", also=(",", "KP Decimal"), v
 
 # W A S D Q E walk. Escape opens the menu, which offers the end: a slip must not end a session, and
 # the way out must be easy to find.
-_ACTING = tuple(control(action) for action in ("push", "switch", "grab"))  # in trials whose scene reacts
+# In trials whose scene reacts; a controller's trigger answers questions.
+_ACTING = tuple(attrs.evolve(control(action), buttons=()) for action in ("push", "switch", "grab"))
 CONTROLS: tuple[Control, ...] = (
     Control("left", "Left", "less, or the one before", "step", buttons=("left",)),
     Control("right", "Right", "more, or the next one", "step", buttons=("right",)),

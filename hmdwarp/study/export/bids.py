@@ -1,4 +1,4 @@
-"""Writes a study as a BIDS data set: answers, head motion, and descriptions of both.
+"""Writes a study as a BIDS data set: answers, head motion, inputs, and descriptions of all.
 
 No date leaves the machine: instants count from the beginning of a session, which BIDS writes as a
 date of 1925. Head motion is as recorded, on a clock that begins with the first sample.
@@ -16,15 +16,16 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ...errors import TraceError
+from ...errors import InputError, TraceError
 from ...poses import PoseTrack, load_trace
 from ...report import OutputFolder
 from ...resources import __version__, made_text
 from ...run import DESKTOP, OPENXR
+from ...scenes import inputs_beside, read_inputs
 from ..design import Design, Show
 from ..scales import Scale
 from ..store import PERSON, Contents, Session, Showing
-from .export_rows import EVENTS, RUN_EVENTS, Row, all_scales, event_rows, sessions_of
+from .export_rows import EVENTS, INPUT_EVENTS, RUN_EVENTS, Row, all_scales, event_rows, input_rows, sessions_of
 from .table_columns import Column, column_of, columns_for, columns_in, label_of, tsv_text
 
 FRAME = "world"
@@ -218,7 +219,7 @@ def write_bids(
             try:
                 files.append(tree.motion(session, showing, len(files)))
                 written += 1
-            except (TraceError, FileNotFoundError) as error:
+            except (InputError, FileNotFoundError) as error:
                 left_out.append(f"{showing.trace}: {str(error).splitlines()[0]}")
             progress(written + len(left_out), count)
         tree.scans(session, files)
@@ -293,13 +294,21 @@ class _Tree:
         )
 
     def motion(self, session: Session, showing: Showing, run: int) -> Row:
-        """Write the head motion of a showing. Errors: TraceError for an unreadable trace."""
-        track = load_trace(self.contents.folder / "traces" / showing.trace).track
+        """Write the head motion of a showing, and what was done in it.
+
+        Errors: TraceError for an unreadable trace, InputError for such inputs.
+        """
+        trace = self.contents.folder / "traces" / showing.trace
+        track, acted = load_trace(trace).track, inputs_beside(trace)
         if len(track) < 2:
             raise TraceError("a single pose is no motion")
         facts = self._facts(session, showing)
         events = [row | {"onset": 0.0} for row in event_rows(session, self.shows[session.id], [showing])]
-        self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, RUN_EVENTS)
+        columns = RUN_EVENTS
+        if acted.is_file():
+            events += input_rows(read_inputs(acted), track.start_ns + track.epoch_ns)
+            columns = INPUT_EVENTS
+        self._events(session, f"motion/{self._stem(session)}_run-{run:02d}", events, columns)
         stem = f"motion/{self._stem(session)}_tracksys-{TrackingSystem.of(facts).label}_run-{run:02d}"
         folder = self._folder(session)
         self._text(f"{folder}/{stem}_motion.tsv", motion_text(track))

@@ -10,10 +10,11 @@ from typing import Any
 import attrs
 
 from ...errors import InputError
+from ...scenes import InputEvent
 from ..design import DISPLAY, FILES, Ask, Design, Show, design_from_text, every_scale, live_options, steps_of
 from ..scales import FIRST, NEITHER, PREFERENCE, RATING, SECOND, Scale, scored
 from ..store import COMPLETE, DECLINED, PERSON, Answer, Contents, Session, Showing
-from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, NUMBER, SETTINGS, TEXT, Column, column_of
+from .table_columns import CANNOT_SAY, NOT_ALL, NOT_ASKED, NUMBER, SETTINGS, TEXT, Column, column_of, columns_in
 
 Row = dict[str, Any]
 _DIGITS = 6  # of times in seconds: a clock of nanoseconds says more than anything shown
@@ -49,6 +50,25 @@ EVENTS = (
 )
 # Next to one recording of head motion, which begins with the first picture.
 RUN_EVENTS = (Column("onset", NUMBER, "From the first pose of the recording", "s"), *EVENTS[1:])
+
+# Where people acted in the scene: a row for each input, after that of the trial.
+INPUT_EVENTS = (
+    RUN_EVENTS[0],
+    attrs.evolve(RUN_EVENTS[1], description=f"{RUN_EVENTS[1].description}; 0 for what was done in an instant"),
+    attrs.evolve(RUN_EVENTS[2], description=f"{RUN_EVENTS[2].description}; n/a for what was done in it"),
+    *RUN_EVENTS[3:],
+    *columns_in("inputs"),
+)
+
+
+def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
+    """Return rows by INPUT_EVENTS. start_ns: of the recording, on the inputs' clock."""
+    names = [column.name for column in columns_in("inputs")]
+    return [
+        {"onset": round((each.time_ns - start_ns) * 1e-9, _DIGITS), "duration": 0}
+        | dict(zip(names, (each.action, each.target, *each.origin_m, *each.direction), strict=True))
+        for each in sorted(done, key=lambda each: each.time_ns)
+    ]
 
 
 def short_rows(ratings: Iterable[Row]) -> list[Row]:

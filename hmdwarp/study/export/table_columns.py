@@ -18,6 +18,7 @@ import attrs
 from ...metrics import metrics_in_order
 from ...report import inert_text
 from ...resources import __version__, import_extra
+from ...scenes import ACTIONS
 from ..actual import COUNTS, FLAGS, NUMBERS, TEXTS
 from ..design import DISPLAY, KINDS
 from ..scales import KINDS as SCALE_KINDS
@@ -42,7 +43,7 @@ class Column:
 
 _SAID = tomllib.loads(Path(__file__).with_name("columns.toml").read_text(encoding="utf-8"))
 # Values whose descriptions columns.toml has in this order.
-_VALUES = {"origin": ORIGINS, "status": STATUSES, "phase": PHASES, "kind": (*SCALE_KINDS, "score")}
+_VALUES = {"origin": ORIGINS, "status": STATUSES, "phase": PHASES, "kind": (*SCALE_KINDS, "score"), "action": ACTIONS}
 _LEVELS = {name: dict(zip(values, _SAID["levels"][name], strict=True)) for name, values in _VALUES.items()} | {
     "why_missing": {
         CANNOT_SAY: "the participant could not say",

@@ -16,8 +16,7 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import entr, log_ndtr, ndtr, ndtri
-from scipy.stats import t as student
+from scipy.special import entr, log_ndtr, ndtr, ndtri, stdtrit
 
 from .rank_tests import bca_shares
 
@@ -186,7 +185,7 @@ def resampled_interval(found: float, resampled: Array, left_out: Array, level: f
     Statistician 69 ("expanded percentile").
     """
     people = len(left_out)
-    tail = ndtr(np.sqrt(people / (people - 1)) * student.ppf((1 - level) / 2, people - 1))
+    tail = ndtr(np.sqrt(people / (people - 1)) * stdtrit(people - 1, (1 - level) / 2))
     near = 1e-9 * max(1.0, abs(found))  # scores of equal answers differ by where the search ended
     below = ((resampled < found - near).mean() + (resampled <= found + near).mean()) / 2
     below = np.clip(below, 0.5 / len(resampled), 1 - 0.5 / len(resampled))

@@ -1,11 +1,12 @@
-// The passes of a refresh on the device: depth in, warp, pull, push. WebGL 2, the shaders of hmdwarp.
+// The passes of a refresh on the device: depth in, warp, pull, panels, push. WebGL 2, the shaders of hmdwarp.
 
 import { apply, matrixOf, relativeTo, times } from "./head.js";
 
-const TOLD = { size: [768, 192], half: [0.3, 0.075], ahead: { position: [0, 0, -2], orientation: [0, 0, 0, 1] }, letters: 40 };
+const TOLD = { size: [768, 192], metres: [0.6, 0.15], pose: { position: [0, 0, -2], orientation: [0, 0, 0, 1] }, isOnHead: true, letters: 40 };
 
 // As IterativeSettings and DEPTH_LIMITS of hmdwarp have them.
 const LIMITS = { depth_tolerance: 0.03, depth_floor: 0.02 }, SHEET = 1, CONVERGED = 0.75;
+const NEARER = 1 + 2 ** -10, EDGE_ON_M = 1e-6; // as effect_passes/panels_pass.py has them
 const GRID = 64; // cells a side, as CloudXR.js draws
 const LEAST_SIDE = 4; // pixels of the pyramid's top
 const MOST_PYRAMIDS = 2; // sizes of shown pictures: the window's and the headset's
@@ -33,6 +34,30 @@ function inverted([[a, b, c], [d, e, f], [g, h, i]]) {
 export function mapBetween(from, to) {
   const there = relativeTo(from.pose, to.pose), k = camera(to.fov, to.size, to.isTopFirst);
   return { H: times(times(k, matrixOf(there.orientation)), inverted(camera(from.fov, from.size, from.isTopFirst))), e: apply(k, there.position) };
+}
+
+const placeTo = ({ pose, isOnHead }, shown) => relativeTo(pose, isOnHead ? shown.head_from_eye : shown.pose);
+
+/** From shown pixels to (u w, v w, w) on a panel, w its inverse depth in 1/m; null where its front is not seen. */
+function panelFromShown(panel, shown) {
+  const { position: at, orientation } = placeTo(panel, shown), axes = [0, 1, 2].map((k) => matrixOf(orientation).map((row) => row[k]));
+  const [across, up, facing] = axes.map((axis) => axis[0] * at[0] + axis[1] * at[1] + axis[2] * at[2]);
+  if (!(facing <= -EDGE_ON_M)) return null;
+  const inverse = axes[2].map((value) => value / facing);
+  const ofRay = [across, up].map((along, k) => axes[k].map((value, j) => (value - along * inverse[j]) / panel.metres[k] + 0.5 * inverse[j]));
+  return times([...ofRay, inverse], inverted(camera(shown.fov, shown.size, false)));
+}
+
+/** First pixel and extent of what may show a panel: all of the view where a part of it lies behind the eye; null for none. */
+function boxOf(map, size) {
+  const shownFromPanel = inverted(map), corners = [[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]].map((corner) => apply(shownFromPanel, corner));
+  const before = corners.filter(([, , depth]) => depth > 0).length;
+  if (before < 4) return before && { low: [0, 0], extent: size };
+  const ends = size.map((side, k) => {
+    const places = corners.map((corner) => corner[k] / corner[2]);
+    return [Math.max(Math.floor(Math.min(...places)) - 1, 0), Math.min(Math.ceil(Math.max(...places)) + 1, side)];
+  });
+  return ends.every(([low, high]) => low < high) && { low: ends.map(([low]) => low), extent: ends.map(([low, high]) => high - low) };
 }
 
 /** What whole.vert reads. */
@@ -95,10 +120,10 @@ export class Chain {
     }
   }
 
-  texture(format, [width, height], filter = this.gl.NEAREST) {
+  texture(format, [width, height], filter = this.gl.NEAREST, levels = 1) {
     const gl = this.gl, texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, width, height);
+    gl.texStorage2D(gl.TEXTURE_2D, levels, format, width, height);
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, filter);
     for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
     return texture;
@@ -148,8 +173,8 @@ export class Chain {
   }
 
   /** A picture to draw into that is not shown, until it is dropped. */
-  scratch(size) {
-    const texture = this.texture(this.gl.RGBA8, size);
+  scratch(size, format = this.gl.RGBA8) {
+    const texture = this.texture(format, size);
     return { texture, target: this.target([texture]) };
   }
 
@@ -213,7 +238,7 @@ export class Chain {
     if (this.pyramids.has(key)) return this.pyramids.get(key);
     const levels = [];
     for (let [width, height] = size; ; [width, height] = [(width + 1) >> 1, (height + 1) >> 1]) {
-      const [colour, whole] = [0, 1].map(() => this.texture(gl.RGBA16F, [width, height], gl.LINEAR));
+      const colour = this.texture(gl.RGBA16F, [width, height], gl.LINEAR), whole = levels.length ? this.texture(gl.RGBA16F, [width, height], gl.LINEAR) : null;
       const depth = this.texture(gl.R32F, [width, height]);
       let nearest = null;
       if (!levels.length) {
@@ -221,7 +246,7 @@ export class Chain {
         gl.bindRenderbuffer(gl.RENDERBUFFER, nearest);
         gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, width, height);
       }
-      levels.push({ size: [width, height], colour, whole, depth, nearest, into: this.target([colour, depth], nearest), pushed: this.target([whole]) });
+      levels.push({ size: [width, height], colour, whole, depth, nearest, into: this.target([colour, depth], nearest), over: this.target([whole ?? colour]) });
       if (Math.max(width, height) <= LEAST_SIDE) break;
     }
     this.pyramids.set(key, levels);
@@ -231,9 +256,9 @@ export class Chain {
 
   forget(key, levels) {
     const gl = this.gl;
-    for (const { colour, whole, depth, nearest, into, pushed } of levels) {
+    for (const { colour, whole, depth, nearest, into, over } of levels) {
       for (const texture of [colour, whole, depth]) gl.deleteTexture(texture);
-      for (const target of [into, pushed]) gl.deleteFramebuffer(target);
+      for (const target of [into, over]) gl.deleteFramebuffer(target);
       gl.deleteRenderbuffer(nearest);
     }
     this.pyramids.delete(key);
@@ -279,11 +304,54 @@ export class Chain {
     return level;
   }
 
-  /** Show an eye in a framebuffer (null: the canvas), at a corner of it. shown: {pose, fov, size, mask}. */
-  show(k, shown, chain, target = null, corner = [0, 0], fill = "pyramid") {
+  /** A panel's picture as panel.frag reads it: premultiplied light with mip levels, the bottom row first. source: the top row first. */
+  picture(source) {
+    const gl = this.gl, texels = [source.width, source.height], count = 1 + Math.floor(Math.log2(Math.max(...texels)));
+    const texture = this.texture(gl.RGBA16F, texels, gl.LINEAR, count), turned = [[1 / texels[0], 0, 0], [0, -1 / texels[1], 1], [0, 0, 1]];
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_NEAREST);
+    let [size, before] = [texels, this.texture(gl.SRGB8_ALPHA8, texels)];
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, ...size, gl.RGBA, gl.UNSIGNED_BYTE, source);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ZERO, gl.ONE, gl.ZERO);
+    for (let level = 0; level < count; level += 1) {
+      const next = texels.map((side) => Math.max(side >> level, 1)), made = this.scratch(next, gl.RGBA16F);
+      const values = { panel: before, panel_texels: size, level_texels: next, panel_from_shown: turned, corner: [0, 0] };
+      if (!level) gl.enable(gl.BLEND);
+      this.use(this.program("panel.frag", { defines: level ? "#define LEVEL" : "" }), values);
+      this.draw(made.target, next);
+      gl.disable(gl.BLEND);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.copyTexSubImage2D(gl.TEXTURE_2D, level, 0, 0, 0, 0, ...next);
+      gl.deleteFramebuffer(made.target);
+      gl.deleteTexture(before);
+      [size, before] = [next, made.texture];
+    }
+    gl.deleteTexture(before);
+    return { texture, texels };
+  }
+
+  /** Blend a panel over an eye's picture, at a corner of a framebuffer. panel: {pose, isOnHead, metres, texture, texels}. */
+  blend(panel, shown, target, corner, defines = "", more = {}) {
+    const map = panelFromShown(panel, shown), box = map && boxOf(map, shown.size);
+    if (!box) return;
+    this.use(this.program("panel.frag", { defines }), { panel: panel.texture, panel_texels: panel.texels, panel_from_shown: map, corner, ...more });
+    this.draw(target, box.extent, 3, box.low.map((low, k) => corner[k] + low));
+  }
+
+  /** Lay panels over a warped picture, the farthest first. A hole's fill comes under them all the same: "over" is associative. */
+  lay(panels, shown, { over, depth }) {
+    const gl = this.gl, away = (panel) => Math.hypot(...placeTo(panel, shown).position), hidden = { shown_inverse_depth: depth, nearer: NEARER };
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    for (const panel of [...panels].sort((a, b) => away(b) - away(a))) this.blend(panel, shown, over, [0, 0], ...(panel.isOccluded ? ["#define OCCLUDED", hidden] : []));
+    gl.disable(gl.BLEND);
+  }
+
+  /** Show an eye in a framebuffer (null: the canvas), at a corner of it. shown: {pose, head_from_eye, fov, size, mask}. */
+  show(k, shown, chain, target = null, corner = [0, 0], fill = "pyramid", panels = []) {
     const levels = this.pyramid(shown.size), [finest] = levels, last = levels.length - 1;
     this.warpInto(k, shown, chain);
     if (fill === "none") {
+      this.lay(panels, shown, finest);
       this.use(this.over(shown, "push.frag", "#define ALONE"), { colours: finest.colour, is_last: true, corner, ...seen(shown) });
       this.draw(target, shown.size, 3, corner, shown.mask);
       return;
@@ -295,17 +363,19 @@ export class Chain {
     for (let n = last - 1; n > 0; n -= 1) {
       const above = levels[n + 1];
       this.use(this.program("push.frag"), { colours: levels[n].colour, above: n === last - 1 ? above.colour : above.whole, is_last: false, corner: [0, 0] });
-      this.draw(levels[n].pushed, levels[n].size);
+      this.draw(levels[n].over, levels[n].size);
     }
     const above = levels[Math.min(1, last)];
+    this.lay(panels, shown, finest);
     this.use(this.over(shown, "push.frag"), { colours: finest.colour, above: last > 1 ? above.whole : above.colour, is_last: true, corner, ...seen(shown) });
     this.draw(target, shown.size, 3, corner, shown.mask);
   }
 
-  /** What a warp finds: (h, w, 4) floats of light and coverage, the bottom row first. */
-  read(k, shown, chain) {
-    const gl = this.gl, found = new Float32Array(4 * shown.size[0] * shown.size[1]);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.warpInto(k, shown, chain).into);
+  /** What a warp finds, with panels over it: (h, w, 4) floats of premultiplied light and coverage, the bottom row first. */
+  read(k, shown, chain, panels = []) {
+    const gl = this.gl, found = new Float32Array(4 * shown.size[0] * shown.size[1]), level = this.warpInto(k, shown, chain);
+    this.lay(panels, shown, level);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, level.into);
     gl.readPixels(0, 0, ...shown.size, gl.RGBA, gl.FLOAT, found);
     return found;
   }
@@ -317,7 +387,7 @@ export class Chain {
   }
 
   /** Write a line for people over an eye's picture, 2 m ahead of the head. */
-  tell(text, { fov, size, head_from_eye }, target, corner) {
+  tell(text, eye, target, corner) {
     const gl = this.gl, [width, height] = TOLD.size;
     if (this.told?.text !== text) {
       const paper = (this.told?.paper ?? new OffscreenCanvas(width, height)), pen = paper.getContext("2d");
@@ -327,19 +397,12 @@ export class Chain {
       pen.fillStyle = "#fff";
       const rows = text.match(new RegExp(`.{1,${TOLD.letters}}(?: |$)`, "g")) ?? [text];
       rows.forEach((row, k) => pen.fillText(row.trim(), width / 2, height / 2 + 10 + 36 * (k - (rows.length - 1) / 2), width));
-      const texture = this.told?.texture ?? this.texture(gl.RGBA8, TOLD.size, gl.LINEAR);
-      gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, paper);
-      this.told = { text, texture, paper };
+      gl.deleteTexture(this.told?.texture ?? null);
+      this.told = { text, paper, ...TOLD, ...this.picture(paper) };
     }
-    const at = relativeTo(TOLD.ahead, head_from_eye).position, [left, right, down, up] = tangents(fov);
-    const scale = [size[0] / (right - left), size[1] / (up - down)];
-    const low = [left, down].map((edge, k) => corner[k] + Math.round((at[k] / -at[2] - TOLD.half[k] - edge) * scale[k]));
-    const extent = TOLD.half.map((half, k) => Math.max(1, Math.round(2 * half * scale[k])));
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
-    this.use(this.program("words.frag"), { words: this.told.texture, corner: low, extent });
-    this.draw(target, extent, 3, low);
+    this.blend(this.told, eye, target, corner, "#define ENCODED");
     gl.disable(gl.BLEND);
   }
 

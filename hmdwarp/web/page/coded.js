@@ -1,4 +1,4 @@
-// Pictures of videos: colour as the browser decodes it, depth by its codes.
+// Pictures of videos: colour as the browser decodes it, depth by its codes. And panels, whose pictures are files.
 
 /** Videos: format of docs/feed.md, what WebCodecs calls them (Annex B, as no description is given), crf of one quality. */
 export const VIDEOS = {
@@ -10,6 +10,9 @@ export const VIDEOS = {
 const typeOf = (colour) => Object.values(VIDEOS).find((video) => video.colour === colour).type;
 const HEADER_BYTES = 24; // CRC-32, f64 step, f64 nearest, u32 bytes of the map
 const MOST_CODE = 255;
+const MOST_PANELS = 15, MOST_SIDE = 8192, MOST_UPDATE = 1 << 20; // as frames/layers/panels.py has them; bytes that a frame brings
+const PLACE_BYTES = 76, FRAGMENT_BYTES = 14; // docs/feed.md: a panel's row, a fragment's head
+const LENGTH_OFF = 1e-3; // of a quaternion, from 1
 
 /** K of docs/feed.md, depth 3: where steps grow so that `steps` fit; 0 where they fit as they are. */
 export function bendOf(steps) {
@@ -114,5 +117,86 @@ export class VideoEye {
     const found = new Uint8Array(width * height);
     for (let row = 0; row < height; row += 1) found.set(codes.subarray(offset + row * stride, offset + row * stride + width), row * width);
     return found;
+  }
+}
+
+/** The panels of a scene as far as they have come, as docs/feed.md has them; one shows the picture before until then. */
+export class Panels {
+  constructor(chain) {
+    Object.assign(this, { chain, began: -1, last: Promise.resolve(), textures: new Map(), old: [], held: [] });
+  }
+
+  /** Take in what a frame brings, after those before it. Throws Error for what cannot be. */
+  take(frame) {
+    return (this.last = this.last.catch(() => {}).then(() => this.taken(frame)));
+  }
+
+  async taken(frame) {
+    const { bytes: given, isPacked, length } = frame.panels, bytes = isPacked && length <= MOST_UPDATE ? await inflated(given) : given;
+    if (length > MOST_UPDATE || bytes.length !== length) throw new Error(`${bytes.length} bytes of panels, said to be ${length}`);
+    if (frame.began !== this.began) this.begin(frame.began);
+    const view = new DataView(bytes.buffer, bytes.byteOffset, length), showing = Array.from({ length: view.getUint16(8, true) }, (_, k) => view.getUint16(10 + 2 * k, true));
+    for (let at = 10 + 2 * showing.length; at < length; ) {
+      const [number, index, count] = [0, 4, 8].map((field) => view.getUint32(at + field, true)), from = at + FRAGMENT_BYTES;
+      at = from + view.getUint16(at + 12, true);
+      if (at > length || index >= count) throw new Error("a fragment that does not fit");
+      if (this.whole.has(number)) continue;
+      const begun = this.begun.get(number) ?? new Map();
+      this.begun.set(number, begun.set(index, bytes.slice(from, at)));
+      if (begun.size !== count) continue;
+      const parts = Array.from(begun.keys()).sort((a, b) => a - b).map((key) => begun.get(key));
+      this.begun.delete(number);
+      this.whole.add(number);
+      const thing = new Blob(parts, { type: "image/png" });
+      if (number) this.textures.set(number, await this.picture(thing));
+      else this.places = this.placesIn(new DataView(await thing.arrayBuffer()));
+    }
+    const fits = !this.places || (showing.length === this.places.length && this.places.every(({ count }, k) => showing[k] < count));
+    if (!fits) throw new Error("panels that show other pictures than they have");
+    frame.showing = showing;
+  }
+
+  /** Another session: its pictures come again, and those of before stay until then. */
+  begin(began) {
+    this.old.push(...this.textures.values());
+    Object.assign(this, { began, textures: new Map(), begun: new Map(), whole: new Set(), places: null });
+  }
+
+  async picture(file) {
+    const header = new DataView(await file.slice(0, 24).arrayBuffer()), size = [16, 20].map((at) => header.getUint32(at));
+    const most = Math.min(MOST_SIDE, this.chain.gl.getParameter(this.chain.gl.MAX_TEXTURE_SIZE));
+    if (Math.max(...size) > most) throw new Error(`a picture of ${size.join("x")}: ${most} a side at most`);
+    const bitmap = await createImageBitmap(file, { premultiplyAlpha: "none", colorSpaceConversion: "none" });
+    const made = this.chain.picture(bitmap);
+    bitmap.close();
+    return made;
+  }
+
+  placesIn(view) {
+    if (view.byteLength % PLACE_BYTES || view.byteLength > MOST_PANELS * PLACE_BYTES) throw new Error(`${view.byteLength} bytes of places`);
+    let first = 1;
+    return Array.from({ length: view.byteLength / PLACE_BYTES }, (_, k) => {
+      const at = k * PLACE_BYTES, numbers = Array.from({ length: 9 }, (_, n) => view.getFloat64(at + 8 * n, true));
+      const pose = { position: numbers.slice(0, 3), orientation: numbers.slice(3, 7) }, metres = numbers.slice(7);
+      const isPlaced = numbers.every(Number.isFinite) && Math.abs(Math.hypot(...pose.orientation) - 1) <= LENGTH_OFF && Math.min(...metres) > 0;
+      if (!isPlaced) throw new Error(`a panel at ${numbers.join(" ")}`);
+      const [isOnHead, isOccluded] = [72, 73].map((byte) => view.getUint8(at + byte) !== 0), count = view.getUint16(at + 74, true);
+      first += count;
+      return { pose, metres, isOnHead, isOccluded, count, first: first - count };
+    });
+  }
+
+  /** Show what a frame shows, as far as it has come: `laid` is what to lay over its picture. */
+  show({ showing }) {
+    this.places?.forEach((place, k) => {
+      const picture = this.textures.get(place.first + showing?.[k]);
+      if (picture) this.held[k] = { ...place, ...picture };
+    });
+    this.held.length = Math.min(this.held.length, this.places?.length ?? MOST_PANELS);
+    this.old = this.old.filter(({ texture }) => this.held.some((panel) => panel?.texture === texture) || this.chain.gl.deleteTexture(texture));
+  }
+
+  get laid() {
+    return this.held.filter(Boolean);
   }
 }

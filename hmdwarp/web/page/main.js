@@ -2,8 +2,8 @@
 
 import { bench } from "./bench.js";
 import { Chain, CHAINS } from "./chain.js";
-import { VIDEOS, VideoEye, decodable } from "./coded.js";
-import { DEPTH_VIDEO8, Feed, RGBA8, ANY_DEPTH } from "./feed.js";
+import { Panels, VIDEOS, VideoEye, decodable } from "./coded.js";
+import { ANY_DEPTH, DEPTH_VIDEO8, Feed, GRAB, PUSH, RELEASE, RGBA8, SWITCH } from "./feed.js";
 import { ByHand, Recording, compose, relativeTo } from "./head.js";
 import { Governor, Stopwatch } from "./measure.js";
 import { Pace } from "./pace.js";
@@ -68,6 +68,7 @@ class Session {
     [this.costs, this.watch, this.why] = [{}, new Stopwatch(chain), "being measured"]; // ms of an eye, by chain
     this.pace = new Pace(RATE_HZ);
     this.predictor = new Predictor();
+    this.panels = new Panels(chain);
     this.report = about.reports ? new Report(this.feed, () => this.display()) : null;
   }
 
@@ -75,12 +76,24 @@ class Session {
     return performance.now() - this.begun;
   }
 
+  /** Push, switch, grab or let go what a hand points at, along its -z. */
+  act(action, hand) {
+    if (hand) this.feed.act(this.time(), action, hand);
+  }
+
+  letGo() {
+    if (this.holding) this.act(RELEASE, this.gaze);
+    this.holding = null;
+  }
+
   /** Ask for a frame for the head as it will be, where there is room for one. eyes: {head_from_eye, fov, size} as they are shown. */
   ask(head, eyes) {
     const now = performance.now(), { mbit, scale, rate } = this.pace.wish;
+    this.gaze = head;
     this.predictor.saw(now, head);
     if (now - this.lastAsk < 1000 / rate || !this.feed.hasRoom(1000 / rate, this.pace.shortest)) return;
     this.lastAsk = now;
+    if (this.holding) this.act(GRAB, this.holding(head)); // what is held follows the hand
     const ahead = Math.max(Number($("latency").value), this.feed.round) + 500 / rate, then = this.predictor.at(now, ahead);
     const wide = eyes.map((eye) => guarded(eye.fov, eye.size));
     const sides = [0, 1].map((axis) => Math.max(...wide.map(({ size }) => size[axis])));
@@ -90,6 +103,7 @@ class Session {
       sent: now, time: this.time(), head_time: this.time() + ahead, size: sides.map((side) => even(most * side)), head: then, rate, anew: this.anew,
       colour: coded?.colour ?? RGBA8, depth: coded ? DEPTH_VIDEO8 : ANY_DEPTH,
       quality: coded && !mbit ? 1 + this.quality : 0, mbit: mbit / eyes.length,
+      panels: this.about.panels ? { size: eyes[0].size, fovs: eyes.map(({ fov }) => fov) } : null,
       eyes: eyes.map((eye, k) => ({ world_from_eye: compose(then, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: wide[k].fov })),
     });
     this.anew = false;
@@ -114,11 +128,12 @@ class Session {
 
   async arrived(frame) {
     this.coming += 1;
-    await this.decoded(frame);
+    const taken = frame.panels && this.panels.take(frame).catch((error) => told(`The server's panels cannot be read: ${error.message}`, "panels"));
+    await this.decoded(frame, taken);
     this.coming -= 1;
   }
 
-  async decoded(frame) {
+  async decoded(frame, taken) {
     const begun = performance.now();
     figures.frames += 1;
     let pictures = null;
@@ -135,6 +150,7 @@ class Session {
       }
     }
     figures.decode = performance.now() - begun;
+    await taken;
     this.kept.push({ ...frame, pictures, decoded: figures.decode });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
@@ -160,6 +176,7 @@ class Session {
       frame.pictures.forEach((picture, k) => {
         this.chain.takeIn(k, { size: frame.size, ...picture, view: { pose: frame.eyes[k].world_from_eye, fov: frame.eyes[k].fov } });
       });
+      this.panels.show(frame);
       this.kept.splice(0, due).forEach((frame) => this.drop(frame));
       this.shown = frame;
     } else figures.stale += 1;
@@ -184,7 +201,7 @@ class Session {
     [this.measured, this.governor] = [key, null];
     const scratch = this.chain.scratch(shown.size), costs = {};
     for (const name of this.isForced ? [this.chosen] : NAMES) {
-      const times = await this.watch.times(() => this.chain.show(0, shown, name, scratch.target), TRIES);
+      const times = await this.watch.times(() => this.chain.show(0, shown, name, scratch.target, [0, 0], "pyramid", this.panels.laid), TRIES);
       costs[name] = Math.min(...times); // other load can only make a chain slower
     }
     this.chain.dropped(scratch);
@@ -233,11 +250,11 @@ class Session {
 
   show(head, eyes, target, corners, interval) {
     if (this.isBusy || !this.takeIn()) return;
-    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), fov: eye.fov, size: eye.size, mask: eye.mask ?? null }));
+    const views = eyes.map((eye) => ({ pose: compose(head, eye.head_from_eye), head_from_eye: eye.head_from_eye, fov: eye.fov, size: eye.size, mask: eye.mask ?? null }));
     this.interval = interval;
     this.measure(views[0], eyes.length);
-    const isTimed = this.watch.begin();
-    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k]));
+    const isTimed = this.watch.begin(), { laid } = this.panels;
+    views.forEach((view, k) => this.chain.show(Math.min(k, this.shown.eyes.length - 1), view, this.inUse, target, corners[k], "pyramid", laid));
     if (isTimed) this.watch.end();
     figures.all += 1;
     figures.refreshes += 1;
@@ -296,6 +313,7 @@ class Session {
 function tellFigures(session) {
   const passed = (performance.now() - figures.since) / 1000, frame = session.shown;
   if (!frame) return;
+  $("acts").hidden = !session.feed.reacts;
   const rows = {
     "age of the shown frame": `${(performance.now() - frame.asked).toFixed(0)} ms`,
     "round trip": `${session.feed.round.toFixed(0)} ms`,
@@ -363,15 +381,32 @@ async function enterVr(session, gl) {
   xr.addEventListener("visibilitychange", () => told(UNSEEN[xr.visibilityState] ?? "", "xr"));
   xr.addEventListener("end", () => {
     session.xr = null;
+    session.letGo();
     masks.splice(0).forEach((mask) => mask && session.chain.unmask(mask));
     told("VR has ended; the window goes on.", "xr");
     setTimeout(() => told("", "xr"), 5000);
   });
   told("", "xr");
   session.xr = xr;
-  let last = 0, seen = null;
+  let last = 0, seen = null, newest = null;
+  const pressed = new Map(); // by controller: since when, and where it pointed before the finger moved it
+  const handOf = ({ targetRaySpace }, frame) => {
+    const pose = frame.getPose(targetRaySpace, space);
+    return pose && compose(place, poseOf(pose.transform));
+  };
+  xr.addEventListener("selectstart", ({ inputSource, frame }) => pressed.set(inputSource, [performance.now(), handOf(inputSource, frame)]));
+  xr.addEventListener("selectend", ({ inputSource }) => {
+    const [since, hand] = pressed.get(inputSource) ?? [-HELD_MS, null];
+    if (performance.now() - since < HELD_MS) for (const action of [PUSH, SWITCH]) session.act(action, hand); // each means what takes it
+  });
+  xr.addEventListener("squeezestart", ({ inputSource, frame }) => {
+    session.act(GRAB, handOf(inputSource, frame));
+    session.holding = () => newest && handOf(inputSource, newest);
+  });
+  xr.addEventListener("squeezeend", () => session.letGo());
   const refresh = (now, frame) => {
     xr.requestAnimationFrame(refresh);
+    newest = frame;
     const viewer = frame.getViewerPose(space), begun = performance.now();
     if (viewer) {
       const own = poseOf(viewer.transform), head = compose(place, own);
@@ -424,7 +459,15 @@ async function begin() {
     $("more").setAttribute("aria-expanded", String(!$("figures").hidden));
   };
   const hide = () => ($("panel").hidden = !$("panel").hidden);
-  addEventListener("keydown", ({ code }) => code === "KeyH" && hide());
+  addEventListener("keydown", ({ code, repeat }) => {
+    if (code === "KeyH") hide();
+    const action = { KeyZ: PUSH, KeyL: SWITCH, KeyB: GRAB }[code];
+    if (!action || repeat || session.xr) return;
+    session.act(action, session.gaze);
+    if (action === GRAB) session.holding = (head) => head;
+  });
+  addEventListener("keyup", ({ code }) => code === "KeyB" && session.letGo());
+  addEventListener("blur", () => session.letGo());
   onHeld(canvas, "pointerdown", ["pointermove", "pointerup", "pointercancel"], hide);
   $("panel").onsubmit = (event) => event.preventDefault();
   if (await navigator.xr?.isSessionSupported("immersive-vr")) $("enter").hidden = false;

@@ -77,7 +77,8 @@ def test_a_clip_is_rated_as_in_a_replay(tmp_path):
     count = 16  # of 30 refreshes the one measured is 15
     one = attrs.evolve(RATED, warps=("forward",), fills=("none",), instants=1, out=tmp_path / "bench")
     (row,) = bench(attrs.evolve(one, jod_s=count / 60)).data["rows"]
-    run(tmp_path / "replay", warp="forward", guard=1.0, latency_ms=200.0, jod_s=count / 60, workers=0)
+    same = {name: getattr(one, name) for name in ("guard", "predict", "samples")}
+    run(tmp_path / "replay", warp="forward", latency_ms=200.0, jod_s=count / 60, **same)
     with (tmp_path / "replay" / "jod.csv").open(encoding="utf-8", newline="") as file:
         left = [float(row["jod"]) for row in csv.DictReader(file) if row["eye"] == "0" and int(row["frame"]) < count]
     assert len(left) == count

@@ -235,6 +235,8 @@ def test_a_link_too_narrow_and_a_decoder_too_slow_are_reasons(client, data):
     assert "Mbit/s" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), narrow)
     slow = attrs.evolve(able, decoder_mpx_s=takes * 0.999)
     assert "the client decodes" in unfit(row, plan, EyeSizes((96, 60), (96, 60)), slow)
+    uncoded = {**row, "link": {**row["link"], "codec": "none"}}
+    assert unfit(uncoded, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, decoder_mpx_s=0.0)) == ""
     timed = {**row, "clock": "gpu", "time_ms": {"total": {"median": 100.0}}}
     assert "ms an eye" in unfit(timed, plan, EyeSizes((96, 60), (96, 60)), attrs.evolve(able, budget_ms=1.0))
 
@@ -373,6 +375,40 @@ def test_means_of_a_suite_are_those_of_a_bench_link_by_link():
         assert (one["heads"], one["scenes"]) == (3, 3) and one["flip"]["interval"] is not None
     slow = [one | {"warp": one["strategy"], "fill": "none"} for one in rows if one["over"] == "slow"]
     assert [one["flip"] for one in over_all(slow)] == [one["flip"] for one in suite["over_all"][:2]]
+
+
+def finite(constant: str) -> float:
+    raise AssertionError(constant)
+
+
+@pytest.mark.parametrize("shut", [("--bandwidth", "0.02"), ("--loss", "1")])
+def test_what_a_link_lets_nothing_through_for_is_said_in_words(tmp_path, shut):
+    """A model needs no link once it is there, but frames to say what time it is."""
+    named = ("--strategy", "rotation", "--strategy", "model")
+    done = hmdwarp("compare", "look-around", *named, "--scene", "planes", *TINY, "--headset", "flat-90", "--workers",
+                   "0", *shut, "--out", tmp_path / "out")  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
+    data = json.loads((tmp_path / "out" / "compare.json").read_text("utf-8"), parse_constant=finite)
+    silent = [row["strategy"] for row in data["rows"] if "nothing" in row]
+    assert silent == (["rotation"] if shut[0] == "--bandwidth" else ["rotation", "model"])
+    assert not data["left_out"] and len(data["rows"]) == 2
+    row = data["rows"][0]
+    lost = "dropped" if shut[0] == "--bandwidth" else "lost"
+    assert row["nothing"].startswith("no frame arrived in time (drawn ") and lost in row["nothing"]
+    assert row["link"]["frames"]["drawn"] > 0 == row["frames"] and set(row["unfit"].values()) == {row["nothing"]}
+    with (tmp_path / "out" / "compare.csv").open(encoding="utf-8") as file:
+        (line, *_) = csv.DictReader(file)
+    assert line["flip"] == line["client_ms"] == "" and row["nothing"] in line["unfit"]
+    page = html.unescape((tmp_path / "out" / "compare.html").read_text("utf-8"))
+    page = re.sub('<wbr>|data:[^"]*', "", page)
+    assert "rotation: no frame arrived" in done.stdout and " nan" not in done.stdout
+    for text in (page, compare_markdown(data["rows"]).replace("`", "")):
+        assert f"rotation: {row['nothing']}" in text and not re.search(r"\bnan\b", text, re.IGNORECASE)
+    assert f"{len(silent)} run{'s' * (len(silent) > 1)} showed nothing" in page
+    assert len(re.findall("<figcaption>model: FLIP|<figcaption>rotation: FLIP", page)) == 2 - len(silent)
+    assert "rotation" not in chosen_markdown(data, ())
+    in_means = compared_entry("quick", data["rows"])["suite"]["over_all"]
+    assert [entry["strategy"] for entry in in_means] == ["rotation", "model"][len(silent) :]
 
 
 def test_recorded_frames_are_compared_by_what_colour_and_depth_allow(tmp_path):

@@ -47,7 +47,7 @@ def kill_in(victim: str, out: Path, chance: random.Random) -> list[str]:
         elif scheduler is not None:
             scheduler.kill()
         else:
-            _a_worker(driver, chance).kill()
+            _kill_a_worker(driver, chance)
         said = driver.communicate(timeout=PATIENCE_S)[1]
     faults = _faults_of_the_driver(victim, driver.returncode, said)
     kept = KeptCases(out / "cases")
@@ -83,11 +83,13 @@ def _wait(driver: subprocess.Popen, out: Path, count: int) -> None:
         time.sleep(0.002)
 
 
-def _a_worker(driver: subprocess.Popen, chance: random.Random) -> psutil.Process:
-    """Return one of the driver's workers: its children that have imported something."""
-    children = psutil.Process(driver.pid).children()
-    workers = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
-    return chance.choice(workers or children)
+def _kill_a_worker(driver: subprocess.Popen, chance: random.Random) -> None:
+    """Kill one of the driver's workers: its children that have imported something."""
+    with suppress(psutil.Error):  # it has just come to its end
+        children = psutil.Process(driver.pid).children()
+        workers = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+        if children:
+            chance.choice(workers or children).kill()
 
 
 def _cluster(out: Path, stack: ExitStack) -> tuple[str, subprocess.Popen]:
@@ -105,10 +107,11 @@ def _cluster(out: Path, stack: ExitStack) -> tuple[str, subprocess.Popen]:
     for name in ("one", "two"):
         more = ["--nthreads", "1", "--no-nanny", "--name", name, "--local-directory", str(out / name)]
         stack.callback(_end, subprocess.Popen([*module[:2], module[2].format("worker"), *common, *more], **quiet))
-    with suppress(ValueError):
-        return json.loads(about.read_text(encoding="utf-8"))["address"], scheduler
-    time.sleep(0.2)
-    return json.loads(about.read_text(encoding="utf-8"))["address"], scheduler
+    while True:
+        assert scheduler.poll() is None
+        with suppress(ValueError):  # it has not been written to its end
+            return json.loads(about.read_text(encoding="utf-8"))["address"], scheduler
+        time.sleep(0.01)
 
 
 def _end(process: subprocess.Popen) -> None:

@@ -10,12 +10,14 @@ from contextlib import contextmanager
 import attrs
 import numpy as np
 
+from hmdwarp.sources.feed.alignment import MOST_DRIFT, Alignment
 from hmdwarp.sources.feed.caller import Arrival, Caller
 from hmdwarp.sources.feed.listener import Listener
 
 from .test_message import ASK, FRAME
 
 _NUMBERS = itertools.count(1)
+WHENEVER_MS = 600_000  # at most, to wait for what is certain to come: a fail-safe
 
 
 def port_of(address: str) -> int:
@@ -52,6 +54,31 @@ def exchanged(caller: Caller, listener: Listener, at_most: int = 3000) -> tuple[
         if arrived := caller.take():
             return arrived[-1], count
     raise AssertionError("no frame came")
+
+
+def in_step(caller: Caller, listener: Listener) -> Arrival:
+    """Ask once, over a connection that is there and loses nothing; return the frame."""
+    number = next(_NUMBERS)
+    caller.ask(attrs.evolve(ASK, number=number, token=bytes(32)))
+    while not answered(listener):
+        pass
+    while (arrival := next_of(caller)[-1]).frame.number < number:  # those of before come first
+        pass
+    return arrival
+
+
+def next_of(caller: Caller) -> list[Arrival]:
+    """Return what has arrived, once something has."""
+    while not (arrived := caller.take()):
+        caller.wait_until(time.monotonic_ns() + WHENEVER_MS * 1_000_000)
+    return arrived
+
+
+def most_off_ns(clock: Alignment) -> float:
+    """Return how far the offset may be off now: half the longest round trip used, and a drift."""
+    kept = list(clock._kept)
+    used = sorted(one.round_trip_ns for one in kept)[: max(1, len(kept) // 4)]
+    return used[-1] / 2 + MOST_DRIFT * (time.monotonic_ns() - kept[0].sent_ns) + 1
 
 
 @contextmanager

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import signal
 import struct
 import threading
 import time
@@ -18,6 +19,8 @@ import pytest
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.run import LiveOptions, live
 from hmdwarp.sources.feed import viewer
+from hmdwarp.sources.feed.caller import Arrival, Caller
+from hmdwarp.sources.feed.message import decode
 
 from . import foreign
 
@@ -121,7 +124,7 @@ def options(address: str, out: Path, **more) -> LiveOptions:
     return LiveOptions.of({**said, "fill": "none", "lens": "none", "rate": 60.0, "panel": False, **more})
 
 
-def test_odd_frames_are_left_out_and_told_and_the_session_goes_on(tmp_path):
+def test_odd_frames_are_left_out_and_told_and_the_session_goes_on(tmp_path, monkeypatch):
     """Each kind comes twice among whole frames, once the way is measured."""
     kinds, came = [*ODD.values()] * 2, []
     BOMB()  # not while a frame is waited for
@@ -132,19 +135,32 @@ def test_odd_frames_are_left_out_and_told_and_the_session_goes_on(tmp_path):
         plain = foreign.frame(asked, heads=heads, parts=bytes(16 * pixels(asked)))
         if number < 8 or number % 2 or not kinds:
             return plain
-        came.append(number)
+        came.append(decode(asked).number)
         return kinds.pop(0)(asked)
 
+    newest, take, later = [0], Caller.take, itertools.count()
+
+    def taking(caller: Caller) -> list[Arrival]:
+        arrived = take(caller)
+        newest.extend(one.frame.number for one in arrived)
+        return arrived
+
+    def ends(number: int) -> None:
+        """Press Ctrl-C some pictures after a frame that came after all kinds."""
+        if not kinds and newest[-1] > came[-1] and next(later) == 5:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(Caller, "take", taking)
     said: list[str] = []
     with server(answers) as address:
-        pictures = 4 * len(ODD) + 30
         out = tmp_path / "out"
-        summary = live(options(address, out, effects="soft_motion", pictures=pictures), said.append).summary
+        summary = live(options(address, out, effects="soft_motion"), said.append, ends).summary
     feed = summary["link"]["feed"]
-    assert summary["live"]["refreshes"] == pictures and not kinds
+    assert summary["live"]["refreshes"] > len(came) == 2 * len(ODD)
     assert (out / "report.html").stat().st_size > 1000 and (out / "summary.json").exists()
     # Those with a head that can be read are told from each other; what is no message is counted.
-    assert feed["malformed"] + feed["undecodable"] >= len(came) - 4 and feed["lost"] == 0
+    assert feed["malformed"] + feed["undecodable"] >= len(came) - 4
+    assert feed["lost"] == sum("no frame for" in line for line in said)  # on a machine that stood still
     told = " ".join(line for line in said if "left out" in line)
     assert all(part in told for part in ("another size", "cannot be decoded", "left out: frame"))
     assert abs(feed["views_off"]["moved_m"]) < 1e-6

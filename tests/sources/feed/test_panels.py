@@ -116,7 +116,7 @@ def test_a_page_crosses_a_network_once_and_stays_sharp(tmp_path, monkeypatch):
         "scene": "reading",
         "rate_hz": 10.0,
         "trace": "still",
-        "seconds": 0.6,
+        "seconds": 1.5,
         "effects": "panels,no-occluded_panels",
     }
     with Serving("--scene", "reading") as serving:
@@ -124,7 +124,7 @@ def test_a_page_crosses_a_network_once_and_stays_sharp(tmp_path, monkeypatch):
         shown, summary = pictures(monkeypatch, options)
     assert summary["effects"] == ["panels"]
     page, _ = (panel.pictures[0] for panel in load_scene("reading").panels)
-    sent = summary["link"]["layers_mbit_s"]["panels"] * 1e6 / 8 * 0.6
+    sent = summary["link"]["layers_mbit_s"]["panels"] * 1e6 / 8 * 1.5
     once = sum(map(len, things_of(load_scene("reading").panels)))
     assert 0 < sent < once  # of two pages and two labels the first
     last = shown[max(shown)][1][0][..., :3]

@@ -9,7 +9,7 @@ from PIL import Image
 from recorded_folders import MILLIMETRES, REAL, REAL_CAMERAS, taken, write_npz, write_numbered, write_pictures
 
 from hmdwarp.sources import sequences
-from hmdwarp.sources.sequences import SequenceOptions, about_sky, depth_notes, parse_intrinsics
+from hmdwarp.sources.sequences import SequenceOptions, about_sky, about_unit, depth_notes, parse_intrinsics
 
 
 def scene(size=(160, 120)) -> np.ndarray:
@@ -113,6 +113,36 @@ def test_depth_in_another_unit_is_noticed(unit, name, tmp_path):
     (note,) = depth_notes(sequences.open(tmp_path / "wrong"))
     assert "the eye moves by 0.04 m" in note and f"--depth-scale {1 / unit:g} takes it as {name}: 1." in note
     assert depth_notes(sequences.open(tmp_path / "wrong", SequenceOptions(depth_scale=1 / unit))) == []
+
+
+@pytest.mark.parametrize("value", [0.0, np.nan, -2.0])
+def test_frames_without_any_depth_are_noted(value, tmp_path):
+    frames = taken(3)
+    frames[1] = attrs.evolve(frames[1], depth_m=np.full_like(frames[1].depth_m, value))
+    write_npz(tmp_path, frames)
+    (note,) = depth_notes(sequences.open(tmp_path))
+    assert note.startswith("1 of 3 frames looked at have no depth at all")
+    assert ("below 0: expected metres along -z" in note) == (value < 0)
+
+
+@pytest.mark.parametrize("near", [0.05, 0.1, 0.3])
+@pytest.mark.parametrize("far", [10.0, 1000.0, np.inf])
+@pytest.mark.parametrize("buffer", ["standard", "signed", "reversed"])
+def test_values_of_a_depth_buffer_are_noted(near, far, buffer):
+    """Of a room from 1 to 9 m, at planes that engines use."""
+    metres = np.linspace(1, 9, 120 * 90).reshape(90, 120)
+    clip = (1 - near / metres) / (1 - near / far)
+    values = {"standard": clip, "signed": 2 * clip - 1, "reversed": 1 - clip}[buffer]
+    said = about_unit([values], 0.05, "{:g}")
+    crowded = np.median(values) > 0.9 or np.median(values) < 0.05
+    assert len(said) == crowded and all("values of a depth buffer, not metres" in note for note in said)
+    assert crowded or near == 0.3  # 1 - 0.3 m / 5 m, and twice that less 1: a table in front of the eye
+    assert about_unit([values], 0.0, "{:g}") == []
+
+
+@pytest.mark.parametrize("depth", [np.ones((9, 12)), np.linspace(0.2, 1, 108), np.linspace(0.3, 4, 108)])
+def test_metres_near_the_eye_are_no_depth_buffer(depth):
+    assert about_unit([depth], 0.05, "{:g}") == []
 
 
 def test_plain_frames_have_no_notes(tmp_path):

@@ -58,7 +58,7 @@ def main() -> None:
     parser.add_argument(
         "--states", default="showing", help="names of STATES; the file LOG.state may name another one meanwhile"
     )
-    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--seconds", type=float, default=600.0, help="less those in which this program stands still")
     parser.add_argument("--do", default="", help="once, when the last question is to be repeated: see deed()")
     options = parser.parse_args()
     with options.log.open("a", encoding="utf-8", buffering=1) as log:
@@ -70,11 +70,11 @@ def main() -> None:
 
 
 def play(options: argparse.Namespace, log) -> None:
-    chosen, ended = options.log.with_suffix(".state"), time.monotonic() + options.seconds
+    chosen = options.log.with_suffix(".state")
     with make_console(options.console, "latency-and-warp") as console:
         console.say("the session begins")
         todo = options.do
-        while time.monotonic() < ended:
+        for _ in range(round(60 * options.seconds)):
             name = chosen.read_text(encoding="utf-8").strip() if chosen.exists() else options.states
             if name in STATES:
                 console.tell(STATES[name])
@@ -84,12 +84,12 @@ def play(options: argparse.Namespace, log) -> None:
                 if command.control == "stop":
                     return
                 if command.control == "again" and todo:
-                    deed(todo, console)
+                    deed(todo, console, chosen)
                     todo = ""
             time.sleep(1 / 60)
 
 
-def deed(name: str, console) -> None:
+def deed(name: str, console, chosen: Path) -> None:
     if name == "print":
         print("a print \x1b[31min red\x1b[0m")
         os.write(2, b"a driver's own words\n")
@@ -109,7 +109,8 @@ def deed(name: str, console) -> None:
     elif name == "abort":
         os.abort()
     elif name == "still":
-        time.sleep(5.0)
+        while not chosen.exists():
+            time.sleep(0.05)
 
 
 if __name__ == "__main__":

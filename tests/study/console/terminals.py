@@ -13,7 +13,7 @@ import pexpect
 import pyte
 
 ROOT = Path(__file__).resolve().parents[3]
-PATIENCE_S = 60.0  # against hanging; a loaded machine is slow
+PATIENCE_S = 600.0  # against hanging; a loaded machine is slow, and may stand still
 
 
 class Terminal:
@@ -108,5 +108,5 @@ def played_by_a_shell(log: Path, *more: str) -> Terminal:
     The shell then says "status N".
     """
     return Terminal(
-        ["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 60', "sh", sys.executable, PLAYED, str(log), *more]
+        ["/bin/sh", "-c", '"$@"; echo "status $?"; exec sleep 600', "sh", sys.executable, PLAYED, str(log), *more]
     )

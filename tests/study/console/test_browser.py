@@ -218,7 +218,10 @@ def _descendants(pid: int) -> list[int]:
 
 def _peak_mib(pid: int) -> float:
     # One that has just ended and was not waited for yet has no memory.
-    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except (FileNotFoundError, ProcessLookupError):
+        return 0
     return next((int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")), 0)
 
 
@@ -300,10 +303,12 @@ async def chromium(profile: Path, address: str) -> AsyncIterator[Chromium]:
         line = next(line for line in process.stderr if "DevTools listening" in line)
         listing = f"http://{line.split('//')[1].split('/')[0]}/json/list"
         async with aiohttp.ClientSession() as client:
-            async with client.get(listing) as answer:
-                pages = json.loads(await answer.text())
-            url = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
-            async with client.ws_connect(url, max_msg_size=0) as socket:
+            urls: list[str] = []
+            while not urls:  # it listens before it has a page
+                async with client.get(listing) as answer:
+                    pages = json.loads(await answer.text())
+                urls = [page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page"]
+            async with client.ws_connect(urls[0], max_msg_size=0) as socket:
                 yield Chromium(socket)
     finally:
         process.kill()

@@ -18,7 +18,7 @@ from hmdwarp.study.console.terminal_console import make_console
 from .played import ASKING, GRADE, SHOWING, STATES
 
 ROOT = Path(__file__).resolve().parents[3]
-PATIENCE_S = 60
+PATIENCE_S = 600
 
 
 def told(tmp_path, commands: str, *more: str) -> tuple[list[tuple[str, object]], str]:

@@ -285,6 +285,7 @@ def test_a_program_that_stands_still_is_seen(log):
     with played(log, "--do", "still") as terminal:
         do(terminal)
         terminal.until("NO NEWS FOR")
+        show(log, "showing")  # for which it waits
         terminal.until("NO NEWS FOR", there=False)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from hmdwarp.poses import load_trace
+from hmdwarp.scenes import INPUTS_HEADER, InputEvent, inputs_beside
 from hmdwarp.study.design import Show, steps_of
 from hmdwarp.study.export.bids import CHANNELS, Rates, TrackingSystem, motion_text
 from hmdwarp.study.export.write import export
@@ -235,6 +236,35 @@ def test_a_session_resumed_elsewhere_names_what_led_the_head_then(tmp_path, desi
     sides = [loaded(path) for path in sorted(tree.rglob("*_motion.json"), key=lambda path: "tracksys-hmd" in path.name)]
     assert [side["TrackingSystemName"] for side in sides] == [LED[0][1][1], LED[3][1][1]]
     assert [side["ManufacturersModelName"] for side in sides] == ["n/a", "Index"]
+
+
+def test_what_was_done_in_a_trial_is_events_of_its_recording(store, design, tmp_path):
+    """By the recording's clock, oldest first; recordings without inputs have no such columns."""
+    contents = store.contents()
+    first, *others = [showing for showing in contents.showings if showing.trial == 1]
+    start_ns = int((store.traces / first.trace).read_text("utf-8").split("time_ns")[1].split("\n")[1].split(",")[0])
+    done = [
+        InputEvent(start_ns + 300_000_000, "release", "ball", (0.5, 1.25, -1.0), (0.0, -0.5, -2.0)),
+        InputEvent(start_ns + 12_345_678, "grab", "ball", (0.25, 1.5, -0.0), (0.0, 0.0, -1.0)),
+    ]
+    inputs_beside(store.traces / first.trace).write_text(INPUTS_HEADER + "".join(each.row for each in done))
+    inputs_beside(store.traces / others[0].trace).write_text(INPUTS_HEADER + "soon,push,ball,0,0,0,0,0,-1\n")
+    made = export(contents, design, tmp_path / "out")
+    (left_out,) = [text for text in made.notes if text.startswith("left out: ")]
+    assert others[0].trace in left_out and "line 2: 'soon," in left_out
+    tables = {path: table(path) for path in made.folder.rglob("motion/*_events.tsv")}
+    ((path, (trial, *rows)),) = [(path, rows) for path, rows in tables.items() if "action" in rows[0]]
+    assert {name for name, value in trial.items() if value == "n/a"} == {"action", "target", *"xyz", "dx", "dy", "dz"}
+    assert [(row["onset"], row["duration"], row["action"], row["target"]) for row in rows] == [
+        ("0.012346", "0", "grab", "ball"),
+        ("0.3", "0", "release", "ball"),
+    ]
+    numbers = [[float(row[name]) for name in ("x", "y", "z", "dx", "dy", "dz")] for row in rows]
+    assert numbers == [[0.25, 1.5, 0, 0, 0, -1], [0.5, 1.25, -1, 0, -0.5, -2]]
+    side = loaded(path.with_suffix(".json"))
+    assert all("Description" in side[name] for name in rows[0]) and side["x"]["Units"] == "m"
+    assert set(side["action"]["Levels"]) == {"push", "switch", "grab", "release"}
+    test_every_column_of_every_table_is_in_its_sidecar(made.folder / "bids")
 
 
 def test_an_unreadable_trace_is_reported_and_the_rest_exported(store, design, tmp_path):

@@ -15,7 +15,7 @@ from commands import hmdwarp
 from .. import tiny
 from .sessions import contents, study
 
-PATIENCE_S = 120
+PATIENCE_S = 600
 REHEARSAL = ("--source", "offscreen", "--trace", "walk", "--pilot", "--console", "lines")
 
 

@@ -9,6 +9,7 @@ import fcntl
 import functools
 import json
 import os
+import random
 import re
 import shutil
 import signal
@@ -220,7 +221,7 @@ def test_a_store_of_a_newer_program(made):
 def test_a_page_that_was_overwritten_is_found_before_anything_is_written(made):
     data = bytearray((made / DATABASE).read_bytes())
     for page in range(5, len(data) // 4096, 3):  # not the schema's own: it must open and still be refused
-        data[page * 4096 : page * 4096 + 512] = os.urandom(512)
+        data[page * 4096 : page * 4096 + 512] = random.Random(page).randbytes(512)
     (made / DATABASE).write_bytes(data)
     with pytest.raises(InputError, match="damaged.*work on a copy"), Store(made) as store:
         begun(store, "Q1")
@@ -261,7 +262,7 @@ def test_two_programs_at_once(tmp_path):
 store = Store(Path(sys.argv[1]), create=True)
 begun(store)
 null = subprocess.DEVNULL
-helper = subprocess.Popen(["sleep", "120"], stdin=null, stdout=null, stderr=null)
+helper = subprocess.Popen(["sleep", "3600"], stdin=null, stdout=null, stderr=null)
 print(helper.pid, flush=True)
 sys.stdin.read()
 """

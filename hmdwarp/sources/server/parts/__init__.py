@@ -16,7 +16,7 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
-from ..passes import ScenePasses
+from ..passes import ScenePasses, Viewport
 from ..targets import Framebuffers, LastUsed, Multisampled, Target
 from ..upload import SceneTextures
 
@@ -42,6 +42,8 @@ class Drawing:
     age_ns: int = 0
     # For whom it is drawn, where that matters; None for the one that there is.
     client: Hashable = None
+    # The view that it is a part of, as seen everywhere, and the viewport of that.
+    part_of: tuple[View, Viewport] | None = None
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
         """Return another picture at the same instant, lit in the same way, without layers.

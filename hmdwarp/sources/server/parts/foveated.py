@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import attrs
 import moderngl
 
 from ....frames import EyeImage
@@ -31,10 +32,14 @@ class Foveated(Part):
         grid = fovea.grid(eye.view, eye.size)
         pictures = [eye]
         if isinstance(grid, InsetGrid):
-            sizes = (grid.coarse, grid.inset)
+            (coarse, inset), (x, y) = grid.views(eye.view), grid.at
+            # With the whole picture's projection: a polygon that is cut at another border has other
+            # edges, where several samples have other middles.
+            whole = (attrs.evolve(eye.view, hidden=None), (-x, -y, *grid.size))
+            sharp = attrs.evolve(drawing.of_light(inset, grid.inset), part_of=whole)
             pictures = [
-                self.context.draw(view, size, drawing.of_light(view, size))
-                for view, size in zip(grid.views(eye.view), sizes, strict=True)
+                self.context.draw(coarse, grid.coarse, drawing.of_light(coarse, grid.coarse)),
+                self.context.draw(inset, grid.inset, sharp),
             ]
         made: dict[str, Any] = {}
         for number, (name, kind) in enumerate(_KINDS.items()):

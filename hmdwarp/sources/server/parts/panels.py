@@ -62,7 +62,7 @@ class _Drawn:
     """One panel as sheets of a scene of its own, whose origin is the panel's place."""
 
     def __init__(self, context: DrawContext, panel: Panel) -> None:
-        self.panel, self._framebuffers = panel, context.framebuffers
+        self.panel, self._gpu, self._framebuffers = panel, context.gpu, context.framebuffers
         origin = (0.0, 0.0, 0.0) if panel.head_locked else panel.pose.position_m
         of_pose = panel.pose if panel.head_locked else attrs.evolve(panel.pose, position_m=(0.0, 0.0, 0.0))
         material = Material(see_through=not panel.head_locked, head_locked=panel.head_locked)
@@ -88,6 +88,7 @@ class _Drawn:
         if not panel.head_locked:
             near = self._framebuffers.over(eye.inverse_depth)
             sheets.draw(sheets.program("cutout"), eye.view, eye.drawn_ns, near, MOST)
+            self._gpu.barrier()  # llvmpipe lets shaders read inverse depth as it was before
 
     def close(self) -> None:
         for sheets in self._sheets:
