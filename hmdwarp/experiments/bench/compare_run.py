@@ -67,13 +67,14 @@ def compare(
     the run where none of several was done.
     """
     clients = [load_client(name) for name in options.clients]
-    runs, left_out, pictures = list[RunOptions](), list[dict[str, str]](), list[int]()
+    runs, left_out, pictures = list[RunOptions](), list[dict[str, str]](), list[tuple[int, int]]()
     for scene in options.scenes:
         own, left, counts = _checked(attrs.evolve(options, scene=scene))
         runs, left_out, pictures = runs + own, left_out + left, pictures + counts
     cases = [_case(run, options.clients) for run in runs]
     if options.suite:
-        say(cost_text(options.suite, [run.size or SIZE for run in runs], pictures, options.workers))
+        seen, drawn = zip(*pictures, strict=True)
+        say(cost_text(options.suite, [run.size or SIZE for run in runs], seen, options.workers, drawn))
         say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
     with experiment(options, FILES, _Work(), cases, progress, say) as (out, swept, described):
@@ -105,8 +106,10 @@ def over_text(network: LinkOptions) -> str:
     return ", ".join(words if loss is None else [*words, f"{100 * loss.mean:g} % lost"])
 
 
-def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]], list[int]]:
-    """Return the options of every run, what is left out and why, and measured pictures of each.
+def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, str]], list[tuple[int, int]]]:
+    """Return the options of every run, what is left out and why, and pictures of each.
+
+    Of pictures how many are measured, and how many drawn.
 
     Those not named are left out where the scene does not call for them, where they would do
     what another one does, and where recorded frames lack what they send.
@@ -146,7 +149,8 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
     for run in runs:
         codecs.get(run.coding.codec)
         schedule = schedule_for(run, source, traces[run.trace], rate_hz)
-        pictures.append(2 * -(-schedule.count // run.metrics_every))
+        drawn = schedule.count + schedule.age + schedule.ahead
+        pictures.append((2 * -(-schedule.count // run.metrics_every), 2 * drawn))
     return runs, left_out, pictures
 
 
