@@ -220,19 +220,39 @@ def suite(folder: Path, *ready: str) -> None:
     replace("suite", f"{told}\n\n{markdown(heads, map(_suite_cells, shown), texts=3)}")
 
 
-def _suite_cells(row: Mapping[str, Any]) -> list[str]:
-    def ranged(entry: Mapping[str, Any], form: str, sign: str = "") -> str:
-        ends = entry["interval"]
-        return format(entry["mean"], sign + form) + (f" ±{format((ends[1] - ends[0]) / 2, form)}" if ends else "")
+def _ranged(entry: Mapping[str, Any], form: str, sign: str = "") -> str:
+    ends = entry["interval"]
+    return format(entry["mean"], sign + form) + (f" ±{format((ends[1] - ends[0]) / 2, form)}" if ends else "")
 
+
+def _ranks(row: Mapping[str, Any]) -> tuple[str, str]:
     rank = row["rank"]
+    return (" to ".join(map(str, rank["interval"])), f"{rank['best']:.0%}") if rank else ("", "")
+
+
+def _suite_cells(row: Mapping[str, Any]) -> list[str]:
     return [
         *(format(row["latency_ms"], "g"), f"`{row['warp']}`", f"`{row['fill']}`"),
-        *(ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"), ranged(row["behind"], ".3f", "+")),
-        *(ranged(row["psnr_db"], ".2f"), ranged(row["where_seen_db"], ".2f")),
-        *((" to ".join(map(str, rank["interval"])), f"{rank['best']:.0%}") if rank else ("", "")),
+        *(_ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"), _ranged(row["behind"], ".3f", "+")),
+        *(_ranged(row["psnr_db"], ".2f"), _ranged(row["where_seen_db"], ".2f"), *_ranks(row)),
         *(format(row["halves"][half]["flip"], ".3f") for half in ("fit", "held_out")),
     ]
+
+
+def strategies_suite(folder: Path, *ready: str) -> None:
+    """Compare some strategies over people, scenes and lived links: means with intervals."""
+    command = "compare --suite brief --strategy rotation,proxy,depth_image,multi,difference"
+    data = read(ready)[0] if ready else hmdwarp(command, folder / "compare-suite", "compare.json")
+    about, rows = data["suite"], data["suite"]["over_all"]
+    heads = ["link", "strategy", "FLIP", "FLIP p95", "behind the best", "PSNR dB", "rank", "best in %"]
+    cells = [
+        [row["over"], f"`{row['strategy']}`", _ranged(row["flip"], ".3f"), format(row["flip"]["p95"], ".3f"),
+         _ranged(row["behind"], ".3f", "+"), _ranged(row["psnr_db"], ".2f"), *_ranks(row)]
+        for row in rows
+    ]  # fmt: skip
+    counts = "{} heads, {} scenes".format(max(row["heads"] for row in rows), max(row["scenes"] for row in rows))
+    told = f"Suite `{about['name']}` {about['version']} at {rows[0]['latency_ms']:g} ms, {counts}."
+    replace("strategies suite", f"{told}\n\n{markdown(heads, cells, texts=2)}")
 
 
 def strategies(folder: Path, *ready: str) -> None:
@@ -413,6 +433,7 @@ def pictures(folder: Path) -> None:
 OWN: Mapping[str, Callable[..., None]] = {
     "bench": bench,
     "strategies": strategies,
+    "strategies-suite": strategies_suite,
     "rgbd": rgbd,
     "thesis": thesis,
     "live-cost": live_cost,
