@@ -43,7 +43,7 @@ FRAMES = {
 # 100 Hz: each latency is a whole number of refreshes.
 OPTIONS = {
     "scene": "room", "warp": "iterative", "fill": "pyramid", "guard": 1.2, "rate_hz": 100.0, "start_s": 1.0,
-    "metrics_every": 5, "force": True, "coding": Coding("h264"), "headset": "flat-90",
+    "metrics_every": 5, "force": True, "coding": Coding("h264"), "headset": "flat-90", "samples": 4,
 }  # fmt: skip
 CHAINS = ("rotation/none", "iterative/pyramid", "forward/interpolate")
 HEADSET, GUARD, LATE_NS, AT_NS = "quest-3", 1.1, 50_000_000, 3_000_000_000
