@@ -25,6 +25,7 @@ from .textures import Canvas as Canvas
 from .textures import allocate as allocate
 from .textures import check_size as check_size
 from .textures import download as download
+from .textures import flip_map as flip_map
 from .textures import flip_rows as flip_rows
 from .textures import upload as upload
 from .timers import Lap as Lap

@@ -126,3 +126,10 @@ def download(texture: moderngl.Texture) -> NDArray[Any]:
 def flip_rows(image: NDArray[Any]) -> NDArray[Any]:
     """Turn top row first into bottom row first, or back. No other module flips rows."""
     return image[::-1]
+
+
+def flip_map(matrix: NDArray[np.float64], height: int) -> NDArray[np.float64]:
+    """Return a (3, 3) map between pixels, of pictures so high, as flip_rows turns their rows."""
+    turned = np.array([[1.0, 0, 0], [0, -1, height], [0, 0, 1]])
+    found: NDArray[np.float64] = turned @ matrix @ turned
+    return found

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..geometry import WarpMap
-from ..gpu import SCALAR, Gpu, allocate
+from ..gpu import SCALAR, Gpu, allocate, flip_map
 from ..gpu.shaders import Compute
 from ..gpu.textures import release_all
 from .job import Compared
@@ -128,9 +128,8 @@ class PairPass:
         self._before.write(self._earlier)
         for unit, texture in ((0, self._pixels), (2, self._before), (3, self._map)):
             texture.bind_to_image(unit, read=unit < 3, write=unit == 3)
-        turned = np.array([[1, 0, 0], [0, -1, high], [0, 0, 1]])  # the top row first
-        turn = turned @ WarpMap.between(now.view, self._size, before.view, self._size).H @ turned
-        self._change.uniforms.set(size=self._size, before_from_now=turn)
+        turn = WarpMap.between(now.view, self._size, before.view, self._size).H
+        self._change.uniforms.set(size=self._size, before_from_now=flip_map(turn, high))
         self._change.run(wide, high)
         self._gpu.barrier()
         found = self._read_map()

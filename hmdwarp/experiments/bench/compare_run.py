@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from ...client.capability import lacking
 from ...client.classes import Client, load_client
 from ...client.plan import Plan
-from ...client.strategies import strategies
-from ...errors import InputError, PlanError, unknown_name
+from ...client.strategies import options_of_strategy, strategies
+from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
@@ -121,8 +121,7 @@ def _checked(options: CompareOptions) -> tuple[list[RunOptions], list[dict[str, 
     source = source_of(first)
     scene, headset, left_out, chosen = source.scene, source.headset, [], dict[str, Any]()
     for text in options.strategies or strategies.names():
-        if not text:  # of other runs that is none
-            raise unknown_name("strategy", text, list(strategies.names()))
+        options_of_strategy(text)  # no name is none for a run alone, and unknown here
         try:
             run = _run_options(options, text, options.recordings[0], 0.0, 0.0)
             build_plan_for(run, headset, None)
