@@ -48,6 +48,7 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "warper cost": ("tests/bench_warper.py", True),
     "speed": ("tests/bench_quick.py", False),
     "speed aims": ("tests/bench_aims.py", True),
+    "before": ("tests/bench_before.py", True),
     "foveation": ("tests/bench_foveation.py", True),
     "panels": ("tests/bench_panels.py", True),
     "hidden area": ("tests/bench_hidden.py", True),

@@ -70,7 +70,15 @@ def _took_ns(gpu: Gpu, method: Callable[[], object]) -> int:
 def fewer_bytes(gpu: Gpu, name: str) -> float:
     """Return the share of bytes that coded frames of both eyes save, at an eighth of the size."""
     size = tuple(side // 8 for side in load_headset(name).eye_size_px)
-    options = {"headset": name, "size": size, "guard": GUARD, "scene": "room", "seconds": 1.0, "rate_hz": 20.0}
+    options = {
+        "headset": name,
+        "size": size,
+        "guard": GUARD,
+        "scene": "room",
+        "seconds": 1.0,
+        "rate_hz": 20.0,
+        "samples": 4,
+    }
     options |= {"coding": Coding("h264", depth="exact"), "metrics_every": 20}
     found = []
     for headset in (name, f"{name}:hidden=drawn"):
@@ -90,7 +98,7 @@ def main() -> None:
     print("| headset | hidden | drawing | " + " | ".join(columns) + " | bytes |")
     print("| --- |" + " ---: |" * (len(columns) + 3))
     with Gpu() as gpu:
-        server = Server(gpu, load_scene("room"))
+        server = Server(gpu, load_scene("room"), samples=4)
         for name in HEADSETS:
             both = (methods_of(gpu, server, one, arguments.scale) for one in (name, f"{name}:hidden=drawn"))
             share = load_headset(name).eyes[0].hidden_share

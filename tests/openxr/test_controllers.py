@@ -18,7 +18,7 @@ from hmdwarp.display.openxr.runtime import State
 from hmdwarp.geometry import Pose
 from hmdwarp.scenes import inputs_beside, load_scene, read_inputs
 from hmdwarp.study.design import Ask
-from hmdwarp.study.dialogs.buttons import CONTROLLERS
+from hmdwarp.study.dialogs.buttons import ACTING_CONTROLS, CONTROLLERS
 from hmdwarp.study.dialogs.buttons import CONTROLS as STUDY_CONTROLS
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 from hmdwarp.study.dialogs.question_dialog import QuestionDialog
@@ -223,6 +223,25 @@ def test_a_live_session_is_acted_in_by_hand(monado, remote_head, monkeypatch, tm
         # The runtime's numbers are float32, and turned into matrices by quaternions of length 1.
         assert np.allclose(event.origin_m, pose.position_m, atol=1e-5)
         assert np.allclose(event.direction, -pose.rotation_matrix[:, 2], atol=1e-5)
+
+
+def test_in_a_study_whose_scene_reacts_a_trigger_acts_and_confirms_at_once(monado, remote_head):
+    """By which a trial knows that it confirms nothing there; A confirms alone."""
+    made = OpenXrDisplay(DisplayOptions(size=SMALL, controls=ACTING_CONTROLS))
+    try:
+        hands, found = Controllers(made, remote_head), []
+        remote_head.aim("right", aimed("lamp", 0.0))
+        for pressed in (
+            {"trigger_click": 1, "trigger_value": 1},
+            {"trigger_click": 0, "trigger_value": 0},
+            {"a_click": 1},
+        ):
+            hands.set("right", **pressed)
+            found += [asked for asked in (hands.frames(1) for _ in range(8)) if asked]
+        assert [[command.control for command in asked] for asked in found] == [["confirm", "push"], ["confirm"]]
+        assert [command.hand is not None for command in found[0]] == [False, True]
+    finally:
+        made.close()
 
 
 def test_without_anybodys_attention_nothing_is_asked_for(display, remote_head, monado):

@@ -26,7 +26,7 @@ from .message import (
     encode,
     token_of,
 )
-from .shared_frames import IS_ABLE, MOST_OF_CLIENT, read
+from .shared_frames import IS_ABLE, MOST_OF_CLIENT, FrameReader
 from .sockets import (
     LINK,
     LOOK_NS,
@@ -74,6 +74,7 @@ class Caller:
         self.address, self._token = address_of(address), token_of(secret)
         self._server_key = server_key
         self._shares = shares and IS_ABLE and is_file(self.address) and not server_key
+        self._reader = FrameReader()
         # The connection that there is, and whether its silence is told.
         self._hearing: Hearing | None = None
         self._is_told, self._patience = False, 1
@@ -265,7 +266,7 @@ class Caller:
         """Return the frame that a server has shared. Errors: Malformed; OSError."""
         if not self._shares:
             raise Malformed("a frame in shared memory, which was not asked for")
-        found = decode(read(stub))
+        found = decode(self._reader.read(stub))
         self._unread = 0
         if not isinstance(found, FrameMessage) or found.number != stub.number:
             raise Malformed(f"shared memory without frame {stub.number}")

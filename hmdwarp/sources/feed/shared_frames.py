@@ -19,11 +19,13 @@ import secrets
 import stat
 import sys
 import time
-from collections import defaultdict
+import weakref
+from collections import defaultdict, deque
 from pathlib import Path
 
 import attrs
 import numpy as np
+from numpy.typing import NDArray
 
 from ... import platforms
 from ...platforms import CLOEXEC, NOFOLLOW, NONBLOCK
@@ -224,25 +226,46 @@ def _abandoned(owner: str) -> bool:
         os.close(descriptor)
 
 
-def read(stub: Stub) -> memoryview:
-    """Return the bytes that a server has shared.
+class FrameReader:
+    """Copies frames out of shared memory, into that of earlier ones which nobody holds any more.
 
-    Errors: Malformed where the name is no segment's, or it is shorter; OSError where it cannot be
-    read.
+    Memory that is new takes as long to get as the copy: the system clears it, page by page.
     """
-    if _SEGMENT.fullmatch(stub.name) is None:
-        raise Malformed(f"shared memory '{stub.name[:40]}': expected {PREFIX}-, an owner and a number")
-    flags = os.O_RDONLY | CLOEXEC | NOFOLLOW | NONBLOCK
-    descriptor = os.open(SHARED / stub.name, flags)
-    try:
-        found = os.fstat(descriptor)
-        if not stat.S_ISREG(found.st_mode) or found.st_size < stub.length:
-            raise Malformed(f"shared memory of {found.st_size} bytes: expected {stub.length}")
-        # An array's memory is twice as quick to get as that of bytes: it comes in large pages.
-        data = np.empty(stub.length, np.uint8).data
-        count = io.FileIO(descriptor, closefd=False).readinto(data)
-        if count < stub.length:
-            raise Malformed(f"shared memory that ends at {count} bytes: expected {stub.length}")
-        return data.toreadonly()
-    finally:
-        os.close(descriptor)
+
+    def __init__(self) -> None:
+        self._free: deque[NDArray[np.uint8]] = deque(maxlen=2)
+
+    def read(self, stub: Stub) -> memoryview:
+        """Return the bytes that a server has shared; they stay as long as anything refers to them.
+
+        Errors: Malformed where the name is no segment's, or it is shorter; OSError where it cannot
+        be read.
+        """
+        if _SEGMENT.fullmatch(stub.name) is None:
+            raise Malformed(f"shared memory '{stub.name[:40]}': expected {PREFIX}-, an owner and a number")
+        flags = os.O_RDONLY | CLOEXEC | NOFOLLOW | NONBLOCK
+        descriptor = os.open(SHARED / stub.name, flags)
+        try:
+            found = os.fstat(descriptor)
+            if not stat.S_ISREG(found.st_mode) or found.st_size < stub.length:
+                raise Malformed(f"shared memory of {found.st_size} bytes: expected {stub.length}")
+            # Mapping it is quicker, but a server that shrinks it would end this process.
+            data = self._memory(stub.length).data
+            count = io.FileIO(descriptor, closefd=False).readinto(data)
+            if count < stub.length:
+                raise Malformed(f"shared memory that ends at {count} bytes: expected {stub.length}")
+            return data.toreadonly()
+        finally:
+            os.close(descriptor)
+
+    def _memory(self, length: int) -> NDArray[np.uint8]:
+        while self._free:
+            memory = self._free.pop()
+            if length <= memory.nbytes <= 2 * length:
+                break
+        else:
+            # An array's memory is twice as quick to get as that of bytes: it comes in large pages.
+            memory = np.empty(length, np.uint8)
+        lent = memory[:length]
+        weakref.finalize(lent, self._free.append, memory).atexit = False
+        return lent

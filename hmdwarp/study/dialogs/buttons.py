@@ -138,9 +138,10 @@ _POINT = Control("digit", ".", "a number", "action", also=(",", "KP Decimal"), v
 
 # W A S D Q E walk. Escape opens the menu, which offers the end: a slip must not end a session, and
 # the way out must be easy to find.
-# In trials whose scene reacts; a controller's trigger answers questions.
-_ACTING = tuple(attrs.evolve(control(action), buttons=()) for action in ("push", "switch", "grab"))
-CONTROLS: tuple[Control, ...] = (
+# In trials whose scene reacts.
+_ACTING = tuple(map(control, ("push", "switch", "grab")))
+# With what acts by controllers too: there the trigger does, and confirms elsewhere.
+ACTING_CONTROLS: tuple[Control, ...] = (
     Control("left", "Left", "less, or the one before", "step", buttons=("left",)),
     Control("right", "Right", "more, or the next one", "step", buttons=("right",)),
     Control("up", "Up", "", "step", buttons=("up",)),
@@ -156,6 +157,7 @@ CONTROLS: tuple[Control, ...] = (
     control("full_screen"),
     attrs.evolve(control("help"), needs_text_panel=True),  # never over a trial's picture
 )
+CONTROLS = tuple(attrs.evolve(each, buttons=()) if each in _ACTING else each for each in ACTING_CONTROLS)
 
 
 BUTTON_HIGH = round(1.5 * LARGE)
@@ -176,7 +178,8 @@ class InputHints:
     look: str  # how to look around, in a sentence
     skip: str = ""  # leaves a question unanswered; "" where the menu does
     mouse: bool = False  # whether there is one, so that buttons are worth drawing
-    act: str = ""  # how to act in a scene that reacts; "" where nobody can
+    act: str = ""  # how to act in a scene that reacts
+    done: str = ""  # confirms in such a scene, where `confirm` acts; "" where it does not
 
 
 KEYS = InputHints(
@@ -197,6 +200,8 @@ CONTROLLERS = InputHints(
     confirm="trigger",
     menu="menu button",
     look="Turn your head to look around all the time.",
+    act="trigger: push or switch what the controller aims at\nsqueeze and hold: grab and move it",
+    done="A or X",
 )
 FOLLOWING = "The view moves by itself: watch it."
 

@@ -20,14 +20,14 @@ from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, lo
 from ..console.line_console import Console
 from ..console.terminal_console import make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
-from ..dialogs.buttons import CONTROLS, hints_for
+from ..dialogs.buttons import ACTING_CONTROLS, CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
 from .session_options import SessionOptions
 from .trial_runner import TrialRunner, first_picture_wait_s
-from .wording import ClosingWords
+from .wording import ClosingWords, scene_reacts
 
 Say = Callable[[str], None]
 
@@ -71,7 +71,8 @@ def run_session(
         live = live_options(first.settings, source=options.source, trace=options.trace)
         watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))
         sources = {live.scene_key: source_of(live)}
-        where = (live, sources[live.scene_key], watchdog.watching, console.say, CONTROLS)
+        controls = ACTING_CONTROLS if any(map(scene_reacts, design.part(part).conditions)) else CONTROLS
+        where = (live, sources[live.scene_key], watchdog.watching, console.say, controls)
         display = stack.enter_context(closing(open_display(*where, briefly=True)))
         markers: Markers = NoMarkers()
         if options.lsl:

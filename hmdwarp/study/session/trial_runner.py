@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...display import Command, Label
+from ...display import MOVED, Command, Label
 from ...errors import InputError
 from ...pipeline import Refresh, SceneKey, Source
 from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Recorder, took_by
@@ -136,7 +136,7 @@ class TrialHandler(StepHandler):
         if self._first_ns is not None and command.control in ACTIONS:
             if self._hand is not None:
                 self._hand.act(command)
-            elif not self._told:  # nothing may stand over the picture
+            elif command.hand is None and not self._told:  # nothing may stand over the picture
                 self._told = True
                 self.context.say(f"{command.control}: the scene of this trial does not react to what people do")
         if self._first_ns is None or command.control not in CONFIRMS:
@@ -147,7 +147,12 @@ class TrialHandler(StepHandler):
             self.by, self._is_done = by, True
 
     def handle(self, commands: Sequence[Command]) -> bool:
-        """Carry out the commands, and lead from the black to the pictures."""
+        """Carry out the commands, and lead from the black to the pictures.
+
+        A button of a controller that acts in the scene confirms nothing.
+        """
+        if self._hand is not None and any(one.hand is not None and one.value != MOVED for one in commands):
+            commands = [command for command in commands if command.control != "confirm"]
         super().handle(commands)
         if not self.pictures:
             self._lead()

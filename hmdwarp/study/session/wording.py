@@ -18,7 +18,7 @@ from ...poses import Origin, PoseSample
 from ...report import counted
 from ...run import Recorder
 from ...scenes import scenes
-from ..design import Ask, Design, Page, PageStep, Pause, Read, Show, Step
+from ..design import Ask, Condition, Design, Page, PageStep, Pause, Read, Show, Step
 from ..dialogs.buttons import InputHints
 from ..dialogs.dialog_panels import MessagePanel, message_panel, trial_panel
 from ..store import COMPLETE, DECLINED, INTERRUPTED, PERSON, PILOT, SICK, STOPPED, UNCONSENTED, Session, Store
@@ -179,6 +179,12 @@ def still_text(head: HeadRange) -> str:
     return f"the head hardly moved ({moved}): what was rated is almost a still picture"
 
 
+def scene_reacts(condition: Condition) -> bool:
+    """Return whether the scene of a trial reacts to what people do."""
+    name = condition.settings.get("scene")
+    return name in scenes.names() and scenes.get(str(name)).reacts is not None
+
+
 def number_panel(
     step: Show, steps: Sequence[Step], hints: InputHints, found: tuple[int, int] | None = None
 ) -> MessagePanel:
@@ -187,13 +193,14 @@ def number_panel(
     found: targets found in the trial before, and all of them.
     """
     before = "" if found is None else f"{found[0]} of {found[1]} found.\n"
+    reacts = scene_reacts(step.condition)
+    confirm = (reacts and hints.done) or hints.confirm
     if step.task is not None:
         balls = counted(step.task.count, "pink ball")
-        hint = f"{before}Find {balls}: bring one to the middle of your view. {hints.confirm}: select"
+        hint = f"{before}Find {balls}: bring one to the middle of your view. {confirm}: select"
     else:
-        hint = before + (f"Look around as long as you like. {hints.confirm}: done" if step.until_done else "")
-    name = step.condition.settings.get("scene")
-    if name in scenes.names() and scenes.get(str(name)).reacts is not None:
+        hint = before + (f"Look around as long as you like. {confirm}: done" if step.until_done else "")
+    if reacts:
         hint = f"{hint}\n{hints.act}".strip()
     return trial_panel(step.trial, _trials(steps), hint.rstrip(), step.turn)
 

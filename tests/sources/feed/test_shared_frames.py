@@ -12,12 +12,11 @@ import numpy as np
 import pytest
 from serving import Serving
 
-from hmdwarp.sources.feed import caller as caller_module
 from hmdwarp.sources.feed.caller import Caller
 from hmdwarp.sources.feed.key_pairs import key_pair
 from hmdwarp.sources.feed.listener import Listener
-from hmdwarp.sources.feed.message import Malformed, Stub, decode, encode
-from hmdwarp.sources.feed.shared_frames import IS_ABLE, SHARED, SharedFrames, read
+from hmdwarp.sources.feed.message import FrameMessage, Malformed, Stub, decode, encode
+from hmdwarp.sources.feed.shared_frames import IS_ABLE, SHARED, FrameReader, SharedFrames
 
 from .exchange import WHENEVER_MS, answered, exchanged, in_step, next_of
 from .test_message import ASK, FRAME, LAYERED
@@ -32,12 +31,13 @@ NAME = "hmdwarp-0123456789abcdef-1"
 def names(monkeypatch):
     """The segments that callers of this process have read."""
     found: list[str] = []
+    read = FrameReader.read
 
-    def noted(stub: Stub) -> memoryview:
+    def noted(reader: FrameReader, stub: Stub) -> memoryview:
         found.append(stub.name)
-        return read(stub)
+        return read(reader, stub)
 
-    monkeypatch.setattr(caller_module, "read", noted)
+    monkeypatch.setattr(FrameReader, "read", noted)
     return found
 
 
@@ -78,7 +78,33 @@ def test_a_frame_is_written_as_it_would_be_sent():
     with closing(SharedFrames()) as frames:
         for number, frame in enumerate((FRAME, LAYERED, turned), 1):
             asked = attrs.evolve(frame, number=number)
-            assert read(frames.put(b"client", asked)) == encode(asked)
+            assert FrameReader().read(frames.put(b"client", asked)) == encode(asked)
+
+
+def test_a_frame_that_is_held_stays_and_its_memory_serves_again_after():
+    reader, rng = FrameReader(), np.random.default_rng(1)
+
+    def read_of(number: int) -> tuple[FrameMessage, FrameMessage]:
+        # At first of another size each time, smaller ones after larger ones too.
+        rows = 64 - number % 5 if number < 20 else 60
+        cut = tuple(rng.random((rows, 300, 4), np.float32).astype(np.float16) for _ in FRAME.colours)
+        depths = tuple(rng.random(one.shape[:2], np.float32) for one in cut)
+        sent = attrs.evolve(FRAME, number=number, colours=cut, inverse_depths=depths)
+        found = decode(reader.read(frames.put(b"client", sent)))
+        frames.received(b"client", number)
+        return sent, found
+
+    with closing(SharedFrames()) as frames:
+        held = [read_of(number) for number in range(1, 4)]
+        places = set()
+        for number in range(4, 40):
+            held.append(read_of(number))
+            for sent, found in held:
+                assert encode(found) == encode(sent)
+            if number >= 25:  # by when none is of an earlier size
+                places.add(held[-1][1].colours[0].__array_interface__["data"][0])
+            held.pop(number % 3)
+        assert len(places) <= 6  # three that are held, two that are free, and the one that comes
 
 
 def test_segments_stay_until_their_frame_has_arrived_and_then_few():
@@ -86,7 +112,7 @@ def test_segments_stay_until_their_frame_has_arrived_and_then_few():
         stubs = [frames.put(b"client", attrs.evolve(FRAME, number=number)) for number in range(1, 21)]
         assert len({stub.name for stub in stubs}) == 20
         for stub in stubs:
-            assert decode(read(stub)).number == stub.number
+            assert decode(FrameReader().read(stub)).number == stub.number
         frames.received(b"client", 18)
         assert [stub.number for stub in stubs if (SHARED / stub.name).exists()] == [1, 2, 3, 19, 20]
         other = frames.put(b"other", FRAME)
@@ -143,7 +169,7 @@ def test_a_server_that_was_killed_is_cleaned_up_after_by_the_next(address, names
             with closing(Listener(f"ipc://{tmp_path}/others")):
                 assert left(names) == []
                 # One that lives keeps its own.
-                assert read(stub) == encode(FRAME)
+                assert FrameReader().read(stub) == encode(FRAME)
 
 
 def test_a_server_that_ends_leaves_nothing(address, names):
@@ -261,7 +287,7 @@ def test_a_segment_that_is_cut_while_it_is_read_is_a_short_read(tmp_path, monkey
 
         with monkeypatch.context() as patched, pytest.raises(Malformed, match="ends at 100"):
             patched.setattr(os, "fstat", shrinks)
-            read(stub)
+            FrameReader().read(stub)
 
 
 def test_segments_go_with_their_client(address, names):

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from replays import each_refresh
 from run.test_inputs import looking_at
+from scipy.spatial.transform import Rotation
 
-from hmdwarp.display import Command
+from hmdwarp.display import MOVED, Command
 from hmdwarp.errors import InputError
 from hmdwarp.geometry import Pose
 from hmdwarp.gpu import download
@@ -259,6 +260,57 @@ def test_what_participants_do_in_a_trial_is_kept_and_repeats_it_bit_for_bit(monk
         assert (len({*still}) > 1) == (showing is first)
     panels = [panel.hint for panel in ran.display.panels if isinstance(panel, MessagePanel) and "Trial" in panel.title]
     assert panels and all("Z or left mouse button: push" in hint for hint in panels)
+
+
+class ByHand(Person):
+    """A controller whose trigger acts and confirms at once: pushes, moves a ball, presses A."""
+
+    def __init__(self, thing: str) -> None:
+        super().__init__()
+        eye = np.array((0.2, 1.4, -0.3))
+        way = load_scene("playroom").inputs.things[thing].handle(0) - eye
+        turn = Rotation.align_vectors([way / np.linalg.norm(way)], [[0, 0, -1]])[0].as_quat()
+        self._hand, self._aside = (Pose(eye + (aside, 0, 0), turn) for aside in (0, 0.1))
+        self._pictures = 0
+
+    def looks(self, panel):
+        if panel != "":
+            self._pictures = 0
+            return super().looks(panel)
+        self._pictures += 1
+        return {
+            3: (Command("confirm"), Command("push", hand=self._hand)),
+            6: (Command("confirm"), Command("grab", True, hand=self._hand)),
+            8: (Command("grab", MOVED, hand=self._aside),),
+            9: (Command("grab", False, hand=self._aside),),
+            14: (Command("grab", MOVED, hand=self._aside), Command("confirm")),
+        }.get(self._pictures, ())
+
+
+@pytest.mark.parametrize(("thing", "does"), [("ball", ["push", "grab", "grab", "release"]), ("lamp", ["switch"])])
+def test_by_controllers_people_act_in_a_trial_and_end_it_by_another_button(monkeypatch, gpu, tmp_path, thing, does):
+    """What the trigger aims at takes a push or is switched; neither confirms."""
+    monkeypatch.setattr(sessions, "SeatedDisplay", Watched)
+    path = in_the_playroom(tmp_path)
+    text = path.read_text(encoding="utf-8").replace("seconds = 0.3", 'seconds = "until done"\nlongest = 3')
+    path.write_text(text, encoding="utf-8")
+    ran = run(monkeypatch, gpu, path, person=ByHand(thing))
+    assert ran.session.status == "complete", ran.error
+    for showing in contents(path).showings:
+        done = read_inputs(inputs_beside(contents(path).folder / "traces" / showing.trace))
+        assert [event.action for event in done] == does
+        assert {event.target for event in done} == {thing}
+        assert showing.actual["ended_by"] == "participant" and showing.actual["pictures"] >= 14
+
+
+def test_where_nothing_reacts_a_trigger_confirms_and_nothing_is_said(monkeypatch, gpu, tmp_path):
+    path = in_the_playroom(tmp_path, "planes")
+    text = path.read_text(encoding="utf-8").replace("seconds = 0.3", 'seconds = "until done"\nlongest = 3')
+    path.write_text(text, encoding="utf-8")
+    ran = run(monkeypatch, gpu, path, person=ByHand("ball"))
+    assert [showing.actual["ended_by"] for showing in contents(path).showings] == ["participant"] * 2
+    assert not any("does not react" in line for line in ran.console.said)
+    assert all(showing.actual["pictures"] < 6 for showing in contents(path).showings)
 
 
 def test_the_console_says_once_that_a_scene_does_not_react(monkeypatch, gpu, tmp_path):
