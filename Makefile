@@ -14,7 +14,7 @@ HEADSET = rift-dk1
 OUT = out/replay
 # How much of the trace, "all" for all of it; 3 seconds take less than a minute without a GPU.
 SECONDS = 3
-# Every n-th refresh is measured; a picture takes a core half a second or more.
+# Every n-th refresh is measured; one takes a core nearly a second with two comparisons.
 METRICS_EVERY = 30
 # Whatever else the command of replay or bench-quick takes, for instance OPTIONS="--seconds 2 --jitter 5".
 OPTIONS =
