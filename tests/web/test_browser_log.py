@@ -193,8 +193,8 @@ def _rows(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-# How old a frame has been in a page's session, how long that goes on, and the first of its frames. A
-# page that stands still for too long on a busy machine is cut, and begins another session.
+# How old a frame has been in a page's session, how long that goes on, and its first frame. A page
+# that stands still for too long on a busy machine is cut, and begins another session.
 NOTES = """{
   const { report } = hmdwarp.session, { add } = report;
   let { socket } = report.feed;
@@ -224,20 +224,22 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
     The replay's frames are drawn at even times, the browser's when it asked: what is the same are
     their delays, until they are first shown, and the head that the page was warped to.
     """
-    with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server:
-        with Browser(tmp_path / "profile", (240, 130)) as browser:
-            address = server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96"
-            if eyes == 2:
-                wear(browser)
-            browser.open(address)
-            browser.until("hmdwarp.session.report")
-            browser.does(NOTES)
-            if eyes == 2:
-                entered(browser)
-            socket = "hmdwarp.session.feed.socket.readyState"
-            ends = "hmdwarp.session.report.send(hmdwarp.session.time()), hmdwarp.session.feed.close(), true"
-            browser.until(f"{ENOUGH} && {socket} === 1 && ({ends})")
-            browser.until(f"{socket} === 3")  # all that was sent has arrived
+    with (
+        Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
+        Browser(tmp_path / "profile", (240, 130)) as browser,
+    ):
+        address = server.line("for a browser").split()[-1] + "&raw&trace=walk&latency=100&size=96"
+        if eyes == 2:
+            wear(browser)
+        browser.open(address)
+        browser.until("hmdwarp.session.report")
+        browser.does(NOTES)
+        if eyes == 2:
+            entered(browser)
+        socket = "hmdwarp.session.feed.socket.readyState"
+        ends = "hmdwarp.session.report.send(hmdwarp.session.time()), hmdwarp.session.feed.close(), true"
+        browser.until(f"{ENOUGH} && {socket} === 1 && ({ends})")
+        browser.until(f"{socket} === 3")  # all that was sent has arrived
     folder = max((tmp_path / "out").iterdir())  # a headset's window has a session before it
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert summary["trace"] == ("webxr" if eyes == 2 else "walk")
