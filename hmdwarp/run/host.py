@@ -24,7 +24,7 @@ from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_
 from ..pipeline.source import Source
 from ..poses import Origin, PoseSample
 from ..poses.track import LoopedSource, Moment
-from ..scenes import ACTIONS, GRAB, PUSH, RELEASE, SWITCH, InputEvent, SceneOptions, scenes
+from ..scenes import ACTIONS, GRAB, PUSH, RELEASE, InputEvent, SceneOptions, scenes
 from .bench_levels import levels_from_file
 from .options import BOTH, FLAT, OFFSCREEN, LiveOptions
 from .setup import EmulatedScreen, RecentPoses, RunSetup
@@ -301,7 +301,7 @@ class Hand:
             self._do(GRAB, self._head)
 
     def act(self, command: Command) -> None:
-        """Push, switch, grab or let go; a controller's push may switch. Errors: as Source.act."""
+        """Push, switch, grab or let go; a push lets go of what it throws. Errors: as Source.act."""
         action, pose = command.control, command.hand or self._head
         if command.value == MOVED:
             if self._grabbed is not None:
@@ -312,11 +312,12 @@ class Hand:
             if grabs == (self._grabbed is not None):
                 return
             action, self._by_controller = GRAB if grabs else RELEASE, command.hand is not None
-        log = self.host.source.scene.inputs
-        if action == PUSH and command.hand is not None and log is not None:
-            action = log.nearest(_event(self.now_ns(), PUSH, command.hand), PUSH, SWITCH)
-        done = self._do(action, pose)
-        self._grabbed = done if action == GRAB else self._grabbed if action == SWITCH else None
+        done, held = self._do(action, pose), self._grabbed
+        if action == PUSH and done is not None and held is not None and done.target == held.target:
+            self._do(RELEASE, pose)  # where only a server knows what the push meant
+            action = RELEASE
+        if action == RELEASE:
+            self._grabbed = None
 
     def _do(self, action: str, pose: Pose | None) -> InputEvent | None:
         if pose is None:

@@ -145,11 +145,6 @@ class InputLog:
     def __len__(self) -> int:
         return len(self.book)
 
-    def nearest(self, event: InputEvent, *actions: str) -> str:
-        """Return which action the thing nearest to the ray takes; the event's own without one."""
-        found = [(*each, action) for action in actions for each in self._aimed(attrs.evolve(event, action=action))]
-        return min(found)[2] if found else event.action
-
     def _meant(self, event: InputEvent) -> str:
         """Return the name of the thing that takes the action and is nearest to the ray, or "".
 
@@ -158,17 +153,13 @@ class InputLog:
         held = next((name for name in self.things if self._is_held(name, event.time_ns)), "")
         if event.action == RELEASE or (event.action == GRAB and held):  # wherever the hand points by then
             return held
-        return min(self._aimed(event), default=(0.0, ""))[1]
-
-    def _aimed(self, event: InputEvent) -> list[tuple[float, str]]:
-        """Return the things near the ray that take the action, each after its angle from it."""
-        ray, found = np.array(event.direction), []
+        ray, found = np.array(event.direction), [(_AIM_RAD, "")]
         for name, thing in self.things.items():
             if event.action in thing.takes:
                 way = thing.handle(event.time_ns) - event.origin_m
                 off = math.atan2(float(np.linalg.norm(np.cross(ray, way))), float(ray @ way))
-                found += [(off, name)] if off <= _AIM_RAD else []
-        return found
+                found.append((off, name))
+        return min(found)[1]
 
     def _is_held(self, name: str, time_ns: int) -> bool:
         events, count = self.of(name, time_ns)

@@ -256,9 +256,12 @@ class Hinged(Reacting[DoorState]):
 
 
 class Switched(Reacting[bool]):
-    """The share of its light that a lamp sends: all or nothing, changed by its switch."""
+    """The share of its light that a lamp sends: all or nothing, changed by its switch.
 
-    takes = (SWITCH,)
+    A push of the switch is the same, so that a client which only pushes need not know what is near.
+    """
+
+    takes = (SWITCH, PUSH)
 
     def __init__(self, name: str, log: InputLog, switch_m: ArrayLike, *, on: bool = True) -> None:
         """Wire a lamp. switch_m: place of the switch in the world."""

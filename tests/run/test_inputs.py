@@ -149,7 +149,7 @@ def looking_at(*seconds_and_names: tuple[float, str]) -> PoseTrack:
 ASKED = {
     2: [Command("grab")],
     6: [Command("push")],
-    22: [Command("switch"), Command("push")],  # what is ahead by now takes the first alone
+    22: [Command("switch")],
     30: [Command("grab", True), Command("grab", True)],
     33: [Command("grab", False), Command("grab", False)],
 }
@@ -189,21 +189,24 @@ def test_a_session_with_inputs_is_recorded_and_replayed_bit_for_bit(monkeypatch,
 
 
 def test_what_a_controller_holds_follows_it_and_not_the_head(monkeypatch, tmp_path):
-    track = looking_at((0.0, "ball"), (0.1, "ball"), (0.4, "door"))
+    track = looking_at((0.0, "ball"), (0.1, "ball"), (0.4, "door"), (9.0, "lamp"))
     first, then = (Pose(track.position_m[0] + (0.1 * k, 0, 0), track.orientation_xyzw[0]) for k in range(2))
+    other = Pose(track.position_m[0], track.orientation_xyzw[-1])  # of the other hand, which points at the lamp
     asked = {
         1: [Command("grab", MOVED, hand=first)],  # of nothing
-        3: [Command("grab", True, hand=first), Command("switch", hand=first)],
+        3: [Command("grab", True, hand=first), Command("push", hand=other)],
         9: [Command("grab", MOVED, hand=first)],  # no news
         12: [Command("grab", MOVED, hand=then)],
+        18: [Command("push", hand=then)],
+        19: [Command("grab", MOVED, hand=first)],  # it was thrown
         20: [Command("grab", False)],
     }
     display = OffscreenDisplay(track=track, size=(48, 40), asked=asked, events=closed_at(24))
     run_on(monkeypatch, display, LiveOptions(**LIVE, warp="none", record=tmp_path / "head.csv"))
     done = read_inputs(tmp_path / "head.input.csv")
-    assert [f"{event.action} {event.target}" for event in done] == ["grab ball", "grab ball", "release ball"]
-    places = [then.position_m if number else first.position_m for number in range(2)]
-    assert np.allclose([event.origin_m for event in done[:2]], places)
+    assert [f"{event.action} {event.target}" for event in done] == ["grab ball", "push lamp", "grab ball", "push ball"]
+    places = [first.position_m, other.position_m, then.position_m]
+    assert np.allclose([event.origin_m for event in done[:3]], places)
 
 
 def test_a_scene_that_does_not_react_says_so_and_a_run_without_inputs_writes_none(monkeypatch, tmp_path):

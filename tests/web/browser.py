@@ -79,17 +79,17 @@ def page(shaders: dict[str, str]) -> Iterator[str]:
 
 # What the page has told people so far, also what is gone by now.
 HEARD = """
-globalThis.heard = [];
+globalThis.heard = new Set();
 addEventListener("DOMContentLoaded", () => {
   const told = document.getElementById("told");
-  if (told) new MutationObserver(() => heard.push(told.textContent)).observe(told, { childList: true });
+  if (told) new MutationObserver(() => heard.add(told.textContent)).observe(told, { childList: true });
 });
 """
 
 
 def says(text: str) -> str:
     """Return a condition: the page has told people this, if only for a moment."""
-    return f"heard.some((line) => line.includes('{text}'))"
+    return f"[...heard].some((line) => line.includes('{text}'))"
 
 
 class Ended(Exception):

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _SYNCED = xr.Result.SUCCESS.value
 _VALID = xr.SpaceLocationFlags.ORIENTATION_VALID_BIT.value | xr.SpaceLocationFlags.POSITION_VALID_BIT.value
 _WORDS = {
-    "select": "push or switch what the controller aims at",
+    "select": "push what the controller aims at",
     "squeeze": "grab and move what the controller aims at",
     "across": "stick, across",
     "along": "stick, along",

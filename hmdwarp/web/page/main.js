@@ -76,9 +76,11 @@ class Session {
     return performance.now() - this.begun;
   }
 
-  /** Push, switch, grab or let go what a hand points at, along its -z. */
+  /** Push, switch, grab or let go what a hand points at, along its -z. What is held may be thrown by a push, so it is let go. */
   act(action, hand) {
-    if (hand) this.feed.act(this.time(), action, hand);
+    if (!hand) return;
+    this.feed.act(this.time(), action, hand);
+    if (action === PUSH) this.letGo();
   }
 
   letGo() {
@@ -397,7 +399,7 @@ async function enterVr(session, gl) {
   xr.addEventListener("selectstart", ({ inputSource, frame }) => pressed.set(inputSource, [performance.now(), handOf(inputSource, frame)]));
   xr.addEventListener("selectend", ({ inputSource }) => {
     const [since, hand] = pressed.get(inputSource) ?? [-HELD_MS, null];
-    if (performance.now() - since < HELD_MS) for (const action of [PUSH, SWITCH]) session.act(action, hand); // each means what takes it
+    if (performance.now() - since < HELD_MS) session.act(PUSH, hand);
   });
   xr.addEventListener("squeezestart", ({ inputSource, frame }) => {
     session.act(GRAB, handOf(inputSource, frame));

@@ -98,13 +98,14 @@ def test_a_scene_that_is_named_is_here_too_for_passes_that_draw_it(serving, monk
 
 
 class Switching(Closable):
-    """Its user presses the switch with the third picture, and goes with one that was drawn since.
+    """Its user acts with the third picture, and goes with one that was drawn since.
 
     The mean of each is kept.
     """
 
-    def __init__(self, **more) -> None:
+    def __init__(self, command: Command, **more) -> None:
         super().__init__(keeps=True, **more)
+        self.command = command
         self.means: list[float] = []
         self.pressed_ns = 2**62
 
@@ -113,22 +114,27 @@ class Switching(Closable):
         if refresh is not None:
             self.means.append(float(self.pictures[-1].mean()))
             if len(self.means) == 3:
-                self._asked[self._number], self.pressed_ns = [Command("switch")], self.now_ns()
+                self._asked[self._number], self.pressed_ns = [self.command], self.now_ns()
             elif refresh.frame.drawn_ns > self.pressed_ns + 1_000_000_000:
                 self.ask_to_close()
         return submitted_ns
 
 
-@pytest.mark.parametrize("scene", ["server", "playroom"])
-def test_what_people_do_in_a_live_run_reaches_the_server_and_comes_back(monkeypatch, tmp_path, scene):
-    """The lamp is switched off as soon as there is a picture, and frames come until it shows."""
+@pytest.mark.parametrize(("scene", "action"), [("server", "push"), ("playroom", "switch")])
+def test_what_people_do_in_a_live_run_reaches_the_server_and_comes_back(monkeypatch, tmp_path, scene, action):
+    """The lamp is switched off as soon as there is a picture, and frames come until it shows.
+
+    By a trigger where only the server knows that it is a lamp.
+    """
+    track = looking_at((0.0, "lamp"), (1.0, "lamp"))
+    command = Command(action, hand=Pose(track.position_m[0], track.orientation_xyzw[0]))
     recording = tmp_path / "head.csv"
     with Serving("--scene", "playroom", "--samples", "1") as server:
-        display = Switching(track=looking_at((0.0, "lamp"), (1.0, "lamp")))
+        display = Switching(command, track=track)
         asked = options(server.address, scene=scene, warp="none", record=recording)
         summary = run_on(monkeypatch, display, asked).summary
     (event,) = read_inputs(tmp_path / "head.input.csv")
-    assert (event.action, event.target) == ("switch", {"server": "", "playroom": "lamp"}[scene])
+    assert (event.action, event.target) == (action, {"server": "", "playroom": "lamp"}[scene])
     assert summary["input"]["answered"] == 1
     # That lamp gives more than half of the light.
     assert display.means[-1] < 0.75 * display.means[0]
