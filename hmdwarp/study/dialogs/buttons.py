@@ -200,7 +200,7 @@ CONTROLLERS = InputHints(
     confirm="trigger",
     menu="menu button",
     look="Turn your head to look around all the time.",
-    act="trigger: push or switch what the controller aims at\nsqueeze and hold: grab and move it",
+    act="trigger: push what the controller aims at\nsqueeze and hold: grab and move it",
     done="A or X",
 )
 FOLLOWING = "The view moves by itself: watch it."
