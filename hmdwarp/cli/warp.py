@@ -150,9 +150,9 @@ def _notes(frame: sequences.FrameFile, shown: geometry.View, options: WarpOption
     metres = in_metres(raw, scale)
     moved_m = float(np.linalg.norm(shown.pose.position_m - frame.view.pose.position_m))
     return [
-        *unstated(assumptions_of(frame, scale=options.depth_scale)),
+        *unstated(assumptions_of(frame, scale=options.depth_scale, encoding=options.encoding)),
         *frame.notes,
         *about_largest([raw]),
         *(about_sky([metres]) if options.no_depth != FAR else []),
-        *about_unit([metres], moved_m, "--depth-scale {:g}"),
+        *about_unit([metres], moved_m, "--depth-scale {:g}", [raw]),
     ]

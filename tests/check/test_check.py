@@ -157,6 +157,20 @@ def test_what_is_named_is_told_and_has_code_that_reads_the_frames_right(name, in
     assert mended.agreement == pytest.approx(answer.agreement, abs=0.05)
 
 
+@pytest.mark.parametrize("name", ["right", "w first", "rows up", "along the ray"])
+def test_most_of_the_picture_may_be_sky(name, in_the_room):
+    """Infinitely far and of one colour: sky agrees with sky under many readings."""
+    rng, frames = np.random.default_rng(17), []
+    for one, frame in zip(in_the_room.eyes[LEFT], right_frames(in_the_room, CAMERA, rng), strict=True):
+        up = (one.view.rays(frame.depth.shape[::-1])[::-1] @ one.view.pose.rotation_matrix.T)[..., 1]
+        is_sky = one.view.pose.position_m[1] + up * one.truth_m > 1.2
+        colour = np.where(is_sky[..., None], np.array([160, 190, 235], frame.colour.dtype), frame.colour)
+        frames.append(attrs.evolve(frame, depth=np.where(is_sky, np.inf, frame.depth), colour=colour))
+    assert np.median([np.isinf(frame.depth).mean() for frame in frames]) > 0.5
+    expected = MISREADINGS[name][1]
+    assert named(MISREADINGS[name][0](frames, rng)) == [expected] * (expected is not None)
+
+
 def mend(frame: StatedFrame, code: tuple[str, ...]) -> StatedFrame:
     """Run the lines over one frame."""
     height, width = frame.depth.shape
