@@ -393,7 +393,8 @@ class Cleaner:
         metres = None if p is None else p[change] * self.judged.scale()
         if not len(find_jumps(self.time_ns[change], q[change], metres)):
             return
-        what = f"the first {run} rows hold one default pose, then the head jumps"
+        rows = f"{run} rows hold" if run > 1 else "row holds"
+        what = f"the first {rows} one default pose, then the head jumps"
         self._note("default-start", what, "trimmed", np.arange(run))
         self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
         self._keep(slice(run, None))

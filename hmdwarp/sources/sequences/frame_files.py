@@ -263,7 +263,9 @@ def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -
     missing = [key for key in wanted if key not in found and not (key == "fov" and INTRINSICS in found)]
     if missing:
         names = ", ".join(f"fov or {INTRINSICS}" if key == "fov" else key for key in wanted)
-        raise InputError(f"{path}: no {', '.join(missing)} in it; found {', '.join(found) or 'nothing'}; expected {names}")
+        raise InputError(
+            f"{path}: no {', '.join(missing)} in it; found {', '.join(found) or 'nothing'}; expected {names}"
+        )
 
 
 def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:

@@ -330,7 +330,7 @@ def about_unit(
     """Return a note on depth that is hardly in metres.
 
     In a smaller unit: far away, while the eye hardly moves. The values of a depth buffer: all
-    within 1, and crowded at one end. Scaled though floats are mostly metres: all within centimetres.
+    within 1, and crowded at one end. Metres that a scale has shrunk: mostly within centimetres.
     depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
     raw: depths as files have them, where they do.
     """
