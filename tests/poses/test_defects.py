@@ -496,7 +496,7 @@ def test_14_one_angle_is_refused_with_an_order_too(tmp_path):
 
 
 def test_14_columns_that_a_narrow_file_has_are_offered(tmp_path):
-    path = write(tmp_path / "n.csv", [r[:7] for r in TABLE])
+    path = write(tmp_path / "n.csv", [r[:7] for r in TABLE], "")
     assert "say --columns t=1,p=2+3+4,e=5+6+7 with their numbers (e: angles, with --euler)" in refusal(path)
 
 

@@ -25,7 +25,7 @@ from ..track import PoseTrack
 _ORDER_ASSUMED = Defect(
     "order-assumed",
     "nothing in the file says whether w comes first or last in its quaternions",
-    "w last taken, as in TUM files; --quat-order wxyz says otherwise",
+    "w last taken, as in TUM files; --quat-order wxyz takes it first",
 )
 _MIXED = 4  # rows of several devices change from one to another at least every fourth time
 _BLOCK = 65536  # rows written at a time
