@@ -74,7 +74,8 @@ class LoadedTrace:
     def notes(self) -> list[str]:
         """Return a line for each defect, and of the facts that are only assumed."""
         is_told = any(defect.kind == "axes-contradicted" for defect in self.defects)
-        assumed = [f"the trace's axes: {self.axes}; --axes states them"] if self.axes_assumed and not is_told else []
+        remedy = "" if "--axes" in self.axes else "; --axes states them"
+        assumed = [f"the trace's axes: {self.axes}{remedy}"] if self.axes_assumed and not is_told else []
         others = (assumption for assumption in self.assumptions if assumption.what not in (AXES, UP))
         return [*assumed, *(f"The trace: {note}" for note in unstated(others)), *map(str, self.defects)]
 
