@@ -256,10 +256,14 @@ class Requirements(Declared):
         heading=_HEADING,
     )
 
-    def prepare(self, *, force: bool, has_baseline: bool = False) -> None:
-        """Check before a run what can be checked. Errors: InputError."""
+    def prepare(self, *, force: bool, has_baseline: bool | None = None) -> None:
+        """Check before a run what can be checked. Errors: InputError.
+
+        has_baseline: None for a command that takes none.
+        """
         if self.junit is not None and not self.require and not has_baseline:
-            raise InputError(f"--junit {self.junit}: expected --require or --baseline too, whose results it holds")
+            others = "" if has_baseline is None else " or --baseline"
+            raise InputError(f"--junit {self.junit}: expected --require{others} too, whose results it holds")
         if self.junit is not None:
             report.refuse_existing(self.junit, force=force)
 

@@ -80,7 +80,9 @@ def test_junit_holds_every_requirement_with_its_failure(tmp_path):
     assert [failure.get("message") for failure in suite.iter("failure")] == [line]
     with pytest.raises(InputError, match="exists already"):
         required.prepare(force=False)
-    with pytest.raises(InputError, match="expected --require or --baseline"):
+    with pytest.raises(InputError, match="expected --require or --baseline too"):
+        Requirements.of({"junit": path}).prepare(force=True, has_baseline=False)
+    with pytest.raises(InputError, match="expected --require too"):
         Requirements.of({"junit": path}).prepare(force=True)
 
 
