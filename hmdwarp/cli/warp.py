@@ -117,7 +117,7 @@ def warp(said: Said) -> None:
     write_image(options.out, result, shown)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
-    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share)):
+    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)):
         typer.echo(f"note: {note}")
 
 
