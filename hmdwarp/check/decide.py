@@ -75,7 +75,7 @@ def agreement(search: Search, reading: Reading) -> float:
     # Counted from infinity, as depths are: numbers that hardly differ agree with anything.
     infinity = reading.end - reading.offset / reading.factor
     found = search.coarse.residuals(attrs.evolve(reading, end=infinity, offset=0.0) if not reading.along else reading)
-    known = found.seen & ~np.isnan(found.depth)
+    known = found.seen & ~np.isnan(found.depth) & ~found.sky
     return float((np.abs(found.depth[known]) < CLOSE).mean()) if known.any() else 0.0
 
 
@@ -111,7 +111,7 @@ def _stepped(search: Search, found: Numbers, readings: Sequence[Reading]) -> Num
     """Return the same, or with one more convention without a number where that is surely better."""
     steps = _candidates(search, list(search.discrete(found.best.reading)), found.noise)
     better = min(steps, key=lambda one: float(one.cost.sum()))
-    if margin(found.best, better) <= SURE:
+    if margin(found.best, better) <= SURE or _simplest(search, [found.best, better]) is found.best:
         return found
     return NumberSearch(search, better, [better.reading, *readings]).found()
 
@@ -169,10 +169,18 @@ def _simplest(search: Search, candidates: Sequence[Candidate]) -> Candidate:
     """Return the best one, or one of fewer changes that is not surely worse.
 
     Nor is one under which more depths agree, and pictures are more alike: the cost of numbers that
-    hardly differ is small under any reading.
+    hardly differ, and of one sky on another, is small under any reading.
     """
     best = min(candidates, key=lambda one: float(one.cost.sum()))
     most, alike = agreement(search, best.reading), likeness(search, best.reading)
+    if alike < ALIKE:
+        better = [
+            one
+            for one in candidates
+            if agreement(search, one.reading) >= most and likeness(search, one.reading) >= ALIKE
+        ]
+        if better:
+            return _simplest(search, better)
 
     def is_as_good(one: Candidate) -> bool:
         share = agreement(search, one.reading)

@@ -34,6 +34,7 @@ class Residuals:
     colour: Array  # difference of the brightness
     brightness: Array  # of the one frame; the other has `colour` more
     seen: NDArray[np.bool_]  # whether the point lies in the other picture
+    sky: NDArray[np.bool_]  # whether both frames have it infinitely far
     pixel: Array  # (pairs, points, 2) where, in pixels
 
 
@@ -98,16 +99,16 @@ class Overlap:
         ray = np.sqrt(1 + np.where(seen, x * x + y * y, 0))
         # Compared as numbers that were measured: what a fit may change must not change their noise.
         size = np.abs(sampled - reading.end)
-        # In its own size and, so that what is far counts less, that of the median.
+        # In its own size and, so that what is far counts less, that of the median without the sky.
         with np.errstate(invalid="ignore", divide="ignore"):
-            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size, 1.0)))
+            depth = (reading.base(expected, ray) - sampled) / (0.5 * (size + _median(size[size > 0], 1.0)))
         source, target = (self._height - 1 - index for index in (row, line)) if reading.colour_rows_up else (row, line)
         there = self._picture_at(self.sheet.picture, column, target)
         here = self.sheet.picture[self._from, source, self.column]
         colour = there - here
-        return Residuals(
-            np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, np.stack([column, line], -1)
-        )
+        pixel = np.stack([column, line], -1)
+        sky = seen & (size == 0) & (depth == 0)
+        return Residuals(np.where(seen, depth, np.nan), np.where(seen, colour, np.nan), here, seen, sky, pixel)
 
     def score(self, reading: Reading) -> Array:
         """Return the agreement of each point, 0 to 1; NaN where nothing can be said."""
@@ -176,10 +177,12 @@ class Noise:
 
     @classmethod
     def of(cls, found: Residuals) -> Noise:
-        """Return those of residuals: from their medians, which outliers do not move."""
-        return cls(
-            *(max(1.48 * _median(np.abs(differences), math.inf), 1e-4) for differences in (found.depth, found.colour))
-        )
+        """Return those of residuals: from their medians, which outliers do not move.
+
+        Sky on sky, which agrees under many readings, tells nothing of it.
+        """
+        both = (np.abs(differences[~found.sky]) for differences in (found.depth, found.colour))
+        return cls(*(max(1.48 * _median(one, math.inf), 1e-4) for one in both))
 
 
 def cost(found: Residuals, noise: Noise) -> Array:

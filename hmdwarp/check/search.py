@@ -100,18 +100,18 @@ class Search:
 
     def usual_numbers(self, start: Reading) -> list[list[Reading]]:
         """Return readings of depth in other units, and of depth buffers; a list for each kind."""
-        base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
-        ways = [[attrs.evolve(start, factor=factor) for factor in self._factors(start, float(np.median(base)))]]
+        middle = float(np.median(_near(self.stated.coarse.inverse)))
+        ways = [[attrs.evolve(start, factor=factor) for factor in self._factors(start, middle)]]
         if self.stated.may_be_buffer:
-            numbers = self.stated.coarse.numbers[np.isfinite(self.stated.coarse.numbers)]
             for end, sign in ((1.0, -1.0), (-1.0 if self.stated.signed else 0.0, 1.0)):
                 buffer = attrs.evolve(start, kind=BUFFER, end=end)
-                ways.append(self._encoded(buffer, sign, float(np.median(np.abs(numbers - end))), _FARTHEST))
+                middle = float(np.median(np.abs(_near(self.stated.coarse.numbers - end))))
+                ways.append(self._encoded(buffer, sign, middle, _FARTHEST))
         return ways
 
     def numbers(self, start: Reading) -> list[list[Reading]]:
         """Return the same, and of distances that were made of a buffer with other planes."""
-        base = self.stated.coarse.inverse[np.isfinite(self.stated.coarse.inverse)]
+        base = _near(self.stated.coarse.inverse)
         middle, most = float(np.median(base)), float(np.percentile(base, 99.9))
         ways = self.usual_numbers(start)
         if not self.stated.may_be_buffer:  # near 1 a buffer and one over it differ by a plane
@@ -187,12 +187,11 @@ class Search:
     def span(self, reading: Reading) -> float:
         """Return what the inverse depth of the median pixel is over that of the farthest."""
         base = self.stated.coarse.inverse if reading.kind == METRES else self.stated.coarse.numbers
-        return abs(float((np.median(base[np.isfinite(base)]) - reading.end) * reading.factor))
+        return abs(float(np.median(_near(base - reading.end)) * reading.factor))
 
     def farthest(self, reading: Reading) -> float:
         """Return the inverse depth that all but a few pixels exceed, without the offset."""
-        base = self.stated.coarse.inverse
-        return abs(float(np.percentile(base[np.isfinite(base)], 5) * reading.factor))
+        return abs(float(np.percentile(_near(self.stated.coarse.inverse), 5) * reading.factor))
 
     def steps(self, reading: Reading) -> dict[str, float]:
         """Return the numbers that may be fitted, each with a small difference."""
@@ -226,6 +225,12 @@ def standard_errors(differences: Array) -> float:
 def margin(worse: Candidate, better: Candidate) -> float:
     """Return by how many standard errors one reading disagrees more than the other."""
     return standard_errors(worse.cost - better.cost)
+
+
+def _near(inverse: Array) -> Array:
+    """Return what is known and not infinitely far, as the sky is; 0 alone where nothing is."""
+    known = inverse[np.isfinite(inverse) & (inverse != 0)]
+    return known if len(known) else np.zeros(1)
 
 
 def _scaled(reading: Reading, by: float) -> Reading:

@@ -179,6 +179,9 @@ class Stated:
         picture /= max(picture.std(), 1e-9)
         depth = np.array([frame.depth[step // 2 : height : step, step // 2 : width : step] for frame in self.frames])
         depth = np.where((depth > 0) | ((depth < 0) & self.signed), depth, np.nan).astype(np.float64)
+        cleared = depth == 1
+        if self.may_be_buffer and (np.isfinite(depth) & ~cleared).any(axis=(1, 2)).all():
+            depth[cleared] = np.nan  # a buffer has sky at its far plane, where it is not
         around = np.stack([depth[:, y : y - 1 or None, x : x - 1 or None] for y in (0, 1) for x in (0, 1)])
         low, high = around.min(axis=0), around.max(axis=0)
         smooth = np.zeros(depth.shape, bool)

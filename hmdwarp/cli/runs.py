@@ -17,11 +17,11 @@ from ._show import sayer
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
     options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
-    required.prepare(force=options.force)
+    required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
     stored = baseline.stored(options.out)
     result = _replay(options, said["quiet"])
-    missed = required.missed([result.summary], result.against)
-    hold([*missed, *baseline.differences(stored, result.folder, options.command)])
+    differences = baseline.differences(stored, result.folder, options.command)
+    hold(required.missed([result.summary], result.against, differences))
 
 
 def _replay(options: RunOptions, quiet: bool) -> run.ReplayResult:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -183,8 +184,9 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
     from ..report import terminal_table
 
     heads = ("", *(f"p{p:g}" for p in poses.SPEED_PERCENTILES))
-    turning = ("turning, deg/s", *(f"{v:.1f}" for v in figures.angular_speed_deg_s))
-    moving = ("moving, m/s", *(f"{v:.3f}" for v in figures.linear_speed_m_s))
+    short = "trace too short"
+    turning = ("turning, deg/s", *(f"{v:.1f}" if math.isfinite(v) else short for v in figures.angular_speed_deg_s))
+    moving = ("moving, m/s", *(f"{v:.3f}" if math.isfinite(v) else short for v in figures.linear_speed_m_s))
     yield terminal_table(heads, [turning, moving], title="Speed (200 Hz, central differences)")
     costs: tuple[tuple[str, Callable[[poses.PredictionErrors], str]], ...] = (
         ("What latency costs: angle between the head and its --predict, degrees, p50 / p95 / p99 (mean)", _angles),
@@ -192,9 +194,7 @@ def _tables(loaded: poses.LoadedTrace, figures: poses.Analysis) -> Iterator[Tabl
     )
     heads = ("latency", *figures.errors[0].errors)
     for title, cell in costs:
-        cells = (
-            (cell(error) if row.count else "trace too short" for error in row.errors.values()) for row in figures.errors
-        )
+        cells = ((cell(error) if row.count else short for error in row.errors.values()) for row in figures.errors)
         lines = [(f"{row.latency_ms} ms", *texts) for row, texts in zip(figures.errors, cells, strict=True)]
         yield terminal_table(heads, lines, title=title)
     if (count := len(loaded.segments)) > 1:

@@ -117,7 +117,7 @@ def warp(said: Said) -> None:
     write_image(options.out, result, shown)
     stages = ", ".join(f"{name} {ms:.2f} ms" for name, ms in result.time_ms.items())
     typer.echo(f"{options.out}: {stages}; {100 * result.hole_share:.2f} % holes before the fill")
-    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share)):
+    for note in (*_notes(frame, shown, options), *about_holes(result.hole_share, frame.view, shown)):
         typer.echo(f"note: {note}")
 
 
@@ -150,9 +150,9 @@ def _notes(frame: sequences.FrameFile, shown: geometry.View, options: WarpOption
     metres = in_metres(raw, scale)
     moved_m = float(np.linalg.norm(shown.pose.position_m - frame.view.pose.position_m))
     return [
-        *unstated(assumptions_of(frame, scale=options.depth_scale)),
+        *unstated(assumptions_of(frame, scale=options.depth_scale, encoding=options.encoding)),
         *frame.notes,
         *about_largest([raw]),
         *(about_sky([metres]) if options.no_depth != FAR else []),
-        *about_unit([metres], moved_m, "--depth-scale {:g}"),
+        *about_unit([metres], moved_m, "--depth-scale {:g}", [raw]),
     ]

@@ -160,13 +160,17 @@ def about_corners(picture: RawPicture) -> list[str]:
     ]
 
 
-def about_holes(share: float) -> list[str]:
+def about_holes(share: float, rendered: View, shown: View) -> list[str]:
     """Return a note on a result that hardly anything of the picture is seen in. share: of holes."""
     if share <= _NOTHING:
         return []
+    between = rendered.pose.inverse() @ shown.pose
+    turned_deg = np.degrees(np.arccos(np.clip(between.rotation_matrix[2, 2], -1, 1)))
+    moved_m = np.linalg.norm(shown.pose.position_m - rendered.pose.position_m)
     return [
         f"{100 * share:.1f} % of the picture is empty before the fill: the frame has no depth there, or the two views "
-        "see little in common; check depth_m and position_m (metres) and the orientations"
+        f"see little in common, as they look {turned_deg:.0f} degrees apart from places {moved_m:.2g} m apart; check "
+        "depth_m and position_m (metres) and the orientations (x y z w)"
     ]
 
 

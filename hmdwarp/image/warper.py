@@ -646,7 +646,7 @@ class Warper:
         self._warned.add(_CORNERS)  # of the first picture
         # Where nothing fills holes, coverage tells of them.
         is_made_up = flight.plan.fills and _HOLES not in self._warned
-        empty = about_holes(self._hole_share(flight)) if is_made_up else []
+        empty = about_holes(self._hole_share(flight), *flight.views) if is_made_up else []
         self._warned.update([_HOLES] if empty else [])
         for note in (*largest, *unit, *corners, *empty):
             warnings.warn(note, stacklevel=5 if late else 4)  # where warp, warp_image or result is called

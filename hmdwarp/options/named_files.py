@@ -162,9 +162,9 @@ def _named_by(path: str | os.PathLike[str]) -> list[Path]:
 def _refuse_outside(real: str, path: object, folder: Path, what: str, error: type[InputError]) -> None:
     if os.environ.get(_VARIABLE) or Path(real).is_relative_to(os.path.realpath(folder)):
         return
+    place = "the current folder" if folder == Path() else folder
     raise error(
-        f"{_shown(path)} lies outside of {folder}: expected {what} in that folder: move it there, or give "
-        f"{OUTSIDE.flag}"
+        f"{_shown(path)} lies outside of {place}: expected {what} in that folder: move it there, or give {OUTSIDE.flag}"
     )
 
 

@@ -77,9 +77,10 @@ def find_format(head: Head, options: TraceOptions) -> TraceFormat:
     if scores[best] > 0:
         return formats.get(best)
     if head.names is None and head.width >= 5:
+        turn, of = ("q=5+6+7+8", "q: x y z w") if head.width > 7 else ("e=5+6+7", "e: angles, with --euler")
         raise TraceError(
             f"{head.path}: nothing in the file says what its columns are ({head.describe()}): "
-            "say --columns t=1,p=2+3+4,q=5+6+7+8 with their numbers (q: x y z w)"
+            f"say --columns t=1,p=2+3+4,{turn} with their numbers ({of})"
         )
     known = ", ".join(formats.names())
     raise TraceError(

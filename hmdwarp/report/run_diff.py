@@ -47,6 +47,8 @@ class StoredRun:
 
     place: Path
     summary: Mapping[str, Any]
+    # As it was named: the folder, or its summary.json.
+    named: Path
 
     @classmethod
     def of(cls, place: Path) -> Self:
@@ -59,7 +61,7 @@ class StoredRun:
             raise InputError(f"{path}: {error}") from error
         if "digests" not in summary:
             raise InputError(f"{path}: no digests: expected a replay of hmdwarp 0.2 or newer; run it again")
-        return cls(path.parent, summary)
+        return cls(path.parent, summary, place)
 
     def rows(self) -> list[dict[str, str]]:
         """Return the rows of frames.csv, none where the file is not kept."""
@@ -111,7 +113,7 @@ class RunDiff:
 
     def lines(self) -> list[str]:
         """Return what differs, a sentence each."""
-        pairs = [f"{part}: {key} is {' and '.join(_texts(a, b))}" for part, key, a, b in self._entries()]
+        pairs = [f"{part}: {key} was {', is '.join(_texts(a, b))}" for part, key, a, b in self._entries()]
         pictures = [
             f"picture: {one.name} " + (one.why or f"differs in {100 * one.share:.2g} % of pixels, by at most "
                                        f"{one.largest} of 255")
@@ -140,7 +142,7 @@ class RunDiff:
     def page(self, command: str) -> str:
         """Return the page: what differs in words, and each picture beside its difference."""
         shown = [one for one in self.pictures if one.pictures]
-        labels = (str(self.first.place), str(self.second.place), f"difference, {_MAGNIFY} times as large")
+        labels = (str(self.first.named), str(self.second.named), f"difference, {_MAGNIFY} times as large")
         blocks = [
             Picture.of(f"{one.name}: {label}", picture, f"{label} of {one.name}")
             for one in shown
@@ -151,7 +153,7 @@ class RunDiff:
             kind="diff",
             title="hmdwarp: two runs",
             heading=("Two runs", "equal" if self.is_equal else "they differ"),
-            facts=[fact("first", self.first.place), fact("second", self.second.place)],
+            facts=[fact("was", self.first.named), fact("is", self.second.named)],
             command=command,
             remarks=self.notes,
             sections=(
@@ -177,9 +179,9 @@ def diff_runs(first: StoredRun, second: StoredRun, tolerance: Mapping[str, float
     for name, key in (("driver", "gl_version"), ("renderer", "gl_renderer")):
         a, b = (run.summary["machine"].get(key) for run in (first, second))
         if a != b:
-            notes.append(f"another {name}: {a} and {b}; pictures may differ in their last digits")
+            notes.append(f"another {name}: was {a}, is {b}; pictures may differ in their last digits")
     if first.summary["hmdwarp"] != second.summary["hmdwarp"]:
-        notes.append(f"another version: {first.summary['hmdwarp']} and {second.summary['hmdwarp']}")
+        notes.append(f"another version: was {first.summary['hmdwarp']}, is {second.summary['hmdwarp']}")
     ours, theirs = first.summary["digests"], second.summary["digests"]
     refreshes = [] if ours["frames.csv"] == theirs["frames.csv"] else _refreshes(first, second, tolerance, notes)
     names = [name for name in dict.fromkeys([*ours, *theirs]) if name != "frames.csv"]
@@ -216,15 +218,15 @@ def _number(text: str | None) -> float | str | None:
 def _refreshes(first: StoredRun, second: StoredRun, tolerance: Mapping[str, float], notes: list[str]) -> list[str]:
     ours, theirs = first.rows(), second.rows()
     if not ours or not theirs:
-        missing = (first if not ours else second).place
+        missing = (first if not ours else second).named
         notes.append(f"frames.csv differs; {missing} has none, so that nothing can be said of single refreshes")
         return []
     if len(ours) != len(theirs):
-        return [f"frames.csv has {len(ours)} and {len(theirs)} rows"]
+        return [f"frames.csv had {len(ours)} rows, has {len(theirs)}"]
     found = []
     for a, b in zip(ours, theirs, strict=True):
         apart = [
-            f"{name} is {a.get(name)} and {b.get(name)}"
+            f"{name} was {', is '.join(_texts(_number(a.get(name)), _number(b.get(name))))}"
             for name in FRAME_COLUMNS
             if name not in TIMED_COLUMNS
             and not _is_close(_number(a.get(name)), _number(b.get(name)), tolerance.get(name, 0.0))
@@ -238,10 +240,10 @@ def _picture(first: StoredRun, second: StoredRun, name: str, tolerance: float) -
     a, b = first.picture(name), second.picture(name)
     if a is None or b is None:
         is_listed = all(name in run.summary["digests"] for run in (first, second))
-        missing = (first if a is None else second).place
+        missing = (first if a is None else second).named
         return PictureDiff(name, f"differs, and is not kept in {missing}" if is_listed else f"is not in {missing}")
     if a.shape != b.shape:
-        return PictureDiff(name, f"has {a.shape[1]}x{a.shape[0]} and {b.shape[1]}x{b.shape[0]} pixels")
+        return PictureDiff(name, f"had {a.shape[1]}x{a.shape[0]} pixels, has {b.shape[1]}x{b.shape[0]}")
     apart = np.abs(a.astype(np.int16) - b).max(axis=2)
     if apart.max(initial=0) <= tolerance:
         return None

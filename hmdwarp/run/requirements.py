@@ -84,7 +84,8 @@ class Requirement:
         """Yield (which row, why it does not hold, or "") of each row that it speaks of."""
         spoken = [row for row in ([*rows, *others] if self.figure.whose else rows) if self.figure.is_of(row)]
         if not spoken:
-            yield self.figure.whose, f"{self.text}: there is no result of '{self.figure.whose}'"
+            there = report.listed([*dict.fromkeys(row.get("strategy") or _pair(row) for row in [*rows, *others])])
+            yield self.figure.whose, f"{self.text}: there is no result of '{self.figure.whose}'; there is {there}"
         for row in spoken:
             who = f"{row['strategy']}: {_pair(row)}" if row.get("strategy") else _pair(row)
             where = f"{who}, {row['trace']} in {row['scene']}, {row['latency_ms']:g} ms"
@@ -215,13 +216,13 @@ class Baseline(Declared):
             raise InputError(f"--baseline {self.baseline}: this run goes there too; give it another --out")
         return report.StoredRun.of(self.baseline)
 
-    def differences(self, stored: report.StoredRun | None, folder: Path, command: str) -> list[str]:
-        """Return what a new run differs in; where it does, write the page of it.
+    def differences(self, stored: report.StoredRun | None, folder: Path, command: str) -> list[str] | None:
+        """Return what a new run differs in, None without a stored one; where it does, write a page.
 
         Errors: InputError for files that cannot be read.
         """
         if stored is None:
-            return []
+            return None
         found = self.tolerance.diff(stored, report.StoredRun.of(folder))
         if not found.is_equal:
             report.write_text(folder / report.DIFF_PAGE, found.page(command))
@@ -249,34 +250,48 @@ class Requirements(Declared):
         heading=_HEADING,
     )
     junit: Path | None = out_field(
-        None, "Also write what --require found to this file, as JUnit XML.", study="see --require", heading=_HEADING
+        None,
+        "Also write what --require and --baseline found to this file, as JUnit XML.",
+        study="see --require",
+        heading=_HEADING,
     )
 
-    def prepare(self, *, force: bool) -> None:
-        """Check before a run what can be checked. Errors: InputError."""
-        if self.junit is not None and not self.require:
-            raise InputError(f"--junit {self.junit}: expected --require too, whose results it holds")
+    def prepare(self, *, force: bool, has_baseline: bool | None = None) -> None:
+        """Check before a run what can be checked. Errors: InputError.
+
+        has_baseline: None for a command that takes none.
+        """
+        if self.junit is not None and not self.require and not has_baseline:
+            others = "" if has_baseline is None else " or --baseline"
+            raise InputError(f"--junit {self.junit}: expected --require{others} too, whose results it holds")
         if self.junit is not None:
             report.refuse_existing(self.junit, force=force)
 
-    def missed(self, rows: Sequence[Row], others: Sequence[Row] = ()) -> list[str]:
+    def missed(
+        self, rows: Sequence[Row], others: Sequence[Row] = (), differences: Sequence[str] | None = None
+    ) -> list[str]:
         """Return a line for each that does not hold, and write the file of `--junit`.
 
         rows, others: with the keys of summary.json; others: those of comparisons, which count only
-        where they are named. Errors: as report.write_bytes.
+        where they are named. differences: from a stored run, None without one.
+        Errors: as report.write_bytes.
         """
-        found = [(one, where, why) for one in self.require for where, why in one.verdicts(rows, others)]
+        found = [
+            (one.text, where, [why] * bool(why)) for one in self.require for where, why in one.verdicts(rows, others)
+        ]
+        if differences is not None:
+            found.append(("--baseline", "equal to the stored run", list(differences)))
         if self.junit is not None:
             report.write_bytes(self.junit, _junit(found))
-        return [why for _, _, why in found if why]
+        return [line for _, _, lines in found for line in lines]
 
 
-def _junit(found: Sequence[tuple[Requirement, str, str]]) -> bytes:
+def _junit(found: Sequence[tuple[str, str, Sequence[str]]]) -> bytes:
     suite = Xml.Element(
-        "testsuite", name="hmdwarp", tests=str(len(found)), failures=str(sum(bool(f[2]) for f in found))
+        "testsuite", name="hmdwarp", tests=str(len(found)), failures=str(sum(bool(lines) for *_, lines in found))
     )
-    for one, where, why in found:
-        case = Xml.SubElement(suite, "testcase", classname=where, name=one.text)
-        if why:
-            Xml.SubElement(case, "failure", message=why)
+    for name, where, lines in found:
+        case = Xml.SubElement(suite, "testcase", classname=where, name=name)
+        if lines:
+            Xml.SubElement(case, "failure", message=lines[0]).text = "\n".join(lines[1:]) or None
     return bytes(Xml.tostring(suite, encoding="utf-8", xml_declaration=True))

@@ -126,7 +126,8 @@ def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedu
     if first > length_s:
         raise InputError(
             f"--latency {options.total_latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no "
-            "frame would arrive; use a shorter latency or a longer trace"
+            "frame would arrive; use a shorter latency or a longer trace; if its length is wrong, state the unit of "
+            "its clock by --time-unit"
         )
     start_s = max(options.start_s, first)
     seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)

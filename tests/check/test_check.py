@@ -18,7 +18,7 @@ from wrong_frames import INTERVAL_NS, MISREADINGS, Recording, filmed, recordings
 
 from hmdwarp.check import LEFT, Stated, StatedFrame, check, mismatch, read_stated
 from hmdwarp.errors import InputError
-from hmdwarp.geometry import Fov, Pose, View, inverse_depth_from_clip
+from hmdwarp.geometry import DepthLayer, Fov, Pose, View, inverse_depth_from_clip
 from hmdwarp.scenes import scenes
 from hmdwarp.sources.sequences import SequenceOptions
 from hmdwarp.sources.server import Server
@@ -155,6 +155,40 @@ def test_what_is_named_is_told_and_has_code_that_reads_the_frames_right(name, in
     mended = check(Stated([mend(frame, answer.code) for frame in frames]))
     assert mended.verdict == "right"
     assert mended.agreement == pytest.approx(answer.agreement, abs=0.05)
+
+
+def under_sky(recording: Recording, rng: np.random.Generator) -> list[StatedFrame]:
+    """Return frames with sky above 1.2 m, of one colour, infinitely far: more than half of all."""
+    frames = []
+    for one, frame in zip(recording.eyes[LEFT], right_frames(recording, CAMERA, rng), strict=True):
+        up = (one.view.rays(frame.depth.shape[::-1])[::-1] @ one.view.pose.rotation_matrix.T)[..., 1]
+        is_sky = one.view.pose.position_m[1] + up * one.truth_m > 1.2
+        colour = np.where(is_sky[..., None], np.array([160, 190, 235], frame.colour.dtype), frame.colour)
+        frames.append(attrs.evolve(frame, depth=np.where(is_sky, np.inf, frame.depth), colour=colour))
+    assert np.median([np.isinf(frame.depth).mean() for frame in frames]) > 0.5
+    return frames
+
+
+@pytest.mark.parametrize("name", ["right", "w first", "rows up", "along the ray"])
+def test_most_of_the_picture_may_be_sky(name, in_the_room):
+    """Sky agrees with sky under many readings."""
+    rng = np.random.default_rng(17)
+    misread, expected = MISREADINGS[name]
+    assert named(misread(under_sky(in_the_room, rng), rng)) == [expected] * (expected is not None)
+
+
+def test_sky_at_the_far_plane_of_a_buffer_moves_no_plane(in_the_room):
+    """Where a buffer was cleared, nothing is: a surface there would make the frames disagree."""
+    layer = DepthLayer(0, 1, 0.1, 30)
+    with np.errstate(divide="ignore"):
+        frames = [
+            attrs.evolve(one, depth=layer.encode(1 / one.depth).astype(np.float32))
+            for one in under_sky(in_the_room, np.random.default_rng(17))
+        ]
+    answer = check(Stated(frames))
+    assert [finding.name for finding in answer.findings if not finding.as_stated] == ["encoding"]
+    # 1 / near - 1 / far is the factor: noise and gaps move it by less than a fiftieth.
+    assert answer.reading.factor == pytest.approx(-(1 / 0.1 - 1 / 30), rel=0.02)
 
 
 def mend(frame: StatedFrame, code: tuple[str, ...]) -> StatedFrame:

@@ -62,7 +62,7 @@ def test_the_same_pose_gives_the_same_picture(warp, tmp_path):
     done = warp().done()
     assert "out.npz" in done.out and "0.00 % holes" in done.out
     with np.load(tmp_path / "out.npz", allow_pickle=False) as data:
-        assert set(data) == {"colour", "coverage", "depth_m", "time_ms", *POSE}
+        assert set(data) == {"colour", "coverage", "depth_m", "encoding", "time_ms", *POSE}
         from hmdwarp.colour import srgb8_from_linear
 
         assert np.array_equal(srgb8_from_linear(data["colour"]), arrays()["colour"])
@@ -134,7 +134,7 @@ def test_a_result_is_not_overwritten(warp, tmp_path):
     warp().refused("out.npz exists already", "--force")
     assert (tmp_path / "out.npz").read_bytes() == b"precious"
     warp(None, None, "--force").done()
-    assert len(np.load(tmp_path / "out.npz")) == 7
+    assert len(np.load(tmp_path / "out.npz")) == 8
 
 
 def test_size_and_names_are_taken(warp, tmp_path):
@@ -277,6 +277,23 @@ def test_what_nothing_states_of_a_picture_is_noted(command, tmp_path):
     ).done()
     assert "note: Assumed, as nobody says it: depth scale 1 m per unit (--depth-scale states it)" in done.out
     assert "depth_offset is not read" in done.out
+
+
+def test_float_colour_of_no_stated_encoding_is_noted(warp, tmp_path):
+    light = {"colour": np.full((8, 10, 3), 0.5, np.float32)}
+    assert "Assumed, as nobody says it: encoding linear (float colour)" in warp(light).done().out
+    assert "Assumed" not in warp(light, None, "--encoding", "srgb", "--force").done().out
+    assert "Assumed" not in warp({**light, "encoding": "srgb"}, None, "--force").done().out
+    assert np.load(tmp_path / "out.npz")["encoding"] == "linear"  # a frame for the next warp, without a note
+
+
+def test_what_a_file_has_is_listed_beside_what_it_lacks(command, tmp_path):
+    Image.fromarray(arrays()["colour"]).save(tmp_path / "a.png")
+    np.save(tmp_path / "a.depth.npy", np.full((8, 10), 2.0))
+    (tmp_path / "a.json").write_text('{"intrinsics": [9, 9, 4, 4], "position_m": [0, 0, 0], "orientation_wxyz": []}')
+    command("warp", tmp_path / "a.png", "--to", write_pose(tmp_path / "to.json"), "--out", tmp_path / "o.png").refused(
+        "no orientation_xyzw in it; found intrinsics, position_m, orientation_wxyz; expected fov or intrinsics"
+    )
 
 
 def test_no_depth_is_far_where_it_is_stated(warp, tmp_path):

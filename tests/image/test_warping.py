@@ -328,6 +328,9 @@ def test_a_picture_that_a_fill_makes_up_is_warned_of(depth):
     depth_m[3, 4] = 2.0
     with pytest.warns(UserWarning, match="97.9 % of the picture is empty before the fill: the frame has no depth"):
         made_up = warp_image(colour, depth_m, view(), view(), fill="pyramid")
+    half_turn = view(position=(0, 0, 0.5), turn=(0, 180, 0))
+    with pytest.warns(UserWarning, match="look 180 degrees apart from places 0.5 m apart"):
+        warp_image(colour, np.full((6, 8), 2.0), view(), half_turn, fill="pyramid")
     assert made_up.hole_share == 47 / 48 and (made_up.coverage == 1).all()
     assert warp_image(colour, depth_m, view(), view()).coverage.sum() == 1  # which says it: no warning
 

@@ -482,6 +482,24 @@ def test_14_euler_angles_only_are_refused(tmp_path, header):
     assert "Euler angles only" in refusal(write(tmp_path / "e.csv", [r[:7] for r in TABLE], header))
 
 
+def test_14_units_in_brackets_belong_to_a_header_and_scale_what_they_name(tmp_path):
+    header = "Time (s),HeadPosX (cm),HeadPosY (cm),HeadPosZ (cm),qx (),qy (),qz (),qw ()"
+    rows = [[r[0], *(str(100 * float(x)) for x in r[1:4]), *r[4:]] for r in TABLE]
+    assert same_motion(load_trace(write(tmp_path / "u.csv", rows, header)).track, TRACK)
+    angles = "Time (s),HeadPosX (cm),HeadPosY (cm),HeadPosZ (cm),Pitch (deg),Yaw (deg),Roll (deg)"
+    assert "Euler angles only (Pitch (deg)," in refusal(write(tmp_path / "e.csv", [r[:7] for r in rows], angles))
+
+
+def test_14_one_angle_is_refused_with_an_order_too(tmp_path):
+    path = write(tmp_path / "y.csv", [[r[0], r[5]] for r in TABLE], "time,yaw")
+    assert "--euler takes three angles, called pitch, yaw and roll; found yaw" in refusal(path, euler="YXZ,deg")
+
+
+def test_14_columns_that_a_narrow_file_has_are_offered(tmp_path):
+    path = write(tmp_path / "n.csv", [r[:7] for r in TABLE], "")
+    assert "say --columns t=1,p=2+3+4,e=5+6+7 with their numbers (e: angles, with --euler)" in refusal(path)
+
+
 def test_14_no_time_is_refused_without_a_rate(tmp_path):
     path = write(tmp_path / "n.csv", [r[1:] for r in TABLE], "x,y,z,qx,qy,qz,qw")
     assert "--trace-rate" in refusal(path)

@@ -44,6 +44,13 @@ def test_fits_and_no_number_is_cut(width, warps):
         assert all(part in text for part in re.split(r"(?<=[:,])", name))
 
 
+def test_no_width_cuts_a_head():
+    """The longest piece of a name here is nine letters."""
+    rows = [a_row("iterative", "pyramid", trace="deg", latency_ms=latency) for latency in (100.0, 200.0)]
+    for width in range(60, 101):
+        assert "…" not in printed(rows, width), width
+
+
 def test_a_baseline_is_marked_with_its_system():
     rows = [a_row("mesh"), a_row("mesh:grid=64", baseline="CloudXR.js")]
     assert "mesh:grid=64 (CloudXR.js)" in printed(rows, 140)

@@ -44,7 +44,8 @@ def test_names_choose_rows_and_ratios_take_the_row_of_the_same_frames():
     assert missed("total_ms.median/rotation:total_ms.median<=1.0001") == []
     slower = {**OTHER, "latency_ms": 400.0}
     assert "0 results of 'rotation'" in missed("total_ms.median/rotation:total_ms.median<=2", others=(slower,))[0]
-    assert "no result of 'mesh:grid=64'" in missed("mesh:grid=64:psnr_db.mean>=1")[0]
+    said = missed("mesh:grid=64:psnr_db.mean>=1")[0]
+    assert "no result of 'mesh:grid=64'; there is forward+interpolate and rotation+interpolate" in said
     unmeasured = {**OURS, "quality": {**OURS["quality"], "flip": {"mean": None, "p95": None}}}
     assert "not measured" in missed("flip.mean<=1", rows=(unmeasured,))[0]
 
@@ -79,7 +80,9 @@ def test_junit_holds_every_requirement_with_its_failure(tmp_path):
     assert [failure.get("message") for failure in suite.iter("failure")] == [line]
     with pytest.raises(InputError, match="exists already"):
         required.prepare(force=False)
-    with pytest.raises(InputError, match="expected --require"):
+    with pytest.raises(InputError, match="expected --require or --baseline too"):
+        Requirements.of({"junit": path}).prepare(force=True, has_baseline=False)
+    with pytest.raises(InputError, match="expected --require too"):
         Requirements.of({"junit": path}).prepare(force=True)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -188,10 +189,21 @@ def _comparisons(part: str, rows: list[dict[str, Any]]) -> Table:
 
 
 def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:
-    """Return a table for the terminal; heads: (label, unit) of each column."""
-    from ...report import terminal_table
+    """Return a table for the terminal; heads: (label, unit) of each column.
 
-    return terminal_table((" ".join(head).strip() for head in heads), lines, title=title, title_style="bold")
+    Heads of numbers are broken into lines where the table would be wider than the terminal: it
+    would take that from the names of the rows.
+    """
+    from ...report import terminal_table
+    from .._show import console
+
+    names = [" ".join(head).strip() for head in heads]
+    cells = [max(map(len, column)) for column in zip(*lines, strict=True)] or [0] * len(names)
+    widths = [max(len(name), cell) + 1 for name, cell in zip(names, cells, strict=True)]
+    if sum(widths) > console().width:
+        folded = zip(names[1:], cells[1:], strict=True)
+        names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
+    return terminal_table(names, lines, title=title, title_style="bold")
 
 
 @attrs.frozen

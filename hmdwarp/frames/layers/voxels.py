@@ -42,6 +42,8 @@ class VoxelLight:
     @staticmethod
     def unsuited(scene: Scene) -> str:
         """Return why it is not for the scene, "" if it is."""
+        if not scene.meshes:
+            return "it is not drawn here, and its light is in its frames"
         return "" if scene.lamps else "its light stands still, and what is baked is exact"
 
 

@@ -25,7 +25,7 @@ from ..track import PoseTrack
 _ORDER_ASSUMED = Defect(
     "order-assumed",
     "nothing in the file says whether w comes first or last in its quaternions",
-    "w last taken, as in TUM files; --quat-order wxyz says otherwise",
+    "w last taken, as in TUM files; --quat-order wxyz takes it first",
 )
 _MIXED = 4  # rows of several devices change from one to another at least every fourth time
 _BLOCK = 65536  # rows written at a time
@@ -213,7 +213,7 @@ def _turn(head: Head, found: Columns, options: TraceOptions, known: dict[str, An
         return {"orientation": columns, "euler": euler, "order_by": By.USER if options.euler else By.FORMAT}
     if candidates:
         read_matrix(head, candidates[0], options.matrix)
-    raise _no_quaternion(head, found)
+    raise _no_quaternion(head, found, has_order=options.euler is not None)
 
 
 def _quaternion(head: Head, found: Columns, options: TraceOptions) -> dict[str, Any]:
@@ -324,9 +324,11 @@ def _order_ignored(order: str) -> Defect:
     )
 
 
-def _no_quaternion(head: Head, found: Columns) -> TraceError:
+def _no_quaternion(head: Head, found: Columns, *, has_order: bool) -> TraceError:
     if found.euler:
         names = ", ".join(found.euler[:4])
+        if has_order:
+            return TraceError(f"{head.path}: --euler takes three angles, called pitch, yaw and roll; found {names}")
         return TraceError(
             f"{head.path} gives Euler angles only ({names}): their order and signs differ "
             "from device to device, and the file does not state them; --euler does (ZXY,deg is Unity's; vector,rad a "

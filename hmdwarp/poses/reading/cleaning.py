@@ -73,7 +73,9 @@ class LoadedTrace:
 
     def notes(self) -> list[str]:
         """Return a line for each defect, and of the facts that are only assumed."""
-        assumed = [f"the trace's axes: {self.axes}; --axes says otherwise"] if self.axes_assumed else []
+        is_told = any(defect.kind == "axes-contradicted" for defect in self.defects)
+        remedy = "" if "--axes" in self.axes else "; --axes states them"
+        assumed = [f"the trace's axes: {self.axes}{remedy}"] if self.axes_assumed and not is_told else []
         others = (assumption for assumption in self.assumptions if assumption.what not in (AXES, UP))
         return [*assumed, *(f"The trace: {note}" for note in unstated(others)), *map(str, self.defects)]
 
@@ -393,7 +395,8 @@ class Cleaner:
         metres = None if p is None else p[change] * self.judged.scale()
         if not len(find_jumps(self.time_ns[change], q[change], metres)):
             return
-        what = f"the first {run} rows hold one default pose, then the head jumps"
+        rows = f"{run} rows hold" if run > 1 else "row holds"
+        what = f"the first {rows} one default pose, then the head jumps"
         self._note("default-start", what, "trimmed", np.arange(run))
         self.epoch_ns += int(self.time_ns[run] - self.time_ns[0])
         self._keep(slice(run, None))

@@ -295,8 +295,8 @@ def _preamble(
 
 
 def _looks_like_names(text: str) -> bool:
-    fields = [f for f in re.split(r"[,;\t ]+", text) if f]
-    words = sum(1 for f in fields if f.strip('"')[:1].isalpha() and not is_number(f.strip('"')))
+    fields = [f.strip('"([{') for f in re.split(r"[,;\t ]+", text) if f]
+    words = sum(1 for f in fields if f[:1].isalpha() and not is_number(f))
     return words * 2 > len(fields)
 
 

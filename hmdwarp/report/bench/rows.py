@@ -310,7 +310,7 @@ def _that_fit(groups: Sequence[Case], width: int) -> tuple[list[str], int]:
         if room() >= least:
             break
         names.remove(name)
-    return names, max(min(room(), max(map(_cells, texts))), _LEAST_TEXT)
+    return names, max(min(room(), max(map(_cells, texts))), least if room() >= least else _LEAST_TEXT)
 
 
 def _caption(rows: Sequence[Row], names: Sequence[str]) -> str:

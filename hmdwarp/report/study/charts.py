@@ -53,7 +53,7 @@ def forest_chart(rows: Sequence[Row], unit: str) -> str:
     content = [(row["part"], row["baseline"], row["condition"], row["mean"]) for row in shown]
     label = f"difference in {unit}:  rated worse than the baseline  ←  0  →  better"
     ends = [v for row in shown for v in [*row["differences"].values(), row["low"] or 0.0, row["high"] or 0.0]]
-    reach = 1.08 * max(max(map(abs, ends), default=1.0), 1e-9)
+    reach = 1.08 * (max(map(abs, ends), default=0.0) or 1.0)
     with canvas(content, (_WIDTH_IN, 1.1 + 0.52 * max(len(shown), 2)), x=label, grid="x") as axes:
         figure: Any = axes.get_figure()
         axes.axvline(0, color=PAGE.ink, linewidth=1)

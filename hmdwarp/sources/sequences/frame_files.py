@@ -92,10 +92,13 @@ class FrameFile:
         return str(self.facts[_ENCODING]) if _ENCODING in self.facts else None
 
 
-def assumptions_of(found: FrameFile, camera: Camera | None = None, scale: float | None = None) -> list[Assumption]:
+def assumptions_of(
+    found: FrameFile, camera: Camera | None = None, scale: float | None = None, encoding: str | None = None
+) -> list[Assumption]:
     """Return the facts by which a frame is read, with who says so.
 
-    camera, scale: intrinsics and metres per unit that the user states in place of the files.
+    camera, scale, encoding: intrinsics, metres per unit and encoding of float colour that the user
+    states in place of the files.
     """
     if camera is not None or "fov" not in found.facts:
         stated = camera or camera_of(found.where, found.facts)
@@ -107,8 +110,11 @@ def assumptions_of(found: FrameFile, camera: Camera | None = None, scale: float 
     if scale is None:
         by, scale = (By.FILE if found.path == found.where else By.NOBODY), 1.0
     facts = [intrinsics, Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale"), *OWN_FACTS]
-    if found.path.suffix.lower() == NPZ and found.encoding is None:
-        facts.append(Assumption("colour", "floats are linear light, bytes sRGB", By.FORMAT, "--encoding"))
+    if found.path == found.where and encoding is None and found.encoding is None:  # an .npz file, which takes both
+        if found.arrays()[0].dtype.kind == "f":
+            facts.append(Assumption("encoding", "linear (float colour)", By.NOBODY, "encoding in the file"))
+        else:
+            facts.append(Assumption("encoding", "sRGB (bytes)", By.FORMAT))
     return facts
 
 
@@ -256,7 +262,10 @@ def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
 def _check_keys(path: Path, found: Mapping[str, Any], wanted: tuple[str, ...]) -> None:
     missing = [key for key in wanted if key not in found and not (key == "fov" and INTRINSICS in found)]
     if missing:
-        raise InputError(f"{path}: no {', '.join(missing)} in it; expected {', '.join(wanted)}")
+        names = ", ".join(f"fov or {INTRINSICS}" if key == "fov" else key for key in wanted)
+        raise InputError(
+            f"{path}: no {', '.join(missing)} in it; found {', '.join(found) or 'nothing'}; expected {names}"
+        )
 
 
 def _view(path: Path, data: Mapping[str, Any], size: tuple[int, int]) -> View:

@@ -259,7 +259,7 @@ def depth_notes(sequence: Sequence) -> list[str]:
         assumption.what == NO_DEPTH and assumption.value.startswith("infinitely") for assumption in sequence.assumptions
     )
     sky = [] if is_far else about_sky(depths)
-    of_depth = [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}")]
+    of_depth = [*about_largest(raw), *sky, *about_unit(depths, moved_m, "--depth-scale {:g}", raw)]
     return [*_about_no_depth(depths), *of_depth, *_about_axis(sequence.frames[0])]
 
 
@@ -324,22 +324,33 @@ def about_sky(depths: Several[NDArray[np.floating]]) -> list[str]:
     ]
 
 
-def about_unit(depths: Several[NDArray[np.floating]], moved_m: float, option: str) -> list[str]:
+def about_unit(
+    depths: Several[NDArray[np.floating]], moved_m: float, option: str, raw: Several[NDArray[Any]] = ()
+) -> list[str]:
     """Return a note on depth that is hardly in metres.
 
     In a smaller unit: far away, while the eye hardly moves. The values of a depth buffer: all
-    within 1, and crowded at one end.
+    within 1, and crowded at one end. Metres that a scale has shrunk: mostly within centimetres.
     depths: metres. moved_m: how far the eye moves. option: how the scale is stated, as a format.
+    raw: depths as files have them, where they do.
     """
     known = np.concatenate([depth[np.isfinite(depth) & (depth > 0)].ravel()[::7] for depth in depths])
     if len(known) and moved_m and known.min() < known.max() <= 1:
         middle = float(np.median(known))
         side = "above" if middle > _STANDARD else "below"
+        floats = [one[np.isfinite(one)] for one in raw if one.dtype.kind == "f"]
+        as_read = max((float(one.max(initial=0)) for one in floats), default=0.0)
+        if middle < _REVERSED and as_read > 1:
+            return [
+                f"Depth goes from {known.min():.3g} to {known.max():.3g} m by the scale that is stated, and up to "
+                f"{as_read:.3g} in the file: if that is metres already, {option.format(1)} takes it so."
+            ]
         if middle > _STANDARD or middle < _REVERSED:
+            planes = f"near, far{', reversed_z=True' if middle < _REVERSED else ''}"
             return [
                 f"Depth goes from {known.min():.3g} to {known.max():.3g}, half of it {side} {middle:.3g}: so are the "
-                "values of a depth buffer, not metres. If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, near, "
-                "far) has metres; 'hmdwarp check' finds near and far."
+                f"values of a depth buffer, not metres. If it is one, 1 / hmdwarp.inverse_depth_from_clip(depth, "
+                f"{planes}) has metres; 'hmdwarp check' finds near and far."
             ]
     near = float(np.quantile(known, 0.01, method="lower")) if len(known) else 0.0
     if not _FAR_M < near <= _FARTHEST_M or not 0 < moved_m < _MOVED * near:

@@ -25,7 +25,7 @@ from .comparisons import Resampling, correct
 from .ratings import Preference, Ratings
 
 RESAMPLES = 2000  # the ends of an interval are then known to a tenth of its width
-LEAST_PEOPLE = 3  # fewer have no interval
+LEAST_PEOPLE = 6  # fewer have no interval: their resamples are too alike for 95 %
 
 
 def preference_results(ratings: Ratings, families: Sequence[Family], resampling: Resampling) -> list[dict[str, Any]]:
@@ -170,7 +170,7 @@ def _of_comparison(row: Mapping[str, Any]) -> str:
         votes = f"{where}'{row['condition']}' and '{row['baseline']}' were not shown together"
     size = f"{signed(row['jod'])} JOD"
     if row["low"] is None:
-        return f"{votes}; {size}, from fewer than {LEAST_PEOPLE} people, who give no interval."
+        return f"{votes}; {size}, from fewer than {LEAST_PEOPLE} people, who give no interval.{_tested(row)}"
     size += f" (95 % {signed(row['low'])} to {signed(row['high'])})"
     share = f"{row['share']:.0%} of choices would go to it ({row['share_low']:.0%} to {row['share_high']:.0%})"
     shown = "" if row["low"] > 0 or row["high"] < 0 else ": no difference is shown"

@@ -164,7 +164,8 @@ def _was_measured(row: Row) -> bool:
 
 
 def _often_enough(rated: Sequence[Row], measured: Sequence[str]) -> tuple[list[str], list[tuple[str, str]]]:
-    usable, left_out = [], [(MEASURES[name], "not measured") for name in MEASURES if name not in measured]
+    ways = {name: "; 'study measure' does it" if name.startswith("measured_") else "" for name in MEASURES}
+    usable, left_out = [], [(MEASURES[name], f"not measured{ways[name]}") for name in MEASURES if name not in measured]
     unlike = len({(row.get("measured_size"), row.get("measured_every")) for row in rated if _was_measured(row)}) > 1
     for name in measured:
         if unlike and name.startswith("measured_"):

@@ -434,6 +434,8 @@ def test_recorded_frames_are_compared_by_what_colour_and_depth_allow(tmp_path):
     data = json.loads((tmp_path / "out" / "compare.json").read_text(encoding="utf-8"))
     ran, left_out = {row["strategy"] for row in data["rows"]}, {entry["strategy"] for entry in data["left_out"]}
     assert {"imposter", "depth_image"} <= ran and {"model", "proxy", "points"} <= left_out
+    (why,) = (entry["why"] for entry in data["left_out"] if entry["strategy"] == "voxels")
+    assert "it is not drawn here, and its light is in its frames" in why
     assert {(row["scene"], row["trace"], row["headset"], *row["size"]) for row in data["rows"]} == {
         ("walk-past", "walk-past", "camera", 60, 40)
     }

@@ -136,8 +136,17 @@ def test_values_of_a_depth_buffer_are_noted(near, far, buffer):
     said = about_unit([values], 0.05, "{:g}")
     crowded = np.median(values) > 0.9 or np.median(values) < 0.05
     assert len(said) == crowded and all("values of a depth buffer, not metres" in note for note in said)
+    assert all(("reversed_z=True" in note) == (buffer == "reversed") for note in said)
     assert crowded or near == 0.3  # 1 - 0.3 m / 5 m, and twice that less 1: a table in front of the eye
     assert about_unit([values], 0.0, "{:g}") == []
+
+
+@pytest.mark.parametrize(("dtype", "said"), [(np.float32, True), (np.uint16, False)])
+def test_metres_that_a_scale_for_millimetres_shrinks_are_noted(dtype, said):
+    """A room from 1 to 9 m in floats; the same integers are what a scale is for."""
+    raw = np.linspace(1, 9, 108).astype(dtype)
+    (note,) = about_unit([raw * 0.001], 0.05, "--depth-scale {:g}", [raw])
+    assert ("up to 9 in the file: if that is metres already, --depth-scale 1" in note) == said
 
 
 @pytest.mark.parametrize("depth", [np.ones((9, 12)), np.linspace(0.2, 1, 108), np.linspace(0.3, 4, 108)])

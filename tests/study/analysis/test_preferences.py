@@ -146,10 +146,11 @@ def test_an_analysis_states_scores_and_votes():
 def test_few_people_and_no_answers():
     design = design_of()
     model = model_from_text(MODEL.format(scale="preference", noise=1.0, taste=0.0, threshold=0.0), "test")
-    two = simulated(design, model, 1, people=2)
-    (found,) = preference_results(two, design.families, Resampling())
-    assert found["comparisons"][0]["low"] is None
-    assert "who give no interval" in found["comparisons"][0]["sentence"]
+    for people in (5, 6):  # 126 and 462 resamples that differ; five who agree have p = 2 / 2^5
+        some = simulated(design, model, 1, people=people)
+        (found,) = preference_results(some, design.families, Resampling())
+        row = found["comparisons"][0]
+        assert (row["low"] is None) == ("who give no interval. 5 people" in row["sentence"]) == (people == 5)
     none = Ratings(rows=(), scale_info={}, preferences=(Preference("a", "", "preference", "x", "y", None),))
     (found,) = preference_results(none, (), Resampling())
     assert found["sentences"] == ["No pair was compared."]

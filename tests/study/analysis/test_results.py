@@ -6,6 +6,7 @@ Comparisons, order, doubles, claims, the reference, and the words for them.
 from __future__ import annotations
 
 import json
+import re
 
 import attrs
 import numpy as np
@@ -114,6 +115,13 @@ def test_one_pair_and_equal_pairs_have_no_interval_and_no_nan():
         json.dumps(row, allow_nan=False)
         _, ((name, _, _, bca, _, exact, *_),) = comparison_lines([row])
         assert name == "warped over late" and bca == "–" and (exact == "–") == (len(late) == 1)
+
+
+def test_the_axis_of_equal_pairs_goes_from_a_grade_worse_to_one_better():
+    """Text of an axis that reaches a billionth either way has its factor, 1e-9."""
+    result = analyse(attrs.evolve(ratings_of({"late": [3.0] * 5, "warped": [3.0] * 5}), families=PAIR))
+    words = re.findall(r">([^<>]*)</text>", render_study_report(result, ""))
+    assert "1.0" in "".join(words) and not any(word.startswith("1e") for word in words)
 
 
 def test_an_exact_interval_is_given_where_it_is_sure_of_anything():

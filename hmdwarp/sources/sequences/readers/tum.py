@@ -11,7 +11,7 @@ import numpy as np
 from ....errors import InputError, TraceError
 from ....options.named_files import named_in
 from ....poses import Origin, TraceOptions, load_trace
-from ....poses.assumptions import Assumption, By
+from ....poses.assumptions import AXES_BY, Assumption, By
 from ..camera import Camera
 from ..options import SequenceOptions
 from ..recorded import AXES, CLOCK, NO_DEPTH, POSE, Sequence
@@ -69,7 +69,9 @@ class TumReader(SequenceReader):
                 lost += 1
             else:
                 pairs.append(Pair(named_in(path, colour), named_in(path, depth), sample.time_ns, sample.pose))
-        notes = [*map(str, trace.defects)]
+        # Axes are the layout's, and no option changes them.
+        by_layout = (str(defect).replace(AXES_BY[By.USER], AXES_BY[By.FORMAT]) for defect in trace.defects)
+        notes = [note.replace("--axes '", "axes '") for note in by_layout]
         if facts.camera is ADVISED and re.search("freiburg[12]", name):
             notes.append(
                 "The lens of this camera distorts a little; the intrinsics that its authors advise leave it in."
