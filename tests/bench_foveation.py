@@ -90,7 +90,7 @@ def price(gpu: Gpu, scale: float, rounds: int) -> None:
     headset, track = load_headset(HEADSET), load_trace("look-around").track
     size = tuple(round(scale * side) for side in headset.eye_size_px)
     late, shown = (headset.views(track.at(track.start_ns + ns).pose)[0] for ns in (AT_NS - LATE_NS, AT_NS))
-    server = Server(gpu, load_scene("room"))
+    server = Server(gpu, load_scene("room"), samples=4)
     heads = ["frames of 30 degrees", "drawing", *(f"`{chain.replace('/', '`, `')}`" for chain in CHAINS)]
     print(f"| {' | '.join(heads)} |")
     print("| --- |" + " ---: |" * (1 + len(CHAINS)))
