@@ -25,6 +25,7 @@ from ..options import (
     Guard,
     Number,
     Option,
+    as_path,
     check_one_guard,
     group,
     guard_band,
@@ -65,7 +66,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
 
     wide: run that fill first. Errors: InputError for a fill with warp auto, which chooses its own.
     """
-    if warp == AUTO and (fill is not None or wide):
+    if isinstance(warp, str) and warp == AUTO and (fill is not None or wide):
         asked = "--wide" if fill is None else f"--fill {fill}"
         raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
     chosen = fill if fill is not None else "none" if fused else default_fill(warp)
@@ -128,7 +129,7 @@ class PipelineOptions(Declared):
         None,
         "Recorded RGB-D folder used instead of a scene, shown as its camera saw it; see hmdwarp list layouts.",
         names_files=True,
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
         study=DISPLAY,
     )
     sequence_options: SequenceOptions = group(SequenceOptions)
@@ -179,7 +180,7 @@ class PipelineOptions(Declared):
     bench: Path | None = option(
         None,
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
         heading=AUTOMATIC,
     )
     # Ignored by warp "auto", which chooses its own.
