@@ -60,6 +60,8 @@ class ShaderError(HmdwarpError):
     """A shader that does not compile or link, or a uniform set by a name that it lacks."""
 
 
+# What converting to numbers raises for a text, a ragged list, an integer of 400 digits, a tensor.
+NO_NUMBERS = (TypeError, ValueError, OverflowError, RuntimeError)
 _SHOWN = 80  # characters of a value in a message
 _IRREGULAR = {"person": "people", "refresh": "refreshes"}  # plurals in messages
 

@@ -16,7 +16,6 @@ from .fovea import gaze_tangent as gaze_tangent
 from .fovea import grid_of as grid_of
 from .fovea import looking as looking
 from .parallel import ParallelEyes as ParallelEyes
-from .pose import NO_NUMBERS as NO_NUMBERS
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
 from .pose import real as real

@@ -9,15 +9,13 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, in_brief
+from ..errors import NO_NUMBERS, InputError, in_brief
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
 
 Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
-# What converting raises for a text, a ragged list, an integer of 400 digits, a tensor of a GPU.
-NO_NUMBERS = (TypeError, ValueError, OverflowError, RuntimeError)
 
 
 def frozen(value: ArrayLike, length: int) -> Vector:

@@ -11,8 +11,8 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError, in_brief
-from .pose import NO_NUMBERS, Pose, floats, frozen, frozen3, real
+from ..errors import NO_NUMBERS, InputError, in_brief
+from .pose import Pose, floats, frozen, frozen3, real
 
 Size = tuple[int, int]
 

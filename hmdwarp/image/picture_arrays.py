@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..colour import linear_from_srgb, srgb_from_linear
-from ..errors import InputError, in_brief
-from ..geometry import NO_NUMBERS, View, inverse_depth_from_metres, metres_from_inverse_depth
+from ..errors import NO_NUMBERS, InputError, in_brief
+from ..geometry import View, inverse_depth_from_metres, metres_from_inverse_depth
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, Arrays
 from ..sources.repairs import RepairChain
 from ..sources.sequences import about_largest, is_largest

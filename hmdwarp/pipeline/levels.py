@@ -9,8 +9,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError, in_brief
-from ..geometry import NO_NUMBERS
+from ..errors import NO_NUMBERS, InputError, in_brief
 
 # The keys that two rows must share for their figures to be comparable.
 _CASE = (

@@ -31,6 +31,7 @@ from ..options import (
     guard_band,
     guard_field,
     names_in,
+    of_its_kind,
     one_of,
     option,
     options_of,
@@ -59,6 +60,14 @@ from .proxy_options import (
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]
+
+
+def _check_predictor(instance: object, field: attrs.Attribute[Any], value: str) -> None:
+    of_its_kind(instance, field, value)
+    if value not in names_in("poses/predictors").split(", "):
+        from ..poses.predictors import predictors  # another package's, or none
+
+        predictors.get(value)
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -325,6 +334,7 @@ class PipelineOptions(Declared):
         attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
         f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
         f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
+        valid=_check_predictor,
         kind=str,
         default=None,
         heading=RENDERING,
@@ -363,7 +373,8 @@ class PipelineOptions(Declared):
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
-                f"--budget {self.budget_ms:g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what it takes"
+                f"--budget {float(self.budget_ms):g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what "
+                "it takes"
             )
         elif self.bench is not None:
             raise InputError(

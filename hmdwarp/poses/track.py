@@ -12,8 +12,8 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import TraceError, in_brief
-from ..geometry import NO_NUMBERS, Pose
+from ..errors import NO_NUMBERS, TraceError, in_brief
+from ..geometry import Pose
 from . import quaternions
 
 _MS = 1_000_000

@@ -10,8 +10,8 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
-from ..geometry import NO_NUMBERS, RigidState
+from ..errors import NO_NUMBERS, SceneError
+from ..geometry import RigidState
 
 NO_TINT = (1.0, 1.0, 1.0)
 

@@ -15,6 +15,7 @@ import needs
 import numpy as np
 import pytest
 
+from hmdwarp.cli._app import options_of_commands
 from hmdwarp.resources import folder
 
 WALK = folder("recordings") / "walk.csv"
@@ -220,6 +221,60 @@ def test_unknown_commands_and_options(arguments, command):
 )
 def test_impossible_numbers_are_refused(option, value, told, command, quick, kept):
     command("replay", "still", *quick, option, value).refused(told)
+
+
+# --- texts of every kind
+# --------------------------------------------------------------------------------------------------
+
+commands = options_of_commands()
+
+
+@pytest.mark.parametrize("name", commands)
+def test_an_empty_text_is_refused_by_the_option_that_got_it(name, command, tmp_path, monkeypatch):
+    """As of a shell's variable that is not set. None runs: what else it needs stands there."""
+    monkeypatch.chdir(tmp_path)
+    needed = [word for o in commands[name] if o.required for word in ([] if o.positional else [o.flag]) + ["x"]]
+    for option in commands[name]:
+        if option.kind in (str, list, Path) and not (option.positional or option.required or option.may_be_empty):
+            command(*name.split(), *needed, f"{option.flag}= ").refused(f"{option.flag} ' ': expected")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("replay", "LONG.csv"),
+        ("plan", "--scene", "LONG"),
+        ("plan", "--frames", "LONG"),
+        ("plan", "--headset", "LONG"),
+        ("plan", "--client", "LONG"),
+        ("record", "--source", "synthetic", "--seconds", "0.1", "--out", "LONG"),
+        ("serve", "--listen", "127.0.0.1:*", "--key-pair", "LONG"),
+        ("study", "withdraw", "quick", "P01", "--store", "LONG"),
+    ],
+)
+def test_a_name_longer_than_the_system_takes_is_the_user_s_input(arguments, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    command(*(argument.replace("LONG", "x" * 300) for argument in arguments)).refused("x" * 60)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("address", ["", "*:5570", "127.0.0.1:*", "127.0.0.1:0", "a host:5570", "127.0.0.1:70000"])
+def test_a_server_s_address_has_a_host_and_a_port(address, command):
+    done = command("live", "--source", "offscreen", "--trace", "walk", "--connect", address)
+    done.refused(f"--connect '{address}': expected")
+
+
+def test_frames_that_never_come_end_a_run_that_nobody_watches(command):
+    """At one refresh a second, 12 are 12 s of its simulated clock."""
+    run = ("live", "--source", "offscreen", "--trace", "walk", "--size", "16x12", "--rate", 1, "--quiet")
+    command(*run, "--loss", 1).refused("no frame has arrived within", "--loss")
+
+
+def test_a_bench_refuses_a_predictor_before_it_writes(command, tmp_path):
+    done = command("bench", "still", "--predict", "cautios", "--out", tmp_path / "out")
+    done.refused("unknown predictor 'cautios'", "did you mean 'cautious'?")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_guard_beyond_the_gl_limit(command, quick, kept):
