@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Self
 
 import attrs
 
-from .. import geometry, headsets
+from .. import geometry, headsets, poses
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
-from ..errors import InputError
+from ..errors import InputError, in_brief
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..link.options import DROP
@@ -62,12 +62,17 @@ from .proxy_options import (
 SceneKey = tuple[Hashable, ...]
 
 
+def _warp_name(value: str) -> str:
+    """Return the name, which the defaults of other fields read. Errors: InputError."""
+    if not isinstance(value, str):
+        raise InputError(f"--warp {in_brief(value)}: expected a name")
+    return value
+
+
 def _check_predictor(instance: object, field: attrs.Attribute[Any], value: str) -> None:
     of_its_kind(instance, field, value)
     if value not in names_in("poses/predictors").split(", "):
-        from ..poses.predictors import predictors  # another package's, or none
-
-        predictors.get(value)
+        poses.predictors.get(value)  # another package's, or none
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -75,7 +80,7 @@ def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
 
     wide: run that fill first. Errors: InputError for a fill with warp auto, which chooses its own.
     """
-    if isinstance(warp, str) and warp == AUTO and (fill is not None or wide):
+    if warp == AUTO and (fill is not None or wide):
         asked = "--wide" if fill is None else f"--fill {fill}"
         raise InputError(f"{asked}: --warp auto chooses the fill too; leave one of the two out")
     chosen = fill if fill is not None else "none" if fused else default_fill(warp)
@@ -179,6 +184,7 @@ class PipelineOptions(Declared):
         f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill. [default: {DEFAULT_WARP}, or the "
         "strategy's]",
         default=None,
+        convert=_warp_name,
     )
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(

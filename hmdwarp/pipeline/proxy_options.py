@@ -117,7 +117,7 @@ def default_fill(warp: str) -> str:
 
     A name that no warp has gets the usual fill; who takes it says what is wrong.
     """
-    if isinstance(warp, str) and warp in (AUTO, DEFAULT_WARP):
+    if warp in (AUTO, DEFAULT_WARP):
         return DEFAULT_FILL
     try:
         chosen = client.parse_warp(warp)

@@ -81,7 +81,10 @@ def _jumps(value: Iterable[int]) -> tuple[int, ...]:
 
 
 def _texts(value: Iterable[str]) -> tuple[str, ...]:
-    return tuple(value)
+    try:
+        return tuple(value)
+    except TypeError as error:
+        raise TraceError(f"notes: expected texts, found {in_brief(value)}") from error
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
