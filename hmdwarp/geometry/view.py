@@ -144,12 +144,13 @@ class Fov:
         that ends beyond +-89.5 degrees.
         Source: Hartley and Zisserman 2004, Multiple View Geometry, section 6.1.
         """
-        numbers = fx, fy, cx, cy, width, height, centre = [*map(real, (fx, fy, cx, cy, width, height, centre))]
-        if not all(math.isfinite(number) for number in numbers) or min(fx, fy, width, height) <= 0:
-            shown = f"fx {fx:g}, fy {fy:g}, cx {cx:g}, cy {cy:g}, {width:g}x{height:g} pixels"
+        numbers = [*map(real, (fx, fy, cx, cy, width, height, centre))]
+        fx, fy, cx, cy, wide, high, centre = numbers
+        if not all(math.isfinite(number) for number in numbers) or min(fx, fy, wide, high) <= 0:
+            shown = f"fx {fx:g}, fy {fy:g}, cx {cx:g}, cy {cy:g}, {wide:g}x{high:g} pixels"
             raise InputError(f"no camera: {shown}: expected finite numbers, with fx, fy and the size above 0")
         left, up = cx + 0.5 - centre, cy + 0.5 - centre  # pixels from the picture's corner
-        return cls.from_tangents((-left / fx, (width - left) / fx, -(height - up) / fy, up / fy))
+        return cls.from_tangents((-left / fx, (wide - left) / fx, -(high - up) / fy, up / fy))
 
     def intrinsics(self, size: tuple[int, int], *, centre: float = 0.0) -> tuple[float, float, float, float]:
         """Return (fx, fy, cx, cy) in pixels of a (w, h) picture: the inverse of from_intrinsics."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
+from collections.abc import Collection
 from numbers import Real
 from typing import Any
 
@@ -224,7 +224,7 @@ def checked_picture(
     return PictureArrays(colour, found, light, inverse, hidden, tuple(notes))
 
 
-def is_one_of(name: object, known: Sequence[str]) -> bool:
+def is_one_of(name: object, known: Collection[str]) -> bool:
     """Return whether it is None or a known name; an array compares with each of its elements."""
     return name is None or (isinstance(name, str) and name in known)
 

@@ -27,7 +27,7 @@ def names_in(folder: str, pattern: str = "*", without: Collection[str] = ()) -> 
     return ", ".join(sorted(p.stem for p in files if not p.stem.startswith("_") and p.stem not in without))
 
 
-def _as_float(value: float) -> float:
+def _as_float(value: Any) -> float:
     """Return infinity for a whole number that is too large."""
     try:
         return float(value)
