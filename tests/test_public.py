@@ -124,6 +124,14 @@ def public_calls():
         "load_trace": (hmdwarp.load_trace, {"options": None}),
         "RunOptions": (lambda **given: hmdwarp.RunOptions(**{"trace": "walk", **given}), options),
         "warp_image": (hmdwarp.warp_image, frames),
+        "replay": (hmdwarp.replay, {"options": None}),
+        "compare": (hmdwarp.compare, {"options": None}),
+        "bench": (hmdwarp.bench.bench, {"options": None}),
+        "sequences.open": (hmdwarp.sequences.open, {"path": "x", "options": None}),
+        "sequences.read_frame": (hmdwarp.sequences.read_frame, {"path": "x.npz", "depth": None, "camera": None}),
+        "sequences.read_view": (hmdwarp.sequences.read_view, {"path": "x.json"}),
+        "sequences.read_colour": (hmdwarp.sequences.read_colour, {"path": "x.png"}),
+        "sequences.read_depth": (hmdwarp.sequences.read_depth, {"path": "x.png"}),
     }
 
 

@@ -20,7 +20,6 @@ from .declared import as_keys as as_keys
 from .declared import as_path as as_path
 from .declared import group as group
 from .declared import names_in as names_in
-from .declared import of_its_kind as of_its_kind
 from .declared import one_of as one_of
 from .declared import option as option
 from .declared import option_of as option_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import math
 import os
@@ -53,7 +54,7 @@ class Number:
         return f"{least} and at most {self.most:g}{unit}" if math.isfinite(self.most) else least
 
     def __call__(self, _: object, field: attrs.Attribute[Any], value: Any) -> None:
-        of_its_kind(_, field, value)
+        _of_its_kind(_, field, value)
         for number in value if isinstance(value, tuple) else (value,):
             if number is None:
                 continue
@@ -98,7 +99,7 @@ _HELD: dict[str, tuple[tuple[type, ...], str]] = {
 }
 
 
-def of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
+def _of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
     """Raise InputError for a value that the field's annotation excludes, where that is simple."""
     words = [word for word in str(field.type).split(" | ") if word != "None"]
     is_none = value is None and "| None" in str(field.type)
@@ -109,10 +110,27 @@ def of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
         raise InputError(f"{_name_of(field)[0]} {in_brief(value)}: expected {expected}")
 
 
+def _with_kind(valid: Any) -> Any:
+    """Return a validator that looks at the kind first."""
+    if valid is None or isinstance(valid, Number):  # which looks at it itself, and says its limits
+        return valid or _of_its_kind
+
+    def check(instance: object, field: attrs.Attribute[Any], value: Any) -> None:
+        _of_its_kind(instance, field, value)
+        valid(instance, field, value)
+
+    return check
+
+
 def as_path(value: str | os.PathLike[str]) -> Path:
-    """Return a path. Errors: InputError for what is none."""
+    """Return a path. Errors: InputError for what is none, and for a name that no file can have."""
     if not isinstance(value, str | os.PathLike):
         raise InputError(f"expected a path, found {in_brief(value)}")
+    try:
+        os.lstat(value)
+    except (OSError, ValueError) as error:
+        if isinstance(error, ValueError) or error.errno == errno.ENAMETOOLONG:
+            raise InputError(f"{in_brief(str(value))}: no file can have this name: expected another") from error
     return Path(value)
 
 
@@ -201,7 +219,7 @@ def option(
     about = {"kind": kind, "default": None if required else value, "required": required, **about}
     return attrs.field(
         default=value,
-        validator=valid or of_its_kind,
+        validator=_with_kind(valid),
         converter=convert,
         metadata={_KEY: (Option(help, **about), *beside)},
     )
@@ -300,11 +318,13 @@ class Declared:
         return cls(**{**cls.values_of(said), **fields})
 
     @classmethod
-    def checked(cls, options: Self | None) -> Self:
-        """Return the options, the defaults for None. Errors: InputError for anything else."""
-        if options is not None and not isinstance(options, cls):
-            raise InputError(f"options are {in_brief(options)}: expected {cls.__name__}(..), or None")
-        return cls() if options is None else options
+    def checked(cls, options: Self | None, *, optional: bool = False) -> Self:
+        """Return the options. optional: the defaults for None. Errors: InputError for others."""
+        if options is None and optional:
+            return cls()
+        if not isinstance(options, cls):
+            raise InputError(f"options are {in_brief(options)}: expected a {cls.__name__}")
+        return options
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import attrs
 
 from .. import geometry
-from ..errors import InputError, in_brief, listed
+from ..errors import InputError, listed
 from .declared import CONDITION, Number, Option, as_path, option, option_of
 
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
@@ -25,7 +25,7 @@ def path_of(value: str | os.PathLike[str], flag: str = "--out") -> Path:
     try:
         return as_path(value)
     except InputError as error:
-        raise InputError(f"{flag} {in_brief(value)}: expected a path") from error
+        raise InputError(f"{flag} {error}") from error
 
 
 def out_field(value: Any, help: str, /, **about: Any) -> Any:

@@ -31,7 +31,6 @@ from ..options import (
     guard_band,
     guard_field,
     names_in,
-    of_its_kind,
     one_of,
     option,
     options_of,
@@ -69,8 +68,7 @@ def _warp_name(value: str) -> str:
     return value
 
 
-def _check_predictor(instance: object, field: attrs.Attribute[Any], value: str) -> None:
-    of_its_kind(instance, field, value)
+def _check_predictor(_: object, __: object, value: str) -> None:
     if value not in names_in("poses/predictors").split(", "):
         poses.predictors.get(value)  # another package's, or none
 

@@ -23,7 +23,6 @@ from ..options import (
     force_field,
     group,
     names_in,
-    of_its_kind,
     one_of,
     option,
     options_of,
@@ -51,7 +50,6 @@ _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
 def _check_input(instance: Any, field: attrs.Attribute[Any], value: str) -> None:
-    of_its_kind(instance, field, value)
     if value.startswith(SEED):
         seed_of(value)
 

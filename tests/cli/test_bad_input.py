@@ -230,13 +230,19 @@ commands = options_of_commands()
 
 
 @pytest.mark.parametrize("name", commands)
-def test_an_empty_text_is_refused_by_the_option_that_got_it(name, command, tmp_path, monkeypatch):
+def test_an_empty_text_and_a_name_too_long_are_refused_by_the_option_that_got_them(
+    name, command, tmp_path, monkeypatch
+):
     """As of a shell's variable that is not set. None runs: what else it needs stands there."""
     monkeypatch.chdir(tmp_path)
     needed = [word for o in commands[name] if o.required for word in ([] if o.positional else [o.flag]) + ["x"]]
     for option in commands[name]:
-        if option.kind in (str, list, Path) and not (option.positional or option.required or option.may_be_empty):
+        is_text = option.kind in (str, list, Path)
+        if is_text and not (option.positional or option.required or option.may_be_empty):
             command(*name.split(), *needed, f"{option.flag}= ").refused(f"{option.flag} ' ': expected")
+        if option.kind is Path and not option.positional:
+            long = command(*name.split(), *needed, f"{option.flag}={'x' * 300}")
+            long.refused(f"{option.flag} 'xxx", "no file can have this name")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -255,7 +261,7 @@ def test_an_empty_text_is_refused_by_the_option_that_got_it(name, command, tmp_p
 )
 def test_a_name_longer_than_the_system_takes_is_the_user_s_input(arguments, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    command(*(argument.replace("LONG", "x" * 300) for argument in arguments)).refused("x" * 60)
+    command(*(argument.replace("LONG", "x" * 300) for argument in arguments)).refused("x" * 12)
     assert list(tmp_path.iterdir()) == []
 
 
