@@ -382,6 +382,14 @@ def test_out_is_read_only(program, quick, tmp_path):
     assert list((tmp_path / "out").iterdir()) == []
 
 
+def test_a_folder_that_may_not_be_read_is_the_user_s_input(program, tmp_path):
+    (tmp_path / "closed").mkdir(mode=0)
+    rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
+    if subprocess.run(["ls", str(tmp_path / "closed")], check=False, capture_output=True, **rights).returncode == 0:
+        pytest.skip("root's rights cannot be given up here, so every folder can be read")
+    program("plan", "--frames", tmp_path / "closed", **rights).refused(str(tmp_path / "closed"), "Permission denied")
+
+
 @pytest.fixture
 def tiny_disk(tmp_path):
     """A file system of 256 KiB."""
