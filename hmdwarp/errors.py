@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import reprlib
 from collections.abc import Sequence
 
 FILE = "FILE"  # how an entry begins that stands for a file of the user
@@ -59,6 +60,9 @@ class ShaderError(HmdwarpError):
     """A shader that does not compile or link, or a uniform set by a name that it lacks."""
 
 
+# What converting to numbers raises for a text, a ragged list, an integer of 400 digits, a tensor.
+NO_NUMBERS = (TypeError, ValueError, OverflowError, RuntimeError)
+_SHOWN = 80  # characters of a value in a message
 _IRREGULAR = {"person": "people", "refresh": "refreshes"}  # plurals in messages
 
 
@@ -70,6 +74,12 @@ def counted(number: int, word: str) -> str:
 def listed(names: Sequence[str], word: str = "and") -> str:
     """Return "a, b and c"; "" for no names."""
     return f" {word} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+
+
+def in_brief(value: object) -> str:
+    """Return a value of a caller for a message, in one short line."""
+    text = " ".join(reprlib.repr(value).split())
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}.."
 
 
 def nearest(name: str, known: list[str]) -> str:
@@ -88,6 +98,6 @@ def unknown_name(kind: str, name: str, known: list[str]) -> UnknownNameError:
     """
     if any(name.startswith(FILE) for name in known) and os.path.isdir(name):  # noqa: PTH112 (Path fails for a name too long)
         return UnknownNameError(f"{kind} '{name}' is a directory: expected a file or a name: {', '.join(known)}")
-    near = nearest(name, known)
+    near, name = nearest(name, known), name if len(name) <= _SHOWN else f"{name[:_SHOWN]}.."
     hint = f"did you mean '{near}'? " if near else ""
     return UnknownNameError(f"unknown {kind} '{name}': {hint}known are {', '.join(known)}")

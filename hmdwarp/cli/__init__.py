@@ -16,6 +16,8 @@ from typing import NoReturn
 from ._signals import Ended, end_cleanly
 
 INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
+# What the system says of names that users typed: too long, in a folder not to be read, in a circle.
+_NAMES = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP)
 NOTHING_LEFT = "nothing unfinished was left behind"
 
 
@@ -102,6 +104,8 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     if isinstance(error, OSError) and error.filename is None and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
         _forget_stdout()
         _leave(f"cannot print the results ({error.strerror or error}): make room where standard output goes", 3)
+    if isinstance(error, OSError) and error.filename is not None and error.errno in _NAMES:
+        _leave(f"{error.filename}: {error.strerror}: expected a file or folder that this user can reach", 2)
     if isinstance(error, MemoryError):
         _leave("out of memory: use a smaller --size, a shorter --latency or fewer --images", 3)
     _leave(f"a fault of hmdwarp, please report it: {type(error).__name__}: {error} (HMDWARP_DEBUG=1 shows where)", 1)

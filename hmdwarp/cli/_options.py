@@ -16,6 +16,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from ..errors import InputError
 from ..options import Declared, Option, options_of, path_of
 from ..options.named_files import OUTSIDE, allow_outside
 
@@ -95,7 +96,7 @@ def takes(*declared: type[Declared] | Option) -> Callable[[Callable[[Said], None
     def decorate(run: Callable[[Said], None]) -> Callable[..., None]:
         def command(**said: Any) -> None:
             allow_outside(said.get(OUTSIDE.name, False))
-            run({option.name: _read(option, said.get(option.name, option.default)) for option in options})
+            run({option.name: _read(option, said.get(option.name)) for option in options})
 
         parameters = [_parameter(option) for option in options]
         command.__doc__, command.__name__ = run.__doc__, run.__name__
@@ -113,7 +114,16 @@ def _options_in(declared: Sequence[type[Declared] | Option]) -> Iterator[Option]
 
 
 def _read(option: Option, value: Any) -> Any:
-    return path_of(value, option.flag) if option.kind is Path and value is not None else value
+    """Return what was typed, or the default. Errors: InputError for an empty text."""
+    if value is None:
+        return option.default
+    if option.kind is Path:
+        return path_of(value, option.flag)
+    for text in value if option.kind is list else [value]:
+        if isinstance(text, str) and not text.strip() and not option.may_be_empty:
+            more = "" if option.required else "; leave it out for the default"
+            raise InputError(f"{option.flag} '{text}': expected {option.limits or 'a value'}{more}")
+    return value
 
 
 def _parameter(option: Option) -> inspect.Parameter:
@@ -124,8 +134,8 @@ def _parameter(option: Option) -> inspect.Parameter:
     default = str(default) if isinstance(default, Path) else default
     metavar = option.flag if option.positional else option.metavar or ("PATH" if option.kind is Path else None)
     about: dict[str, Any] = {"help": option.help, "metavar": metavar, "rich_help_panel": option.heading or None}
-    if default in (None, ""):
-        kind, about["show_default"] = (kind | None if default is None else kind), False
+    if default in (None, ""):  # "" as None, to tell it from an empty text that was typed
+        kind, default, about["show_default"] = kind | None, None, False
     info = (
         typer.Argument(**about)
         if option.positional

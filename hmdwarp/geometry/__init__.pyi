@@ -18,6 +18,7 @@ from .fovea import looking as looking
 from .parallel import ParallelEyes as ParallelEyes
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
+from .pose import real as real
 from .view import Eyes as Eyes
 from .view import Fov as Fov
 from .view import Guard as Guard
@@ -28,3 +29,4 @@ from .view import Polygon as Polygon
 from .view import View as View
 from .view import WarpMap as WarpMap
 from .view import guarded_eyes as guarded_eyes
+from .view import is_a as is_a

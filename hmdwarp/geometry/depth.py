@@ -12,7 +12,8 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import InputError, in_brief
+from .pose import floats, real
 
 HALF_STEP = 0.5 / (2**16 - 1)  # of a 16-bit buffer, the coarsest in use
 
@@ -49,11 +50,11 @@ class DepthLayer:
     Source: OpenXR 1.1 specification, XrCompositionLayerDepthInfoKHR.
     """
 
-    min_depth: float = attrs.field(default=0.0, converter=float)  # beyond 0..1 for NDC only
-    max_depth: float = attrs.field(default=1.0, converter=float)
+    min_depth: float = attrs.field(default=0.0, converter=real)  # beyond 0..1 for NDC only
+    max_depth: float = attrs.field(default=1.0, converter=real)
     # metres; near_z > far_z means reversed; either may be inf
-    near_z: float = attrs.field(default=0.1, converter=float)
-    far_z: float = attrs.field(default=math.inf, converter=float)
+    near_z: float = attrs.field(default=0.1, converter=real)
+    far_z: float = attrs.field(default=math.inf, converter=real)
 
     def __attrs_post_init__(self) -> None:
         if not (self.near_z > 0 and self.far_z > 0) or self.near_z == self.far_z:
@@ -74,7 +75,7 @@ class DepthLayer:
         16-bit or float32 buffer has rounded outwards still counts as that end.
         """
         span = self.max_depth - self.min_depth
-        share = (np.asarray(d, dtype=np.float64) - self.min_depth) / span
+        share = (floats(d) - self.min_depth) / span
         slack = min(HALF_STEP / span, 0.01)
         within = np.clip(share, 0, 1)
         inverse = (1 - within) / self.near_z + within / self.far_z
@@ -86,7 +87,7 @@ class DepthLayer:
         Clamp those outside the planes, as clipping would.
         """
         near, far = 1 / self.near_z, 1 / self.far_z
-        share = (near - np.asarray(inverse_depth, dtype=np.float64)) / (near - far)
+        share = (near - floats(inverse_depth)) / (near - far)
         return self.min_depth + np.clip(share, 0, 1) * (self.max_depth - self.min_depth)
 
 
@@ -100,10 +101,13 @@ def inverse_depth_from_clip(
     reversed_z: near is at the upper end.
     Errors: InputError for another ndc, and for near_m >= far_m.
     """
-    if ndc not in ("zero_to_one", "minus_one_to_one"):
-        raise InputError(f"unknown depth range '{ndc}': expected zero_to_one or minus_one_to_one")
+    if not isinstance(ndc, str) or ndc not in ("zero_to_one", "minus_one_to_one"):
+        raise InputError(f"unknown depth range {in_brief(ndc)}: expected zero_to_one or minus_one_to_one")
+    near_m, far_m = real(near_m), real(far_m)
     if not near_m < far_m:
         raise InputError(f"near {near_m} is not before far {far_m}; for a reversed buffer pass reversed_z=True")
     low = -1.0 if ndc == "minus_one_to_one" else 0.0
+    if not isinstance(reversed_z, bool | np.bool_):
+        raise InputError(f"reversed_z is {in_brief(reversed_z)}: expected True or False")
     near, far = (far_m, near_m) if reversed_z else (near_m, far_m)
     return DepthLayer(low, 1.0, near, far).inverse_depth(d)

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import NO_NUMBERS, InputError, in_brief
 
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation  # 0.3 s, which a command that turns nothing need not wait for
@@ -18,29 +18,46 @@ Vector = NDArray[np.float64]
 Quaternion = tuple[float, float, float, float]
 
 
-def _frozen(value: ArrayLike, length: int) -> Vector:
+def frozen(value: ArrayLike, length: int) -> Vector:
+    """Return so many finite numbers as a read-only float64 array. Errors: InputError."""
     try:
         array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:  # text, ragged lists
-        raise InputError(f"expected {length} finite numbers, found {value!r}") from error
+    except NO_NUMBERS as error:
+        raise InputError(f"expected {length} finite numbers, found {in_brief(value)}") from error
     # The sum is quick, and finite unless an element is not; sums beyond 1e308 need a second look.
     if array.shape != (length,) or not (math.isfinite(sum(array.tolist())) or np.isfinite(array).all()):
-        raise InputError(f"expected {length} finite numbers, found {value!r}")
+        raise InputError(f"expected {length} finite numbers, found {in_brief(value)}")
     array.setflags(write=False)
     return array
 
 
+def real(value: float) -> float:
+    """Return a number as a float. Errors: InputError."""
+    try:
+        return float(value)
+    except NO_NUMBERS as error:
+        raise InputError(f"expected a number, found {in_brief(value)}") from error
+
+
+def floats(value: ArrayLike) -> Vector:
+    """Return numbers of any shape as a float64 array. Errors: InputError."""
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except NO_NUMBERS as error:
+        raise InputError(f"expected numbers, found {in_brief(value)}") from error
+
+
 def frozen3(value: ArrayLike) -> Vector:
     """Return three finite numbers as a read-only float64 array. Errors: InputError."""
-    return _frozen(value, 3)
+    return frozen(value, 3)
 
 
 def _unit_quaternion(value: ArrayLike) -> Vector:
-    given = _frozen(value, 4)
+    given = frozen(value, 4)
     x, y, z, w = given.tolist()
     largest = max(abs(x), abs(y), abs(z), abs(w))
     if largest == 0:
-        raise InputError(f"a quaternion of length 0 is no rotation: {value!r}")
+        raise InputError(f"a quaternion of length 0 is no rotation: {in_brief(value)}")
     # A quaternion already unit to the last bits stays as it is (normalising leaves up to 6 units of
     # 1.1e-16): q -> Pose -> q is bit-exact.
     if largest <= 1 and abs(x * x + y * y + z * z + w * w - 1) < 1e-15:
@@ -135,11 +152,14 @@ class Pose:
 
     def transform(self, points: ArrayLike) -> Vector:
         """Transform points (..., 3) in b, in metres, to the same points in a."""
-        points = np.asarray(points, dtype=np.float64)
+        points = floats(points)
+        if points.shape[-1:] != (3,):
+            raise InputError(f"points have shape {points.shape}: expected (.., 3)")
         return points @ self.rotation_matrix.T + self.position_m
 
     def __matmul__(self, other: Pose) -> Pose:
-        """Return a_from_b @ b_from_c = a_from_c."""
+        """Return a_from_b @ b_from_c = a_from_c. Errors: InputError for points: transform them."""
+        _check_pose(other)
         return _made(self.transform(other.position_m), _product(self._unit, other._unit))
 
     def inverse(self) -> Pose:
@@ -154,6 +174,7 @@ class Pose:
         their digits even 1e6 m from the origin (the difference of neighbouring floats is exact,
         Sterbenz 1974).
         """
+        _check_pose(other)
         back = _back(other._unit)
         return _made(_matrix(back) @ (self.position_m - other.position_m), _product(back, self._unit))
 
@@ -165,6 +186,8 @@ class Pose:
         """
         from scipy.spatial.transform import Rotation
 
+        _check_pose(other)
+        (share,) = frozen([share], 1).tolist()
         turn = (self.rotation.inv() * other.rotation).as_rotvec()
         step = share * (other.position_m - self.position_m)
         return Pose(self.position_m + step, (self.rotation * Rotation.from_rotvec(share * turn)).as_quat())
@@ -178,6 +201,7 @@ class Pose:
 
     def angle_to(self, other: Pose) -> float:
         """Return the angle of the rotation between both poses, in radians from 0 to pi."""
+        _check_pose(other)
         return float((self.rotation.inv() * other.rotation).magnitude())
 
     def isclose(self, other: Pose, atol: float = 1e-9) -> bool:
@@ -185,7 +209,12 @@ class Pose:
 
         q and -q are the same rotation.
         """
-        return bool(np.abs(self.position_m - other.position_m).max() <= atol and self.angle_to(other) <= atol)
+        return bool(self.angle_to(other) <= atol and np.abs(self.position_m - other.position_m).max() <= atol)
+
+
+def _check_pose(other: object) -> None:
+    if not isinstance(other, Pose):
+        raise InputError(f"expected a hmdwarp.Pose, found {in_brief(other)}; points are for Pose.transform")
 
 
 _set = object.__setattr__

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
-from .pose import Pose, frozen3
+from ..errors import NO_NUMBERS, InputError, in_brief
+from .pose import Pose, floats, frozen, frozen3, real
 
 Size = tuple[int, int]
 
@@ -99,10 +99,10 @@ class Fov:
     Errors: InputError unless left < right, down < up and each within +-89.5 degrees.
     """
 
-    left: float = attrs.field(converter=float)
-    right: float = attrs.field(converter=float)
-    down: float = attrs.field(converter=float)
-    up: float = attrs.field(converter=float)
+    left: float = attrs.field(converter=real)
+    right: float = attrs.field(converter=real)
+    down: float = attrs.field(converter=real)
+    up: float = attrs.field(converter=real)
 
     def __attrs_post_init__(self) -> None:
         angles = (self.left, self.right, self.down, self.up)
@@ -115,17 +115,21 @@ class Fov:
     @classmethod
     def symmetric(cls, horizontal_rad: float, vertical_rad: float) -> Fov:
         """Return the field of view of two full angles in radians."""
-        return cls(-horizontal_rad / 2, horizontal_rad / 2, -vertical_rad / 2, vertical_rad / 2)
+        x, y = real(horizontal_rad) / 2, real(vertical_rad) / 2
+        return cls(-x, x, -y, y)
 
     @classmethod
     def symmetric_deg(cls, horizontal_deg: float, vertical_deg: float) -> Fov:
         """Return the field of view of two full angles in degrees."""
-        return cls.symmetric(*np.deg2rad((horizontal_deg, vertical_deg)))
+        return cls.symmetric(*map(math.radians, (real(horizontal_deg), real(vertical_deg))))
 
     @classmethod
     def from_tangents(cls, tangents: ArrayLike) -> Fov:
-        """Return the field of view of the four tangents left, right, down, up."""
-        return cls(*np.arctan(np.asarray(tangents, dtype=np.float64)))
+        """Return the field of view of the four tangents left, right, down, up.
+
+        Errors: InputError.
+        """
+        return cls(*np.arctan(frozen(tangents, 4)))
 
     @classmethod
     def from_intrinsics(
@@ -140,12 +144,13 @@ class Fov:
         that ends beyond +-89.5 degrees.
         Source: Hartley and Zisserman 2004, Multiple View Geometry, section 6.1.
         """
-        numbers = (fx, fy, cx, cy, width, height, centre)
-        if not all(math.isfinite(number) for number in numbers) or min(fx, fy, width, height) <= 0:
-            shown = f"fx {fx:g}, fy {fy:g}, cx {cx:g}, cy {cy:g}, {width:g}x{height:g} pixels"
+        numbers = [*map(real, (fx, fy, cx, cy, width, height, centre))]
+        fx, fy, cx, cy, wide, high, centre = numbers
+        if not all(math.isfinite(number) for number in numbers) or min(fx, fy, wide, high) <= 0:
+            shown = f"fx {fx:g}, fy {fy:g}, cx {cx:g}, cy {cy:g}, {wide:g}x{high:g} pixels"
             raise InputError(f"no camera: {shown}: expected finite numbers, with fx, fy and the size above 0")
         left, up = cx + 0.5 - centre, cy + 0.5 - centre  # pixels from the picture's corner
-        return cls.from_tangents((-left / fx, (width - left) / fx, -(height - up) / fy, up / fy))
+        return cls.from_tangents((-left / fx, (wide - left) / fx, -(high - up) / fy, up / fy))
 
     def intrinsics(self, size: tuple[int, int], *, centre: float = 0.0) -> tuple[float, float, float, float]:
         """Return (fx, fy, cx, cy) in pixels of a (w, h) picture: the inverse of from_intrinsics."""
@@ -166,7 +171,7 @@ class Fov:
         The origin is bottom left, pixel centres lie at i + 0.5.
         """
         left, right, down, up = self.tangents
-        width, height = size
+        width, height = frozen(size, 2).tolist()
         sx, sy = width / (right - left), height / (up - down)
         return np.array([[sx, 0, -left * sx], [0, sy, -down * sy], [0, 0, 1.0]])
 
@@ -206,6 +211,28 @@ class Fov:
 Polygon = tuple[tuple[float, float], ...]
 
 
+def is_a(kind: type, *, optional: bool = False) -> Callable[[object, attrs.Attribute[Any], object], None]:
+    """Return a validator that raises InputError for what is of another type."""
+
+    def check(_: object, field: attrs.Attribute[Any], value: object) -> None:
+        if not (isinstance(value, kind) or (optional and value is None)):
+            none = ", or None" if optional else ""
+            raise InputError(f"{field.name} is {in_brief(value)}: expected a hmdwarp.{kind.__name__}{none}")
+
+    return check
+
+
+def _check_polygons(_: object, __: object, polygons: Sequence[Polygon]) -> None:
+    try:
+        is_right = all(frozen(point, 2) is not None for polygon in polygons for point in polygon)
+    except (InputError, *NO_NUMBERS):
+        is_right = False
+    if not is_right:
+        raise InputError(
+            f"polygons {in_brief(polygons)}: expected a list of polygons, each of points (x, y) in tangents"
+        )
+
+
 @attrs.frozen(eq=False)
 class Hidden:
     """The part of an eye's view that its lens hides.
@@ -214,8 +241,10 @@ class Hidden:
     mesh leave cracks of a pixel between them, which are closed.
     """
 
-    polygons: tuple[Polygon, ...]  # in tangents
-    fov: Fov  # the view without a guard band
+    # In tangents.
+    polygons: tuple[Polygon, ...] = attrs.field(validator=_check_polygons)
+    # The view without a guard band.
+    fov: Fov = attrs.field(validator=is_a(Fov))
     # By how many tangents what is drawn goes beyond what is seen: left, right, down, up.
     margins: tuple[float, ...] = (0.0, 0.0, 0.0, 0.0)
     _known: dict[tuple[Fov, Size], NDArray[np.int32]] = attrs.field(factory=dict, init=False, repr=False)
@@ -303,18 +332,28 @@ def _pixels_inside(xs: NDArray[np.float64], ys: NDArray[np.float64], size: Size)
     return inside
 
 
+def _check_gaze(_: object, __: object, gaze: tuple[float, float, float] | None) -> None:
+    try:
+        x, y, z = (0, 0, -1) if gaze is None else gaze
+        is_right = 0 < x * x + y * y + z * z < math.inf
+    except NO_NUMBERS:
+        is_right = False
+    if not is_right:
+        raise InputError(f"gaze is {in_brief(gaze)}: expected a direction (x, y, z), or None")
+
+
 @attrs.frozen(eq=False)
 class View:
-    """One eye at one instant."""
+    """One eye at one instant. Errors: InputError for parts of another type."""
 
-    pose: Pose  # world_from_eye
-    fov: Fov
+    pose: Pose = attrs.field(validator=is_a(Pose))  # world_from_eye
+    fov: Fov = attrs.field(validator=is_a(Fov))
     # head-locked content is seen with this; the head's origin is half way between the eyes
-    head_from_eye: Pose = attrs.field(factory=Pose)
+    head_from_eye: Pose = attrs.field(factory=Pose, validator=is_a(Pose))
     # what is neither drawn nor shown, None for nothing
-    hidden: Hidden | None = None
+    hidden: Hidden | None = attrs.field(default=None, validator=is_a(Hidden, optional=True))
     # unit direction in the head's axes in which the eye looks, None where it is not known
-    gaze: tuple[float, float, float] | None = None
+    gaze: tuple[float, float, float] | None = attrs.field(default=None, validator=_check_gaze)
 
     def within(self, fov: Fov) -> View:
         """Return the view with a guard band, or without: its hidden area goes along."""
@@ -387,8 +426,14 @@ class WarpMap:
     def between(cls, frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
         """Return the map from pixels of `frm` (w, h) to pixels of `to`.
 
-        Computed relative to the eyes in float64.
+        Computed relative to the eyes in float64. Errors: InputError for what is no view or size.
         """
+        for view in (frm, to):
+            if not isinstance(view, View):
+                raise InputError(f"expected a hmdwarp.View, found {in_brief(view)}")
+        frm_size, to_size = (
+            size if isinstance(size, tuple) else tuple(frozen(size, 2).tolist()) for size in (frm_size, to_size)
+        )
         to_from_frm = frm.pose.relative_to(to.pose)
         k_to, _ = _cameras(to.fov, to_size)
         _, k_frm_inverse = _cameras(frm.fov, frm_size)
@@ -404,8 +449,9 @@ class WarpMap:
         pixels: (..., 2); inverse_depth: (...). Where w <= 0 pixel and depth are NaN: the picture
         has no such point.
         """
-        pixels = np.asarray(pixels, dtype=np.float64)
-        inverse_depth = np.asarray(inverse_depth, dtype=np.float64)
+        pixels, inverse_depth = floats(pixels), floats(inverse_depth)
+        if pixels.shape[-1:] != (2,):
+            raise InputError(f"pixels have shape {pixels.shape}: expected (.., 2)")
         homogeneous = pixels @ self.H[:, :2].T + self.H[:, 2] + inverse_depth[..., None] * self.e
         w = homogeneous[..., 2]
         safe = np.where(w > 0, w, np.nan)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Collection
 from numbers import Real
 from typing import Any
 
@@ -12,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..colour import linear_from_srgb, srgb_from_linear
-from ..errors import InputError
-from ..geometry import Fov, Pose, View, inverse_depth_from_metres, metres_from_inverse_depth
+from ..errors import NO_NUMBERS, InputError, in_brief
+from ..geometry import View, inverse_depth_from_metres, metres_from_inverse_depth
 from ..sources.array_passes import LINEAR, SRGB, SRGB8, Arrays
 from ..sources.repairs import RepairChain
 from ..sources.sequences import about_largest, is_largest
@@ -114,7 +115,7 @@ def raw_picture(
     masks = [np.ma.getmask(array) for array in (colour, depth_m)]
     try:
         values, depth = np.asarray(colour), np.asarray(depth_m)
-    except ValueError:
+    except NO_NUMBERS:
         values = depth = np.empty(0)
     if not _can_go_up(values, depth, depth_scale, encoding):
         return checked_picture(colour, depth_m, depth_scale, encoding).raw()
@@ -179,7 +180,7 @@ def _can_go_up(colour: NDArray[Any], depth: NDArray[Any], scale: float | None, e
     fits = colour.ndim == 3 and colour.shape[2] in (3, 4) and colour.size and depth.shape == colour.shape[:2]
     is_bytes = colour.dtype == np.uint8
     known = (is_bytes or colour.dtype.kind == "f") and (depth.dtype.kind == "f" or depth.dtype == np.uint16)
-    said = encoding in (None, *ENCODINGS) and not (is_bytes and encoding == LINEAR)
+    said = is_one_of(encoding, ENCODINGS) and not (is_bytes and encoding == LINEAR)
     if scale is None:
         return bool(fits and known and said and depth.dtype.kind == "f")
     is_scale = isinstance(scale, Real) and not isinstance(scale, bool) and 0 < scale <= 1
@@ -227,13 +228,15 @@ def checked_picture(
     return PictureArrays(colour, found, light, inverse, hidden, tuple(notes))
 
 
+def is_one_of(name: object, known: Collection[str]) -> bool:
+    """Return whether it is None or a known name; an array compares with each of its elements."""
+    return name is None or (isinstance(name, str) and name in known)
+
+
 def checked_view(name: str, view: object) -> View:
-    """Return the view. Errors: InputError for anything else, and for one of other parts."""
+    """Return the view. Errors: InputError for anything else."""
     if not isinstance(view, View):
         raise InputError(f"{name} is a {type(view).__name__}: expected a hmdwarp.View")
-    if not (isinstance(view.pose, Pose) and isinstance(view.fov, Fov)):
-        found = f"{type(view.pose).__name__}, {type(view.fov).__name__}"
-        raise InputError(f"{name} is a View of {found}: expected View(pose, fov), a hmdwarp.Pose and a hmdwarp.Fov")
     return view
 
 
@@ -247,8 +250,8 @@ def _empty(alpha: NDArray[Any]) -> NDArray[np.bool_]:
 
 def _in_linear_light(colour: NDArray[Any], encoding: str | None) -> NDArray[Any]:
     """Return colour as linear light. Errors: InputError where the encoding is wrong or unclear."""
-    if encoding not in (None, *ENCODINGS):
-        raise InputError(f"encoding is {encoding!r}: expected {' or '.join(ENCODINGS)}")
+    if not is_one_of(encoding, ENCODINGS):
+        raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")
     if colour.dtype == np.uint8:
         if encoding == LINEAR:
             raise InputError("colour is uint8, which is sRGB, and encoding is linear: give linear light as floats")
@@ -276,12 +279,13 @@ def _in_metres(depth: NDArray[Any], scale: float | None) -> NDArray[Any]:
                 "millimetres, 1/5000 for TUM RGB-D, 1 for whole metres), or metres as floats"
             )
         return depth
-    if isinstance(scale, bool) or not isinstance(scale, Real) or not (math.isfinite(scale) and scale > 0):
-        raise InputError(f"depth_scale is {scale!r}: expected metres per unit, a number above 0, such as 0.001")
+    if isinstance(scale, bool) or not isinstance(scale, Real) or not 0 < scale < math.inf:
+        raise InputError(f"depth_scale is {in_brief(scale)}: expected metres per unit, a number above 0, such as 0.001")
     if scale > 1:
+        found = in_brief(scale)
         raise InputError(
-            f"depth_scale is {scale:g}: expected metres per unit, at most 1; where a metre has {scale:g} units it is "
-            f"1/{scale:g}"
+            f"depth_scale is {found}: expected metres per unit, at most 1; where a metre has {found} units it is "
+            f"1/{found}"
         )
     return depth.astype(np.float64) * float(scale)
 
@@ -290,7 +294,7 @@ def _array(name: str, value: ArrayLike) -> tuple[NDArray[Any], NDArray[np.bool_]
     """Return the values, and where a mask of numpy.ma hides them."""
     try:
         array = np.asanyarray(value)
-    except ValueError as error:
+    except NO_NUMBERS as error:  # also what a tensor of a GPU says
         raise InputError(f"{name} is no array: {error}") from error
     return np.asarray(array), np.ma.getmaskarray(array)
 
@@ -303,5 +307,5 @@ def checked_size(size: object) -> tuple[int, int]:
     try:
         width, height = (operator.index(side) for side in size)  # type: ignore[attr-defined]
     except (TypeError, ValueError) as error:
-        raise InputError(f"size is {size!r}: expected (width, height) in whole pixels") from error
+        raise InputError(f"size is {in_brief(size)}: expected (width, height) in whole pixels") from error
     return width, height

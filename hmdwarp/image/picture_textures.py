@@ -6,14 +6,14 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, in_brief
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View
 from ..geometry.depth import HALF_STEP
 from ..gpu.context import Gpu
 from ..gpu.textures import COLOUR, SCALAR, allocate, release_all, upload
 from ..sources.array_passes import LINEAR, SRGB
-from .picture_arrays import ENCODINGS
+from .picture_arrays import ENCODINGS, is_one_of
 
 INVERSE, METRES = "inverse", "metres"
 _FORMS = {INVERSE: 0, METRES: 1}
@@ -97,10 +97,10 @@ class ForeignTextures:
                 raise InputError(f"{name} is {texture.width}x{texture.height} pixels: this Warper is for {wide}x{high}")
         if colour.components != 4:
             raise InputError(f"colour has {colour.components} components: expected 4, with coverage in alpha")
-        if not isinstance(depth_as, DepthLayer) and depth_as not in _FORMS:
-            raise InputError(f"depth_as is {depth_as!r}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
-        if encoding not in ENCODINGS:
-            raise InputError(f"encoding is {encoding!r}: expected {' or '.join(ENCODINGS)}")
+        if depth_as is None or not (isinstance(depth_as, DepthLayer) or is_one_of(depth_as, _FORMS)):
+            raise InputError(f"depth_as is {in_brief(depth_as)}: expected {', '.join(_FORMS)} or a hmdwarp.DepthLayer")
+        if encoding is None or not is_one_of(encoding, ENCODINGS):
+            raise InputError(f"encoding is {in_brief(encoding)}: expected {' or '.join(ENCODINGS)}")
 
 
 def _buffer_uniforms(layer: DepthLayer) -> dict[str, float]:

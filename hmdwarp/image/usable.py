@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ..client.effects import effects as every_effect
 from ..client.fills import fills
 from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN, SHOWN_DEPTH, Plan, build_plan
 from ..client.warps import warps
-from ..errors import InputError, PlanError
+from ..errors import InputError, PlanError, in_brief
 from ..frames.layers import PICTURE, readable
 from ..options import AUTO
 
@@ -46,7 +48,9 @@ def plan_of(
         ("effects", effects, usable_effects),
     ):
         if not isinstance(name, str):
-            raise InputError(f"{kind} is {name!r}: expected a name: {', '.join(usable())}")
+            raise InputError(f"{kind} is {in_brief(name)}: expected a name: {', '.join(usable())}")
+    if not isinstance(depth, bool | np.bool_):
+        raise InputError(f"depth is {in_brief(depth)}: expected True or False; the picture's own is depth_m")
     if warp == AUTO:
         raise InputError(
             f"warp 'auto' is for a hmdwarp.Warper or warp_image with budget_ms; name one: {', '.join(usable_warps())}"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import atexit
 import io
-import math
 import threading
 import warnings
 import weakref
@@ -12,7 +11,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from itertools import cycle
-from numbers import Real
+from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NoReturn
@@ -26,7 +25,7 @@ from ..client.compensator import Compensator
 from ..client.inputs import PassInputs
 from ..client.plan import CLIENT_DEPTH, OTHERS, SHOWN_DEPTH, Plan, needs_of
 from ..colour import srgb8_from_linear
-from ..errors import HmdwarpError, InputError
+from ..errors import HmdwarpError, InputError, in_brief
 from ..frames import EyeImage
 from ..geometry import DepthLayer, View, metres_from_inverse_depth
 from ..gpu.context import Gpu, check_not_forked
@@ -47,12 +46,14 @@ from .picture_arrays import (
     checked_picture,
     checked_size,
     checked_view,
+    is_one_of,
     raw_picture,
     without_hidden,
 )
 from .picture_textures import INVERSE, ForeignTextures, HeldPicture
 from .usable import plan_of
 
+_MOST_AGE_S = 9e9  # in nanoseconds still of 64 bits
 IN_FLIGHT = 3  # calls of Warper.submit whose pixels are on their way at once
 _LARGEST, _UNIT, _CORNERS, _HOLES = "largest", "unit", "corners", "holes"  # what a Warper warns of once
 _CLOSED_FIRST = "this Warper was closed before result() was called: call it first"
@@ -236,9 +237,9 @@ class Warper:
             raise InputError(f"gpu is of type {type(gpu).__name__}: expected a hmdwarp.gpu.Gpu, as Gpu(context) is")
         self._own_gpu, self._count, self._thread = gpu, 0, threading.get_ident()
         self._warned: set[str] = set()
-        auto = plans_of_levels(bench, effects, depth, budget_ms) if warp == AUTO else None
+        auto = plans_of_levels(bench, effects, depth, budget_ms) if isinstance(warp, str) and warp == AUTO else None
         plans = [plan_of(warp, fill, effects, depth=depth)] if auto is None else [*auto.values()]
-        if auto is None and (budget_ms, bench) != (None, None):
+        if auto is None and not (budget_ms is None and bench is None):
             raise InputError(f"budget_ms and bench are for warp 'auto': '{warp}' takes what it takes; leave them out")
         self._needs, self._has_depth = needs_of(plans), depth
         self._learns = any(choice.entry.remembers for plan in plans for choice in plan.fills)
@@ -761,20 +762,20 @@ def _metres(inverse_depth: NDArray[Any]) -> NDArray[np.float64]:
 def _checked_result(result: str | None, own: str) -> str:
     """Return the encoding of the result: by default that of the picture."""
     known = (SRGB8, SRGB, LINEAR)
-    if result is not None and result not in known:
-        raise InputError(f"result is {result!r}: expected {', '.join(known)}, or None for that of the picture")
+    if not is_one_of(result, known):
+        raise InputError(f"result is {in_brief(result)}: expected {', '.join(known)}, or None for that of the picture")
     return own if result is None else result
 
 
 def _checked_age_ns(age_s: float) -> int:
-    if isinstance(age_s, bool) or not isinstance(age_s, Real) or not math.isfinite(age_s):
-        raise InputError(f"age_s is {age_s!r}: expected seconds from drawing the picture to showing it")
+    if isinstance(age_s, bool) or not isinstance(age_s, Real) or not abs(age_s) <= _MOST_AGE_S:
+        raise InputError(f"age_s is {in_brief(age_s)}: expected seconds from drawing the picture to showing it")
     return round(float(age_s) * 1e9)
 
 
 def _check_eye(eye: int) -> None:
-    if eye not in (0, 1):
-        raise InputError(f"eye is {eye!r}: expected 0 (left) or 1 (right)")
+    if not isinstance(eye, Integral) or eye not in (0, 1):
+        raise InputError(f"eye is {in_brief(eye)}: expected 0 (left) or 1 (right)")
 
 
 def _checked_views(rendered: object, shown: object) -> tuple[View, View]:

@@ -17,6 +17,7 @@ from .declared import Declared as Declared
 from .declared import Number as Number
 from .declared import Option as Option
 from .declared import as_keys as as_keys
+from .declared import as_path as as_path
 from .declared import group as group
 from .declared import names_in as names_in
 from .declared import one_of as one_of

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_type_hints
 
 import attrs
 
-from ..errors import InputError
+from ..errors import InputError, in_brief
 from ..registry import Registry
 
 _WANTED = {int: "a whole number", float: "a number"}
@@ -54,6 +54,8 @@ def parse_choice(registry: Registry[type[Entry]], text: str) -> Choice[Entry]:
 
     Errors: UnknownNameError for the name; InputError for a setting that it lacks, or a bad value.
     """
+    if not isinstance(text, str):
+        raise InputError(f"{registry.kind} {in_brief(text)}: expected a name: {', '.join(registry.names())}")
     name, _, rest = text.partition(":")
     entry = registry.get(name)
     return Choice(entry, parse_settings(entry.Settings, entry.name, f"{registry.kind} '{text}'", rest))

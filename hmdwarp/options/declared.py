@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import math
+import os
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
 import attrs
 
-from ..errors import InputError, listed
+from ..errors import InputError, in_brief, listed
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -25,7 +28,7 @@ def names_in(folder: str, pattern: str = "*", without: Collection[str] = ()) -> 
     return ", ".join(sorted(p.stem for p in files if not p.stem.startswith("_") and p.stem not in without))
 
 
-def _as_float(value: float) -> float:
+def _as_float(value: Any) -> float:
     """Return infinity for a whole number that is too large."""
     try:
         return float(value)
@@ -51,17 +54,20 @@ class Number:
         return f"{least} and at most {self.most:g}{unit}" if math.isfinite(self.most) else least
 
     def __call__(self, _: object, field: attrs.Attribute[Any], value: Any) -> None:
+        _of_its_kind(_, field, value)
         for number in value if isinstance(value, tuple) else (value,):
             if number is None:
                 continue
-            found = _as_float(number)
+            # A text of digits is no number: what a caller typed into Python is used as it is.
+            found = _as_float(number) if isinstance(number, Real) else math.nan
             least_met = found > self.least if self.above else found >= self.least
             if not (math.isfinite(found) and found <= self.most and least_met):
                 name, unit = _name_of(field)
+                shown = f"{found:g}{unit}" if isinstance(number, Real) else in_brief(number)
                 kind = "a number" if math.isfinite(self.most) else "a finite number"
                 if _KEY in field.metadata and option_of(field).kind is int:
                     kind = "a whole number"
-                raise InputError(f"{name} {found:g}{unit}: expected {kind} {self.words(unit)}")
+                raise InputError(f"{name} {shown}: expected {kind} {self.words(unit)}")
 
 
 def _name_of(field: attrs.Attribute[Any]) -> tuple[str, str]:
@@ -76,10 +82,56 @@ def one_of(*known: str) -> Callable[[object, attrs.Attribute[Any], str | None], 
     """Return a validator that raises InputError for any text not in the list; None is left out."""
 
     def check(_: object, field: attrs.Attribute[Any], value: str | None) -> None:
-        if value is not None and value not in known:
-            raise InputError(f"{_name_of(field)[0]} '{value}': expected {listed(known, 'or')}")
+        if value is not None and not (isinstance(value, str) and value in known):
+            shown = f"'{value}'" if isinstance(value, str) else in_brief(value)
+            raise InputError(f"{_name_of(field)[0]} {shown}: expected {listed(known, 'or')}")
 
     return check
+
+
+# What a field of one of these annotations holds, and how messages call it.
+_HELD: dict[str, tuple[tuple[type, ...], str]] = {
+    "str": ((str,), "a text"),
+    "float": ((Real,), "a number"),
+    "int": ((Integral,), "a whole number"),
+    "Path": ((str, os.PathLike), "a path"),
+    "bool": ((bool,), "True or False"),
+}
+
+
+def _of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
+    """Raise InputError for a value that the field's annotation excludes, where that is simple."""
+    words = [word for word in str(field.type).split(" | ") if word != "None"]
+    is_none = value is None and "| None" in str(field.type)
+    if is_none or any(word not in _HELD for word in words) or type(value).__name__ == "bool_":
+        return
+    if not any(isinstance(value, _HELD[word][0]) for word in words):
+        expected = listed([_HELD[word][1] for word in words], "or")
+        raise InputError(f"{_name_of(field)[0]} {in_brief(value)}: expected {expected}")
+
+
+def _with_kind(valid: Any) -> Any:
+    """Return a validator that looks at the kind first."""
+    if valid is None or isinstance(valid, Number):  # which looks at it itself, and says its limits
+        return valid or _of_its_kind
+
+    def check(instance: object, field: attrs.Attribute[Any], value: Any) -> None:
+        _of_its_kind(instance, field, value)
+        valid(instance, field, value)
+
+    return check
+
+
+def as_path(value: str | os.PathLike[str]) -> Path:
+    """Return a path. Errors: InputError for what is none, and for a name that no file can have."""
+    if not isinstance(value, str | os.PathLike):
+        raise InputError(f"expected a path, found {in_brief(value)}")
+    try:
+        os.lstat(value)
+    except (OSError, ValueError) as error:
+        if isinstance(error, ValueError) or error.errno == errno.ENAMETOOLONG:
+            raise InputError(f"{in_brief(str(value))}: no file can have this name: expected another") from error
+    return Path(value)
 
 
 _KEY, _GROUP = "options", "group"
@@ -128,6 +180,8 @@ class Option:
     off: str = ""
     # Whether it is a positional argument rather than a flag.
     positional: bool = False
+    # Whether an empty text is a value; otherwise it is refused, as of a shell's variable not set.
+    may_be_empty: bool = False
     # Whether a study's file may give a number in place of a text.
     numeric: bool = False
     # DISPLAY, PICTURE, CONDITION, or why a study's file may not set it.
@@ -164,13 +218,21 @@ def option(
     kind = _Annotated if value is None or required else type(value)
     about = {"kind": kind, "default": None if required else value, "required": required, **about}
     return attrs.field(
-        default=value, validator=valid, converter=convert, metadata={_KEY: (Option(help, **about), *beside)}
+        default=value,
+        validator=_with_kind(valid),
+        converter=convert,
+        metadata={_KEY: (Option(help, **about), *beside)},
     )
 
 
 def group(kind: type[Declared]) -> Any:
     """Return an attrs field that holds the options of another class."""
-    return attrs.field(factory=kind, metadata={_GROUP: kind})
+
+    def check(_: object, field: attrs.Attribute[Any], value: object) -> None:
+        if not isinstance(value, kind):
+            raise InputError(f"{field.name} {in_brief(value)}: expected a {kind.__name__}")
+
+    return attrs.field(factory=kind, validator=check, metadata={_GROUP: kind})
 
 
 def option_of(field: attrs.Attribute[Any]) -> Option:
@@ -254,6 +316,15 @@ class Declared:
         field name, overriding `said`. Errors: InputError for a value out of range.
         """
         return cls(**{**cls.values_of(said), **fields})
+
+    @classmethod
+    def checked(cls, options: Self | None, *, optional: bool = False) -> Self:
+        """Return the options. optional: the defaults for None. Errors: InputError for others."""
+        if options is None and optional:
+            return cls()
+        if not isinstance(options, cls):
+            raise InputError(f"options are {in_brief(options)}: expected a {cls.__name__}")
+        return options
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

@@ -17,7 +17,7 @@ def _kinds(known: Sequence[str], flag: str) -> Any:
     check = one_of(*known)
 
     def each(_: object, field: attrs.Attribute[Any], value: tuple[str, ...]) -> None:
-        for kind in value:
+        for kind in value if isinstance(value, tuple | list) else (value,):
             check(None, field, kind)
 
     names = " and ".join(filter(None, (", ".join(known[:-1]), known[-1])))

@@ -13,7 +13,7 @@ import attrs
 
 from .. import geometry
 from ..errors import InputError, listed
-from .declared import CONDITION, Number, Option, option, option_of
+from .declared import CONDITION, Number, Option, as_path, option, option_of
 
 FORCE = Option("Overwrite files that are in the way, also those that another program wrote.", bool, False, name="force")
 
@@ -22,7 +22,10 @@ def path_of(value: str | os.PathLike[str], flag: str = "--out") -> Path:
     """Return a path. Errors: InputError for an empty text, which would be the working folder."""
     if isinstance(value, str) and not value.strip():
         raise InputError(f"{flag} '{value}': expected a name; '.' is the working folder")
-    return Path(value)
+    try:
+        return as_path(value)
+    except InputError as error:
+        raise InputError(f"{flag} {error}") from error
 
 
 def out_field(value: Any, help: str, /, **about: Any) -> Any:
@@ -167,7 +170,7 @@ def parse_guard(text: str) -> Guard | str:
 
 
 def _check_guard(instance: object, field: attrs.Attribute[Any], value: Guard | str) -> None:
-    if value != AUTO:
+    if not isinstance(value, str) or value != AUTO:
         Number(least=1.0)(instance, field, value)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 
-from ..errors import InputError
+from ..errors import NO_NUMBERS, InputError, in_brief
 
 # The keys that two rows must share for their figures to be comparable.
 _CASE = (
@@ -124,8 +124,13 @@ def best_within(levels: tuple[QualityLevel, ...], budget_ms: float | None, name:
 
 def check_budget(budget_ms: float | None, name: str) -> float:
     """Return the budget. Errors: InputError for one that is no time above 0."""
-    if budget_ms is None or not (math.isfinite(budget_ms) and budget_ms > 0):
-        raise InputError(f"{name} {budget_ms or 0:g} ms: expected a time above 0 ms for one eye")
+    try:
+        found = float(budget_ms or 0)
+    except NO_NUMBERS:
+        found = math.nan
+    if budget_ms is None or not 0 < found < math.inf:
+        said = in_brief(budget_ms) if math.isnan(found) else f"{found:g}"
+        raise InputError(f"{name} {said} ms: expected a time above 0 ms for one eye")
     return budget_ms
 
 

@@ -9,10 +9,10 @@ from typing import Any, ClassVar, Self
 
 import attrs
 
-from .. import geometry, headsets
+from .. import geometry, headsets, poses
 from ..client.classes import PICTURE_CLIENT, load_client
 from ..client.strategies import options_of_strategy, with_strategy
-from ..errors import InputError
+from ..errors import InputError, in_brief
 from ..link import CHANGES, RESOLUTION, Bandwidth, LinkOptions
 from ..link.codec import Coding
 from ..link.options import DROP
@@ -25,6 +25,7 @@ from ..options import (
     Guard,
     Number,
     Option,
+    as_path,
     check_one_guard,
     group,
     guard_band,
@@ -58,6 +59,18 @@ from .proxy_options import (
 
 # What tells one scene from another.
 SceneKey = tuple[Hashable, ...]
+
+
+def _warp_name(value: str) -> str:
+    """Return the name, which the defaults of other fields read. Errors: InputError."""
+    if not isinstance(value, str):
+        raise InputError(f"--warp {in_brief(value)}: expected a name")
+    return value
+
+
+def _check_predictor(_: object, __: object, value: str) -> None:
+    if value not in names_in("poses/predictors").split(", "):
+        poses.predictors.get(value)  # another package's, or none
 
 
 def _fill_for(warp: str, fill: str | None, *, fused: bool, wide: bool) -> str:
@@ -128,7 +141,7 @@ class PipelineOptions(Declared):
         None,
         "Recorded RGB-D folder used instead of a scene, shown as its camera saw it; see hmdwarp list layouts.",
         names_files=True,
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
         study=DISPLAY,
     )
     sequence_options: SequenceOptions = group(SequenceOptions)
@@ -169,6 +182,7 @@ class PipelineOptions(Declared):
         f"Warp: {names_in('client/warps')}; or auto, which chooses warp and fill. [default: {DEFAULT_WARP}, or the "
         "strategy's]",
         default=None,
+        convert=_warp_name,
     )
     # Per eye; for warp "auto" only, which takes the most accurate warp and fill within it.
     budget_ms: float | None = option(
@@ -179,7 +193,7 @@ class PipelineOptions(Declared):
     bench: Path | None = option(
         None,
         "bench.json that --warp auto chooses from; by default it tries all on this run first.",
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
         heading=AUTOMATIC,
     )
     # Ignored by warp "auto", which chooses its own.
@@ -324,6 +338,7 @@ class PipelineOptions(Declared):
         attrs.Factory(lambda self: default_predictor(self.warp), takes_self=True),
         f"Head pose that the server draws for, by predictor: {names_in('poses/predictors')}; on is cautious, "
         f"and cav constant_velocity. [default: {DEFAULT_PREDICTOR}; none with warp none]",
+        valid=_check_predictor,
         kind=str,
         default=None,
         heading=RENDERING,
@@ -362,7 +377,8 @@ class PipelineOptions(Declared):
             self._check_auto()
         elif self.budget_ms is not None:
             raise InputError(
-                f"--budget {self.budget_ms:g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what it takes"
+                f"--budget {float(self.budget_ms):g} ms: only --warp auto keeps to a budget; '{self.warp}' takes what "
+                "it takes"
             )
         elif self.bench is not None:
             raise InputError(

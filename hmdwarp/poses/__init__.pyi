@@ -15,6 +15,7 @@ from .prediction import predict as predict
 from .prediction import signed_lead as signed_lead
 from .prediction import trace_as_json as trace_as_json
 from .prediction import turn_errors as turn_errors
+from .predictors import predictors as predictors
 from .quaternions import angle_between as angle_between
 from .quaternions import slerp as slerp
 from .reading.cleaning import LoadedTrace as LoadedTrace

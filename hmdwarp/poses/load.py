@@ -30,7 +30,7 @@ def load_trace(name_or_path: str | Path, options: TraceOptions | None = None) ->
     Errors: TraceError naming file and line; UnknownNameError with the nearest known recording or
     format.
     """
-    options = options or TraceOptions()
+    options = TraceOptions.checked(options, optional=True)
     path = trace_path(name_or_path)
     if not path.exists() and path.stem in _recordings():
         raise TraceError(

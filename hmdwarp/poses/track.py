@@ -5,13 +5,14 @@ from __future__ import annotations
 import enum
 import operator
 from collections.abc import Callable, Iterable
+from numbers import Real
 from typing import Any, Protocol, runtime_checkable
 
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import TraceError
+from ..errors import NO_NUMBERS, TraceError, in_brief
 from ..geometry import Pose
 from . import quaternions
 
@@ -63,22 +64,35 @@ def gap_limit_ns(time_ns: NDArray[np.int64]) -> int:
 
 
 def _times(value: ArrayLike) -> NDArray[np.int64]:
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except NO_NUMBERS as error:
+        raise TraceError(f"time_ns: expected a row of integers, found {in_brief(value)}") from error
     if array.ndim != 1 or array.dtype.kind not in "iu":
         raise TraceError(f"time_ns: expected a row of integers, found {array.dtype} of shape {array.shape}")
-    return array.astype(np.int64, copy=False)
+    return array.astype(np.int64)
 
 
 def _jumps(value: Iterable[int]) -> tuple[int, ...]:
-    return tuple(int(i) for i in value)
+    try:
+        return tuple(int(i) for i in value)
+    except NO_NUMBERS as error:
+        raise TraceError(f"jumps: expected indices of samples, found {in_brief(value)}") from error
 
 
 def _texts(value: Iterable[str]) -> tuple[str, ...]:
-    return tuple(value)
+    try:
+        return tuple(value)
+    except TypeError as error:
+        raise TraceError(f"notes: expected texts, found {in_brief(value)}") from error
 
 
 def _floats(value: ArrayLike) -> NDArray[np.float64]:
-    return np.asarray(value, dtype=np.float64)
+    """Return an array of its own: the caller's stays writeable. Errors: TraceError."""
+    try:
+        return np.array(value, dtype=np.float64)
+    except NO_NUMBERS as error:
+        raise TraceError(f"expected rows of numbers, found {in_brief(value)}") from error
 
 
 @attrs.frozen(eq=False)
@@ -147,6 +161,8 @@ class PoseTrack:
             if not np.isfinite(array).all():
                 i = int(np.argmin(np.isfinite(array).all(axis=1)))
                 raise TraceError(f"sample {i} of the head track is not finite: {array[i].tolist()}")
+        if not isinstance(self.max_gap_ns, Real):
+            raise TraceError(f"max_gap_ns: expected nanoseconds, found {in_brief(self.max_gap_ns)}")
         if any(not 0 <= i < n - 1 for i in self.jumps):
             raise TraceError(f"jumps {self.jumps}: expected indices of samples that have a next one, 0 to {n - 2}")
 

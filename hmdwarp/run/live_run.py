@@ -23,7 +23,7 @@ from ..display import (
     desktop,
     openxr,
 )
-from ..errors import MachineError
+from ..errors import InputError, MachineError
 from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..pipeline.proxy_options import SERVER_SCENE
@@ -42,6 +42,7 @@ from .recorder import LEAST, Recorder
 Say = Callable[[str], None]
 AfterRefresh = Callable[[int], None]
 WAITING = "waiting for the first frame"
+PATIENCE_S = 10.0  # beyond the latency, for the first frame where nobody sees that it is waited for
 
 
 class FrameHandler(Protocol):
@@ -273,10 +274,18 @@ class _UserRun(FrameHandler):
     def __init__(self, host: PipelineHost, log: LiveLog, ending: Ending, pace: _Pace, hand: Hand) -> None:
         self._log, self._ending, self._host, self._pace, self._hand = log, ending, host, pace, hand
         self._commands = CommandHandler(host, pace.say, hand)
+        self._began_ns = ending.now_ns()
         log.status.choices = choices()
         log.status.values = values(host.options, host.pipeline.sizes.shown)
 
     def over(self) -> bool:
+        if not self._log.count and self._host.options.source == OFFSCREEN:  # nobody sees that it waits
+            waited_s = (self._ending.now_ns() - self._began_ns) * 1e-9
+            if waited_s > self._host.options.latency_ms * 1e-3 + PATIENCE_S:
+                raise InputError(
+                    f"no frame has arrived within {waited_s:g} s: expected one after the latency: use less --loss, "
+                    "more --bandwidth or a shorter delay"
+                )
         return self._ending.due(self._log.count)
 
     def label(self) -> str:

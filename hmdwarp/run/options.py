@@ -19,6 +19,7 @@ from ..options import (
     Declared,
     Number,
     Option,
+    as_path,
     force_field,
     group,
     names_in,
@@ -34,7 +35,7 @@ from ..pipeline.proxy_options import RECORDING, REMOTE, SERVER_SCENE, ProxyOptio
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SEED, SceneOptions, seed_of
 from ..sources.feed.options import FeedOptions
-from ..sources.feed.sockets import MOST_OF_ADDRESS
+from ..sources.feed.sockets import MOST_OF_ADDRESS, valid_address
 from ..sources.sequences.options import SequenceOptions
 from .misses import Misses
 
@@ -68,7 +69,7 @@ class CacheOptions(Declared):
         "Keep true pictures and figures in this folder, and take those of earlier runs from it.",
         name="cache",
         metavar="DIR",
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
     )
     most_mb: float = option(
         4000.0, "Largest size of that folder, in 10^6 bytes; the least recently used goes first.", name="cache_mb",
@@ -113,6 +114,7 @@ class RunOptions(PipelineOptions):
         "none",
         "Warps to compare with, each alone or with its fills: none,forward+interpolate. none: the late picture as it "
         "is; '' for no comparison.",
+        may_be_empty=True,
     )
     metrics_every: int = option(
         10,
@@ -379,6 +381,7 @@ class ListenOptions(Declared):
         "127.0.0.1:5570",
         "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "
         "frames through shared memory. Other machines need a key pair or a token.",
+        valid=valid_address("--listen", serves=True),
     )
     key_pair: Path | None = option(
         None,

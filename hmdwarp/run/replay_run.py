@@ -57,6 +57,7 @@ def replay(
     Errors: InputError and its subclasses for wrong options, MachineError for missing hardware or
     software.
     """
+    options = RunOptions.checked(options)
     with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
         return _replay(options, out, progress, say)
 

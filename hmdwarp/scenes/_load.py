@@ -25,7 +25,7 @@ def load_scene(name_or_path: str | Path, options: SceneOptions | None = None) ->
     options: of files alone. Errors: UnknownNameError (with the nearest known name) for what is
     neither; SceneError for a file that cannot be used; InputError for options that do not fit.
     """
-    text, options = str(name_or_path), options or SceneOptions()
+    text, options = str(name_or_path), SceneOptions.checked(options, optional=True)
     if text in scenes.names():
         # Raise InputError for options that only make sense with a file.
         for field in attrs.fields(SceneOptions):

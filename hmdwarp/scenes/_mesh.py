@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import SceneError
+from ..errors import NO_NUMBERS, SceneError
 from ..geometry import RigidState
 
 NO_TINT = (1.0, 1.0, 1.0)
@@ -175,7 +175,10 @@ class Texture:
     @cached_property
     def image(self) -> NDArray[np.uint8]:
         """(h, w, 3 or 4) uint8, top row first; the server adds mipmaps."""
-        image = self._source() if callable(self._source) else self._source
+        try:
+            image = np.asarray(self._source() if callable(self._source) else self._source)
+        except NO_NUMBERS as error:
+            raise SceneError(f"texture '{self.name}': expected (h, w, 3 or 4) uint8: {error}") from error
         if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] not in (3, 4) or 0 in image.shape:
             raise SceneError(f"texture '{self.name}': expected (h, w, 3 or 4) uint8, found {image.shape} {image.dtype}")
         return image

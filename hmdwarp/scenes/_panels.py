@@ -7,8 +7,8 @@ from typing import Any
 import attrs
 import numpy as np
 
-from ..errors import SceneError
-from ..geometry import Pose, View
+from ..errors import SceneError, in_brief
+from ..geometry import Pose, View, is_a, real
 from ._mesh import Texture
 from .shapes import Quad
 
@@ -23,8 +23,8 @@ def _pictures(value: Any) -> tuple[Texture, ...]:
 def _size(value: Any) -> tuple[float, float]:
     try:
         width, height = map(float, value)
-    except (TypeError, ValueError) as error:
-        raise SceneError(f"a panel's size is {value!r}: expected width and height in metres") from error
+    except (TypeError, ValueError, OverflowError) as error:
+        raise SceneError(f"a panel's size is {in_brief(value)}: expected width and height in metres") from error
     if not (0 < width < np.inf and 0 < height < np.inf):
         raise SceneError(f"a panel is {width:g} x {height:g} m: expected finite lengths above 0")
     return width, height
@@ -40,14 +40,14 @@ class Panel:
     # (h, w, 3 or 4) uint8 sRGB, the top row first; or several, which take turns.
     pictures: tuple[Texture, ...] = attrs.field(converter=_pictures)
     # Of its middle: world_from_panel, or head_from_panel.
-    pose: Pose = attrs.field(validator=attrs.validators.instance_of(Pose))
+    pose: Pose = attrs.field(validator=is_a(Pose))
     # Width along the pose's x, height along its y, in metres.
     size_m: tuple[float, float] = attrs.field(converter=_size)
     head_locked: bool = False
     # Whether what is nearer in the picture hides it.
     occluded: bool = False
     # How long each picture stays.
-    seconds: float = 1.0
+    seconds: float = attrs.field(default=1.0, converter=real)
 
     def __attrs_post_init__(self) -> None:
         if not self.pictures or not 0 < self.seconds < np.inf:

@@ -15,6 +15,7 @@ import needs
 import numpy as np
 import pytest
 
+from hmdwarp.cli._app import options_of_commands
 from hmdwarp.resources import folder
 
 WALK = folder("recordings") / "walk.csv"
@@ -222,6 +223,66 @@ def test_impossible_numbers_are_refused(option, value, told, command, quick, kep
     command("replay", "still", *quick, option, value).refused(told)
 
 
+# --- texts of every kind
+# --------------------------------------------------------------------------------------------------
+
+commands = options_of_commands()
+
+
+@pytest.mark.parametrize("name", commands)
+def test_an_empty_text_and_a_name_too_long_are_refused_by_the_option_that_got_them(
+    name, command, tmp_path, monkeypatch
+):
+    """As of a shell's variable that is not set. None runs: what else it needs stands there."""
+    monkeypatch.chdir(tmp_path)
+    needed = [word for o in commands[name] if o.required for word in ([] if o.positional else [o.flag]) + ["x"]]
+    for option in commands[name]:
+        is_text = option.kind in (str, list, Path)
+        if is_text and not (option.positional or option.required or option.may_be_empty):
+            command(*name.split(), *needed, f"{option.flag}= ").refused(f"{option.flag} ' ': expected")
+        if option.kind is Path and not option.positional:
+            long = command(*name.split(), *needed, f"{option.flag}={'x' * 300}")
+            long.refused(f"{option.flag} 'xxx", "no file can have this name")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("replay", "LONG.csv"),
+        ("plan", "--scene", "LONG"),
+        ("plan", "--frames", "LONG"),
+        ("plan", "--headset", "LONG"),
+        ("plan", "--client", "LONG"),
+        ("record", "--source", "synthetic", "--seconds", "0.1", "--out", "LONG"),
+        ("serve", "--listen", "127.0.0.1:*", "--key-pair", "LONG"),
+        ("study", "withdraw", "quick", "P01", "--store", "LONG"),
+    ],
+)
+def test_a_name_longer_than_the_system_takes_is_the_user_s_input(arguments, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    command(*(argument.replace("LONG", "x" * 300) for argument in arguments)).refused("x" * 12)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("address", ["", "*:5570", "127.0.0.1:*", "127.0.0.1:0", "a host:5570", "127.0.0.1:70000"])
+def test_a_server_s_address_has_a_host_and_a_port(address, command):
+    done = command("live", "--source", "offscreen", "--trace", "walk", "--connect", address)
+    done.refused(f"--connect '{address}': expected")
+
+
+def test_frames_that_never_come_end_a_run_that_nobody_watches(command):
+    """At one refresh a second, 12 are 12 s of its simulated clock."""
+    run = ("live", "--source", "offscreen", "--trace", "walk", "--size", "16x12", "--rate", 1, "--quiet")
+    command(*run, "--loss", 1).refused("no frame has arrived within", "--loss")
+
+
+def test_a_bench_refuses_a_predictor_before_it_writes(command, tmp_path):
+    done = command("bench", "still", "--predict", "cautios", "--out", tmp_path / "out")
+    done.refused("unknown predictor 'cautios'", "did you mean 'cautious'?")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_guard_beyond_the_gl_limit(command, quick, kept):
     command("replay", "still", *quick, "--size", "8000x8000", "--guard", "8").refused("guard 8", "this GPU's limit")
 
@@ -319,6 +380,14 @@ def test_out_is_read_only(program, quick, tmp_path):
             str(out), "Permission denied", "choose a folder"
         )
     assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_a_folder_that_may_not_be_read_is_the_user_s_input(program, tmp_path):
+    (tmp_path / "closed").mkdir(mode=0)
+    rights = {"preexec_fn": give_up_roots_rights} if os.geteuid() == 0 else {}
+    if subprocess.run(["ls", str(tmp_path / "closed")], check=False, capture_output=True, **rights).returncode == 0:
+        pytest.skip("root's rights cannot be given up here, so every folder can be read")
+    program("plan", "--frames", tmp_path / "closed", **rights).refused(str(tmp_path / "closed"), "Permission denied")
 
 
 @pytest.fixture

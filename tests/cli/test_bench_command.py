@@ -120,4 +120,4 @@ def test_an_unknown_suite_is_refused_by_name(experiment, command, tmp_path):
 
 
 def test_no_name_is_no_strategy_to_compare(command, tmp_path):
-    command("compare", "walk", "--strategy", "", "--out", tmp_path).refused("unknown strategy ''", "depth_image")
+    command("compare", "walk", "--strategy", "", "--out", tmp_path).refused("--strategy ''", "expected a value")

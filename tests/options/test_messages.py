@@ -13,7 +13,7 @@ from hmdwarp.cli._app import options_of_commands
 from hmdwarp.errors import InputError
 from hmdwarp.options import Declared, as_keys, option_of
 
-WRONG = (math.nan, math.inf, -math.inf, "?", "?=?", "x:?", "", (), (math.nan,))
+WRONG = (math.nan, math.inf, -math.inf, "?", "?=?", "x:?", "", (), (math.nan,), b"?", 1j, [None], {}, object)
 
 commands = options_of_commands()
 
@@ -48,8 +48,12 @@ def refusals(field: attrs.Attribute[Any]) -> list[str]:
                     check([value] if option_of(field).kind is list else value)
             except InputError as error:
                 said.append(str(error))
-            except (TypeError, ValueError, AttributeError):
-                pass  # a number for a parser of texts, a text for a validator of numbers
+            except AttributeError:
+                pass  # of the object, which a validator of several fields looks at
+            except (TypeError, ValueError):
+                # A parser takes texts; a converter has made of them what the validator gets.
+                if check is not option_of(field).parse and field.converter is None:
+                    raise
     return said
 
 

@@ -153,6 +153,7 @@ def bench(
     Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
     the case where none of several was done.
     """
+    options = BenchOptions.checked(options)
     if options.parquet:
         check_parquet()
     if options.jod_s and options.sweep.cluster is None:

@@ -66,6 +66,7 @@ def compare(
     Errors: InputError and its kin for the options, MachineError for what the machine lacks; that of
     the run where none of several was done.
     """
+    options = CompareOptions.checked(options)
     clients = [load_client(name) for name in options.clients]
     runs, left_out, pictures = list[RunOptions](), list[dict[str, str]](), list[tuple[int, int]]()
     for scene in options.scenes:

@@ -18,6 +18,7 @@ from ...options import (
     Guard,
     Number,
     PaperOptions,
+    as_path,
     check_one_guard,
     force_field,
     group,
@@ -82,7 +83,7 @@ class BenchOptions(RecordedOptions):
         None,
         "Folder of what a suite takes besides what ships: scenes by others, which it names, and recorded sequences.",
         metavar="DIR",
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
     )
     scenes: tuple[str, ...] = several(_RUN.scene, (_RUN.scene.default,))
     latencies_ms: tuple[float, ...] = several(_RUN.latency_ms, (_RUN.latency_ms.default,))

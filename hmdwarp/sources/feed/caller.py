@@ -11,7 +11,7 @@ from typing import Any
 
 import attrs
 
-from ...errors import MachineError
+from ...errors import InputError, MachineError
 from .alignment import Alignment, Exchange
 from .message import (
     MOST_BYTES,
@@ -33,8 +33,8 @@ from .sockets import (
     SEAL_BYTES,
     SILENCE_NS,
     Hearing,
+    Wire,
     address_of,
-    cut,
     is_file,
     set_options,
     waiting_parts,
@@ -71,7 +71,7 @@ class Caller:
 
     def __init__(self, address: str, secret: str = "", server_key: bytes = b"", *, shares: bool = True) -> None:
         self._zmq: Any = zmq_module()
-        self.address, self._token = address_of(address), token_of(secret)
+        self.address, self._token = address_of(address, "--connect"), token_of(secret)
         self._server_key = server_key
         self._shares = shares and IS_ABLE and is_file(self.address) and not server_key
         self._reader = FrameReader()
@@ -96,7 +96,12 @@ class Caller:
             socket.setsockopt(self._zmq.LINGER, 0)
         orders.bind("inproc://orders")
         self._orders.connect("inproc://orders")
-        self._thread = threading.Thread(target=self._work, args=(orders,), name="feed", daemon=True)
+        try:
+            ends = self._dialled()
+        except self._zmq.ZMQError as error:
+            self._context.destroy(0)
+            raise InputError(f"--connect {address}: {error}: expected the HOST:PORT of a server") from error
+        self._thread = threading.Thread(target=self._work, args=(orders, *ends), name="feed", daemon=True)
         self._thread.start()
 
     def ask(self, ask: Ask) -> int:
@@ -146,7 +151,8 @@ class Caller:
         self._orders.close(0)
         self._context.term()
 
-    def _work(self, orders: Any) -> None:
+    def _dialled(self) -> tuple[Any, Any]:
+        """Return a socket that connects from now on, and what tells of its connections."""
         socket = self._context.socket(self._zmq.DEALER)
         options = {
             "SNDHWM": 64,
@@ -162,9 +168,12 @@ class Caller:
         if self._server_key:
             socket.curve_publickey, socket.curve_secretkey = self._zmq.curve_keypair()
             socket.curve_serverkey = self._server_key
-        failed = self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL
-        events = socket.get_monitor_socket(failed | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED)
+        told = self._no_handshakes | self._zmq.EVENT_CONNECTED | self._zmq.EVENT_DISCONNECTED
+        events = socket.get_monitor_socket(told)
         socket.connect(self.address)
+        return socket, events
+
+    def _work(self, orders: Any, socket: Any, events: Any) -> None:
         poller = self._zmq.Poller()
         poller.register(socket, self._zmq.POLLIN)
         poller.register(orders, self._zmq.POLLIN)
@@ -179,7 +188,7 @@ class Caller:
                 if events in ready:
                     kind, descriptor = struct.unpack_from("=HI", events.recv_multipart()[0])
                     self._hear(kind, descriptor)
-                    if kind & failed:
+                    if kind & self._no_handshakes:
                         self._note(f"{self.address}: refused: {self._no_handshake()}")
                 self._cut_if_silent(time.monotonic_ns())
                 if orders in ready:
@@ -195,10 +204,16 @@ class Caller:
             socket.close(0)
             orders.close(0)
 
+    @property
+    def _no_handshakes(self) -> int:
+        return int(self._zmq.EVENT_HANDSHAKE_FAILED_NO_DETAIL | self._zmq.EVENT_HANDSHAKE_FAILED_PROTOCOL)
+
     def _hear(self, kind: int, descriptor: int) -> None:
         if kind == self._zmq.EVENT_CONNECTED:
-            self._hearing = Hearing(descriptor, time.monotonic_ns())
-        elif self._hearing is not None and descriptor == self._hearing.descriptor:
+            self._hearing = None
+            with contextlib.suppress(OSError):  # closed since
+                self._hearing = Hearing(Wire.of(descriptor), time.monotonic_ns())
+        elif self._hearing is not None and descriptor == self._hearing.wire.descriptor:
             self._hearing = None
 
     def _cut_if_silent(self, now_ns: int) -> None:
@@ -209,13 +224,13 @@ class Caller:
         is_silent = hearing.is_silent(now_ns, self._patience)
         if hearing.received - hearing.taken > _MOST_BEHIND:
             self._hearing = None
-            cut(hearing.descriptor)
+            hearing.wire.cut()
             self._note(f"{self.address}: more than {_MOST_BEHIND >> 20} MiB unread: connecting anew")
         if not is_silent or self._hearing is None:
             return
         # A tunnel may hide how long the way is, and the first answer then takes longer.
         self._hearing, self._patience = None, min(2 * self._patience, _MOST_PATIENCE)
-        cut(hearing.descriptor)
+        hearing.wire.cut()
         if not self._is_told:
             self._note(f"{self.address}: not a byte for {SILENCE_NS / 1e9:g} s: connecting anew")
             self._is_told = True

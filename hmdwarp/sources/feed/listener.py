@@ -154,7 +154,7 @@ class Listener:
         per_address: int = MOST_OF_ADDRESS,
         say: Callable[[str], None] = lambda text: None,
     ) -> None:
-        where = address_of(address)
+        where = address_of(address, "--listen", serves=True)
         if not (is_local(where) or secret or pair or is_open):
             raise InputError(
                 f"--listen {address}: beyond this machine it wants a key pair or a shared secret: give --key-pair NAME "

@@ -9,6 +9,7 @@ import attrs
 from ...errors import InputError
 from ...options import Declared, Number, one_of, option
 from ...options.named_files import SECRET, text_in
+from .sockets import valid_address
 
 FULL, HALF = RAW_FORMS = ("full", "half")
 _STUDY = "a study shows scenes that it draws itself, with a latency that it sets"
@@ -27,6 +28,7 @@ class FeedOptions(Declared):
         "",
         "Server to connect to, HOST:PORT or ipc://PATH. Latency is measured, and --latency ignored. In replay, --scene "
         "server takes whatever it draws.",
+        valid=valid_address("--connect"),
         study=_STUDY,
     )
     server_key: Path | None = option(

@@ -8,7 +8,9 @@ what came out as whole messages.
 from __future__ import annotations
 
 import contextlib
+import errno
 import ipaddress
+import itertools
 import os
 import re
 import socket
@@ -17,9 +19,9 @@ import sys
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import ModuleType
-from typing import Any
+from typing import Any, Self
 
 import attrs
 
@@ -32,7 +34,7 @@ from . import EXTRA
 SEAL_BYTES = 8 + 8 + 16 + 1
 _FILE = "ipc://"
 _MOST_PATH = 107  # of a local socket, less its last zero
-_TCP = re.compile(r"(?:tcp://)?(\[[^\]]+\]|[^:/\[\]]+):(\d+|\*)")
+_TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):(\d+|\*)")
 # Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
 MOST_UNREAD = 1 << 20
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
@@ -96,20 +98,32 @@ def wire_bytes(parts: list[Any]) -> int:
     return sum(len(part) + 64 for part in parts)
 
 
-def address_of(text: str) -> str:
+def address_of(text: str, flag: str, *, serves: bool = False) -> str:
     """Return the library's address for HOST:PORT, tcp://HOST:PORT or ipc://PATH.
 
-    Errors: InputError.
+    flag: option that names it. serves: whether it is to listen at: * is any free port then, or all
+    addresses of this machine. Errors: InputError.
     """
     path = text.removeprefix(_FILE)
     if path and path != text:
-        if len(path.encode()) > _MOST_PATH:
-            raise InputError(f"address '{text}': a path of more than {_MOST_PATH} bytes; take a shorter one")
+        if len(os.fsencode(path)) > _MOST_PATH:
+            raise InputError(f"{flag} '{text}': a path of more than {_MOST_PATH} bytes; take a shorter one")
         return text
     found = _TCP.fullmatch(text)
-    if found is None or (found[2] != "*" and int(found[2]) > 65535):
-        raise InputError(f"address '{text}': expected HOST:PORT, such as 127.0.0.1:5570, or ipc://PATH")
+    is_any = found is not None and "*" in found.groups()
+    if found is None or (not serves and is_any) or (found[2] != "*" and not int(not serves) <= int(found[2]) <= 65535):
+        raise InputError(f"{flag} '{text}': expected HOST:PORT, such as 127.0.0.1:5570, or ipc://PATH")
     return f"tcp://{found[1]}:{found[2]}"
+
+
+def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, object, str], None]:
+    """Return a validator that takes "" and what address_of does."""
+
+    def check(_: object, __: object, text: str) -> None:
+        if text:
+            address_of(text, flag, serves=serves)
+
+    return check
 
 
 def is_file(address: str) -> bool:
@@ -128,11 +142,49 @@ def is_local(address: str) -> bool:
         return False
 
 
+@attrs.frozen
+class Wire:
+    """A connection's socket: its descriptor, and the number that the system has for what it opens.
+
+    The library closes it at any time, and the descriptor is then soon that of something else.
+    """
+
+    descriptor: int
+    opens: tuple[int, int]
+
+    @classmethod
+    def of(cls, descriptor: int) -> Self:
+        """Return what a descriptor is now. Errors: OSError where it is closed."""
+        return cls(descriptor, _opens(descriptor))
+
+    def handle(self) -> socket.socket:
+        """Return another handle of the connection. Errors: OSError where it is closed."""
+        descriptor = os.dup(self.descriptor)
+        try:
+            if _opens(descriptor) != self.opens:
+                raise OSError(errno.EBADF, "the descriptor is another's by now")
+            return socket.socket(fileno=descriptor)
+        except OSError:
+            os.close(descriptor)
+            raise
+
+    def cut(self) -> None:
+        """Cut the connection, even if its peer sends on."""
+        with contextlib.suppress(OSError), self.handle() as one:
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            one.shutdown(socket.SHUT_RDWR)
+
+
+def _opens(descriptor: int) -> tuple[int, int]:
+    found = os.fstat(descriptor)
+    return found.st_dev, found.st_ino
+
+
 @attrs.define(eq=False)
 class Connection:
     """A connection to a server, by the system's count."""
 
-    descriptor: int
+    wire: Wire
     # The peer's host, or its /64 of IPv6; "" for a file's.
     address: str
     # When it came, or was last heard with a valid request.
@@ -147,7 +199,7 @@ class Connection:
 
     def takes_more(self) -> bool:
         """Return whether the system has room for bytes to it: the library then holds none."""
-        return takes_more(self.descriptor)
+        return takes_more(self.wire.descriptor)
 
 
 class Connections:
@@ -205,24 +257,26 @@ class Connections:
         Those that come and go must not keep it from looking at the others.
         """
         with self._lock:
-            for _ in range(_MOST_EVENTS):
-                if not (event := waiting_parts(self._zmq, self._accepted)):
-                    return True
-                self._note(event)
-        return False
+            events = iter(lambda: waiting_parts(self._zmq, self._accepted), [])
+            come = [self._note(event) for event in itertools.islice(events, _MOST_EVENTS)]
+            # Not before their ends are noted: what came and went, its descriptor may be another's.
+            for new in come:
+                if new is not None and self._of.get(new.wire.descriptor) is new:
+                    self._make_place(new)
+        return len(come) < _MOST_EVENTS
 
-    def _note(self, event: list[bytes]) -> None:
+    def _note(self, event: list[bytes]) -> Connection | None:
         kind, descriptor = struct.unpack_from("=HI", event[0])
         if kind != self._zmq.EVENT_ACCEPTED:
             self._leave(descriptor)
-            return
+            return None
         try:
-            with _socket_of(descriptor) as one:
-                new = Connection(descriptor, _host_of(one), time.monotonic_ns())
+            wire = Wire.of(descriptor)
+            with wire.handle() as one:
+                new = self._of[descriptor] = Connection(wire, _host_of(one), time.monotonic_ns())
         except OSError:  # closed since
-            return
-        self._of[descriptor] = new
-        self._make_place(new)
+            return None
+        return new
 
     def _make_place(self, new: Connection) -> None:
         of_address = [one for one in self._of.values() if one.address == new.address]
@@ -242,17 +296,17 @@ class Connections:
         if self.listened_ns - one.heard_ns > SILENT_NS:
             self.cut(one, f"silent for {SILENT_NS // 10**9} s")
             return
-        with contextlib.suppress(OSError), _socket_of(one.descriptor) as wire:
+        with contextlib.suppress(OSError), one.wire.handle() as wire:
             if _received(wire) > MOST_UNREAD + one.taken:
                 self.cut(one, f"more than {MOST_UNREAD >> 10} KiB unread: too many requests, or one without an end")
 
     def cut(self, one: Connection, why: str) -> None:
         """Cut a connection; the library closes it at once, and its client learns of it."""
         with self._lock:
-            if self._of.get(one.descriptor) is one:
-                self._leave(one.descriptor)
+            if self._of.get(one.wire.descriptor) is one:
+                self._leave(one.wire.descriptor)
                 self.cuts.append((one.address, why))
-                cut(one.descriptor)
+                one.wire.cut()
 
     def _leave(self, descriptor: int) -> None:
         if (left := self._of.pop(descriptor, None)) is not None:
@@ -273,7 +327,7 @@ class Hearing:
     message takes to come is a connection that leads nowhere.
     """
 
-    descriptor: int
+    wire: Wire
     looked_ns: int
     received: int = 0
     silent_ns: int = 0
@@ -286,7 +340,7 @@ class Hearing:
         patience: how many times the usual time that is.
         """
         info, waiting = b"", bytes(4)
-        with contextlib.suppress(OSError), _socket_of(self.descriptor) as one:
+        with contextlib.suppress(OSError), self.wire.handle() as one:
             info = _info_of(one)
             waiting = fcntl.ioctl(one, termios.FIONREAD, waiting) if info else waiting
         if not info:
@@ -298,18 +352,6 @@ class Hearing:
             self.silent_ns = 0
         self.looked_ns, self.received = now_ns, heard
         return self.silent_ns > patience * SILENCE_NS + 1000 * int(_RTT.unpack_from(info, _RTT_AT)[0])
-
-
-def cut(descriptor: int) -> None:
-    """Cut a connection by its descriptor, even if its peer sends on."""
-    with contextlib.suppress(OSError), _socket_of(descriptor) as one:
-        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        one.shutdown(socket.SHUT_RDWR)
-
-
-def _socket_of(descriptor: int) -> socket.socket:
-    """Return another handle of a connection. Errors: OSError where it is closed."""
-    return socket.socket(fileno=os.dup(descriptor))
 
 
 def _host_of(one: socket.socket) -> str:

@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...errors import InputError, in_brief
 from ...options import NoSettings, parse_choice
 from ...registry import Registry
 
@@ -27,7 +27,9 @@ def parse_repairs(text: str) -> RepairChain:
     for what is no text.
     """
     if not isinstance(text, str):
-        raise InputError(f"repair is {text!r}: expected a name: {', '.join(repairs.names())}, or several with +")
+        raise InputError(
+            f"repair is {in_brief(text)}: expected a name: {', '.join(repairs.names())}, or several with +"
+        )
     chain = tuple(parse_choice(repairs, part.strip()) for part in text.split("+"))
     if len(chain) > 1 and not all(choice.entry.is_pass for choice in chain):
         raise InputError(f"repair '{text}': 'none' in a chain means nothing; leave it out")

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry import Fov, Pose, View
+from ...options import as_path
 from ...options.named_files import PICTURE_FILE, content_of, named_in
 from ...poses.assumptions import Assumption, By, first_stated
 from ...poses.track import UNIT_WITHIN
@@ -139,6 +140,7 @@ def find_frame(
 
     shared: facts for what its own do not say. Errors: InputError.
     """
+    path, (depth, camera) = as_path(path), (None if one is None else as_path(one) for one in (depth, camera))
     shared, ending = dict(shared or {}), path.suffix.lower()
     if ending == NPZ:
         if depth is not None or camera is not None:
@@ -253,6 +255,7 @@ def read_view(path: Path, size: tuple[int, int] = (1, 1)) -> View:
     size: (w, h) of the picture that the intrinsics are for, unless width and height say it. Errors:
     InputError.
     """
+    path = as_path(path)
     data = read_json(path, _WANTED)
     _check_keys(path, data, tuple(_VIEW))
     camera = None if "fov" in data else camera_of(path, data)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...options import as_path
 from ...options.named_files import PICTURE_FILE, VIDEO, opened
 from ...resources import import_extra, pyav
 
@@ -32,6 +33,7 @@ def read_colour(path: Path) -> NDArray[Any]:
     uint8 sRGB; float32 linear light of an EXR file. Errors: InputError; MachineError for EXR
     without its optional package.
     """
+    path = as_path(path)
     if path.suffix.lower() == EXR:
         return read_exr(path).need_colour(path)
     with _opened(path) as picture:
@@ -46,6 +48,7 @@ def read_depth(path: Path) -> NDArray[Any]:
     A PGM states its largest value: where that is of whole bits, as of a sensor, pixels that have it
     measure nothing and become 65535. A PNG of 12 bits states nothing: its 4095 stays.
     """
+    path = as_path(path)
     suffix = path.suffix.lower()
     if suffix == EXR:
         return read_exr(path).need_depth(path)

@@ -8,7 +8,7 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, one_of, option, same_as
+from ...options import Declared, as_path, one_of, option, same_as
 from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES, LiveOptions
 from ..console.line_console import KINDS as CONSOLES
 from ..store import PERSON, PILOT, SIMULATED
@@ -34,7 +34,7 @@ class SessionOptions(Declared):
     store: Path | None = option(
         None,
         "Folder for the data; by default STUDY-data beside the file, STUDY-pilot-data, STUDY-simulated-data.",
-        convert=attrs.converters.optional(Path),
+        convert=attrs.converters.optional(as_path),
     )
     console: str = option(
         "auto",

@@ -27,7 +27,7 @@ from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import LARGEST_ASK, MOST_FATES, MOST_INPUTS, Fate, Session, encode
 from hmdwarp.sources.feed.parts import Wanted
 from hmdwarp.sources.feed.shared_frames import MOST_OF_CLIENT, SHARED
-from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST_UNREAD, Connection
+from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST_UNREAD, Connection, Wire
 
 from .exchange import WHENEVER_MS, answered, exchanged, port_of
 from .relay import RESET
@@ -206,6 +206,26 @@ def test_more_connections_than_there_may_be_make_room_in_the_address_that_has_mo
         exchanged(caller, listener)
         assert all("127.0.0.9" in line for line in told if "cut" in line)
         assert not any("gone" in line for line in told)
+
+
+def test_a_descriptor_that_is_another_s_by_now_is_not_cut(tmp_path):
+    """The library closes a connection when it ends; what is opened next gets its descriptor."""
+    with ExitStack() as stack:
+        (gone, _), (other, peer) = (map(stack.enter_context, socket.socketpair()) for _ in range(2))
+        wire, own = Wire.of(gone.fileno()), Wire.of(other.fileno())
+        os.dup2(other.fileno(), gone.fileno())
+        count = len([*Path("/proc/self/fd").iterdir()])
+        wire.cut()
+        with pytest.raises(OSError, match="another's"):
+            wire.handle()
+        other.send(b"x")
+        assert peer.recv(1) == b"x"
+        own.cut()
+        assert peer.recv(1) == b""
+        with (tmp_path / "file").open("wb") as file:
+            os.dup2(file.fileno(), gone.fileno())
+            wire.cut()
+            assert len([*Path("/proc/self/fd").iterdir()]) == count + 1  # the file's, and none left over
 
 
 @pytest.mark.parametrize("asks", [False, True])

@@ -46,6 +46,6 @@ def test_files_are_overwritten_only_by_force(tmp_path, monkeypatch):
 @pytest.mark.parametrize("name", ["", "a/b", "..", "mine.toml", "a b"])
 def test_a_name_that_no_study_has_is_refused(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match="expected a name"):
+    with pytest.raises(InputError, match="expected a (name|value)"):
         init(name)
     assert not list(tmp_path.iterdir())

@@ -9,6 +9,7 @@ from pathlib import Path
 import attrs
 
 from ....errors import InputError
+from ....options import as_path
 from ....options.named_files import enter
 from ....registry import Registry
 from ..camera import read_json
@@ -29,7 +30,7 @@ def open(path: str | os.PathLike[str], options: SequenceOptions | None = None) -
     frame. Errors: InputError for what no reader knows, for files that are missing or damaged, for
     facts that are missing (intrinsics, depth scale), and for lens distortion, by its name.
     """
-    options, place = options or SequenceOptions(), Path(path)
+    options, place = SequenceOptions.checked(options, optional=True), as_path(path)
     if not place.exists():
         raise InputError(f"{place}: no such file or folder; expected a folder of recorded frames")
     if place.is_dir():
