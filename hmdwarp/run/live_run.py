@@ -42,7 +42,9 @@ from .recorder import LEAST, Recorder
 Say = Callable[[str], None]
 AfterRefresh = Callable[[int], None]
 WAITING = "waiting for the first frame"
-PATIENCE_S = 10.0  # beyond the latency, for the first frame where nobody sees that it is waited for
+# Beyond the latency, for the first frame where nobody sees that it is waited for; of a server
+# elsewhere, which may be busy, last.
+PATIENCE_S = (10.0, 60.0)
 
 
 class FrameHandler(Protocol):
@@ -279,9 +281,10 @@ class _UserRun(FrameHandler):
         log.status.values = values(host.options, host.pipeline.sizes.shown)
 
     def over(self) -> bool:
-        if not self._log.count and self._host.options.source == OFFSCREEN:  # nobody sees that it waits
+        options = self._host.options
+        if not self._log.count and options.source == OFFSCREEN:  # nobody sees that it waits
             waited_s = (self._ending.now_ns() - self._began_ns) * 1e-9
-            if waited_s > self._host.options.latency_ms * 1e-3 + PATIENCE_S:
+            if waited_s > options.latency_ms * 1e-3 + PATIENCE_S[bool(options.feed.connect)]:
                 raise InputError(
                     f"no frame has arrived within {waited_s:g} s: expected one after the latency: use less --loss, "
                     "more --bandwidth or a shorter delay"
