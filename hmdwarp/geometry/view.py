@@ -335,7 +335,7 @@ def _pixels_inside(xs: NDArray[np.float64], ys: NDArray[np.float64], size: Size)
 def _check_gaze(_: object, __: object, gaze: tuple[float, float, float] | None) -> None:
     try:
         x, y, z = (0, 0, -1) if gaze is None else gaze
-        is_right = 0 < x * x + y * y + z * z < math.inf
+        is_right = x * x + y * y + z * z < math.inf
     except NO_NUMBERS:
         is_right = False
     if not is_right:

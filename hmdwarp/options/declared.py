@@ -102,7 +102,8 @@ _HELD: dict[str, tuple[tuple[type, ...], str]] = {
 def _of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
     """Raise InputError for a value that the field's annotation excludes, where that is simple."""
     words = [word for word in str(field.type).split(" | ") if word != "None"]
-    is_none = value is None and "| None" in str(field.type)
+    may_be_none = "| None" in str(field.type) or (_KEY in field.metadata and option_of(field).default is None)
+    is_none = value is None and may_be_none
     if is_none or any(word not in _HELD for word in words) or type(value).__name__ == "bool_":
         return
     if not any(isinstance(value, _HELD[word][0]) for word in words):

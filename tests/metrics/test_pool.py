@@ -152,7 +152,7 @@ def test_a_measurement_that_fails_is_one_clear_error(workers):
         pool.submit((7, 0), job(1))
     if workers:
         # What makes flip-evaluator or pickle fall over in the worker is our fault, not the input's.
-        broken = attrs.evolve(job(1), rendered_size="wide")
+        broken = attrs.evolve(job(1), rendered_size=(0, 0))
         with pytest.raises(HmdwarpError, match=r"picture 5 failed: \w+Error: "), QualityPool(workers, PPD) as pool:
             pool.submit(5, broken)
 

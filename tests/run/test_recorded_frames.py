@@ -320,7 +320,7 @@ def test_layers_that_were_not_recorded_are_refused_by_the_plan(said, told, folde
     assert "recorded frames hold colour and depth of one eye, and no scene" in str(caught.value)
 
 
-STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": "0.001", "frames_rate": "25", "crop": "4"}
+STATED = {"layout": "tum", "intrinsics": "1,1,1,1", "depth_scale": 0.001, "frames_rate": 25.0, "crop": 4}
 STATED |= {"no_depth": "far", "frames_axes": "openxr", "frames_topics": "depth=/depth", "hidden": "mask.png"}
 
 

@@ -278,7 +278,10 @@ def test_untestable_measures_are_named_with_their_reason():
     reasons = dict(found.left_out)
     assert [measure.name for measure in found.measures] == [FLIP, HOLES]
     assert reasons["missed refreshes"] == reasons["age of the pose"] == "the same in all trials of each person"
-    assert reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings" and reasons["flicker"] == "not measured"
+    assert (
+        reasons["likeness (SSIM)"] == "missing with 64 of 96 ratings"
+        and reasons["flicker"] == "not measured; 'study measure' does it"
+    )
     assert found.dropped == 5 and found.ratings == 91
     text = " ".join(sentences(found))
     assert "Left out: 5 ratings without all metrics" in text and "flicker" in text

@@ -11,7 +11,7 @@ import tarfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import Any
@@ -90,6 +90,10 @@ addEventListener("DOMContentLoaded", () => {
 def says(text: str) -> str:
     """Return a condition: the page has told people this, if only for a moment."""
     return f"[...heard].some((line) => line.includes('{text}'))"
+
+
+class Reloaded(Exception):
+    """The page went while it was asked: it loads anew, as after lost graphics."""
 
 
 class Ended(Exception):
@@ -182,6 +186,8 @@ class Browser:
             {"id": number, "method": method, "params": params or {}, **({"sessionId": which} if which else {})}
         )
         told = await self._answers[number]
+        if told.get("error", {}).get("message") == "Inspected target navigated or closed":
+            raise Reloaded
         assert "error" not in told, told["error"]
         return told["result"]
 
@@ -210,9 +216,14 @@ class Browser:
 
     def until(self, condition: str) -> None:
         """Wait until an expression is true; it ends with the browser, and where a script fails."""
-        while not self.does(f"(() => {{ try {{ return Boolean({condition}); }} catch {{ return false; }} }})()"):
+        while not self._is(condition):
             assert not self.has_failed, self.said
             time.sleep(0.05)
+
+    def _is(self, condition: str) -> bool:
+        with suppress(Reloaded):
+            return self.does(f"(() => {{ try {{ return Boolean({condition}); }} catch {{ return false; }} }})()")
+        return False
 
     @contextmanager
     def traced(self) -> Iterator[list[dict[str, Any]]]:
