@@ -102,8 +102,7 @@ _HELD: dict[str, tuple[tuple[type, ...], str]] = {
 def _of_its_kind(_: object, field: attrs.Attribute[Any], value: Any) -> None:
     """Raise InputError for a value that the field's annotation excludes, where that is simple."""
     words = [word for word in str(field.type).split(" | ") if word != "None"]
-    may_be_none = "| None" in str(field.type) or (_KEY in field.metadata and option_of(field).default is None)
-    is_none = value is None and may_be_none
+    is_none = value is None and "| None" in str(field.type)
     if is_none or any(word not in _HELD for word in words) or type(value).__name__ == "bool_":
         return
     if not any(isinstance(value, _HELD[word][0]) for word in words):

@@ -467,7 +467,7 @@ def test_nothing_is_paid_where_all_is_sharp():
     ("sets", "why"),
     [
         ({"network": LinkOptions(send="changes")}, "the eyes move where nothing else does"),
-        ({"frames": Path("nowhere"), "trace": None}, "they came as sharp everywhere"),
+        ({"frames": Path("nowhere"), "trace": ""}, "they came as sharp everywhere"),
     ],
 )
 def test_frames_that_cannot_be_foveated_are_refused(sets, why):

@@ -251,7 +251,7 @@ def test_a_camera_at_rest_before_what_moves_sends_each_of_its_frames(tmp_path):
     frames = [attrs.evolve(frame, pose=Pose((0, 1.6, 0))) for frame in taken(6)]
     (tmp_path / "recorded").mkdir()
     write_npz(tmp_path / "recorded", frames)
-    options = {"trace": None, "frames": str(tmp_path / "recorded"), "latency_ms": 50.0, "size": None}
+    options = {"trace": "", "frames": str(tmp_path / "recorded"), "latency_ms": 50.0, "size": None}
     found = run(tmp_path / "out", network=CHANGES, **options).summary["link"]["frames"]
     assert found["drawn"] >= 5
 
