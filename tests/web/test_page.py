@@ -188,7 +188,7 @@ HOLDS = """
 """
 ROUNDS = int(os.environ.get("WEB_ROUNDS", "8"))  # of a stall, a cut and another head
 LEAST_LEAK = 1 << 10  # bytes a round: a sixth of what the browser keeps of an answer that is not read
-SETTLES = 2 << 20  # bytes, of compiled scripts and caches
+SETTLES = 1 << 20  # bytes, of compiled scripts and caches
 MOST_ASKED = 8  # requests under way, as page/feed.js has it
 
 

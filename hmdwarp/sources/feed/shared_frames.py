@@ -229,7 +229,7 @@ def _abandoned(owner: str) -> bool:
 class FrameReader:
     """Copies frames out of shared memory, into that of earlier ones which nobody holds any more.
 
-    Memory that is new takes as long to get as the copy: the system clears it, page by page.
+    Memory that is new costs more: the system clears it, page by page.
     """
 
     def __init__(self) -> None:
