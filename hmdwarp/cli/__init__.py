@@ -13,6 +13,7 @@ import sys
 from contextlib import suppress
 from typing import NoReturn
 
+from ._retired import instead_of
 from ._signals import Ended, end_cleanly
 
 INTERRUPTED = 130  # the shells' status for Ctrl-C: 128 + SIGINT
@@ -44,7 +45,7 @@ def main() -> None:
             _complain(line)
         _leave(last, error.exit_status)
     except HmdwarpError as error:
-        _leave(str(error), error.exit_status)
+        _leave((error.exit_status == 2 and instead_of(sys.argv[1:])) or str(error), error.exit_status)
     except KeyboardInterrupt:
         _leave(f"interrupted; {NOTHING_LEFT}", INTERRUPTED)
     except Ended as error:
@@ -98,7 +99,8 @@ def _leave_by_unforeseen(error: Exception) -> NoReturn:
     # no one base class to name.
     if hasattr(error, "format_message"):
         command = getattr(getattr(error, "ctx", None), "command_path", "hmdwarp")
-        _leave(f"{_with_value(error.format_message())} ('{command} --help' shows what there is)", 2)
+        what = f"{_with_value(error.format_message())} ('{command} --help' shows what there is)"
+        _leave(instead_of(sys.argv[1:]) or what, 2)
     if os.environ.get("HMDWARP_DEBUG"):
         raise error
     if isinstance(error, OSError) and error.filename is None and error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
