@@ -146,10 +146,6 @@ HOW = (
     "parquet",
     "paper",
     "sweep",
-    "trace_events",
-    "record_to",
-    "profile",
-    "cache",
 )
 # Where a study's file may set an option: for the display of a whole session, for how the scene
 # looks, or for one condition. Otherwise a sentence says why it may not.

@@ -27,7 +27,6 @@ from .markers import LiveMarkers, NoMarkers
 from .options import LiveOptions
 from .recorder import Lines
 from .run_summary import OWNED
-from .trace_events import TraceEvents
 
 _STAGES = tuple(name.removesuffix("_ms") for name in STAGE_COLUMNS[:-1])
 _NO_EYE = (math.nan,) * (len(STAGE_COLUMNS) + 1)  # columns of an absent eye
@@ -72,7 +71,6 @@ class _Running:
     holes: HoleCounter
     # The current value of each control.
     values: dict[str, object]
-    events: TraceEvents | None
     markers: LiveMarkers
     # Where things are seen in a picture that is shown again.
     depths: DepthSamples
@@ -126,13 +124,10 @@ class LiveLog:
     def begin(self, display: Display, host: PipelineHost, markers: LiveMarkers | None = None) -> None:
         """Start logging on this display. markers: get what other recorders want to know."""
         facts = live_facts_of(attrs.evolve(self._options, latency_ms=host.options.latency_ms), display, host)
-        events = None
-        if self._options.trace_events is not None:
-            events = TraceEvents(self._options.trace_events, display.rate_hz, force=self._options.force)
         now = values(host.options, host.pipeline.sizes.shown)
         markers = markers or LiveMarkers(NoMarkers())
         seen = DepthSamples(display.gpu), SeenOffset(turned=facts.turns)
-        self._running = _Running(facts, host, HoleCounter(display.gpu), now, events, markers, *seen)
+        self._running = _Running(facts, host, HoleCounter(display.gpu), now, markers, *seen)
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:
             self._files.rows.add(HEADER)
@@ -246,8 +241,6 @@ class LiveLog:
         figures.fates.add(refresh)
         if self._files is not None:
             self._files.rows.add(rows_text(moment, stages, holes))
-        if self._running.events is not None:
-            self._running.events.add(refresh, self._last.submitted_ns)
 
     def _show(self, stages: Sequence[Sequence[float]], passes_ms: float, holes: Sequence[float | None]) -> None:
         """Copy the numbers of a refresh into the status."""
@@ -291,11 +284,7 @@ class LiveLog:
                 return
             self._finished = True
         self._figures.pauses.stop()
-        try:
-            self._finish()
-        finally:
-            if self._running is not None and self._running.events is not None:
-                self._running.events.close()
+        self._finish()
 
     def _finish(self) -> None:
         files = self._files

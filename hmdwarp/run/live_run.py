@@ -173,9 +173,8 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     """
     if options.lsl:
         load_lsl()  # refuses a machine without it, before anything is opened
-    for written in (options.record, options.trace_events):
-        if written is not None and options.trace:
-            refuse_source(written, Path(options.trace))
+    if options.record is not None and options.trace:
+        refuse_source(options.record, Path(options.trace))
     source = checked_source(options)
     options = source.fitted(options)
     with ExitStack() as stack:

@@ -23,11 +23,9 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
-from .profile import COMPARED, READING, TRUTH
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, TrueEye, WholePictures, coverage, is_measured, shown_picture
-from .viewer_file import ViewerFile
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner
 # 2011, Peripheral vision and pattern recognition: a review).
@@ -91,10 +89,8 @@ class Probe:
     before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
-    def __init__(
-        self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None, viewer: ViewerFile | None = None
-    ) -> None:
-        self._setup, self._pool, self._keep_every, self.viewer = setup, pool, keep_every, viewer
+    def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
+        self._setup, self._pool, self._keep_every = setup, pool, keep_every
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
         self._against = [setup.compensator(plan_against(setup.options, *pair)) for pair in setup.options.compared]
@@ -144,8 +140,7 @@ class Probe:
             # The predecessor of a measured refresh is read for flicker only.
             measured = self._measures(number)
             try:
-                with self._setup.part(TRUTH):
-                    truth = self._setup.truth.at(refresh.inputs[eye], depth=measured)
+                truth = self._setup.truth.at(refresh.inputs[eye], depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
@@ -162,8 +157,6 @@ class Probe:
                 if refresh.head.gaze is not None or self._setup.options.fovea is not None:
                     (shown,) = looking([result.view], refresh.head.gaze)
                     self.near_gaze.add(job.now, shown, rendered.view)
-                if self.viewer is not None:
-                    self.viewer.add_pictures(eye, refresh, job)
                 compared = zip(self._setup.options.compared, others, strict=True)
                 beside = tuple((method_name(*pair), other.now.shown) for pair, other in compared if other is not None)
                 keep = self._keep_every is not None and number // self._every % self._keep_every == 0
@@ -192,8 +185,7 @@ class Probe:
         """
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
-        with self._setup.part(COMPARED):
-            other = against.run(inputs)
+        other = against.run(inputs)
         self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
         job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
         if job is not None:
@@ -236,25 +228,23 @@ class Probe:
         truth_inverse_depth: NDArray[np.float32] | None,
     ) -> QualityJob | None:
         """Return what is to be measured; None for a refresh that only flicker and clips need."""
-        with self._setup.part(READING):
-            now = Compared(shown_picture(result), truth, result.view)
+        now = Compared(shown_picture(result), truth, result.view)
         if self.clips is not None:
             self.clips.add(number, eye, which, now)
         before_number, before = self._before.get((eye, which), (None, None))
         self._before[eye, which] = (number, now)
         if truth_inverse_depth is None:
             return None
-        with self._setup.part(READING):
-            return QualityJob(
-                now,
-                before if before_number == number - 1 else None,
-                coverage(result),
-                truth_inverse_depth,
-                rendered.view,
-                rendered.size,
-                rendered_picture=_late_picture(rendered) if which == MAIN else None,
-                regions=which == MAIN,
-            )
+        return QualityJob(
+            now,
+            before if before_number == number - 1 else None,
+            coverage(result),
+            truth_inverse_depth,
+            rendered.view,
+            rendered.size,
+            rendered_picture=_late_picture(rendered) if which == MAIN else None,
+            regions=which == MAIN,
+        )
 
 
 def method_name(warp: str, fill: str) -> str:

@@ -19,7 +19,6 @@ from ..options import (
     Declared,
     Number,
     Option,
-    as_path,
     force_field,
     group,
     names_in,
@@ -45,7 +44,6 @@ VIEWS = (BOTH, FLAT) = ("both", "flat")
 MOST_COMPARED = 2  # what a chart shows besides the run
 _BETWEEN = re.compile(r",(?!\s*\w+=)")  # commas but those within a warp's settings
 _SECONDS = "how long a condition is shown stands in [trial] and [practice]"
-_ONE_RUN = "one file is of one run; 'hmdwarp live' writes it"
 _SAID_TO_RUN = "is said to 'hmdwarp study run'"
 
 
@@ -56,25 +54,6 @@ def _check_input(instance: Any, field: attrs.Attribute[Any], value: str) -> None
 
 BY_GPU, BY_LIBRARY = "gpu", "library"
 MEASURING = "Measuring"  # heading of options in help
-
-
-@attrs.frozen(kw_only=True)
-class CacheOptions(Declared):
-    """Where pictures and figures are kept for further runs, and how much of them."""
-
-    heading = MEASURING
-
-    folder: Path | None = option(
-        None,
-        "Keep true pictures and figures in this folder, and take those of earlier runs from it.",
-        name="cache",
-        metavar="DIR",
-        convert=attrs.converters.optional(as_path),
-    )
-    most_mb: float = option(
-        4000.0, "Largest size of that folder, in 10^6 bytes; the least recently used goes first.", name="cache_mb",
-        valid=Number(above=True),
-    )  # fmt: skip
 
 
 @attrs.frozen(kw_only=True)
@@ -128,9 +107,6 @@ class RunOptions(PipelineOptions):
         valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )
-    profile: bool = option(
-        False, "Report where the CPU time goes, and write profile.json: trace events for ui.perfetto.dev."
-    )
     # 0 for not at all.
     jod_s: float = option(
         0.0,
@@ -144,7 +120,6 @@ class RunOptions(PipelineOptions):
         valid=Number(most=256),
         heading=MEASURING,
     )
-    cache: CacheOptions = group(CacheOptions)
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
     # A client that takes time.
@@ -154,15 +129,6 @@ class RunOptions(PipelineOptions):
     feed: FeedOptions = group(FeedOptions)
     out: Path = out_field(Path("out/replay"), "Folder for summary.json, frames.csv, images/ and report.html.")
     force: bool = force_field()
-    trace_events: Path | None = out_field(
-        None, "Write the run's time line to this file: trace events (JSON) for ui.perfetto.dev.", study=_ONE_RUN
-    )
-    record_to: Path | None = out_field(
-        None,
-        "Write head, views, pictures, depth, holes and figures to this .mcap file, for Foxglove (pip install "
-        "'.[mcap]'); pictures at measured refreshes.",
-        study=_ONE_RUN,
-    )
     command: str = ""
 
     def __attrs_post_init__(self) -> None:
@@ -266,7 +232,6 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
-    trace_events: Path | None = same_as(attrs.fields(RunOptions).trace_events)
     lsl: bool = option(
         False,
         "Send markers to the Lab Streaming Layer (pip install '.[lsl]').",

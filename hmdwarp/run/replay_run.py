@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -26,19 +25,16 @@ from ..pipeline.proxy_options import SERVER_SCENE
 from ..pipeline.recorded_source import about_second_eye, second_eye
 from ..pipeline.sizes import refreshes_of
 from ..pipeline.source import ServerFrames
-from ..report import OutputFolder, VideoWriter, refuse_source
+from ..report import OutputFolder, VideoWriter
 from ..sources.server import Server
 from .frame_rows import ReplayLog, Row
 from .late_client import MISS_COLUMNS, LateClient, Seen
 from .measuring import MAIN, Probe, method_name
 from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions
-from .profile import BESIDE, DRAWING, RESULTS, SHOWING
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
 from .short_bench import decided
-from .trace_events import TraceEvents
-from .viewer_file import viewer_file
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -63,9 +59,6 @@ def replay(
 
 
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
-    for written in (options.trace_events, options.record_to):
-        if written is not None and options.trace:
-            refuse_source(written, Path(options.trace))
     compares_governor = options.miss.compare_governor
     if compares_governor:
         _check_governed(options)
@@ -74,18 +67,13 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
         setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
-        with (
-            QualityPool(
-                workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
-            ) as pool,
-            viewer_file(options.record_to, force=options.force) as viewer,
-        ):
-            probe = Probe(setup, pool, _keep_every(setup), viewer)
+        with QualityPool(
+            workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
+        ) as pool:
+            probe = Probe(setup, pool, _keep_every(setup))
             log, late = _run(setup, probe, out, progress)
             pool.wait()
             log.measured(_figures(pool, MAIN))
-            if viewer is not None:
-                viewer.add_figures(log.rows)
         _write_delays(setup, out)
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
@@ -105,17 +93,11 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more, probe.without_truth)
-        if setup.profile is not None:
-            setup.profile.enter(RESULTS)
-            setup.profile.finish = lambda: None
     if compares_governor:
         ungoverned = _without_governor(options, result, say, progress)
         compared.append(ungoverned.rows)
         misses.append(ungoverned.misses)
     write_results(out, log, result, compared, pool, misses, options.command)
-    if setup.profile is not None:
-        out.write_text("profile.json", setup.profile.events())
-        say(setup.profile.table(setup.schedule.count))
     return result
 
 
@@ -235,24 +217,16 @@ def _run(
     setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress
 ) -> tuple[ReplayLog, LateClient | None]:
     log, count = ReplayLog(setup.track), 0
-    if setup.profile is not None:
-        setup.profile.enter(BESIDE)
     misses = setup.options.miss
     late = LateClient(setup, misses) if misses.on else None
     _leave_unseen_undrawn(setup)
-    with _video(setup, out) as video, _events(setup, out) as events:
+    with _video(setup, out) as video:
         for number, instant_ns in setup.schedule.numbered():
-            with setup.part(DRAWING):
-                setup.loop.draw(instant_ns)
-            with setup.part(SHOWING):
-                seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
+            setup.loop.draw(instant_ns)
+            seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
             if seen is not None:
                 refresh = seen.refresh
                 log.add(refresh, stale=seen.stale)
-                if events is not None:
-                    _add_event(events, seen)
-                if probe.viewer is not None:
-                    probe.viewer.add(refresh)
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
@@ -294,15 +268,6 @@ def _seen(setup: ReplaySetup, late: LateClient | None, number: int, instant_ns: 
     return Seen(refresh, stale=False, work_ns=None) if refresh is not None else None
 
 
-def _add_event(events: TraceEvents, seen: Seen) -> None:
-    if seen.work_ns is not None:
-        events.work(*seen.work_ns)
-    if seen.stale:
-        events.missed(seen.refresh)
-    else:
-        events.add(seen.refresh)
-
-
 def _fates(setup: ReplaySetup) -> str:
     tally = setup.channel.link.tally.as_dict()
     return ", ".join(f"{name.replace('_', ' ')} {count}" for name, count in tally.items() if count)
@@ -314,14 +279,6 @@ def _video(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManag
     wide, high = setup.size
     eyes = len(setup.headset.views(Pose()))
     return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
-
-
-def _events(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[TraceEvents | None]:
-    options = setup.options
-    if options.trace_events is None or out is None:
-        return nullcontext()
-    scanout_ns = round(options.scanout_ms * 1e6)
-    return TraceEvents(options.trace_events, setup.schedule.rate_hz, scanout_ns, force=options.force)
 
 
 def _panels(refresh: Refresh) -> np.ndarray:

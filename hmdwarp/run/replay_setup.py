@@ -6,7 +6,7 @@ import functools
 import operator
 from collections import Counter
 from collections.abc import Callable, Hashable
-from contextlib import AbstractContextManager, ExitStack, nullcontext
+from contextlib import ExitStack
 
 import attrs
 import numpy as np
@@ -29,9 +29,7 @@ from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
-from .cache import Cache, figures_as_arrays, figures_in, key_of_job
 from .options import BY_LIBRARY, RunOptions
-from .profile import ALIKE, Profile
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
 from .truth import TrueEye
 
@@ -56,9 +54,7 @@ class ReplaySetup:
     pipeline: Pipeline
     notes: list[str]
     _cleanup: ExitStack
-    profile: Profile | None = None
     _alike: list[PairPass] = attrs.field(factory=list)  # once it is needed
-    cache: Cache | None = None
 
     @property
     def options(self) -> RunOptions:
@@ -120,39 +116,26 @@ class ReplaySetup:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
 
-    def part(self, name: str) -> AbstractContextManager[None]:
-        """Count the CPU time of what runs inside as this part, where there is a profile."""
-        return self.profile.part(name) if self.profile is not None else nullcontext()
-
     @property
     def truth(self) -> TrueEye:
         """What eyes should see."""
-        return TrueEye(self.server, self.size, self.cache)
+        return TrueEye(self.server, self.size)
 
     def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
-        """Submit a picture to be measured, or what the cache has of it. Errors: as pool.submit."""
-        if self.cache is None:
-            pool.submit(key, self._compared(job), keep=keep)
-            return
-        job, cache = attrs.evolve(job, error_map=True), self.cache
-        place = key_of_job(cache, job, self.pixels_per_degree, self.options.metrics_by)
-        if (known := cache.get(place, figures_in)) is not None:
-            pool.take(key, job, known, keep=keep)
-            return
-        pool.submit(key, self._compared(job), keep=keep, then=lambda found: cache.put(place, figures_as_arrays(found)))
+        """Submit a picture to be measured. Errors: as pool.submit."""
+        pool.submit(key, self._compared(job), keep=keep)
 
     def _compared(self, job: QualityJob) -> QualityJob:
         """Return the job with what the GPU finds of its pictures, unless libraries do."""
-        with self.part(ALIKE):
-            if self.options.metrics_by == BY_LIBRARY:
-                return job
-            if not self._alike:
-                self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
-                self._cleanup.callback(self._alike[0].close)
-            alike = self._alike[0].run(job.now.shown, job.now.truth)
-            if job.previous is None or (flicker := self._alike[0].flicker(job.now, job.previous)) is None:
-                return attrs.evolve(job, alike=alike)
-            return attrs.evolve(job, alike=attrs.evolve(alike, flicker=flicker), previous=None)
+        if self.options.metrics_by == BY_LIBRARY:
+            return job
+        if not self._alike:
+            self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
+            self._cleanup.callback(self._alike[0].close)
+        alike = self._alike[0].run(job.now.shown, job.now.truth)
+        if job.previous is None or (flicker := self._alike[0].flicker(job.now, job.previous)) is None:
+            return attrs.evolve(job, alike=alike)
+        return attrs.evolve(job, alike=attrs.evolve(alike, flicker=flicker), previous=None)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""
@@ -220,11 +203,7 @@ def set_up_replay(
         )
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
         notes.extend([*options.notes, *motion_notes(options, source.scene, pipeline.plan)])
-        profile = Profile() if options.profile else None
-        if profile is not None:
-            profile.finish, gpu.timer.watch = gpu.gl.finish, profile.stage
-        cache = _cache_of(options, source.scene, gpu, notes)
-        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all(), profile, cache=cache)
+        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all())
 
 
 def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
@@ -244,14 +223,6 @@ def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
     found = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items())) or "none"
     more = f"; {counted(lost, 'input')} meant nothing that takes it" if lost else ""
     return [f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."]
-
-
-def _cache_of(options: RunOptions, scene: Scene, gpu: Gpu, notes: list[str]) -> Cache | None:
-    if options.cache.folder is None:
-        return None
-    acted = [event.row for event in scene.inputs or ()]
-    drawn = options.scene, options.scene_options, options.mirrors, options.samples, options.sample_depth, acted
-    return Cache(options.cache, [drawn, gpu.renderer, gpu.gl.info["GL_VERSION"]], notes)
 
 
 def _cost(refreshes: int) -> str:

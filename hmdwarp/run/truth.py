@@ -25,8 +25,7 @@ from ..geometry import Fov, View
 from ..gpu.textures import download
 from ..pipeline.frame_coder import Reads
 from ..pipeline.loop import Loop, Refresh
-from ..sources.server import Renderer, Server
-from .cache import Arrays, Cache
+from ..sources.server import Renderer
 
 # Over half a band the picture turns by a quarter of a pixel, up to the limit on bands; each band is
 # drawn separately.
@@ -64,29 +63,14 @@ class TruePicture:
 
 @attrs.frozen
 class TrueEye:
-    """Draws what eyes should see, in (w, h) pixels, or takes what a scene showed from the cache."""
+    """Draws what eyes should see, in (w, h) pixels."""
 
     server: Renderer
     size: tuple[int, int]
-    cache: Cache | None = None
 
     def at(self, inputs: PassInputs, *, depth: bool = True) -> TruePicture:
         """Return what the eye should see at a refresh. Errors: NoTruth."""
-        if self.cache is None or not isinstance(self.server, Server):
-            return TruePicture.of(draw_truth(self.server, inputs, self.size, depth=depth))
-        key = self.cache.key("truth", inputs.shown, inputs.shown_last, inputs.shown_ns, self.size, depth)
-        found = self.cache.get(key, self._read)
-        if found is None:
-            found = TruePicture.of(draw_truth(self.server, inputs, self.size, depth=depth))
-            arrays = {"picture": found.picture, "inverse_depth": found.inverse_depth}
-            self.cache.put(key, {name: array for name, array in arrays.items() if array is not None})
-        return found
-
-    def _read(self, found: Arrays) -> TruePicture:
-        made = TruePicture(found["picture"], found.get("inverse_depth"))
-        if made.picture.shape != (self.size[1], self.size[0], 3):
-            raise ValueError(made.picture.shape)
-        return made
+        return TruePicture.of(draw_truth(self.server, inputs, self.size, depth=depth))
 
 
 def draw_truth(server: Renderer, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> Truth:

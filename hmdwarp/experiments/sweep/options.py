@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...options import Declared, force_field, group, one_of, option, option_of, same_as
 from ...pipeline.options import with_headset
 from ...poses.options import TraceOptions
-from ...run.options import CacheOptions, RunOptions, recordings_field, with_recordings
+from ...run.options import RunOptions, recordings_field, with_recordings
 from ...scenes.options import SceneOptions
 from ...sources.sequences.options import SequenceOptions
 
@@ -126,7 +126,6 @@ class RecordedOptions(ExperimentOptions):
     input: str = same_as(_RUN.input)
     jod_s: float = same_as(_RUN.jod_s)
     workers: int | None = same_as(_RUN.workers)
-    cache: CacheOptions = group(CacheOptions)
     trace_options: TraceOptions = group(TraceOptions)
     sweep: SweepOptions = group(SweepOptions)
 
