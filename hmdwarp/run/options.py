@@ -344,8 +344,7 @@ class ListenOptions(Declared):
 
     listen: str = option(
         "127.0.0.1:5570",
-        "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "
-        "frames through shared memory. Other machines need a key pair or a token.",
+        "Address to listen at: HOST:PORT, * for a free port. Other machines need a key pair or a token.",
         valid=valid_address("--listen", serves=True),
     )
     key_pair: Path | None = option(

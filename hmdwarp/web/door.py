@@ -59,7 +59,7 @@ def _as_es(path: str, defines: Mapping[str, object]) -> str:
 
 
 _TOKEN_BYTES = 16
-_TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
+_TOKEN_AT = 52  # in a request, docs/feed.md
 _ID, _DRAWING, _MOST_ASKED = struct.Struct("<12xQ"), struct.Struct("<44xq"), 64
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1}
 _MOST_UNSENT = 1 << 16  # bytes, in the system
@@ -288,9 +288,9 @@ class Door:
         await asyncio.to_thread(log.close)
 
     def _with_token(self, data: bytes) -> bytes:
-        """Return a request with the server's token, and no wish for shared memory."""
+        """Return a request with the server's token."""
         token = token_of(self._lock.secret)
-        return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) : _SHARES_AT] + b"\0" + data[_SHARES_AT + 1 :]
+        return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) :]
 
     async def _pass_down(self, server: Any, browser: Any, came: dict[int, float], log: Log | None) -> None:
         while True:

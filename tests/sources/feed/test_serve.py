@@ -53,9 +53,9 @@ def serving():
 
 
 @pytest.fixture(scope="module")
-def parade(tmp_path_factory):
-    """A scene with things that deform, by shared memory where there is any."""
-    with Serving("--scene", "parade", "--listen", f"ipc://{tmp_path_factory.mktemp('parade')}/frames") as one:
+def parade():
+    """A scene with things that deform."""
+    with Serving("--scene", "parade") as one:
         yield one
 
 
@@ -702,11 +702,3 @@ def test_clients_share_the_time_of_a_server_so_that_cheap_requests_have_more_tur
             socket.close()
     # Six for one of each other in turn, so 14 or 15 of 24; one of five if turns only went round.
     assert 12 <= turns.count(4) <= 16 and {*turns} == {*number}
-
-
-def test_a_path_on_this_machine_is_an_address(tmp_path):
-    with closing(Listener(f"ipc://{tmp_path}/frames")) as listener, closing(Caller(listener.address)) as caller:
-        arrival, _ = exchanged(caller, listener)
-    np.testing.assert_array_equal(arrival.frame.colours[0], FRAME.colours[0])
-    with pytest.raises(InputError, match="shorter"):
-        Caller(f"ipc:///{'a' * 200}")
