@@ -418,7 +418,7 @@ class ServeOptions(ListenOptions):
         valid=one_of(AUTO, *VIDEOS),
     )
     out: Path | None = out_field(
-        None, "With --web: folder for what browsers report of their sessions, each as a live run; by default none."
+        None, "With --web: folder for session.jsonl, a line a second of each browser's session; by default none."
     )
     command: str = ""
 
