@@ -8,11 +8,11 @@ import { Stopwatch, median } from "./measure.js";
 const INSTANTS = 3; // of the recording, evenly spread
 const ROUNDS = 3, BURST = 64; // times of each chain at each, and draws of one
 
-/** PSNR in dB of (h, w, 4) bytes against those of the truth, at most that of a single level in one of a million. */
+/** PSNR in dB of (h, w, 4) bytes against those of the truth, at most 100. */
 export function psnr(pixels, truth) {
   let squares = 0;
   for (let at = 0; at < pixels.length; at += 1) if (at % 4 < 3) squares += (pixels[at] - truth[at]) ** 2;
-  return 10 * Math.log10(255 ** 2 / Math.max(squares / (0.75 * pixels.length), 1e-6));
+  return Math.min(100, 10 * Math.log10((255 ** 2 * 0.75 * pixels.length) / squares));
 }
 
 const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
