@@ -164,8 +164,8 @@ class PageLog:
     def _line(self, said: Any) -> dict[str, Any]:
         """Return what is kept of a message. Errors: ValueError for what no page says."""
         if isinstance(said, dict) and "bench" in said:
-            rows = [_facts(row, _ROW) for row in _list(said["bench"], _MOST_ROWS)]
-            return {"bench": rows, "display": _facts(said.get("display"), _BENCHED)}
+            measured = [_facts(row, _ROW) for row in _list(said["bench"], _MOST_ROWS)]
+            return {"bench": measured, "display": _facts(said.get("display"), _BENCHED)}
         table = _table(said, _MESSAGE)
         begins = table["display"] is not None
         display = {"display": _facts(table["display"], DISPLAY)} if begins else {}

@@ -374,7 +374,6 @@ class ProxyRunOptions(ListenOptions):
     fill: str = option("memory+pyramid", f"Fill on the proxy: {names_in('client/fills')}, or several with +.")
     guard: float = same_as(attrs.fields(ProxyOptions).guard)
     codec: str = option("h264", f"Codec between server and proxy, at its own quality: {names_in('link/codec/codecs')}.")
-    command: str = ""
 
     def __attrs_post_init__(self) -> None:
         if not self.connect:
@@ -420,7 +419,6 @@ class ServeOptions(ListenOptions):
     out: Path | None = out_field(
         None, "With --web: folder for session.jsonl, a line a second of each browser's session; by default none."
     )
-    command: str = ""
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

@@ -67,7 +67,7 @@ def read_delays(path: Path, what: str = "delay") -> list[float]:
 
 def _of_session(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
     """Yield the delays in lines of JSON as `hmdwarp serve --web` writes them, of one session."""
-    sessions = {}
+    sessions: dict[str, None] = {}
     for number, line in enumerate(lines, start=1):
         said = json_of(line, f"{path}: line {number}")
         delays = said.get("delays_ms") if isinstance(said, dict) else None

@@ -153,7 +153,7 @@ class Session {
     }
     figures.decode = performance.now() - begun;
     await taken;
-    this.kept.push({ ...frame, pictures, decoded: figures.decode });
+    this.kept.push({ ...frame, pictures });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
   }
