@@ -27,7 +27,7 @@ class FeedOptions(Declared):
     connect: str = option(
         "",
         "Server to connect to, HOST:PORT. Latency is measured, and --latency ignored. In replay, --scene server "
-        " takes whatever it draws.",
+        "takes whatever it draws.",
         valid=valid_address("--connect"),
         study=_STUDY,
     )
