@@ -63,14 +63,6 @@ def open_checked(path: str | os.PathLike[str], check: Callable[[int], None]) -> 
         os.close(found)
 
 
-def reserve(descriptor: int, count: int) -> None:
-    """Give a new file so many bytes. Errors: OSError where there is no room."""
-    if hasattr(os, "posix_fallocate"):
-        os.posix_fallocate(descriptor, 0, count)
-    else:
-        os.ftruncate(descriptor, count)
-
-
 def takes_more(descriptor: int) -> bool:
     """Return whether the system has room for bytes to a socket."""
     if sys.platform == "win32":

@@ -21,7 +21,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from bench_feed import SIZES, over_memcpy
 from bench_warper import RATIO_SIZES, print_ratios
 from rich.console import Console
 from rich.table import Table
@@ -259,7 +258,7 @@ def main() -> None:
     ):
         console.print(line)
         missed += rendered
-    for line in (*map(over_memcpy, SIZES), *([second_runs()] if arguments.seconds else [])):
+    for line in [second_runs()] if arguments.seconds else []:
         console.print(line)
     for line in missed:
         console.print(f"missed: {line}")

@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import os
 import queue
+import socket
 import subprocess
 import sys
 import threading
+
+
+def free_port() -> int:
+    """Return a port of the loopback that nothing listens at."""
+    with socket.create_server(("127.0.0.1", 0)) as one:
+        return int(one.getsockname()[1])
 
 
 class Serving:

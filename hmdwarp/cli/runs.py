@@ -82,7 +82,7 @@ def serve(said: Said) -> None:
     """
     from ..run import serve as go
 
-    go(ServeOptions.of(said, command=command_line()), sayer(said["quiet"]))
+    go(ServeOptions.of(said), sayer(said["quiet"]))
 
 
 @takes(ProxyRunOptions, QUIET)
@@ -94,4 +94,4 @@ def proxy(said: Said) -> None:
     """
     from ..run import proxy as go
 
-    go(ProxyRunOptions.of(said, command=command_line()), sayer(said["quiet"]))
+    go(ProxyRunOptions.of(said), sayer(said["quiet"]))

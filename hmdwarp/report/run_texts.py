@@ -174,10 +174,6 @@ def coding_rows(summary: Summary) -> Pairs:
     if link["codec"] != "none":
         rows.append(("codec", link["codec"]))
         rows += [(label, _with_unit(link.get(name), unit)) for name, label, unit in _CODING]
-    if link.get("server"):
-        own = link["server"]
-        text = f"{own['own_ms']:.1f} ms, {own['own_share']:.1%} of drawing and coding"
-        rows.append(("the server's own parts (median)", text))
     if "proxy" in link:
         rows += _about_proxy(link["proxy"])
     if "resolution" in link:

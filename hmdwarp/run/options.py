@@ -344,8 +344,7 @@ class ListenOptions(Declared):
 
     listen: str = option(
         "127.0.0.1:5570",
-        "Address to listen at: HOST:PORT, * for a free port, or ipc://PATH for clients on this machine, which get "
-        "frames through shared memory. Other machines need a key pair or a token.",
+        "Address to listen at: HOST:PORT, * for a free port. Other machines need a key pair or a token.",
         valid=valid_address("--listen", serves=True),
     )
     key_pair: Path | None = option(
@@ -375,7 +374,6 @@ class ProxyRunOptions(ListenOptions):
     fill: str = option("memory+pyramid", f"Fill on the proxy: {names_in('client/fills')}, or several with +.")
     guard: float = same_as(attrs.fields(ProxyOptions).guard)
     codec: str = option("h264", f"Codec between server and proxy, at its own quality: {names_in('link/codec/codecs')}.")
-    command: str = ""
 
     def __attrs_post_init__(self) -> None:
         if not self.connect:
@@ -419,9 +417,8 @@ class ServeOptions(ListenOptions):
         valid=one_of(AUTO, *VIDEOS),
     )
     out: Path | None = out_field(
-        None, "With --web: folder for what browsers report of their sessions, each as a live run; by default none."
+        None, "With --web: folder for session.jsonl, a line a second of each browser's session; by default none."
     )
-    command: str = ""
 
     @classmethod
     def values_of(cls, said: Mapping[str, Any]) -> dict[str, Any]:

@@ -53,7 +53,7 @@ from ..sources.feed.options import secret_in
 from ..sources.feed.parts import Layers
 from ..sources.repairs import parse_repairs
 from ..sources.server import Renderer, Server
-from .browser_log import BrowserLogs
+from .browser_log import SessionLog
 from .options import ListenOptions, ServeOptions
 from .replay_setup import placed
 
@@ -149,7 +149,7 @@ def _door(
     with ExitStack() as opened:
         logs = None
         if options.out is not None:
-            logs = opened.enter_context(closing(BrowserLogs(options.out, scene.name, say, options.command)))
+            logs = opened.enter_context(closing(SessionLog(options.out, say)))
         door = web.Door(
             options.web, feed, about | {"reports": logs is not None}, traces, lock=lock,
             certificate=options.certificate, is_open=options.open, log=None if logs is None else logs.begin, say=say,

@@ -1,7 +1,7 @@
 """The door for browsers: the page, and a WebSocket behind which the feed is spoken as it is.
 
-A request of a browser is a request of docs/feed.md, a frame is a frame: the door reads neither but
-for its id and times, and puts the server's token in. So whatever the server bounds, refuses or
+A request of a browser is a request of docs/feed.md, a frame is a frame: the door reads neither, and
+puts the server's token in. So whatever the server bounds, refuses or
 counts, it does here too. Shaders of warps go out as WebGL 2 takes them: the same text, as fragment
 shaders of GLSL ES 3.00.
 """
@@ -17,9 +17,8 @@ import re
 import secrets
 import socket
 import ssl
-import struct
 import threading
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol
@@ -59,14 +58,11 @@ def _as_es(path: str, defines: Mapping[str, object]) -> str:
 
 
 _TOKEN_BYTES = 16
-_TOKEN_AT, _SHARES_AT = 52, 98  # in a request, docs/feed.md
-_ID, _DRAWING, _MOST_ASKED = struct.Struct("<12xQ"), struct.Struct("<44xq"), 64
+_TOKEN_AT = 52  # in a request, docs/feed.md
 _FEED = {"LINGER": 0, "SNDHWM": 256, "RCVHWM": 1}
 _MOST_UNSENT = 1 << 16  # bytes, in the system
-_REPORT = b"HWLG"  # before rows of a report
 MOST_PAGES, SILENT_S = 64, 10.0  # connections, and until a new one is cut that says nothing
-MOST_REPORT = 1 << 17  # bytes of one message
-_MOST_REPORTS = 16  # that wait while one is written
+MOST_REPORT = 1 << 16  # letters of a page's report
 _HEADERS = {
     "X-Frame-Options": "DENY",
     "X-Content-Type-Options": "nosniff",
@@ -86,12 +82,9 @@ class Lock:
 
 
 class Log(Protocol):
-    """What takes a page's reports, text and bytes, and what was sent to it; then it is closed."""
+    """What takes a page's reports; then it is closed."""
 
-    def take(self, data: str | bytes) -> None: ...
-    def sent(self, took_ms: float, drawing_ms: float, size: int) -> None:
-        """Note a message: ms since its request came, those of drawing and coding, bytes."""
-
+    def take(self, text: str) -> None: ...
     def close(self) -> None: ...
 
 
@@ -145,7 +138,6 @@ class Door:
         host = hosts_at(host)[0]
         self._place = f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
         self._context, self._pages = zmq.asyncio.Context(), 0
-        self._tasks: set[asyncio.Future[None]] = set()
         self._cookie = f"hmdwarp-{port}"  # a browser gives a host's cookies to all of its ports
         self._loop = asyncio.new_event_loop()
         self._runner = self._loop.run_until_complete(self._begin())
@@ -174,8 +166,6 @@ class Door:
         asyncio.set_event_loop(self._loop)
         self._loop.run_forever()
         self._loop.run_until_complete(self._runner.cleanup())
-        if self._tasks:  # the last reports
-            self._loop.run_until_complete(asyncio.wait(self._tasks))
         self._loop.close()
 
     @web.middleware
@@ -249,56 +239,35 @@ class Door:
             server.curve_publickey, server.curve_secretkey = zmq.curve_keypair()
         server.connect(self._feed)
         log = self._log() if self._log is not None else None
-        came: dict[int, float] = {}  # when each request did, by its id
-        reports: asyncio.Queue[str | bytes | None] = asyncio.Queue(_MOST_REPORTS)
-        if log is not None:  # whoever waited until a session is written would get no frames
-            self._do(self._log_all(log, reports))
-        down = asyncio.ensure_future(self._pass_down(server, browser, came, log))
+        down = asyncio.ensure_future(self._pass_down(server, browser))
         silent = self._loop.call_later(SILENT_S, lambda: asyncio.ensure_future(browser.close()))
         try:
             async for message in browser:
                 silent.cancel()
-                if log is not None and (report := _report_in(message.data)) is not None:
-                    await reports.put(report)
+                if log is not None and isinstance(message.data, str):
+                    await asyncio.to_thread(log.take, message.data)  # a slow disk holds up no frames
                 elif not isinstance(message.data, bytes) or not request_bytes(0) <= len(message.data) <= LARGEST_ASK:
                     break
                 else:
-                    came[_ID.unpack_from(message.data)[0]] = self._loop.time()
-                    while len(came) > _MOST_ASKED:
-                        del came[next(iter(came))]
                     with suppress(zmq.Again):  # as many wait already; the page asks again
                         await server.send(self._with_token(message.data), zmq.NOBLOCK)
         finally:
             silent.cancel()
             down.cancel()
             server.close(0)
-            self._do(reports.put(None))
+            if log is not None:
+                log.close()
         await browser.close()
         return browser
 
-    def _do(self, task: Coroutine[Any, Any, None]) -> None:
-        """Begin a task, and hold it until it is done."""
-        begun = asyncio.ensure_future(task)
-        self._tasks.add(begun)
-        begun.add_done_callback(self._tasks.discard)
-
-    async def _log_all(self, log: Log, reports: asyncio.Queue[str | bytes | None]) -> None:
-        while (report := await reports.get()) is not None:
-            await asyncio.to_thread(log.take, report)
-        await asyncio.to_thread(log.close)
-
     def _with_token(self, data: bytes) -> bytes:
-        """Return a request with the server's token, and no wish for shared memory."""
+        """Return a request with the server's token."""
         token = token_of(self._lock.secret)
-        return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) : _SHARES_AT] + b"\0" + data[_SHARES_AT + 1 :]
+        return data[:_TOKEN_AT] + token + data[_TOKEN_AT + len(token) :]
 
-    async def _pass_down(self, server: Any, browser: Any, came: dict[int, float], log: Log | None) -> None:
+    async def _pass_down(self, server: Any, browser: Any) -> None:
         while True:
             data = await server.recv(copy=False)
-            begun = came.pop(_ID.unpack_from(data.buffer)[0], None)
-            if log is not None and begun is not None and len(data.buffer) >= _DRAWING.size:
-                drawing_ns = _DRAWING.unpack_from(data.buffer)[0]
-                log.sent(1e3 * (self._loop.time() - begun), 1e-6 * drawing_ns, len(data.buffer))
             await browser.send_bytes(data.buffer)  # waits until the browser has room
 
     def close(self) -> None:
@@ -312,15 +281,6 @@ def _hold_few(connection: Any) -> None:
     """Let the system hold few unsent bytes: what waits there gets no newer."""
     if (option := getattr(socket, "TCP_NOTSENT_LOWAT", None)) is not None:
         connection.setsockopt(socket.IPPROTO_TCP, option, _MOST_UNSENT)
-
-
-def _report_in(data: Any) -> str | bytes | None:
-    """Return what a page reports; None for a request of the feed, and for what is neither."""
-    if isinstance(data, str):
-        return data
-    if isinstance(data, bytes) and data.startswith(_REPORT):
-        return data[len(_REPORT) :]
-    return None
 
 
 @attrs.frozen

@@ -101,12 +101,14 @@ _HEAD = ",".join([*(f"HeadPos{a}" for a in "XYZ"), *(f"HeadOrientation{a}" for a
 _ROS = ",".join([*(f"pose.position.{a}" for a in "xyz"), *(f"pose.orientation.{a}" for a in "xyzw")])
 _EYES = "Position{0},Position{1},Position{2},Quaternion{0},Quaternion{1},Quaternion{2},QuaternionW".format(*"XYZ")
 TURNED = [[row[0], "0", *row[4:]] for row in rows(TRACK, "wxyz")]
+_HEADS = [frame[:8] for frame in files.iwer_frames(TRACK)]
 SAMPLES: dict[str, Callable[[Path], Path]] = {
     "bids": _bids,
     "colmap": lambda folder: (write_colmap(folder, taken(3)), folder / "sparse/0/images.txt")[1],
     "euroc": lambda folder: save(TRACK, folder / "a.csv", "euroc"),
     "eyenavgs": _table(f"ViewIndex,FOV1,GazePosX,Timestamp,{_EYES}", "xyzw", "0", "1", "0"),
     "frame_wxyz": lambda folder: write(folder / "a.txt", TURNED, "", " "),
+    "browser": _text(json.dumps({"session": "a", "delays_ms": [100], "heads": _HEADS})),
     "iwer": _text(json.dumps({"schema": [], "frames": files.iwer_frames(TRACK)})),
     "json": _text("\n".join(json.dumps(dict(zip(files.NAMES, map(float, r), strict=True))) for r in rows(TRACK))),
     "matrices": lambda folder: write(

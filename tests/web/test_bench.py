@@ -1,25 +1,24 @@
-"""What the page measures: its governor, and `?bench` as `hmdwarp bench merge` reads it."""
+"""What the page measures: its governor, and `?bench`."""
 
 from __future__ import annotations
 
 import base64
 import json
-from pathlib import Path
 
 import needs
 import numpy as np
 import pytest
 from serving import Serving
 
-from hmdwarp.errors import MachineError
-from hmdwarp.experiments.bench import MergeOptions, merge
+from hmdwarp.metrics import db_of
 from hmdwarp.pipeline import QualityLevel
 from hmdwarp.pipeline.governor import Governor
-from hmdwarp.run.browser_display import CHAINS
+from hmdwarp.run.browser_log import NAME
 from hmdwarp.web.door import shaders
 
 from .browser import Browser, page
 
+CHAINS = ("iterative", "mesh:grid=64", "rotation")  # as the page has them
 pytestmark = needs.programs("chromium")
 
 GOVERNED = """
@@ -47,54 +46,47 @@ def test_the_page_governs_as_a_live_run(tmp_path):
     assert sum(changed for changed, _ in expected) > 2 and {name for _, name in expected} == {*levels}
 
 
-@pytest.fixture(scope="module")
-def benched(tmp_path_factory) -> Path:
-    """The folder of a bench of a small window."""
-    out = tmp_path_factory.mktemp("served")
-    with Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(out / "out")) as server:
-        with Browser(out / "profile", (400, 300)) as browser:
-            browser.open(f"{server.line('for a browser').split()[-1]}&bench&size=96&latency=100")
-            browser.until("hmdwarp.session.benched && !hmdwarp.session.isBusy")
-        return Path(server.line("a browser's bench").split()[-1])
-
-
-def _read(folder: Path) -> dict:
-    return json.loads((folder / "bench.json").read_text(encoding="utf-8"))
-
-
-def test_a_bench_of_the_page_is_one_of_ours(benched):
+def test_a_bench_times_every_chain_and_the_server_keeps_a_line(tmp_path):
     """Every warp with every fill, timed, and as near to the truth as a late frame of 100 ms is."""
-    data = _read(benched)
-    rows = {(row["warp"], row["fill"]): row for row in data["rows"]}
-    assert list(rows) == [(warp, fill) for warp in CHAINS.values() for fill in ("none", "pyramid")]
-    assert all(row["time_ms"]["total"]["median"] > 0 and row["clock"] == data["clock"] for row in rows.values())
-    assert {row["trace"] for row in rows.values()} == {"walk"}
-    # Of each bench one clock; where its noise hides the copying pass there is no rate of it.
-    copying_ms = data["clocks"][f"{data['clock']}_ms"]
-    assert (data["copy_gb_s"] > 0) == (copying_ms > 0)
-    psnr_db = {names: row["quality"]["psnr_db"]["mean"] for names, row in rows.items()}
-    assert psnr_db[CHAINS["iterative"], "pyramid"] > max(psnr_db["rotation", "pyramid"], 20)
-    assert rows["rotation", "none"]["notes"][0].startswith("Timed by: ")
-    assert "mesh:grid=64" in (benched / "bench.html").read_text(encoding="utf-8")
+    with (
+        Serving("--scene", "room", "--web", "127.0.0.1:*", "--out", str(tmp_path / "out")) as server,
+        Browser(tmp_path / "profile", (400, 300)) as browser,
+    ):
+        browser.open(f"{server.line('for a browser').split()[-1]}&bench&size=96&latency=100")
+        browser.until("hmdwarp.session.benched && !hmdwarp.session.isBusy")
+        found = browser.does("hmdwarp.session.benched")
+        browser.does("hmdwarp.session.feed.close()")
+        browser.until("hmdwarp.session.feed.socket.readyState === 3")
+    lines = [json.loads(line) for line in (tmp_path / "out" / NAME).read_text(encoding="utf-8").splitlines()]
+    (line,) = (line for line in lines if "bench" in line)
+    assert line["display"] | {"rows": line["bench"]} == found and line["display"]["trace"] == "walk"
+    assert not any(line.get("errors") for line in lines)
+    rows = {(row["warp"], row["fill"]): row for row in line["bench"]}
+    assert list(rows) == [(warp, fill) for warp in CHAINS for fill in ("none", "pyramid")]
+    assert all(row["warp_ms"] > 0 and row["total_ms"] > 0 for row in rows.values())
+    psnr_db = {names: row["psnr_db"] for names, row in rows.items()}
+    assert psnr_db["iterative", "pyramid"] > max(psnr_db["rotation", "pyramid"], 20)
 
 
-@pytest.mark.parametrize(("host", "levels", "count"), [("another device", 0, 12), ("another device", 40, 0)])
-def test_merge_joins_what_two_devices_measured(benched, tmp_path, host, levels, count):
-    """Each has its own times beside one quality; a device that shows another picture is found."""
-    data = _read(benched)
-    for row in data["rows"]:
-        row["machine"]["host"] = host
-        for at, text in row["blocks"].items():
-            blocks = np.frombuffer(base64.b64decode(text), "<u2")
-            row["blocks"][at] = base64.b64encode((blocks + np.uint16(256 * levels)).tobytes()).decode()
-    (tmp_path / "other").mkdir()
-    (tmp_path / "other" / "bench.json").write_text(json.dumps(data), encoding="utf-8")
-    options = MergeOptions(folders=(benched, tmp_path / "other"), out=tmp_path / "both")
-    if levels:
-        with pytest.raises(MachineError, match="different pictures"):
-            merge(options)
-    else:
-        assert len(merge(options).data["rows"]) == count
+ERRORS = """
+async (pixels, truth) => {
+  const { psnr } = await import("./bench.js");
+  return psnr(new Uint8Array(pixels), new Uint8Array(truth));
+}
+"""
+
+
+@pytest.mark.parametrize("off", [0, 1, 60])
+def test_the_page_s_psnr_is_that_of_every_run(tmp_path, off):
+    """Of colours alone, whatever is in alpha; equal pictures have a finite one, for JSON."""
+    truth = np.random.default_rng(off).integers(0, 256 - off, (24, 4), np.uint8)
+    pixels = truth + np.array([off, 0, off, 0], np.uint8)
+    pixels[:, 3] = 255 - truth[:, 3]
+    with Browser(tmp_path) as driven, page({}) as address:
+        driven.open(address)
+        driven.until("globalThis.packed")
+        found = driven.does(f"({ERRORS})({pixels.ravel().tolist()}, {truth.ravel().tolist()})")
+    assert found == pytest.approx(db_of(2 / 3 * off**2 / 255**2))
 
 
 MASKED = """

@@ -1,196 +1,314 @@
-"""What a page reports: written as a live run's results, replayed, and refused where it is wrong."""
+"""What a page reports: bounded lines of session.jsonl, which a replay reads as trace and delays."""
 
 from __future__ import annotations
 
 import csv
+import errno
 import json
 import math
+import os
 from pathlib import Path
 
 import needs
 import numpy as np
 import pytest
 from commands import hmdwarp
+from hypothesis import given
+from hypothesis import strategies as st
 from PIL import Image
 from serving import Serving
 
 from hmdwarp.errors import InputError
-from hmdwarp.headsets import load_headset
-from hmdwarp.run import ServeOptions
-from hmdwarp.run.browser_log import COLUMNS, MOST_TEXT, BrowserLogs
-from hmdwarp.web import STEPS
+from hmdwarp.geometry import Fov
+from hmdwarp.headsets import Headset, HeadsetEye, headset_toml
+from hmdwarp.link.delays.trace import read_delays
+from hmdwarp.poses import TraceOptions, load_trace
+from hmdwarp.run import ServeOptions, browser_log
+from hmdwarp.run.browser_log import DISPLAY, FULL, MOST_REFRESHES, NAME, SessionLog
+from hmdwarp.web import MOST_REPORT, STEPS
 
 from .browser import CANTED, Browser, entered, wear
-from .looks import CLOCK, enter_vr_at_once, look_after, pictures_of
+from .looks import CLOCK, enter_vr_at_once, look_after, pictures_of, view_of
 
-DISPLAY = {
-    "browser": "a browser", "renderer": "a GPU", "codec": "av1", "trace": "walk", "width": 120, "height": 130,
-    "rendered_width": 150, "rendered_height": 162,
-    "views": [[x, 0, 0, 0, 0, 0, 1, -0.7, 0.7, -0.7, 0.7] for x in (-0.034, 0.034)],
-    "rate_hz": 90, "latency_ms": 100, "guard": 1.25, "chains": ["iterative", "mesh:grid=64", "rotation"],
-}  # fmt: skip
-
+SHOWN = dict.fromkeys(DISPLAY, 100) | {"browser": "a browser", "renderer": "a GPU", "codec": "av1", "trace": "walk"}
 KNOWN_MS = 120  # of a head's motion, that the predictor knows
 REFRESH_MS, LATENCY_MS = 16, 100  # whole in ns; between two refreshes, so that no rounding of theirs matters
+MOST_LINE = 2 * MOST_REPORT  # a number is at most a few letters longer than it came
 
 
-def rows(count: int = 200, **changed) -> np.ndarray:
-    """Refreshes of a head that stands; each frame is shown three times, from 100 ms on."""
-    table = np.zeros((count, len(COLUMNS)))
-    columns = {name: table[:, k] for k, name in enumerate(COLUMNS)}
-    frame = np.arange(count) // 3
-    columns["shown_ms"][:] = 1000 + np.arange(count) * 1000 / 90
-    columns["asked_ms"][:] = 900 + 3 * frame * 1000 / 90
-    columns["frame"][:] = frame
-    columns["warp_ms"][:], columns["render_ms"][:], columns["round_ms"][:] = 2, 5, 60
-    columns["shown_qw"][:] = columns["drawn_qw"][:] = 1
-    for name, value in changed.items():
-        columns[name][-1] = value
-    return table
+def refresh(shown_ms: float, age_ms: float = 100.0, x_m: float = 0.0) -> list[float]:
+    return [shown_ms, age_ms, 2.0, x_m, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]
+
+
+def message(rows: list[list[float]] | None = None, **changed) -> str:
+    """What a page says of a second: a head that walks along x; each frame is shown twice."""
+    rows = [refresh(1000 + 11 * k, 100 + k, 0.01 * k) for k in range(6)] if rows is None else rows
+    said = {"display": SHOWN, "warp": "iterative", "missed": 1, "delays_ms": [row[1] for row in rows[::2]]}
+    return json.dumps({**said, "refreshes": rows, **changed})
+
+
+class Logged:
+    """A server's file, and what its log was told. Use it in a `with`."""
+
+    def __init__(self, folder: Path) -> None:
+        self.said: list[str] = []
+        self.path = folder / NAME
+        self.log = SessionLog(folder, self.said.append)
+
+    def lines(self) -> list[dict]:
+        """Whole lines of JSON alone, in a file within its bound."""
+        data = self.path.read_bytes() if self.path.exists() else b""
+        assert len(data) <= browser_log.MOST_BYTES and (not data or data.endswith(b"\n"))
+        return [json.loads(line) for line in data.splitlines()]
+
+    def __enter__(self) -> Logged:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.log.close()
 
 
 @pytest.fixture
-def logs(tmp_path):
-    said: list[str] = []
-    with_logs = BrowserLogs(tmp_path / "out", "room", said.append)
-    with_logs.said = said
-    yield with_logs
-    with_logs.close()
+def logged(tmp_path):
+    with Logged(tmp_path / "out") as made:
+        yield made
 
 
-def test_a_session_is_written_as_a_live_run(logs, tmp_path):
-    log = logs.begin()
-    log.take(json.dumps(DISPLAY))
-    log.take(rows().tobytes())
-    for _ in range(400):
-        log.sent(12.0, 10.0, 10_000)
-    later = rows()
-    later[:, :2] += 5000  # nothing for 2.8 s
-    log.take(later.tobytes())
-    log.close()
-    folder = tmp_path / "out" / "session-0001"
-    assert logs.said == [f"a browser's session, 400 refreshes: {folder}"]
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    assert (summary["frames"], summary["warp"], summary["size"]) == (400, "iterative", [120, 130])
-    assert summary["time_ms"]["warp"]["median"] == 2 and summary["live"]["source"] == "browser"
-    assert 100 <= summary["live"]["age_ms"]["median"] <= 123 and summary["live"]["missed"] == 250
-    parts = summary["link"]["response_ms"]
-    assert (parts["render_ms"], parts["round_trip_ms"]) == (5, 55) and parts["total_ms"] == pytest.approx(104)
-    assert summary["link"]["codec"] == "av1"
-    assert summary["link"]["mbit_s"] == pytest.approx(400 * 0.08 / summary["live"]["seconds"])
-    assert summary["link"]["server"] == {"took_ms": 12, "drawing_ms": 10, "own_ms": 2, "own_share": 0.2}
-    assert len((folder / "delays.csv").read_text(encoding="utf-8").split()) == 1 + 2 * 67
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    assert "Frame age at display" in page and "2.0 ms, 20.0% of drawing and coding" in page
+def test_a_second_is_a_line(logged):
+    page = logged.log.begin()
+    page.take(message())
+    page.take(message([refresh(2000)], display=None))
+    first, second = logged.lines()
+    assert first["display"] == SHOWN and first["session"] == second["session"] and "display" not in second
+    assert (first["refreshes"], first["missed"], first["errors"], first["warp"]) == (6, 1, 0, "iterative")
+    assert (first["age_ms"], first["warp_ms"], first["delays_ms"]) == ([102.5, 105], [2, 2], [100, 102, 104])
+    assert first["heads"][1] == [1011, 0.01, 1.6, 0, 0, 0, 0, 1]
+    assert logged.said == []
 
 
-ROW = {"chain": "iterative", "fill": "none", "warp_ms": [2, 3], "total_ms": [3, 4]}
-ROW |= {"square": [9.0], "means": [[7] * 192]}
-BENCH = {"clock": "gpu", "how": "a timer", "seconds": 2, "instants_ms": [500.0], "rows": [ROW]}
+def test_another_display_another_page_and_another_server_are_other_sessions(tmp_path):
+    for _ in range(2):
+        with Logged(tmp_path) as logged:
+            pages = [logged.log.begin() for _ in range(2)]
+            for page in pages * 2:
+                page.take(message())
+        assert logged.lines()
+    names = [line["session"] for line in logged.lines()]
+    assert len(names) == 8 and len({*names}) >= 4  # two servers may begin within a second
 
 
-def bench(**changed) -> str:
-    return json.dumps({"bench": DISPLAY | BENCH | changed})
+def test_a_session_is_a_trace_and_its_delays(logged, tmp_path):
+    page, other = logged.log.begin(), logged.log.begin()
+    page.take(message())
+    other.take(message([refresh(5 + k, 50) for k in range(3)]))
+    page.take(message([refresh(2000 + 11 * k, 90, 1 + k) for k in range(3)], display=None))
+    names = list(dict.fromkeys(line["session"] for line in logged.lines()))
+    mine = load_trace(logged.path, TraceOptions(device=names[0]))
+    assert mine.format == "browser" and len(mine.track) == 9 and len(mine.track.position_m) == 9
+    np.testing.assert_allclose(mine.track.position_m[-1], [3, 1.6, 0])
+    assert len(load_trace(logged.path, TraceOptions(device=names[1])).track) == 3
+    assert any("--device" in note for note in load_trace(logged.path).notes())
+    with pytest.raises(InputError, match=f"delays of 2 sessions .{names[0]}, {names[1]}.: keep the lines of one"):
+        read_delays(logged.path)
+    alone = only(logged.path, names[0], tmp_path / "one.jsonl")
+    assert read_delays(alone) == [100, 102, 104, 90, 90]
+    assert len(load_trace(alone).track) == 9
 
 
-def test_a_bench_is_kept_beside_the_sessions(logs, tmp_path):
-    log = logs.begin()
-    log.take(bench())
-    log.close()
-    data = json.loads((tmp_path / "out" / "bench-0001" / "bench.json").read_text(encoding="utf-8"))
-    (row,) = data["rows"]
-    assert (row["warp"], row["fill"], row["clock"]) == ("iterative:seed=rotation,steps=5", "none", "gpu")
-    assert row["time_ms"]["warp"]["median"] == 2.5 and row["time_ms"]["fill"]["median"] == 1
-    assert row["quality"]["psnr_db"]["mean"] == pytest.approx(20 * np.log10(255 / 3))
-    assert data["copy_gb_s"] == pytest.approx(12 * 120 * 130 / 1e-3 * 1e-9)
+def only(path: Path, session: str, alone: Path) -> Path:
+    """Keep the lines of a session, as grep does."""
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    alone.write_text("".join(line for line in lines if f'"{session}"' in line), encoding="utf-8")
+    return alone
 
 
-def later(**changed) -> bytes:
-    """Return a message of the refreshes after the first 50, the last of which is changed."""
-    return rows(**changed)[50:].tobytes()
+BENCH = {"warp": "iterative", "fill": "none", "warp_ms": 2.5, "total_ms": 3.5, "psnr_db": 30}
+BENCHED = {"display": SHOWN | {"clock": "gpu", "how": "a timer", "seconds": 2}, "bench": [BENCH] * 6}
+
+
+def test_a_bench_is_a_line_of_no_session(logged):
+    page = logged.log.begin()
+    page.take(message())
+    page.take(json.dumps(BENCHED))
+    assert logged.lines()[1] == BENCHED
+    assert len(read_delays(logged.path)) == 3 and len(load_trace(logged.path).track) == 6
 
 
 WRONG = {
     "no JSON": "{",
-    "deep JSON": "[" * MOST_TEXT,
-    "other keys": json.dumps({"browser": "x"}),
+    "deep JSON": "[" * MOST_REPORT,
+    "long": json.dumps("x" * MOST_REPORT),
+    "thousands of digits": "1" * 5000,
     "a list": "[]",
-    "not a number": json.dumps(DISPLAY | {"rate_hz": "90"}),
-    "no finite number": json.dumps(DISPLAY | {"rate_hz": float("nan")}),
-    "a size that is huge": json.dumps(DISPLAY | {"width": 1e9}),
-    "an empty view": json.dumps(DISPLAY | {"views": [[0, 0, 0, 0, 0, 0, 1, 0.7, 0.7, -0.7, 0.7]]}),
-    "a view of no numbers": json.dumps(DISPLAY | {"views": [["x"] * 11]}),
-    "a view that is turned by nothing": json.dumps(DISPLAY | {"views": [[0] * 7 + [-0.7, 0.7, -0.7, 0.7]]}),
-    "an eye that is NaN": json.dumps(DISPLAY | {"views": [[float("nan"), 0, 0, 0, 0, 0, 1, -0.7, 0.7, -0.7, 0.7]]}),
-    "eyes that look past each other": json.dumps(
-        DISPLAY | {"views": [[0, 0, 0, 0, turn, 0, 0.6, -0.7, 0.7, -0.7, 0.7] for turn in (-0.8, 0.8)]}
-    ),
-    "three eyes": json.dumps(DISPLAY | {"views": DISPLAY["views"][:1] * 3}),
-    "letters of a terminal": json.dumps(DISPLAY | {"browser": "\x1b[2J"}),
-    "a codec that is none": json.dumps(DISPLAY | {"codec": ["av1"]}),
-    "a chain that is none": json.dumps(DISPLAY | {"chains": ["../../etc"]}),
-    "a list of lists": json.dumps(DISPLAY | {"chains": [[]]}),
-    "long": json.dumps(DISPLAY | {"browser": "x" * MOST_TEXT}),
+    "other keys": message(more=1),
+    "refreshes of no display": message(display=None),
+    "another display": message(display=SHOWN | {"more": 1}),
+    "a display of lists": message(display=dict.fromkeys(DISPLAY, [])),
+    "letters of a terminal": message(display=SHOWN | {"browser": "\x1b[2J"}),
+    "half a letter": message(display=SHOWN | {"browser": "\ud800"}),
+    "a long name": message(warp="x" * 301),
+    "no refresh": message([]),
+    "many refreshes": message([refresh(1 + k) for k in range(MOST_REFRESHES + 1)]),
+    "many delays": message(delays_ms=[1] * 7),
+    "a delay that is none": message(delays_ms=[True]),
+    "half a refresh": message([refresh(1)[:-1]]),
+    "a refresh of words": message([["1"] * 10]),
+    "NaN": message([refresh(1, math.nan)]),
+    "a number that is huge": message(missed=10**400),
+    "negative": message([refresh(1, -1)]),
+    "far": message([refresh(1, x_m=1e7)]),
+    "no unit quaternion": message([[*refresh(1)[:-1], 0.5]]),
+    "back in time": message([refresh(2), refresh(2)]),
     "a bench of nothing": json.dumps({"bench": {}}),
-    "a bench that is a list": json.dumps({"bench": [[]]}),
-    "a long bench": json.dumps({"bench": "x" * 70_000}),
-    "a bench at no instants": bench(instants_ms=5),
-    "a bench at many instants": bench(instants_ms=[1.0] * 17),
-    "a bench of another clock": bench(clock=["gpu"]),
-    "a bench of no rows": bench(rows=[]),
-    "a bench of many rows": bench(rows=[ROW] * 7),
-    "a bench of another chain": bench(rows=[ROW | {"chain": ["iterative"]}]),
-    "a bench's time that is none": bench(rows=[ROW | {"warp_ms": [True, 3]}]),
-    "a bench's time that is NaN": bench(rows=[ROW | {"total_ms": [3, float("nan")]}]),
-    "a bench's times too few": bench(rows=[ROW | {"total_ms": [3]}]),
-    "a bench's error that is huge": bench(rows=[ROW | {"square": [1e300]}]),
-    "a bench's picture too small": bench(rows=[ROW | {"means": [[7] * 191]}]),
-    "a bench's picture that is none": bench(rows=[ROW | {"means": 7}]),
-    "half a row": later()[:-3],
-    "no row": b"",
-    "NaN": later(shown_x_m=np.nan),
-    "far": later(shown_x_m=1e300),
-    "no unit quaternion": later(drawn_qw=2),
-    "another chain": later(chain=3),
-    "half a chain": later(chain=0.5),
-    "the future": later(asked_ms=1e8),
-    "back in time": later(shown_ms=1),
-    "negative": later(warp_ms=-1),
+    "a bench of no display": json.dumps({"bench": [BENCH]}),
+    "a bench of many rows": json.dumps(BENCHED | {"bench": [BENCH] * 17}),
+    "a bench of words": json.dumps(BENCHED | {"bench": [BENCH | {"warp_ms": [1]}]}),
 }
 
 
 @pytest.mark.parametrize("wrong", WRONG)
-def test_what_no_page_says_is_refused_and_what_came_before_stays(logs, tmp_path, monkeypatch, wrong):
-    monkeypatch.setattr("hmdwarp.run.browser_log.render_live_report", lambda *_, **__: "no page")
-    log = logs.begin()
-    log.take(json.dumps(DISPLAY))
-    log.take(rows()[:50].tobytes())
-    log.take(WRONG[wrong])
-    log.take(rows()[50:].tobytes())  # it has no say any more
-    log.close()
-    refused, written = logs.said
-    assert refused.startswith("a browser's report is not taken") and refused.isprintable() and len(refused) < 400
-    assert "50 refreshes" in written
-    assert [path.name for path in (tmp_path / "out").iterdir()] == ["session-0001"]
+def test_what_no_page_says_is_counted_in_the_next_line(logged, wrong):
+    page = logged.log.begin()
+    page.take(WRONG[wrong])
+    page.take(message())
+    page.take(WRONG[wrong])
+    page.close()
+    line, end = logged.lines()
+    assert line["errors"] == 1 and end == {"session": line["session"], "errors": 1}
+    assert logged.said == []
 
 
-def test_refreshes_of_no_display_and_too_few_leave_nothing(logs, tmp_path):
-    first, second = logs.begin(), logs.begin()
-    first.take(rows().tobytes())
-    second.take(json.dumps(DISPLAY))
-    second.take(rows()[:1].tobytes())
-    second.close()
-    assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+def test_a_page_that_says_nothing_right_has_a_line_of_its_errors_alone(logged):
+    page = logged.log.begin()
+    for _ in range(1000):
+        page.take("{")
+    page.close()
+    page.close()
+    (line,) = logged.lines()
+    assert line["errors"] == 1000 and set(line) == {"session", "errors"}
+
+
+NUMBERS = st.integers() | st.floats(width=64) | st.booleans() | st.none()
+ANY = st.recursive(
+    NUMBERS | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=12) | st.dictionaries(st.text(max_size=8), inner, max_size=6),
+    max_leaves=60,
+)
+# What a page says, but for one part of it.
+ALMOST = st.builds(
+    lambda key, value: json.dumps({**json.loads(message()), key: value}),
+    st.sampled_from([*json.loads(message())]),
+    ANY | st.lists(st.lists(NUMBERS, min_size=9, max_size=11), max_size=4),
+)
+
+
+@given(st.lists(ALMOST | ANY.map(json.dumps) | st.text(max_size=200), max_size=8))
+def test_whatever_comes_is_a_line_or_an_error(tmp_path_factory, said):
+    with Logged(tmp_path_factory.mktemp("out")) as logged:
+        page = logged.log.begin()
+        for text in said:
+            page.take(text)
+        page.close()
+        lines = logged.lines()
+    assert sum(line.get("errors", 0) for line in lines) + sum("heads" in line for line in lines) == len(said)
+    assert all(len(json.dumps(line)) <= MOST_LINE for line in lines) and logged.said == []
+
+
+SECONDS = st.lists(
+    st.tuples(st.floats(1e-3, 1e3), st.floats(0, 6e4), st.floats(-1e6, 1e6)), min_size=1, max_size=MOST_REFRESHES
+)
+
+
+@given(st.lists(SECONDS, min_size=1, max_size=4))
+def test_what_a_page_says_is_read_again(tmp_path_factory, seconds):
+    with Logged(tmp_path_factory.mktemp("out")) as logged:
+        page, now_ms, heads, delays = logged.log.begin(), 0.0, [], []
+        for number, second in enumerate(seconds):
+            rows = []
+            for step_ms, age_ms, x_m in second:
+                now_ms += step_ms
+                rows.append(refresh(now_ms, age_ms, x_m))
+            heads += [[row[0], *row[3:]] for row in rows]
+            delays += [row[1] for row in rows[::2]]
+            page.take(message(rows, **({"display": None} if number else {})))
+        lines = logged.lines()
+        assert [head for line in lines for head in line["heads"]] == heads
+        assert read_delays(logged.path) == delays
+        assert {line["errors"] for line in lines} == {0}
+
+
+def test_more_than_two_messages_a_second_are_errors(logged, monkeypatch):
+    now_s = [100.0]
+    monkeypatch.setattr(browser_log.time, "monotonic", lambda: now_s[0])
+    page = logged.log.begin()
+    for number in range(50):
+        page.take(message([refresh(number + 1)], display=None if number else SHOWN))
+    assert len(logged.lines()) == 8
+    now_s[0] += 1
+    for number in range(50):
+        page.take(message([refresh(number + 100)], display=None))
+    lines = logged.lines()
+    assert len(lines) == 10 and [line["errors"] for line in lines[8:]] == [42, 0]
+
+
+@given(st.integers(0, 4000), st.integers(1, 12))
+def test_the_file_is_bounded_and_says_so_once(tmp_path_factory, most, pages):
+    with pytest.MonkeyPatch.context() as patched, Logged(tmp_path_factory.mktemp("out")) as logged:
+        patched.setattr(browser_log, "MOST_BYTES", most)
+        for _ in range(pages):
+            page = logged.log.begin()
+            for _ in range(4):
+                page.take(message())
+            page.close()
+        lines = logged.lines()
+        is_full = len(lines) < 4 * pages or "full" in lines[-1]
+        assert logged.said == ([f"{logged.path}: {FULL}"] if is_full else [])
+        assert [line for line in lines if "full" in line] == ([{"full": FULL}] if is_full and most >= 100 else [])
+        assert not is_full or most < 100 or lines[-1] == {"full": FULL}
+
+
+@given(st.integers(0, 3000))
+def test_a_full_disk_leaves_whole_lines_and_ends_nothing(tmp_path_factory, room):
+    write = os.write
+    with pytest.MonkeyPatch.context() as patched, Logged(tmp_path_factory.mktemp("out")) as logged:
+
+        def fills(file: int, data: bytes) -> int:
+            if (left := room - os.fstat(file).st_size) <= 0:
+                raise OSError(errno.ENOSPC, "No space left on device")
+            return write(file, data[:left])
+
+        patched.setattr(browser_log.os, "write", fills)
+        page = logged.log.begin()
+        for _ in range(8):
+            page.take(message())
+        assert all("heads" in line for line in logged.lines())
+        assert len(logged.said) == (len(logged.lines()) < 8)
+        assert all("No space left" in line for line in logged.said)
+
+
+def test_a_file_goes_on_and_one_without_a_line_goes(tmp_path):
+    with Logged(tmp_path):
+        pass
+    assert not (tmp_path / NAME).exists()
+    with Logged(tmp_path) as logged:
+        logged.log.begin().take(message())
+    with Logged(tmp_path) as again:
+        again.log.begin().take(message())
+    assert len(again.lines()) == 2
+    page = again.log.begin()
+    page.take(message())  # a page that ends after its server
+    assert len(again.lines()) == 2
+
+
+def test_a_folder_that_is_none_is_refused_before_the_server_begins(tmp_path):
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(InputError, match="cannot write"):
+        SessionLog(tmp_path / "file", print)
 
 
 def test_reports_come_by_the_door():
     with pytest.raises(InputError, match="--web"):
         ServeOptions(out="out")
-
-
-def _rows(folder: Path) -> list[dict[str, str]]:
-    with (folder / "frames.csv").open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
 
 
 # How old a frame has been in a page's session, how long that goes on, and its first frame. A page
@@ -212,8 +330,18 @@ NOTES = """{
 ENOUGH = "hmdwarp.session.shown.number > begun + 30 && latest - first > 1.5 * oldest"
 
 
-def _refreshes(folder: Path) -> list[dict[str, str]]:
-    return [row for row in _rows(folder) if row["eye"] == "0"]
+def _rows(folder: Path) -> list[dict[str, str]]:
+    with (folder / "frames.csv").open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def last_session(folder: Path) -> tuple[Path, list[dict]]:
+    """Return a file of the last session, and its lines: a headset's window has one before it."""
+    lines = [json.loads(line) for line in (folder / NAME).read_text(encoding="utf-8").splitlines()]
+    assert not any(line["errors"] for line in lines)
+    name = lines[-1]["session"]
+    alone = only(folder / NAME, name, folder / "one.jsonl")
+    return alone, [line for line in lines if line["session"] == name]
 
 
 @needs.programs("chromium")
@@ -240,28 +368,20 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
         ends = "hmdwarp.session.report.send(hmdwarp.session.time()), hmdwarp.session.feed.close(), true"
         browser.until(f"{ENOUGH} && {socket} === 1 && ({ends})")
         browser.until(f"{socket} === 3")  # all that was sent has arrived
-    folder = max((tmp_path / "out").iterdir())  # a headset's window has a session before it
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    assert summary["trace"] == ("webxr" if eyes == 2 else "walk")
-    session = _refreshes(folder)
-    assert {row["eye"] for row in _rows(folder)} == {str(eye) for eye in range(eyes)}
-    frames, seconds = summary["link"]["frames"]["shown"], summary["live"]["seconds"]
-    rate, server_rate = len(session) / seconds, frames / seconds
-    width, height = summary["size"]
+    alone, lines = last_session(tmp_path / "out")
+    assert lines[0]["display"]["trace"] == ("webxr" if eyes == 2 else "walk")
+    heads, delays = [head for line in lines for head in line["heads"]], np.array(read_delays(alone))
+    seconds = 1e-3 * (heads[-1][0] - heads[0][0])
+    rate, server_rate = len(heads) / seconds, len(delays) / seconds
     command = [
-        *("replay", f"{folder}/trace.csv", "--scene", "room", "--against", "", "--samples", "1"),
-        *("--delay-trace", f"{folder}/delays.csv", "--rate", str(rate), "--server-rate", str(server_rate)),
-        *("--size", f"{width}x{height}", "--metrics-every", "1000", "--workers", "0", "--images", "0", "--quiet"),
-        *("--headset", f"{folder}/headset.toml", "--fill", "none", "--out", str(tmp_path / "replay")),
+        *("replay", str(alone), "--scene", "room", "--against", "", "--samples", "1"),
+        *("--delay-trace", str(alone), "--rate", str(rate), "--server-rate", str(server_rate)),
+        *("--size", f"{lines[0]['display']['width']}x{lines[0]['display']['height']}", "--metrics-every", "1000"),
+        *("--workers", "0", "--images", "0", "--quiet", "--fill", "none", "--out", str(tmp_path / "replay")),
     ]
     done = hmdwarp(*command, page=False)
     assert done.returncode == 0, done.stderr
-    assert abs(load_headset(f"{folder}/headset.toml").ipd_m - (0.068 if eyes == 2 else 0)) < 1e-6
-    replayed = _refreshes(tmp_path / "replay")
-    delays = np.loadtxt(folder / "delays.csv", skiprows=1)
-    ages = [float(row["age_ms"]) for row in session]
-    is_first = np.diff([int(row["drawn_ns"]) for row in session], prepend=0) != 0
-    np.testing.assert_allclose(delays, np.array(ages)[is_first], atol=1e-3)  # as written
+    replayed = [row for row in _rows(tmp_path / "replay") if row["eye"] == "0"]
     # Each refresh shows the newest frame whose delay is over. Rates within a thousandth of a whole
     # ratio are taken for that.
     shown_ms, age_ms = (np.array([float(row[name]) for row in replayed]) for name in ("shown_ns", "age_ms"))
@@ -273,12 +393,13 @@ def test_a_session_can_be_replayed(tmp_path, eyes):
     for at_ms, number in zip(shown_ms, np.rint((shown_ms - age_ms - begun_ms) / interval_ms).astype(int), strict=True):
         assert there_ms[number] <= at_ms + off_ms and (there_ms[number + 1 :] > at_ms - off_ms).all()
     between = [row for row in replayed if row["pose_origin"] == "interpolated"]  # over a gap the head is held
-    for part in ("shown_x_m", "shown_y_m", "shown_z_m"):
-        (at, place), (at_again, place_again) = (
-            np.array([(float(row["time_s"]), float(row[part])) for row in rows]).T for rows in (session, between)
-        )
+    # A busy machine refreshes twice at nearly one instant, of which the reader takes the last.
+    track = load_trace(alone).track
+    assert {tuple(place) for place in track.position_m} <= {tuple(head[1:4]) for head in heads}
+    for part, place in zip(("shown_x_m", "shown_y_m", "shown_z_m"), track.position_m.T, strict=True):
+        at_again, place_again = np.array([(float(row["time_s"]), float(row[part])) for row in between]).T
         # Both interpolate linearly; times are written in nanoseconds, in which a head moves less.
-        np.testing.assert_allclose(place_again, np.interp(at_again, at, place), atol=1e-6)
+        np.testing.assert_allclose(place_again, np.interp(at_again, 1e-9 * track.time_ns, place), atol=1e-6)
 
 
 def _picture(folder: Path, number: int, eye: int, size: tuple[int, int]) -> np.ndarray:
@@ -323,13 +444,16 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
         looked = [browser.does(look_after(1)) for _ in range(60)]
         browser.does("hmdwarp.session.report.send(hmdwarp.session.time())")
         browser.does("hmdwarp.session.feed.close()")
-        folders = [Path(server.line("a browser's session").split()[-1]) for _ in range(eyes)]  # a window's before
-    folder = folders[-1]
+        browser.until("hmdwarp.session.feed.socket.readyState === 3")
+    alone, lines = last_session(tmp_path / "out")
+    views = [HeadsetEye(view_of(view).head_from_eye, Fov(*view["fov"])) for view in looked[0]["views"]]
     size, rate = tuple(looked[0]["views"][0]["size"]), str(1e3 / REFRESH_MS)
     ahead = LATENCY_MS + 500 / 120  # as the page predicts
+    shown = Headset("browser", "a page", "a page", size, 1e3 / REFRESH_MS, (views[0], views[-1]))
+    (tmp_path / "headset.toml").write_text(headset_toml(shown), encoding="utf-8")
     command = [
-        *("replay", f"{folder}/trace.csv", "--scene", "room", "--samples", "1"),
-        *("--delay-trace", f"{folder}/delays.csv", "--headset", f"{folder}/headset.toml", "--guard", "1.25"),
+        *("replay", str(alone), "--scene", "room", "--samples", "1", "--delay-trace", str(alone)),
+        *("--headset", str(tmp_path / "headset.toml"), "--guard", "1.25"),
         *("--rate", rate, "--server-rate", rate, "--size", f"{size[0]}x{size[1]}", "--predict", "cautious"),
         *("--horizon", str(ahead), "--warp", f"iterative:seed=rotation,steps={STEPS}", "--fill", "none"),
         *("--against", "", "--metrics-every", "16", "--images", "1000", "--workers", "0", "--quiet"),
@@ -337,22 +461,23 @@ def test_a_replay_shows_what_the_page_showed(tmp_path, eyes):
     ]
     done = hmdwarp(*command, page=False)
     assert done.returncode == 0, done.stderr
-    heads = np.array([np.mean([view["pose"]["position"] for view in look["views"]], axis=0) for look in looked])
-    rows = {round(1e3 * float(row["time_s"])): row for row in _refreshes(folder)}
+    seen = np.array([np.mean([view["pose"]["position"] for view in look["views"]], axis=0) for look in looked])
+    heads = [head for line in lines for head in line["heads"]]
+    places = {round(head[0] - heads[0][0]): head[1:4] for head in heads}
     compared = 0
     for again in (row for row in _rows(tmp_path / "replay") if int(row["eye"]) < eyes):
-        row = rows[round(1e3 * float(again["time_s"]))]
-        if int(row["drawn_ns"]) - int(rows[0]["shown_ns"]) < 1e6 * KNOWN_MS:
+        at_ms, age_ms = round(1e3 * float(again["time_s"])), float(again["age_ms"])
+        if at_ms - age_ms < KNOWN_MS:
             continue  # the page knew how the head had moved before
-        assert row["age_ms"] == again["age_ms"]
-        for name in (f"{which}_{axis}_m" for which in ("shown", "drawn") for axis in "xyz"):
-            assert abs(float(row[name]) - float(again[name])) < 1e-6  # both interpolate, at times in whole ns
+        place = np.array(places[at_ms])
+        # Both interpolate, at times in whole ns; the page rounds to a micrometre.
+        assert np.abs(place - [float(again[f"shown_{axis}_m"]) for axis in "xyz"]).max() < 2e-6
         if again["hole_share"]:  # it is measured, and so kept
-            eye, place = int(again["eye"]), [float(row[f"shown_{axis}_m"]) for axis in "xyz"]
-            apart = np.abs(heads - place).max(axis=1)
-            assert apart.min() < 1e-6  # WebXR has the places of eyes in single precision
-            off = pictures_of(looked[apart.argmin()])[eye].astype(int)
-            off -= _picture(tmp_path / "replay", int(again["frame"]), eye, size)
+            apart = np.abs(seen - place).max(axis=1)
+            assert apart.min() < 2e-6  # WebXR has the places of eyes in single precision
+            look, eye = looked[apart.argmin()], int(again["eye"])
+            assert abs(look["age"] - age_ms) < 1e-3
+            off = pictures_of(look)[eye].astype(int) - _picture(tmp_path / "replay", int(again["frame"]), eye, size)
             assert np.mean(np.abs(off).max(axis=-1) > 2) <= 0.01 + float(again["hole_share"])
             compared += 1
     assert compared >= 2 * eyes

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import attrs
 
 from ...errors import InputError
+from ...options.documents import json_of
 from ...options.named_files import DELAYS, text_in
 from . import LONGEST_MS, DelayModel, delay_models
 
@@ -51,16 +52,33 @@ class DelayTrace(DelayModel):
 
 
 def read_delays(path: Path, what: str = "delay") -> list[float]:
-    """Read the delays in ms of a text file with one number a line.
+    """Read the delays in ms of a text file with one number a line, or of a browser's session.jsonl.
 
     # starts a comment; the first line may be a heading. what: what a number is, for messages.
-    Errors: InputError with file, line and value.
+    Errors: InputError with file, line and value, and for several sessions.
     """
     text = text_in(path, attrs.evolve(DELAYS, what=f"a trace with one {what} in milliseconds a line"))
-    delays = list(_numbers(path, text.splitlines(), what))
+    read = _of_session if text.startswith("{") else _numbers
+    delays = list(read(path, text.splitlines(), what))
     if not delays:
         raise InputError(f"{path}: holds no {what}; expected one number of milliseconds a line")
     return delays
+
+
+def _of_session(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
+    """Yield the delays in lines of JSON as `hmdwarp serve --web` writes them, of one session."""
+    sessions: dict[str, None] = {}
+    for number, line in enumerate(lines, start=1):
+        said = json_of(line, f"{path}: line {number}")
+        delays = said.get("delays_ms") if isinstance(said, dict) else None
+        if isinstance(delays, list):
+            sessions[str(said.get("session"))] = None
+            yield from (_delay(path, number, str(delay), what) for delay in delays)
+    if len(sessions) > 1:
+        some = ", ".join([*sessions][:8])
+        raise InputError(
+            f"{path}: {what}s of {len(sessions)} sessions ({some}): keep the lines of one, as grep does by its name"
+        )
 
 
 def _numbers(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:

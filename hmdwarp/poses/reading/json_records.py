@@ -15,6 +15,8 @@ _LEAST_RECORDS = 2
 _NAMES = ("schema", "columns", "header", "headers", "fields", "names", "keys")
 # IWER's frames hold time, position, quaternion, then a list for each input.
 _IWER = ("time_ms", "x", "y", "z", "qx", "qy", "qz", "qw")
+# A head in a line of session.jsonl, behind the name of its session.
+_BROWSER = ("device", *_IWER)
 
 
 def table_of_json(raw: bytes) -> Made | None:
@@ -32,6 +34,8 @@ def table_of_json(raw: bytes) -> Made | None:
     document = _parsed(text)
     if frames := _iwer_frames(document):
         return Made("iwer", _text([dict(zip(_IWER, frame, strict=False)) for frame in frames], _IWER), _IWER)
+    if heads := list(_browser_heads(document)):
+        return Made("browser", rows_text(heads), _BROWSER)
     records = _records(document)
     if len(records) < _LEAST_RECORDS:
         return None
@@ -52,6 +56,15 @@ def _iwer_frames(document: Any) -> list[list[Any]]:
     poses = [frame[: len(_IWER)] for frame in frames if isinstance(frame, list) and len(frame) >= len(_IWER)]
     numbers = bool(poses) and all(isinstance(value, int | float) for value in poses[0])
     return poses if inputs and numbers and len(poses) >= _LEAST_RECORDS else []
+
+
+def _browser_heads(document: Any) -> Iterator[list[str]]:
+    """Yield the heads of a session.jsonl of `hmdwarp serve --web`, none of any other document."""
+    for line in document if isinstance(document, list) else [document]:
+        if isinstance(line, dict) and {"session", "delays_ms"} <= set(line) and isinstance(line.get("heads"), list):
+            for head in line["heads"]:
+                if isinstance(head, list) and len(head) == len(_IWER):
+                    yield [str(cell).replace(",", " ").replace("\n", " ") for cell in (line["session"], *head)]
 
 
 def _text(rows: list[dict[str, Any]], names: tuple[str, ...]) -> bytes:

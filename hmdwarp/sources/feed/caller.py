@@ -18,24 +18,21 @@ from .message import (
     Ask,
     FrameMessage,
     Malformed,
-    Message,
     Refusal,
-    Stub,
     Unchanged,
     decode,
     encode,
     token_of,
 )
-from .shared_frames import IS_ABLE, MOST_OF_CLIENT, FrameReader
 from .sockets import (
     LINK,
     LOOK_NS,
+    MOST_OF_CLIENT,
     SEAL_BYTES,
     SILENCE_NS,
     Hearing,
     Wire,
     address_of,
-    is_file,
     set_options,
     waiting_parts,
     wire_bytes,
@@ -44,7 +41,6 @@ from .sockets import (
 
 # What came in and was not taken yet; the oldest goes first.
 _MOST_FRAMES, _MOST_HELD = 128, 512 << 20
-_MOST_UNREAD = 3
 # Bytes that may wait to be taken: twice what an honest server sends before they have left it.
 _MOST_BEHIND = 2 * MOST_OF_CLIENT
 _MOST_PATIENCE = 4
@@ -65,21 +61,15 @@ class Caller:
     without an end; requests without a connection are dropped. server_key: its public key, to
     encrypt; b"" for none. Errors: InputError for an address that is none; MachineError without the
     library.
-    shares: whether frames may come by shared memory, at an address of this machine (ipc://) and
-    without encryption.
     """
 
-    def __init__(self, address: str, secret: str = "", server_key: bytes = b"", *, shares: bool = True) -> None:
+    def __init__(self, address: str, secret: str = "", server_key: bytes = b"") -> None:
         self._zmq: Any = zmq_module()
         self.address, self._token = address_of(address, "--connect"), token_of(secret)
         self._server_key = server_key
-        self._shares = shares and IS_ABLE and is_file(self.address) and not server_key
-        self._reader = FrameReader()
         # The connection that there is, and whether its silence is told.
         self._hearing: Hearing | None = None
         self._is_told, self._patience = False, 1
-        # Frames in shared memory that could not be read, in a row.
-        self._unread = 0
         self.clock = Alignment()
         self._changed = threading.Condition()
         self._arrived: deque[Arrival] = deque()
@@ -110,7 +100,7 @@ class Caller:
         newest, token, self._asked = self._newest, self._token, max(self._asked, ask.number)
         if not self._thread.is_alive():  # nobody would take the request, and sending would wait for ever
             raise MachineError(f"--connect {self.address}: the feed's thread has ended, see the error above")
-        request = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token, shares=self._shares)
+        request = attrs.evolve(ask, sent_ns=now_ns, received=newest, token=token)
         self._orders.send(encode(request))
         return now_ns
 
@@ -156,7 +146,7 @@ class Caller:
         socket = self._context.socket(self._zmq.DEALER)
         options = {
             "SNDHWM": 64,
-            "RCVHWM": 4 if is_file(self.address) else 0,
+            "RCVHWM": 0,
             "MAXMSGSIZE": MOST_BYTES + SEAL_BYTES,
             "IMMEDIATE": 1,
             "IPV6": "[" in self.address,
@@ -245,9 +235,7 @@ class Caller:
             if len(parts) != 1:
                 raise Malformed(f"{len(parts)} parts: expected one")
             message = decode(parts[0])
-            if isinstance(message, Stub):
-                message, heard_ns = self._shared(message), time.monotonic_ns()
-            if isinstance(message, Ask | Stub):
+            if isinstance(message, Ask):
                 raise Malformed("a message for servers: expected a frame")
             if isinstance(message, FrameMessage | Unchanged) and message.number > self._asked:
                 raise Malformed(f"frame {message.number}: expected one of the {self._asked} that were requested")
@@ -255,9 +243,6 @@ class Caller:
             self.malformed += 1
             if self.malformed == 1:
                 self._note(f"left out: {error}; further ones are counted")
-            return
-        except OSError as error:
-            self._not_read(error)
             return
         if isinstance(message, Refusal):
             self._note(f"{self.address}: refused: {message.text}")
@@ -276,23 +261,6 @@ class Caller:
             while len(self._arrived) > _MOST_FRAMES or (self._held > _MOST_HELD and len(self._arrived) > 1):
                 self._held -= self._arrived.popleft().frame.bytes
             self._changed.notify_all()
-
-    def _shared(self, stub: Stub) -> Message:
-        """Return the frame that a server has shared. Errors: Malformed; OSError."""
-        if not self._shares:
-            raise Malformed("a frame in shared memory, which was not asked for")
-        found = decode(self._reader.read(stub))
-        self._unread = 0
-        if not isinstance(found, FrameMessage) or found.number != stub.number:
-            raise Malformed(f"shared memory without frame {stub.number}")
-        return found
-
-    def _not_read(self, error: OSError) -> None:
-        """Do without shared memory if that goes on: one frame may be of a server that has ended."""
-        self._unread += 1
-        if self._unread == _MOST_UNREAD:
-            self._shares = False
-            self._note(f"{self.address}: frames come by the socket: no shared memory ({error.strerror})")
 
     def _note(self, line: str) -> None:
         with self._changed:

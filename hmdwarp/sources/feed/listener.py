@@ -28,33 +28,34 @@ from .message import (
     encode,
     token_of,
 )
-from .shared_frames import IS_ABLE, MOST_OF_CLIENT, NEVER_NS, SharedFrames
 from .sockets import (
     CALLS,
     KERNEL_BYTES,
     LINK,
     MOST_OF_ADDRESS,
+    MOST_OF_CLIENT,
     SEAL_BYTES,
     SILENT_NS,
     Connection,
     Connections,
     address_of,
-    is_file,
     is_local,
     set_options,
     waiting_parts,
     zmq_module,
 )
 
-# Bytes of frames that wait for all clients, or lie in memory that they share.
+# Bytes of frames that wait for all clients.
 MOST_OF_ALL = 4 * MOST_OF_CLIENT
-# Frames that wait for a client: the one that is under way, and the next. In shared memory more.
-_MOST_WAITING, _MOST_SHARED = 2, 64
+# Frames that wait for a client: the one that is under way, and the next.
+_MOST_WAITING = 2
 _MOST_CLIENTS = 64
 # What a frame waits for may come at any time, but tells nobody.
 _LOOK_MS = 2
 # Frames that wait longer than this for their client make room for others'.
 _STUCK_NS = 1_000_000_000
+# When a frame waits that does not.
+_NEVER_NS = 1 << 63
 # Lines of one kind and address, and all lines, in a second.
 _MOST_LINES, _MOST_LINES_IN_ALL = 4, 40
 
@@ -169,13 +170,11 @@ class Listener:
         # What still waits for clients that are forgotten.
         self._left: list[_Waiting] = []
         self._count = 0
-        self._shared: SharedFrames | None = None
         self._context = self._zmq.Context()
         self._socket = self._context.socket(self._zmq.ROUTER)
         # Frames of any size are given without a copy, so that it is known when they have left.
         self._socket.copy_threshold = 0
-        waiting = {"RCVHWM": 256} if is_file(where) else {"RCVHWM": 0} | CALLS
-        own = waiting | {"SNDHWM": 64, "RCVBUF": KERNEL_BYTES, "MAXMSGSIZE": LARGEST_ASK + SEAL_BYTES}
+        own = CALLS | {"RCVHWM": 0, "SNDHWM": 64, "RCVBUF": KERNEL_BYTES, "MAXMSGSIZE": LARGEST_ASK + SEAL_BYTES}
         own |= {"ROUTER_MANDATORY": 1, "ROUTER_HANDOVER": 0, "IPV6": "[" in where}
         set_options(self._zmq, self._socket, LINK | own)
         if pair is not None:
@@ -188,17 +187,6 @@ class Listener:
             self.close()
             raise InputError(f"--listen {address}: {error}: take another port or stop what listens there") from error
         self.address = self._socket.getsockopt_string(self._zmq.LAST_ENDPOINT)
-        self._shared = self._sharing(pair)
-
-    def _sharing(self, pair: KeyPair | None) -> SharedFrames | None:
-        """Return what frames are shared by, None where they are not."""
-        if not (IS_ABLE and is_file(self.address)) or pair is not None:
-            return None
-        try:
-            return SharedFrames()
-        except OSError as error:
-            self._log.say("memory", "", f"frames go by the socket: no shared memory ({error.strerror})")
-            return None
 
     def next(self, wait_ms: int) -> Asked | None:
         """Return the next request to answer, None if there is none within that time.
@@ -243,8 +231,7 @@ class Listener:
     def _has_room(self, who: bytes, size: int) -> bool:
         """Return whether so many bytes may wait; where all would be too many, cut what is stuck."""
         client, held = self._clients[who], self._held(who)
-        shared = self._shared.count(who) if self._shared is not None else 0
-        if len(client.waiting) >= _MOST_WAITING or shared >= _MOST_SHARED or (held and held + size > MOST_OF_CLIENT):
+        if len(client.waiting) >= _MOST_WAITING or (held and held + size > MOST_OF_CLIENT):
             return False
         self._left = [one for one in self._left if not one.tracker.done]
         if self._held_in_all() + size > MOST_OF_ALL:
@@ -253,17 +240,16 @@ class Listener:
         return True
 
     def _held_in_all(self) -> int:
-        """Return the bytes that wait for all, also for those that are gone, and of all segments."""
+        """Return the bytes that wait for all, also for those that are gone."""
         waiting = [*self._left, *(one for client in self._clients.values() for one in client.waiting)]
-        return sum(one.bytes for one in waiting) + (self._shared.held if self._shared is not None else 0)
+        return sum(one.bytes for one in waiting)
 
     def _held(self, who: bytes) -> int:
-        """Return the bytes that wait for a client, or that it shares."""
+        """Return the bytes that wait for a client."""
         client = self._clients[who]
         while client.waiting and client.waiting[0].tracker.done and self._has_left(client):
             client.waiting.popleft()
-        shared = self._shared.bytes_of(who) if self._shared is not None else 0
-        return sum(one.bytes for one in client.waiting) + shared
+        return sum(one.bytes for one in client.waiting)
 
     def _has_left(self, client: _Client) -> bool:
         # An encrypted frame is another one, which the library holds until the system has taken it.
@@ -278,8 +264,6 @@ class Listener:
         held: Counter[str] = Counter()
         for other, client in self._clients.items():
             held[client.address] += self._held(other)
-        if self._shared is not None:
-            self._shared.drop_free()
         now_ns, most = time.monotonic_ns(), max(held.values())
         stuck = [
             (self._since(other), other)
@@ -292,8 +276,7 @@ class Listener:
     def _since(self, who: bytes) -> int:
         """Return when the oldest frame of a client began to wait; far from now if none does."""
         waiting = self._clients[who].waiting
-        shared = self._shared.since_ns(who) if self._shared is not None else NEVER_NS
-        return min(waiting[0].since_ns if waiting else NEVER_NS, shared)
+        return waiting[0].since_ns if waiting else _NEVER_NS
 
     def _cut(self, who: bytes, why: str) -> None:
         if (connection := self._clients[who].connection) is not None:
@@ -347,8 +330,6 @@ class Listener:
         client.note(ask, now_ns)
         if connection is not None:
             connection.heard_ns, connection.asks, client.connection = now_ns, True, connection
-        if self._shared is not None:
-            self._shared.received(who, ask.received)
 
     def _forget_ended(self) -> None:
         """Forget clients that are silent or whose connection has ended, and report those cut."""
@@ -362,14 +343,12 @@ class Listener:
                 self._forget(who, "disconnected")
         while self._connections.cuts:
             address, why = self._connections.cuts.popleft()
-            self._log.say(f"cut {why}", address, f"{address or 'a local connection'} cut: {why}")
+            self._log.say(f"cut {why}", address, f"{address} cut: {why}")
         self._log.next_second()
 
     def _forget(self, who: bytes, why: str) -> None:
         client = self._clients.pop(who)
         self._left += client.waiting
-        if self._shared is not None:
-            self._shared.forget(who)
         gone = f"{client.name}: gone ({why}), {client.passed_over} requests passed over"
         self._log.say("gone", client.address, gone)
 
@@ -383,14 +362,7 @@ class Listener:
         who = asked.client
         if who not in self._clients or not self._has_room(who, frame.bytes):
             return False
-        shared = self._shared if asked.ask.shares else None
-        stub = shared.put(who, frame) if shared is not None else None
-        if shared is None or stub is None:
-            return self._send(who, copied(frame))
-        sent = self._send(who, encode(stub))
-        if not sent:
-            shared.take_back(who, frame.number)
-        return sent
+        return self._send(who, copied(frame))
 
     def leave_out(self, asked: Asked) -> None:
         """Say that nothing has changed since the last frame."""
@@ -427,8 +399,6 @@ class Listener:
 
     def close(self) -> None:
         """Stop listening; what is not sent yet is dropped."""
-        if self._shared is not None:
-            self._shared.close()
         self._socket.disable_monitor()
         self._connections.close()
         self._socket.close(0)

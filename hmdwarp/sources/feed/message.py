@@ -25,7 +25,7 @@ from .parts import Layers, Part, Wanted
 
 VERSION = 3
 MAGIC = b"HWFD"
-ASK, FRAME, REFUSAL, STUB, UNCHANGED = 1, 2, 3, 4, 5
+ASK, FRAME, REFUSAL, UNCHANGED = 1, 2, 3, 5
 # Formats of colour, and of depth; 0 in a request: the server's choice.
 RGBA16F, RGBA8, H264, HEVC, VP9, AV1 = COLOURS = (1, 2, 3, 4, 5, 6)
 # Those that are made of sRGB bytes.
@@ -35,14 +35,13 @@ ANY = 0
 # Of a picture that is left out: neither wished nor sent.
 NONE = 255
 MOST_BYTES = int(bounds.MESSAGE.most)
-_KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", STUB: "frame in shared memory", UNCHANGED: "no change"}
+_KINDS = {ASK: "request", FRAME: "frame", REFUSAL: "refusal", UNCHANGED: "no change"}
 # Magic, version, kind, bytes of the whole message.
 _HEAD = struct.Struct("<4sHHI")
 # Id, when it was sent, instant to draw, instant of the head pose, newest frame received, token,
 # width, height, eyes, formats of colour and depth, 1 + quality, whether to begin anew,
-# number of further layers, whether frames may come by shared memory, whether hidden areas follow,
-# frames a second, Mbit/s of an eye's video, step of depth.
-_ASK = struct.Struct("<QqqqQ32sIIBBBBBBBB3d")
+# number of further layers, what follows, frames a second, Mbit/s of an eye's video, step of depth.
+_ASK = struct.Struct("<QqqqQ32sIIBBBBBBxB3d")
 # Id, when the request was sent, received, and answered, ns of drawing, instant drawn, width,
 # height, eyes, format of colour, format of depth, whether the stream begins here, place in it,
 # number of parts of further layers, what requests may have, where the session began.
@@ -64,8 +63,6 @@ MOST_OF_TARGET = 16
 _LENGTHS = struct.Struct("<II")
 _REFUSAL = struct.Struct("<QI")
 _ID = struct.Struct("<Q")
-# Id, bytes of the frame's message, name of the shared memory that it lies in.
-_STUB = struct.Struct("<QI64s")
 _POSE = struct.Struct("<7d")
 # world_from_eye, head_from_eye, left, right, down, up.
 _EYE = struct.Struct("<18d")
@@ -165,8 +162,6 @@ class Ask:
     anew: bool = False
     # Layers that the client reads besides colour and depth; None for nothing.
     wanted: Wanted | None = None
-    # Whether the client reads frames from shared memory.
-    shares: bool = False
     # Only where the server's frames have said that they may have it.
     session: Session | None = None
     # Likewise: pictures come coarser away from the views' gaze, on the grid in layer "foveated".
@@ -302,24 +297,13 @@ class Refusal:
 
 
 @attrs.frozen
-class Stub:
-    """Where a frame lies that does not come by the socket."""
-
-    number: int
-    # Of the frame's message.
-    length: int
-    # Of the shared memory, as shm_open takes it, without the slash.
-    name: str
-
-
-@attrs.frozen
 class Unchanged:
     """A request that is answered by no frame, as nothing has changed since the last one."""
 
     number: int
 
 
-Message = Ask | FrameMessage | Refusal | Stub | Unchanged
+Message = Ask | FrameMessage | Refusal | Unchanged
 # Of a message: bytes, or an array whose bytes follow in the order of its indices.
 Piece = bytes | NDArray[Any]
 
@@ -373,14 +357,7 @@ def encode(message: Message) -> bytes:
 def copied(message: Message) -> memoryview:
     """Return the bytes of a message in memory of its own; each picture is copied once."""
     pieces = pieces_of(message)
-    whole = np.empty(sum(map(length_of, pieces)), np.uint8)
-    write(pieces, whole)
-    return whole.data
-
-
-def write(pieces: Sequence[Piece], whole: NDArray[np.uint8]) -> None:
-    """Write the pieces of a message one after the other into memory."""
-    at = 0
+    whole, at = np.empty(sum(map(length_of, pieces)), np.uint8), 0
     for piece in pieces:
         to = whole[at : at + length_of(piece)]
         if isinstance(piece, np.ndarray):
@@ -389,6 +366,7 @@ def write(pieces: Sequence[Piece], whole: NDArray[np.uint8]) -> None:
         else:
             to[...] = np.frombuffer(piece, np.uint8)
         at += len(to)
+    return whole.data
 
 
 def pieces_of(message: Message) -> list[Piece]:
@@ -419,8 +397,6 @@ def pieces_of(message: Message) -> list[Piece]:
         return _framed(FRAME, [start, *map(_packed_eye, it.views), *lengths, *heads, *pictures, *contents])
     if isinstance(message, Unchanged):
         return _framed(UNCHANGED, [_ID.pack(message.number)])
-    if isinstance(message, Stub):
-        return _framed(STUB, [_STUB.pack(message.number, message.length, message.name.encode())])
     # Whole letters of it.
     text = message.text.encode(errors="replace")[: int(bounds.TEXT.most)].decode(errors="ignore").encode()
     return _framed(REFUSAL, [_REFUSAL.pack(message.number, len(text)), text])
@@ -433,7 +409,7 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None)
     has += _FOVEA * (ask.fovea is not None) + _INPUTS * bool(ask.inputs)
     has += _INSET * (ask.fovea is not None and ask.fovea.inset)
-    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, ask.shares, has)
+    bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, has)
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
 
@@ -527,10 +503,9 @@ def decode(data: Data) -> Message:
         raise Malformed(f"it begins with {magic!r}: expected {MAGIC!r}")
     if version != VERSION and kind != REFUSAL:
         raise BadRequest(f"version {version}: take programs of the same version, here {VERSION}", data)
-    readers: dict[int, Callable[[Data], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal, STUB: _stub}
-    readers[UNCHANGED] = _unchanged
+    readers: dict[int, Callable[[Data], Message]] = {ASK: _ask, FRAME: _frame, REFUSAL: _refusal, UNCHANGED: _unchanged}
     if kind not in readers:
-        raise Malformed(f"kind {kind}: expected {ASK} to {UNCHANGED}")
+        raise Malformed(f"kind {kind}: expected {', '.join(map(str, readers))}")
     try:
         bounds.MESSAGE.check(length)
         _check_length(data, length)
@@ -543,7 +518,7 @@ def decode(data: Data) -> Message:
 def _ask(data: Data) -> Ask:
     values = _ASK.unpack_from(data, _HEAD.size)
     number, sent_ns, time_ns, head_ns, received, token, width, height, eyes = values[:9]
-    colour, depth, quality, anew, layers, shares, has, rate_hz, mbit, step = values[9:]
+    colour, depth, quality, anew, layers, has, rate_hz, mbit, step = values[9:]
     at = _HEAD.size + _ASK.size
     _check_format(number, width, height, eyes)
     bounds.INSTANT.check(sent_ns, time_ns, head_ns)
@@ -563,7 +538,7 @@ def _ask(data: Data) -> Ask:
     views = tuple(looking(views, gaze))
     wish = _wish(colour, depth, quality, rate_hz, mbit, step)
     times = (number, sent_ns, time_ns, head_ns, received)
-    ask = Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, shares != 0, session)
+    ask = Ask(*times, (width, height), head, views, token, wish, anew != 0, wanted, session)
     return attrs.evolve(ask, fovea=fovea, inputs=inputs)
 
 
@@ -645,13 +620,6 @@ def _unchanged(data: Data) -> Unchanged:
     (number,) = _ID.unpack_from(data, _HEAD.size)
     bounds.NUMBER.check(number)
     return Unchanged(number)
-
-
-def _stub(data: Data) -> Stub:
-    _check_length(data, _HEAD.size + _STUB.size)
-    number, length, name = _STUB.unpack_from(data, _HEAD.size)
-    bounds.MESSAGE.check(length)
-    return Stub(number, length, name.rstrip(b"\0").decode("ascii"))
 
 
 def _check_format(number: int, width: int, height: int, eyes: int) -> None:

@@ -26,8 +26,8 @@ class FeedOptions(Declared):
     # "" for frames that are drawn here.
     connect: str = option(
         "",
-        "Server to connect to, HOST:PORT or ipc://PATH. Latency is measured, and --latency ignored. In replay, --scene "
-        "server takes whatever it draws.",
+        "Server to connect to, HOST:PORT. Latency is measured, and --latency ignored. In replay, --scene server "
+        "takes whatever it draws.",
         valid=valid_address("--connect"),
         study=_STUDY,
     )

@@ -32,11 +32,11 @@ from . import EXTRA
 
 # What CURVE adds to a message: command, nonce, authenticator, flags (ZeroMQ RFC 26).
 SEAL_BYTES = 8 + 8 + 16 + 1
-_FILE = "ipc://"
-_MOST_PATH = 107  # of a local socket, less its last zero
 _TCP = re.compile(r"(?:tcp://)?(\[[^\]\s]+\]|[^:/\[\]\s]+):(\d+|\*)")
 # Wire bytes from a client that may wait unread, in whole requests or not: those of 16 s at 90 Hz.
 MOST_UNREAD = 1 << 20
+# Bytes of frames that wait for a client; one frame may always wait, even if it is larger.
+MOST_OF_CLIENT = 256 << 20
 MOST_CONNECTIONS, MOST_OF_ADDRESS = 96, 8
 # Without a valid request for so long a connection is silent, and one is idle from which another may
 # take its place.
@@ -50,8 +50,7 @@ SILENCE_NS, LOOK_NS = 1_500_000_000, 100_000_000
 #
 # Libzmq 4.3.5 aborts the process (`Assertion failed: !_io_error`, its issue 4841) if it calls, or
 # is called, over a connection that has ended while as many messages as RCVHWM allows waited. So
-# over a network there is no RCVHWM: who sends more than may wait is cut by the system's count.
-# Files of this machine have no such count, and no calls.
+# there is no RCVHWM: who sends more than may wait is cut by the system's count.
 CALLS = {"HEARTBEAT_IVL": 500, "HEARTBEAT_TIMEOUT": 60_000}
 LINK = {
     "LINGER": 0,
@@ -99,20 +98,15 @@ def wire_bytes(parts: list[Any]) -> int:
 
 
 def address_of(text: str, flag: str, *, serves: bool = False) -> str:
-    """Return the library's address for HOST:PORT, tcp://HOST:PORT or ipc://PATH.
+    """Return the library's address for HOST:PORT or tcp://HOST:PORT.
 
     flag: option that names it. serves: whether it is to listen at: * is any free port then, or all
     addresses of this machine. Errors: InputError.
     """
-    path = text.removeprefix(_FILE)
-    if path and path != text:
-        if len(os.fsencode(path)) > _MOST_PATH:
-            raise InputError(f"{flag} '{text}': a path of more than {_MOST_PATH} bytes; take a shorter one")
-        return text
     found = _TCP.fullmatch(text)
     is_any = found is not None and "*" in found.groups()
     if found is None or (not serves and is_any) or (found[2] != "*" and not int(not serves) <= int(found[2]) <= 65535):
-        raise InputError(f"{flag} '{text}': expected HOST:PORT, such as 127.0.0.1:5570, or ipc://PATH")
+        raise InputError(f"{flag} '{text}': expected HOST:PORT, such as 127.0.0.1:5570")
     return f"tcp://{found[1]}:{found[2]}"
 
 
@@ -124,11 +118,6 @@ def valid_address(flag: str, *, serves: bool = False) -> Callable[[object, objec
             address_of(text, flag, serves=serves)
 
     return check
-
-
-def is_file(address: str) -> bool:
-    """Return whether it is a file of this machine, not a network's."""
-    return address.startswith(_FILE)
 
 
 def is_local(address: str) -> bool:
@@ -185,7 +174,7 @@ class Connection:
     """A connection to a server, by the system's count."""
 
     wire: Wire
-    # The peer's host, or its /64 of IPv6; "" for a file's.
+    # The peer's host, or its /64 of IPv6.
     address: str
     # When it came, or was last heard with a valid request.
     heard_ns: int
@@ -206,8 +195,8 @@ class Connections:
     """Cut connections that send on without finishing a message, that are silent, or too many.
 
     Where there are too many, an idle one makes room: one that has never made a valid request first.
-    Watches from a thread of its own, as the server may be drawing. Endless messages: on Linux, over
-    TCP.
+    Watches from a thread of its own, as the server may be drawing. Endless messages: on
+    Linux.
     """
 
     def __init__(self, zmq: Any, router: Any, most_of_address: int) -> None:
@@ -356,8 +345,6 @@ class Hearing:
 
 def _host_of(one: socket.socket) -> str:
     """Return whom a connection is counted for. Errors: OSError where it has ended."""
-    if one.family not in (socket.AF_INET, socket.AF_INET6):
-        return ""
     host = ipaddress.ip_address(one.getpeername()[0].partition("%")[0])
     if isinstance(host, ipaddress.IPv6Address):
         if host.ipv4_mapped is not None:
@@ -369,7 +356,7 @@ def _host_of(one: socket.socket) -> str:
 
 def _info_of(one: socket.socket) -> bytes:
     """Return what the system knows of a connection, b"" where it does not say."""
-    if sys.platform != "linux" or one.family not in (socket.AF_INET, socket.AF_INET6):
+    if sys.platform != "linux":
         return b""
     info = one.getsockopt(socket.IPPROTO_TCP, socket.TCP_INFO, _INFO_BYTES)
     return info if len(info) >= _INFO_BYTES else b""

@@ -29,10 +29,6 @@ export const relativeTo = (pose, from) => ({
   position: rotate(conjugate(from.orientation), pose.position.map((value, k) => value - from.position[k])),
   orientation: normalised(multiply(conjugate(from.orientation), pose.orientation)),
 });
-export const inverse = (pose) => {
-  const back = conjugate(pose.orientation);
-  return { position: rotate(back, pose.position).map((value) => -value), orientation: back };
-};
 
 /** An orientation turned by a rotation vector in the axes of the world. */
 export const turnedBy = (vector, orientation) => {

@@ -153,7 +153,7 @@ class Session {
     }
     figures.decode = performance.now() - begun;
     await taken;
-    this.kept.push({ ...frame, pictures, decoded: figures.decode });
+    this.kept.push({ ...frame, pictures });
     this.kept.sort((a, b) => a.number - b.number); // maps of depth unpack in any order
     while (this.kept.length > MOST_KEPT) this.drop(this.kept.shift());
   }
@@ -296,7 +296,7 @@ class Session {
     const took = performance.now() - begun;
     figures.script += took;
     if (!this.report || !this.head) return;
-    this.report.add(this.time(), this.shown, this.head, NAMES.indexOf(this.inUse), this.costs[this.inUse] ?? 0, took);
+    this.report.add(this.time(), this.shown, this.head, this.inUse, this.costs[this.inUse] ?? 0, this.interval);
     this.head = null;
   }
 
@@ -305,9 +305,7 @@ class Session {
     const [{ size: [width, height] }] = this.eyes, [wide, high] = this.shown.size;
     return {
       browser: navigator.userAgent.slice(0, 300), renderer: this.chain.renderer().slice(0, 300), codec: this.video, trace: this.xr ? "webxr" : $("head").value,
-      views: this.eyes.map(({ head_from_eye: { position, orientation }, fov }) => [...position, ...orientation, ...fov]),
-      width, height, rendered_width: wide, rendered_height: high,
-      rate_hz: Math.min(Math.max(Math.round(1000 / this.interval), 1), 1000), latency_ms: Number($("latency").value), guard: GUARD, chains: NAMES,
+      width, height, rendered_width: wide, rendered_height: high, rate_hz: Math.round(1000 / this.interval), latency_ms: Number($("latency").value), guard: GUARD,
     };
   }
 }

@@ -102,7 +102,7 @@ export class Stopwatch {
 // As pipeline/governor.py has them, with the reasons.
 const CLIP = 0.25, ENOUGH = 1, MARGIN = 0.95, WINDOW = 31, PATIENCE = 60, TRIAL = 240, BACK_OFF = 4, DOUBT = 0.85, SETTLING = 2;
 
-function median(values) {
+export function median(values) {
   const sorted = [...values].sort((a, b) => a - b), middle = sorted.length >> 1;
   return sorted.length % 2 ? sorted[middle] : (sorted[middle - 1] + sorted[middle]) / 2;
 }

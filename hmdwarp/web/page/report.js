@@ -1,47 +1,28 @@
-// What the page reports to a server that keeps it: its display, then a row of numbers a refresh, once a second.
+// What the page reports to a server that keeps it, once a second: its display where that has changed, misses, and each refresh.
 
-import { compose, inverse } from "./head.js";
-
-const COLUMNS = 23, MOST_ROWS = 256, EVERY_MS = 1000, MAGIC = [72, 87, 76, 71]; // HWLG
+const MOST_ROWS = 256, EVERY_MS = 1000;
+const PLACES = [3, 3, 3, 6, 6, 6, 8, 8, 8, 8]; // decimals of a row: when it was shown, its frame's age, ms of the warp, the head
 
 export class Report {
   /** display(): what the server is told of the display, while it stays the same. */
   constructor(feed, display) {
-    Object.assign(this, { feed, display, count: 0, last: 0, told: null, isNew: false, socket: null, number: -1, drawn: null });
-    this.message = new Uint8Array(4 + 8 * COLUMNS * MOST_ROWS);
-    this.message.set(MAGIC);
-    this.view = new DataView(this.message.buffer);
+    Object.assign(this, { feed, display, socket: null, last: 0, told: null, isNew: true });
+    this.clear();
   }
 
-  put(column, value) {
-    this.view.setFloat64(4 + 8 * (this.count * COLUMNS + column), value, true);
+  clear() {
+    Object.assign(this, { rows: [], delays: [], missed: 0 });
   }
 
-  putPose(column, { position, orientation }) {
-    for (let k = 0; k < 3; k += 1) this.put(column + k, position[k]);
-    for (let k = 0; k < 4; k += 1) this.put(column + 3 + k, orientation[k]);
-  }
-
-  /** Add a refresh. now: ms of the session; frame: what it shows; head: what it was warped to. */
-  add(now, frame, head, chain, warp, script) {
-    if (this.told === null) [this.told, this.isNew] = [JSON.stringify(this.display()), true];
-    if (this.number !== frame.number) {
-      const [eye] = frame.eyes;
-      [this.number, this.drawn] = [frame.number, compose(eye.world_from_eye, inverse(eye.head_from_eye))];
-    }
-    this.put(0, now);
-    this.put(1, frame.time);
-    this.put(2, frame.number);
-    this.put(3, chain);
-    this.put(4, warp);
-    this.put(5, script);
-    this.put(6, frame.drawing);
-    this.put(7, frame.decoded);
-    this.put(8, Math.max(0, frame.heard - frame.asked));
-    this.putPose(9, head);
-    this.putPose(16, this.drawn);
-    this.count += 1;
-    if (this.count === MOST_ROWS || now - this.last > EVERY_MS) this.send(now);
+  /** Add a refresh. now: ms of the session; frame: what it shows; head: what it was warped to; ms: of the warp; interval: of the display. */
+  add(now, frame, head, warp, ms, interval) {
+    if (this.told === null) Object.assign(this, { told: this.display(), isNew: true, shown: now, number: -1 });
+    const round = (value, k) => Number(value.toFixed(PLACES[k]));
+    const row = [now, now - frame.time, ms, ...head.position, ...head.orientation].map(round);
+    if (this.number !== frame.number) this.delays.push(row[1]); // its age when it is first shown
+    this.missed += Math.max(0, Math.round((now - this.shown) / interval) - 1);
+    Object.assign(this, { number: frame.number, shown: now, warp });
+    if (this.rows.push(row) === MOST_ROWS || now - this.last > EVERY_MS) this.send(now);
   }
 
   /** Send what came before something changed: what comes then is a session of its own. */
@@ -51,11 +32,12 @@ export class Report {
   }
 
   send(now) {
-    const { socket } = this.feed, count = this.count;
-    [this.count, this.last] = [0, now];
-    if (!count || socket.readyState !== WebSocket.OPEN) return;
-    if (this.isNew || socket !== this.socket) socket.send(this.told);
-    [this.socket, this.isNew] = [socket, false];
-    socket.send(this.message.subarray(0, 4 + 8 * COLUMNS * count));
+    const { socket } = this.feed, { rows, delays, missed, warp } = this;
+    this.last = now;
+    this.clear();
+    if (!rows.length || socket.readyState !== WebSocket.OPEN) return;
+    const display = this.isNew || socket !== this.socket ? this.told : null;
+    Object.assign(this, { socket, isNew: false });
+    socket.send(JSON.stringify({ display, warp, missed, delays_ms: delays, refreshes: rows }));
   }
 }

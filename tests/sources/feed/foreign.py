@@ -51,7 +51,6 @@ def request(
     layers: tuple[tuple[str, int], ...] = (),
     shown=(16, 12),
     shown_angles=ANGLES,
-    shares: int = 0,
     rate: float = 60.0,
     mbit: float = 0.0,
     step: float = 0.0,
@@ -64,7 +63,7 @@ def request(
 ) -> bytes:
     sent = time.monotonic_ns() if sent is None else sent
     start = struct.pack("<Qqqq", number, sent, *instants) + struct.pack("<Q32s", received, token)
-    how = struct.pack("<II8B", *size, len(eyes), *formats, quality, anew, len(layers), shares, 8 * bool(inputs))
+    how = struct.pack("<II8B", *size, len(eyes), *formats, quality, anew, len(layers), 0, 8 * bool(inputs))
     body = start + how + struct.pack("<3d", rate, mbit, step) + head + b"".join(eyes)
     if layers:
         body += struct.pack("<2I", *shown) + len(eyes) * struct.pack("<4d", *shown_angles)
@@ -170,7 +169,6 @@ def any_request(rng: random.Random, number: int, pixels: int = 1 << 12) -> bytes
         formats=(rng.choice((0, 0, 1, 2, 3, 4, 5, 6, 9, 255)), rng.choice((0, 5, 1, 2, 3, 9))),
         quality=rng.choice((0, 1, 27, 52)),
         anew=rng.choice((0, 1, 255)),
-        shares=rng.choice((0, 1)),
         rate=rng.choice(RATES),
         mbit=rng.choice(BIT_RATES),
         step=rng.choice(STEPS),

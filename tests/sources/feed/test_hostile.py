@@ -26,8 +26,14 @@ from hmdwarp.sources.feed.key_pairs import KeyPair
 from hmdwarp.sources.feed.listener import Listener
 from hmdwarp.sources.feed.message import LARGEST_ASK, MOST_FATES, MOST_INPUTS, Fate, Session, encode
 from hmdwarp.sources.feed.parts import Wanted
-from hmdwarp.sources.feed.shared_frames import MOST_OF_CLIENT, SHARED
-from hmdwarp.sources.feed.sockets import MOST_CONNECTIONS, MOST_OF_ADDRESS, MOST_UNREAD, Connection, Wire
+from hmdwarp.sources.feed.sockets import (
+    MOST_CONNECTIONS,
+    MOST_OF_ADDRESS,
+    MOST_OF_CLIENT,
+    MOST_UNREAD,
+    Connection,
+    Wire,
+)
 
 from .exchange import WHENEVER_MS, answered, exchanged, port_of
 from .relay import RESET
@@ -296,9 +302,7 @@ def large(number: int):
 class Liar:
     """A client that says it has everything and reads nothing."""
 
-    def __init__(
-        self, listener: Listener, pair: KeyPair | None = None, *, shares: bool = False, received: int = 2**64 - 1
-    ) -> None:
+    def __init__(self, listener: Listener, pair: KeyPair | None = None, *, received: int = 2**64 - 1) -> None:
         self._context = zmq.Context()
         self.socket = self._context.socket(zmq.DEALER)
         for name, value in (("LINGER", 0), ("RCVHWM", 1), ("RCVBUF", 4096)):
@@ -307,7 +311,7 @@ class Liar:
             self.socket.curve_publickey, self.socket.curve_secretkey = zmq.curve_keypair()
             self.socket.curve_serverkey = pair.public
         self.socket.connect(listener.address)
-        own = {"size": (2048, 2048), "views": ASK.views[:1], "shares": shares, "received": received}
+        own = {"size": (2048, 2048), "views": ASK.views[:1], "received": received}
         self._ask, self._listener, self._number = attrs.evolve(ASK, token=bytes(32), **own), listener, 0
 
     def asks(self) -> bool:
@@ -325,27 +329,19 @@ class Liar:
         self._context.term()
 
 
-def shared_bytes(listener: Listener) -> int:
-    """Bytes of its own segments: tests of another worker make some too."""
-    shared = listener._shared
-    return sum(path.stat().st_size for path in SHARED.glob(f"{shared._owner}-*")) if shared is not None else 0
-
-
-@pytest.mark.parametrize("way", ["tcp", "encrypted", "ipc", "shared memory"])
+@pytest.mark.parametrize("way", ["tcp", "encrypted"])
 @pytest.mark.parametrize("received", [0, 2**64 - 1], ids=["honest", "false"])
-def test_what_waits_for_a_client_is_bounded_whatever_it_says_that_it_has(tmp_path, way, received):
-    where = f"ipc://{tmp_path}/feed" if way in ("ipc", "shared memory") else "127.0.0.1:*"
+def test_what_waits_for_a_client_is_bounded_whatever_it_says_that_it_has(way, received):
     pair = KeyPair(*zmq.curve_keypair()) if way == "encrypted" else None
-    with closing(Listener(where, pair=pair)) as listener:
-        with closing(Liar(listener, pair, shares=way == "shared memory", received=received)) as liar:
-            before, shared = resident(), shared_bytes(listener)
+    with closing(Listener("127.0.0.1:*", pair=pair)) as listener:
+        with closing(Liar(listener, pair, received=received)) as liar:
+            before = resident()
             sent = sum(liar.asks() for _ in range(20))
             # One frame more is being made, and is not sent.
-            assert resident() - before + shared_bytes(listener) - shared < MOST_OF_CLIENT + 64 * MIB
-        assert sent == 20 if (way, received) == ("shared memory", 2**64 - 1) else 0 < sent < 8
+            assert resident() - before < MOST_OF_CLIENT + 64 * MIB
+        assert 0 < sent < 8
         while listener.clients:
             listener.next(10)
-        assert shared_bytes(listener) == shared
         if pair is None:
             serves(listener)
 

@@ -86,7 +86,7 @@ ODD: dict[str, Odd] = {
     "a layer that is not requested": bomb,
     "a layer larger than requested": lambda asked: bomb(asked, "velocity"),
     "too short": lambda asked: foreign.frame(asked)[:-1],
-    "a shared frame": lambda asked: foreign.message(4, struct.pack("<QI64s", 1, 99, b"../../etc/passwd")),
+    "another kind": lambda asked: foreign.message(4, struct.pack("<QI64s", 1, 99, b"../../etc/passwd")),
     "another version": lambda asked: foreign.message(2, asked[12:], version=9),
     "a request": lambda asked: asked,
     "nothing": lambda asked: b"",

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import pytest
 from replays import small
-from serving import Serving
+from serving import Serving, free_port
 
 from hmdwarp.gpu import download
 from hmdwarp.metrics import psnr_db
@@ -116,7 +116,7 @@ def pictures(setup, frame) -> tuple[np.ndarray, np.ndarray]:
 def test_what_people_do_crosses_a_proxy_also_to_one_that_was_started_again(gpu, tmp_path, monkeypatch, again):
     """Every picture is that of the scene here, with the inputs, at the instant that it names."""
     monkeypatch.setattr(Remote, "pace", patient)
-    where = {name: f"ipc://{tmp_path}/{name}" for name in ("server", "proxy")}
+    where = {name: f"127.0.0.1:{free_port()}" for name in ("server", "proxy")}
     started = {
         "server": lambda: Serving("--scene", "playroom", "--listen", where["server"]),
         "proxy": lambda: proxy("--connect", where["server"], "--listen", where["proxy"], *AS_IT_IS),

@@ -53,9 +53,9 @@ def serving():
 
 
 @pytest.fixture(scope="module")
-def parade(tmp_path_factory):
-    """A scene with things that deform, by shared memory where there is any."""
-    with Serving("--scene", "parade", "--listen", f"ipc://{tmp_path_factory.mktemp('parade')}/frames") as one:
+def parade():
+    """A scene with things that deform."""
+    with Serving("--scene", "parade") as one:
         yield one
 
 
@@ -501,7 +501,8 @@ def test_a_frame_that_was_not_requested_is_left_out():
             pass
         caller.take()
         for number in (10**9 + 1, 10**9):
-            listener.answer(asked, attrs.evolve(FRAME, number=number))
+            while not listener.answer(asked, attrs.evolve(FRAME, number=number)):
+                listener.next(1)  # on a busy machine the frames before are still under way
         found = []
         while not any(arrival.frame.number == 10**9 for arrival in found):
             found += caller.take()
@@ -702,11 +703,3 @@ def test_clients_share_the_time_of_a_server_so_that_cheap_requests_have_more_tur
             socket.close()
     # Six for one of each other in turn, so 14 or 15 of 24; one of five if turns only went round.
     assert 12 <= turns.count(4) <= 16 and {*turns} == {*number}
-
-
-def test_a_path_on_this_machine_is_an_address(tmp_path):
-    with closing(Listener(f"ipc://{tmp_path}/frames")) as listener, closing(Caller(listener.address)) as caller:
-        arrival, _ = exchanged(caller, listener)
-    np.testing.assert_array_equal(arrival.frame.colours[0], FRAME.colours[0])
-    with pytest.raises(InputError, match="shorter"):
-        Caller(f"ipc:///{'a' * 200}")

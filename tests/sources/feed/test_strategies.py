@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 import pytest
 from replays import CHEAPER, SMALL, scene_for
-from serving import Serving
+from serving import Serving, free_port
 
 from hmdwarp.client.strategies import strategies
 from hmdwarp.gpu import download
@@ -41,15 +41,14 @@ TRIED = {
 
 
 @pytest.fixture(scope="module")
-def serving_of(tmp_path_factory):
+def serving_of():
     """Return the address of a server of a scene; each is started once."""
     with ExitStack() as stack:
         found: dict[str, Serving] = {}
 
         def of(scene: str) -> str:
             if scene not in found:
-                where = f"ipc://{tmp_path_factory.mktemp(scene)}/frames"
-                found[scene] = stack.enter_context(Serving("--scene", scene, "--listen", where))
+                found[scene] = stack.enter_context(Serving("--scene", scene))
             return found[scene].address
 
         yield of
@@ -219,9 +218,9 @@ KEPT = ["in pieces", "points", "photons"]
 
 
 @pytest.mark.parametrize("name", KEPT)
-def test_a_server_that_was_started_again_begins_anew_and_so_does_the_client(gpu, tmp_path, monkeypatch, name):
+def test_a_server_that_was_started_again_begins_anew_and_so_does_the_client(gpu, monkeypatch, name):
     """From its first frame on all is as for a client that comes then: nothing of before is left."""
-    scene, where = scene_for(TRIED[name]), f"ipc://{tmp_path}/frames"
+    scene, where = scene_for(TRIED[name]), f"127.0.0.1:{free_port()}"
     command = ("--scene", scene, "--listen", where)
     monkeypatch.setattr(Remote, "pace", patient)
     with ExitStack() as stack:
@@ -308,7 +307,7 @@ def test_what_people_do_crosses_and_each_client_has_a_world_of_its_own(gpu, serv
 
 def test_a_server_that_was_started_again_is_told_of_all_that_people_did(gpu, tmp_path, monkeypatch):
     """The lamp that was switched off before stays off: by the scene here, bit for bit."""
-    acts, where = tmp_path / "acts.csv", f"ipc://{tmp_path}/frames"
+    acts, where = tmp_path / "acts.csv", f"127.0.0.1:{free_port()}"
     acts.write_text("time_ns,action,target,x,y,z,dx,dy,dz\n900000000,switch,lamp,0,0,0,0,0,1\n")
     command = ("--scene", "playroom", "--listen", where, "--samples", "1")
     monkeypatch.setattr(Remote, "pace", patient)
