@@ -27,7 +27,7 @@ EXTRAS = {
     "feed": "serve and --connect",
     "jod": "--jod",
     "lsl": "--lsl of live and study run",
-    "mcap": "head traces in MCAP; --record-to",
+    "mcap": "head traces in MCAP",
     "openxr": "headsets: live, record and study through OpenXR",
     "panel": "the controls in the window of live; without them there are keys",
     "scenes": "scenes in OBJ and PLY files, and Mitsuba's that name them",

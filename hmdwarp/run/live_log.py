@@ -20,10 +20,10 @@ from ..report import OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, speeds_between, stage_columns
 from .host import PipelineHost, values
-from .late_client import DepthSamples, SeenOffset
 from .live_figures import HoleCounter, LiveFigures
 from .live_summary import LiveFacts, Pictures, live_facts_of, live_summary_of
 from .markers import LiveMarkers, NoMarkers
+from .misses import DepthSamples, SeenOffset
 from .options import LiveOptions
 from .recorder import Lines
 from .run_summary import OWNED

@@ -12,6 +12,7 @@ import attrs
 import numpy as np
 
 from ..client.compensator import Compensator
+from ..client.inputs import PassInputs
 from ..client.plan import Plan
 from ..errors import InputError, counted
 from ..frames import Needs
@@ -31,7 +32,7 @@ from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
 from .options import BY_LIBRARY, RunOptions
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
-from .truth import TrueEye
+from .truth import TruePicture, true_picture
 
 _MANY = 10_000  # refreshes
 # Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
@@ -116,10 +117,9 @@ class ReplaySetup:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
 
-    @property
-    def truth(self) -> TrueEye:
-        """What eyes should see."""
-        return TrueEye(self.server, self.size)
+    def truth(self, inputs: PassInputs, *, depth: bool = True) -> TruePicture:
+        """Return what an eye should see at a refresh. Errors: NoTruth."""
+        return true_picture(self.server, inputs, self.size, depth=depth)
 
     def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
         """Submit a picture to be measured. Errors: as pool.submit."""

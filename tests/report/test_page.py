@@ -114,22 +114,6 @@ def test_the_error_is_told_by_region():
         )
 
 
-def test_a_client_that_misses_has_a_tile_and_a_chart():
-    entry = {"stale_share": 0.25, "longest_stale": 3, "judder_deg": 0.1234, "budget_ms": 11.1}
-    rows = [
-        {"frame": k, "time_s": k / 90, "stale": int(k % 4 > 0), "off_deg": 0.0, "took_ms": None if k % 4 else 30.0}
-        for k in range(90)
-    ]
-    plain, missing = Page(render()), Page(render(summary={**a_summary(), "miss": entry}, misses=[rows, []]))
-    assert "Missed refreshes 25.0 % at most 3 in a row; judder 0.123 deg RMS" in missing.text
-    assert "Client's time for a picture" in missing.text and "budget" in missing.text
-    assert missing.tags.count("svg") == plain.tags.count("svg") + 1
-    beside = {**a_baseline(some_rows(0, 4), some_rows(1, 4)), "miss": {**entry, "stale_share": 0.5}}
-    both = Page(render(summary={**a_summary(), "miss": entry}, baselines=[beside], misses=[rows, rows]))
-    assert "Missed refreshes 25.0 % none: 50.0" in both.text  # the tile
-    assert "Refreshes Missed refreshes % 25.0 50.0 Most missed in a row 3 3" in both.text  # the table
-
-
 def test_the_page_fetches_no_file(text):
     """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
     page = Page(text)

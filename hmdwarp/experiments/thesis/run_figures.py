@@ -252,7 +252,7 @@ class _Seen:
 
     @classmethod
     def of(cls, setup: ReplaySetup, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
-        drawn = setup.truth.at(refresh.inputs[eye], depth=is_measured)
+        drawn = setup.truth(refresh.inputs[eye], depth=is_measured)
         frame = refresh.frame.eyes[eye]
         late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
         return cls(refresh, eye, drawn.picture, drawn.inverse_depth, late, depth)
