@@ -106,6 +106,19 @@ def lower_priority(steps: int, *, batch: bool = False) -> None:
 
 
 @contextmanager
+def without_interrupts() -> Iterator[None]:
+    """Hold SIGINT back from this thread; a process that it starts meanwhile never hears one."""
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def priority_kept() -> Iterator[None]:
     """Undo what a library does to the priority of this process's threads meanwhile (Linux).
 

@@ -26,7 +26,7 @@ EXTRAS = {
     "exr": "frames in OpenEXR",
     "feed": "serve and --connect",
     "jod": "--jod",
-    "lsl": "--lsl of live and study run",
+    "lsl": "study run --lsl",
     "mcap": "head traces in MCAP",
     "openxr": "headsets: live, record and study through OpenXR",
     "panel": "the controls in the window of live; without them there are keys",

@@ -51,7 +51,6 @@ def _check_input(instance: Any, field: attrs.Attribute[Any], value: str) -> None
         seed_of(value)
 
 
-BY_GPU, BY_LIBRARY = "gpu", "library"
 MEASURING = "Measuring"  # heading of options in help
 
 
@@ -98,12 +97,6 @@ class RunOptions(PipelineOptions):
         10,
         "Measure one in n refreshes, unevenly spread, so that nothing periodic is missed.",
         valid=Number(least=1),
-        heading=MEASURING,
-    )
-    metrics_by: str = option(
-        BY_GPU,
-        f"What computes FLIP, SSIM and flicker: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
-        valid=one_of(BY_GPU, BY_LIBRARY),
         heading=MEASURING,
     )
     # 0 for not at all.
@@ -214,11 +207,6 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
-    lsl: bool = option(
-        False,
-        "Send markers to the Lab Streaming Layer (pip install '.[lsl]').",
-        study="'hmdwarp study run --lsl' sends markers of trials",
-    )
     images_every: int = option(
         0,
         "With --out: keep every n-th picture as it was handed over; 0 for none.",

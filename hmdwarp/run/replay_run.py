@@ -17,7 +17,7 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link.options import ALL, DROP
-from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, SharedPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..pipeline.proxy import source_of
@@ -61,10 +61,8 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     options, choice = decided(options, source, say)
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
         setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
-        workers = worker_count(options.workers)
-        with QualityPool(
-            workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
-        ) as pool:
+        with MeasuringProcesses(worker_count(options.workers)) as processes:
+            pool = QualityPool(processes, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key))
             probe = Probe(setup, pool, _keep_every(setup))
             log = _run(setup, probe, out, progress)
             pool.wait()
@@ -142,20 +140,20 @@ class NothingShown(InputError):
 
 
 def measured(
-    options: RunOptions, progress: Progress = lambda done, total: None, pools: SharedPool | None = None
+    options: RunOptions, progress: Progress = lambda done, total: None, processes: MeasuringProcesses | None = None
 ) -> Measured:
     """Run a replay without writing anything.
 
-    pools: measuring processes that stay for the next run; None for processes of its own.
+    processes: that stay for the next run; None for processes of its own.
     Errors: as replay; InputError for warp "auto" and for a video.
     """
     if options.warp == AUTO or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with (
         set_up_replay(options, alone=True) as setup,
-        SharedPool() if pools is None else nullcontext(pools) as lent,
+        MeasuringProcesses(worker_count(options.workers)) if processes is None else nullcontext(processes) as lent,
     ):
-        pool = lent.of(options.workers, setup.pixels_per_degree)
+        pool = QualityPool(lent)
         probe = Probe(setup, pool, _keep_every(setup))
         log = _run(setup, probe, None, progress)
         pool.wait()

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import REGIONS, Compared, QualityJob, QualityPool, aggregate
+from hmdwarp.metrics import REGIONS, Alike, Compared, MeasuringProcesses, QualityJob, QualityPool, aggregate
 from hmdwarp.report import WorstFrame, render_report
 
 from .samples import a_baseline, a_scene, a_summary, some_rows, some_worst
@@ -148,10 +148,10 @@ def test_pictures_are_whole_and_have_their_size(text):
 def test_worst_frames_come_from_what_the_pool_kept():
     truth, shown, rendered, other = a_scene(0), a_scene(2), a_scene(9), a_scene(5)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
-    with QualityPool(0, 20.0, worst=1) as pool:
-        pool.submit(
-            (3, 1), QualityJob(Compared(shown, truth, view), rendered_picture=rendered, beside=(("none", other),))
-        )
+    alike = Alike(np.full(truth.shape[:2], 0.25, np.float32), 0.5)
+    pool = QualityPool(MeasuringProcesses(0), worst=1)
+    compared = Compared(shown, truth, view)
+    pool.submit((3, 1), QualityJob(compared, rendered_picture=rendered, alike=alike, beside=(("none", other),)))
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
     assert [name for name, _ in frame.panels] == ["truth", "late frame", "warped", "none", "error (FLIP 0 to 0.5)"]
