@@ -28,4 +28,6 @@ def _holds(words: Sequence[str], key: Sequence[str]) -> bool:
     command, option = key[:start], key[start:]
     if len(words) < len(command) or not all(map(fnmatchcase, words, command)):
         return False
-    return any(len(words) >= at + len(option) and all(map(fnmatchcase, words[at:], option)) for at in range(len(words)))
+    return any(
+        len(words) >= at + len(option) and all(map(fnmatchcase, words[at:], option)) for at in range(len(words))
+    )

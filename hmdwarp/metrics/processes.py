@@ -6,17 +6,17 @@ the program even where that is killed. Nothing heavy is imported here.
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import reduction, resource_tracker
+from contextlib import suppress
 from multiprocessing.context import SpawnContext, SpawnProcess
 from types import ModuleType
 from typing import IO, Any
@@ -25,33 +25,16 @@ from ..errors import HmdwarpError, MachineError
 from ..platforms import lower_priority, without_interrupts
 
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed
-_ENVIRONMENT = {
-    # More than one thread in a worker's BLAS would fight the other workers for the cores.
-    **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"),
-    # glibc returns every freed picture to the system, which clears its pages for the next one: a
-    # seventh of the time. A worker keeps the memory of its largest job instead.
-    "MALLOC_MMAP_MAX_": "0",
-    "MALLOC_TRIM_THRESHOLD_": str(2**62),
-}
-
-
-@contextmanager
-def _environment(values: Mapping[str, str]) -> Iterator[None]:
-    """Set these for processes that are started meanwhile."""
-    before = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})
+# More than one thread in a worker's BLAS would fight the other workers for the cores.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_M_MMAP_MAX, _M_TRIM_THRESHOLD = -4, -1  # of glibc's malloc.h
 
 
 class _Process(SpawnProcess):
     def start(self) -> None:
         main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")  # else imported there
         try:
-            with _environment(_ENVIRONMENT), without_interrupts():
+            with without_interrupts():
                 super().start()
         finally:
             sys.modules["__main__"] = main
@@ -69,25 +52,19 @@ class _Context(SpawnContext):
         return self.started[-1]
 
 
-class _Output:
-    """A file that takes all that a worker prints: unpickling it there redirects."""
-
-    def __init__(self, file: IO[bytes]) -> None:
-        self._file = file
-
-    def __reduce__(self) -> Any:
-        return _redirect, (reduction.DupFd(self._file.fileno()),)  # type: ignore[attr-defined]
-
-
-def _redirect(descriptor: Any) -> None:
-    file = descriptor.detach()
-    for stream in (1, 2):
-        os.dup2(file, stream)
-    os.close(file)
-
-
-def _begin(_: None) -> None:
+def _begin(said: int) -> None:
+    """Begin a worker: what it prints, a library's words too, goes to that file of the program's."""
+    with suppress(OSError), open(f"/proc/{os.getppid()}/fd/{said}", "ab") as file:  # noqa: PTH123 (no path)
+        for stream in (1, 2):
+            os.dup2(file.fileno(), stream)
     lower_priority(_NICENESS)
+    os.environ.update(dict.fromkeys(_THREADS, "1"))
+    # glibc returns every freed picture to the system, which clears its pages for the next one: a
+    # seventh of the time. A worker keeps the memory of its largest job instead.
+    with suppress(AttributeError):
+        allocation = ctypes.CDLL(None)
+        allocation.mallopt(_M_MMAP_MAX, 0)
+        allocation.mallopt(_M_TRIM_THRESHOLD, 2**31 - 1)
     threading.Thread(target=_end_with_the_program, daemon=True).start()
 
 
@@ -114,10 +91,8 @@ class MeasuringProcesses:
         if not self.count:
             return _run_here(work, *given)
         if self._open is None:
-            with _environment({"PYTHONWARNINGS": "ignore"}):  # else it talks of semaphores where we are killed
-                resource_tracker.ensure_running()
             context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
-            self._open = ProcessPoolExecutor(self.count, context, _begin, (_Output(said),)), context, said
+            self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
         try:
             return self._open[0].submit(work, *given)
         except OSError as error:
