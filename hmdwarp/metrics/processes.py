@@ -34,8 +34,7 @@ class _Process(SpawnProcess):
     def start(self) -> None:
         main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")  # else imported there
         try:
-            with without_interrupts():
-                super().start()
+            super().start()
         finally:
             sys.modules["__main__"] = main
 
@@ -94,7 +93,8 @@ class MeasuringProcesses:
             context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
             self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
         try:
-            return self._open[0].submit(work, *given)
+            with without_interrupts():
+                return self._open[0].submit(work, *given)
         except OSError as error:
             raise MachineError(
                 f"cannot start a measuring process ({error.strerror or error}): use 0 metric workers"
