@@ -56,7 +56,7 @@ def read_delays(path: Path) -> list[float]:
     # starts a comment; the first line may be a heading.
     Errors: InputError with file, line and value.
     """
-    text = text_in(path, attrs.evolve(DELAYS, what="a trace with one delay in milliseconds a line"))
+    text = text_in(path, DELAYS)
     delays = list(_numbers(path, text.splitlines()))
     if not delays:
         raise InputError(f"{path}: holds no delay; expected one number of milliseconds a line")
