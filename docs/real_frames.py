@@ -25,13 +25,14 @@ from typing import Any
 
 import attrs
 import numpy as np
+from flip_evaluator import evaluate
 from numpy.typing import NDArray
 from pages import markdown
 
 from hmdwarp import InputError, Warper
 from hmdwarp.client.fills import fills
 from hmdwarp.image import usable_fills, usable_warps
-from hmdwarp.metrics import flip, psnr_db
+from hmdwarp.metrics import psnr_db
 from hmdwarp.sources import sequences
 from hmdwarp.sources.repairs import parse_repairs
 from hmdwarp.sources.sequences import Sequence, SequenceOptions
@@ -160,8 +161,7 @@ def figures_of(folder: Path, frames: RealFrames, warp: str, repair: str) -> dict
         for name, warper in with_fill.items():
             out = warper.warp(colour, depth, given.view, truth.view)
             shown = np.ascontiguousarray(out.colour[inside])
-            error, _ = flip(shown, wanted, truth.fov.pixels_per_degree(truth.size))
-            found[name].append((psnr_db(shown, wanted), error))
+            found[name].append((psnr_db(shown, wanted), _flip(shown, wanted, truth.fov.pixels_per_degree(truth.size))))
             if name == "none":
                 covered = out.coverage[inside] > 0
                 covered_db = psnr_db(shown[covered][None], wanted[covered][None])
@@ -171,6 +171,13 @@ def figures_of(folder: Path, frames: RealFrames, warp: str, repair: str) -> dict
     covered_db, hole_share = map(float, np.mean(rows, axis=0))
     by_fill = {name: list(map(float, np.mean(values, axis=0))) for name, values in found.items()}
     return {"warp": warp, "repair": repair, "covered_db": covered_db, "hole_share": hole_share, "by_fill": by_fill}
+
+
+def _flip(shown: NDArray[np.uint8], truth: NDArray[np.uint8], pixels_per_degree: float) -> float:
+    reference, test = (picture.astype(np.float32) / np.float32(255) for picture in (truth, shown))
+    how: dict[str, Any] = {"inputsRGB": True, "applyMagma": False, "computeMeanError": False}
+    error = evaluate(reference, test, "LDR", parameters={"ppd": float(pixels_per_degree)}, **how)[0]
+    return float(error.mean(dtype=np.float64))
 
 
 def without_rim(colour: NDArray[np.uint8], rim: int) -> NDArray[np.uint8]:

@@ -358,20 +358,6 @@ def _least_seconds(made: Any) -> dict[str, float]:
     return {fill: least[fill] - least["none"] for fill in TRIED}
 
 
-def profile(folder: Path) -> None:
-    """Say where a replay's CPU time goes, measured by the libraries and on the GPU."""
-    options = "--seconds 0.4 --size 640x400 --fill memory+pyramid --lens radial --headset rift-dk1 "
-    options += "--against none,forward+interpolate --metrics-every 1 --images 2 --profile"
-    tables = []
-    for judge in ("library", "gpu"):
-        command = f"-m hmdwarp replay look-around {options} --metrics-by {judge} --out {folder}/profile-{judge}"
-        lines = [line for line in run(command, folder, said=True, COLUMNS="110").splitlines() if line.startswith("| ")]
-        tables.append([[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]])
-    rows = [[*by_library, *by_gpu[1:]] for by_library, by_gpu in zip(*tables, strict=True)]
-    heads = [f"{by}: {head}" for by in ("library", "GPU") for head in ("CPU s", "%", "ms a refresh")]
-    replace("profile", markdown(["part", *heads], rows))
-
-
 def kills(folder: Path) -> None:
     """Kill sweeps at random moments; needs the extra `cluster`."""
     replace("kills", run("-m tests.experiments.sweep.killing 40", folder).splitlines()[-1])
@@ -438,7 +424,6 @@ OWN: Mapping[str, Callable[..., None]] = {
     "rgbd": rgbd,
     "thesis": thesis,
     "live-cost": live_cost,
-    "profile": profile,
     "fill-fronts": fill_fronts,
     "kills": kills,
     "keys": keys,

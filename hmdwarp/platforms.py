@@ -98,6 +98,27 @@ def lower_priority(steps: int, *, batch: bool = False) -> None:
 
 
 @contextmanager
+def without_interrupts() -> Iterator[None]:
+    """Put Ctrl-C off until the block has ended; a process that is started in it hears none."""
+    if sys.platform == "win32":
+        yield
+        return
+    heard: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    # Another thread may get the signal for this one.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number)) if is_main else None
+    try:
+        yield
+    finally:
+        if is_main:
+            signal.signal(signal.SIGINT, handler or signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if heard:
+            signal.raise_signal(signal.SIGINT)
+
+
+@contextmanager
 def priority_kept() -> Iterator[None]:
     """Undo what a library does to the priority of this process's threads meanwhile (Linux).
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import subprocess
 import sys
 import tempfile
@@ -52,12 +51,6 @@ LIMITS = {
 
 REPLAY = ("look-around", "--scene", "room", "--size", "640x400", "--metrics-every", "10", "--quiet")
 LEAST_FRAMES_PER_S = 10.0
-_SHORT = ("--size", "640x400", "--latency", "100", "--latency", "200")
-AGAIN = (
-    ("replay", *REPLAY[1:5], "--seconds", "0.4", "--against", "none,forward+interpolate", "--metrics-every", "1"),
-    ("compare", *_SHORT, "--seconds", "0.3", "--strategy", "depth_image,rotation"),
-    ("bench", *_SHORT, "--warp", "forward,iterative", "--instants", "6", "--no-grid", "--no-fused"),
-)
 START_LIMITS_S = {"import hmdwarp": 0.3, "hmdwarp --help": 0.5}
 
 
@@ -195,35 +188,6 @@ def whole_replay(seconds: float) -> tuple[str, list[str]]:
     return told, [told] if frames / took < LEAST_FRAMES_PER_S else []
 
 
-def cpu_of(*arguments: str) -> float:
-    """Processor time of a Python of its own and its children."""
-    before = os.times()
-    subprocess.run([sys.executable, *arguments], check=True, stdout=subprocess.DEVNULL)
-    after = os.times()
-    return after.children_user + after.children_system - before.children_user - before.children_system
-
-
-def second_runs() -> str:
-    """What a cache spares the second of two equal runs."""
-    found = []
-    for command, *options in AGAIN:
-        with tempfile.TemporaryDirectory() as folder:
-            again = (
-                "-m",
-                "hmdwarp",
-                command,
-                "look-around",
-                *options,
-                "--cache",
-                f"{folder}/kept",
-                "--quiet",
-                "--force",
-            )
-            first, second = (cpu_of(*again, "--out", f"{folder}/out") for _ in range(2))
-        found.append(f"{command} {first:.1f} s, then {second:.1f}: {second / first:.2f} times")
-    return f"processor time with --cache: {'; '.join(found)}"
-
-
 def starting(rounds: int) -> tuple[str, list[str]]:
     """Medians of what each start of the program costs; and which are too long."""
     how = {"import hmdwarp": ("-c", "import hmdwarp"), "hmdwarp --help": ("-m", "hmdwarp", "--help")}
@@ -258,8 +222,6 @@ def main() -> None:
     ):
         console.print(line)
         missed += rendered
-    for line in [second_runs()] if arguments.seconds else []:
-        console.print(line)
     for line in missed:
         console.print(f"missed: {line}")
 

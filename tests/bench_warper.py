@@ -17,13 +17,14 @@ from statistics import median
 
 import attrs
 import numpy as np
+from metrics.pictures import flip, ssim
 
 from hmdwarp import Fov, Pose, View, Warper
 from hmdwarp.client import Compensator, PassInputs
 from hmdwarp.frames import EyeImage
 from hmdwarp.gpu import COLOUR, SCALAR, Gpu, allocate, upload
 from hmdwarp.image.picture_arrays import raw_picture
-from hmdwarp.metrics import PairPass, flip, ssim
+from hmdwarp.metrics import PairPass
 
 # The smaller one has next to nothing to draw, and shows the cost of the calls alone.
 SIZES, WARM = ((64, 48), (640, 480)), 10

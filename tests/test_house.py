@@ -69,6 +69,7 @@ CLOCK_READERS = {
     "pipeline/loop.py",
     "pipeline/remote.py",
     "cli/doctor.py",
+    "study/session/markers.py",
     "study/store/store_connection.py",
 }
 # Display: its clock is the one all live times are on.

@@ -119,8 +119,6 @@ class StageTimer:
         self._done: list[tuple[str, float]] = []
         self._lap_started_ns = time.perf_counter_ns()
         self._waits = True
-        # Told of each stage by name; what it returns surrounds the stage.
-        self.watch: Callable[[str], AbstractContextManager[None]] | None = None
 
     @property
     def lap_ms(self) -> float:
@@ -153,11 +151,6 @@ class StageTimer:
 
         Blocks that raise do not count.
         """
-        if self.watch is not None:
-            return _both(self.watch(name), self._stage(name))
-        return self._stage(name)
-
-    def _stage(self, name: str) -> AbstractContextManager[None]:
         if self.clock == "gpu":
             return GpuStage(self, name)
         return WallStage(self, name) if self._waits else nullcontext()
@@ -186,12 +179,6 @@ class StageTimer:
         Waits for the GPU if it has not finished.
         """
         return list(self.lap().read())
-
-
-@contextmanager
-def _both(outer: AbstractContextManager[None], inner: AbstractContextManager[None]) -> Iterator[None]:
-    with outer, inner:
-        yield
 
 
 class GpuStage:

@@ -41,15 +41,13 @@ from .picture_pairs import blocks_apart as blocks_apart
 from .picture_pairs import blocks_text as blocks_text
 from .picture_pairs import db_of as db_of
 from .picture_pairs import error_image as error_image
-from .picture_pairs import flip as flip
 from .picture_pairs import pixel_centres as pixel_centres
 from .picture_pairs import sharpness as sharpness
-from .picture_pairs import ssim as ssim
 from .pool import Kept as Kept
 from .pool import QualityPool as QualityPool
-from .pool import SharedPool as SharedPool
 from .pool import WorstKeeper as WorstKeeper
 from .pool import worker_count as worker_count
+from .processes import MeasuringProcesses as MeasuringProcesses
 from .summary import LEAST_INSTANTS as LEAST_INSTANTS
 from .summary import LEVEL as LEVEL
 from .summary import QUALITY as QUALITY

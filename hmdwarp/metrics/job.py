@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import HmdwarpError, InputError
 from ..geometry import View, WarpMap
 from ..gpu import flip_rows
-from .picture_pairs import Alike, check_pair, db_of, error_image, flip, row_blocks, ssim
+from .picture_pairs import Alike, check_pair, db_of, error_image, row_blocks
 
 T = TypeVar("T")
 
@@ -27,6 +27,7 @@ class Input(enum.Flag):
     DEPTH = enum.auto()  # inverse depth of the truth
     RENDERED = enum.auto()  # the view the late frame was rendered for
     PREVIOUS = enum.auto()  # the neighbouring frame of the same eye
+    ALIKE = enum.auto()  # what a PairPass has found
 
 
 _PLACES = Input.COVERAGE | Input.DEPTH | Input.RENDERED  # what tells where an error is
@@ -109,6 +110,7 @@ class QualityJob:
             (Input.DEPTH, self.truth_inverse_depth),
             (Input.RENDERED, None if self.rendered is None else self.rendered_size),
             (Input.PREVIOUS, self.flicker if self.previous is None else self.previous),
+            (Input.ALIKE, self.alike),
         ):
             if value is not None:
                 there |= flag
@@ -133,9 +135,8 @@ class Measurement:
     Errors: HmdwarpError for an input that the job lacks, because the metric does not declare it.
     """
 
-    def __init__(self, job: QualityJob, pixels_per_degree: float) -> None:
-        self._job, self._pixels_per_degree = job, pixels_per_degree
-        self.now: Compared = job.now
+    def __init__(self, job: QualityJob) -> None:
+        self._job, self.now = job, job.now
 
     @functools.cached_property
     def seen(self) -> NDArray[np.bool_]:
@@ -143,18 +144,10 @@ class Measurement:
         high, wide = self.now.shown.shape[:2]
         return self.now.view.seen((wide, high))
 
-    @functools.cached_property
-    def flip(self) -> tuple[float, NDArray[np.float32]]:
-        """Mean FLIP error and its (h, w) map."""
-        alike = self._job.alike
-        if alike is None:
-            return flip(self.now.shown, self.now.truth, self._pixels_per_degree)
-        return float(alike.flip_map.mean(dtype=np.float64)), alike.flip_map
-
     @property
-    def ssim(self) -> float:
-        """Mean structural similarity."""
-        return ssim(self.now.shown, self.now.truth) if self._job.alike is None else self._job.alike.ssim
+    def alike(self) -> Alike:
+        """FLIP and SSIM."""
+        return _declared(self._job.alike, Input.ALIKE)
 
     @property
     def flicker(self) -> float | None:

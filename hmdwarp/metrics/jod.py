@@ -11,6 +11,7 @@ rated in a process of their own, which never opens OpenGL.
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 import statistics
 import weakref
@@ -26,7 +27,7 @@ from ..errors import MachineError
 from ..resources import import_extra, missing_extra
 from .job import Compared
 from .metric import Figure
-from .process import MeasuringProcess
+from .processes import MeasuringProcesses
 
 EXTRA, MODULES = "jod", {"pycvvdp": "cvvdp", "torch": "torch"}
 TRUTH_JOD = 10.0
@@ -77,34 +78,28 @@ class ShownOn:
     black_cd_m2: float = BLACK_CD_M2
 
 
-@attrs.define
-class _Rater:
-    """Rates one clip; it is called in the process that rates, and loads the packages there."""
+def _rated(display: ShownOn, shown: NDArray[np.uint8], truth: NDArray[np.uint8]) -> tuple[float, list[float]]:
+    """Return the JOD of a clip, and that of each of its pictures alone; run in a worker."""
+    torch = import_extra("torch", "torch", EXTRA)
+    torch.set_num_threads(1)
+    with torch.inference_mode():
+        metric = _metric(display, shown.shape[2], shown.shape[1])
+        jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=display.rate_hz)
+        visible, count = torch.as_tensor(found["Q_per_ch"]), len(shown)
+        # Twice the same: the pooling takes a single picture for a still.
+        alone = [visible[:, :, [at, at]] if count > 1 else visible for at in range(count)]
+        return float(jod), [float(metric.do_pooling_and_jods(one)) for one in alone]
 
-    display: ShownOn
-    _metric: Any = None
 
-    def __call__(self, clip: tuple[NDArray[np.uint8], NDArray[np.uint8]]) -> tuple[float, list[float]]:
-        """Return the JOD of a clip (shown, truth), and that of each of its pictures alone."""
-        torch = import_extra("torch", "torch", EXTRA)
-        torch.set_num_threads(1)
-        shown, truth = clip
-        with torch.inference_mode():
-            metric = self._metric = self._metric or self._made(shown.shape[2], shown.shape[1])
-            jod, found = metric.predict(shown, truth, dim_order="FHWC", frames_per_second=self.display.rate_hz)
-            visible, count = torch.as_tensor(found["Q_per_ch"]), len(shown)
-            # Twice the same: the pooling takes a single picture for a still.
-            alone = [visible[:, :, [at, at]] if count > 1 else visible for at in range(count)]
-            return float(jod), [float(metric.do_pooling_and_jods(one)) for one in alone]
-
-    def _made(self, width: int, height: int) -> Any:
-        module, on = import_extra("pycvvdp", "cvvdp", EXTRA), self.display
-        light = module.vvdp_display_photo_eotf(
-            on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
-        )
-        place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
-        cpu = import_extra("torch", "torch", EXTRA).device("cpu")
-        return module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
+@functools.cache
+def _metric(on: ShownOn, width: int, height: int) -> Any:
+    module = import_extra("pycvvdp", "cvvdp", EXTRA)
+    light = module.vvdp_display_photo_eotf(
+        on.peak_cd_m2, contrast=on.peak_cd_m2 / on.black_cd_m2, source_colorspace="sRGB", E_ambient=0
+    )
+    place = module.vvdp_display_geometry((width, height), ppd=on.pixels_per_degree)
+    cpu = import_extra("torch", "torch", EXTRA).device("cpu")
+    return module.cvvdp(display_photometry=light, display_geometry=place, quiet=True, device=cpu)
 
 
 class Clips:
@@ -123,7 +118,7 @@ class Clips:
         self.length = clip_length(seconds, display.rate_hz)
         # In one line; empty while all went well.
         self.failure = ""
-        self._process = MeasuringProcess(_Rater(display), "the run goes on without JOD")
+        self._process = MeasuringProcesses(1, "the run goes on without JOD")
         weakref.finalize(self, self._process.close)
         # By (eye, which warp): the pictures of the present clip.
         self._open: dict[tuple[int, int], list[tuple[int, Compared]]] = defaultdict(list)
@@ -155,11 +150,11 @@ class Clips:
         if self.failure:
             return
         try:
-            jod, alone = self._process.ask(
-                tuple(np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
-            )
+            shown, truth = (np.stack([getattr(one, name) for _, one in clip]) for name in ("shown", "truth"))
+            jod, alone = self._process.submit(_rated, self.display, shown, truth).result()
         except Exception as error:  # whatever torch and its friends raise there
-            self.failure = f"JOD could not be measured: {str(error) or type(error).__name__}"
+            why = self._process.explained(error)
+            self.failure = f"JOD could not be measured: {str(why) or type(why).__name__}"
             return
         for (number, _), value in zip(clip, alone, strict=True):
             self.refreshes[number, eye, which] = value

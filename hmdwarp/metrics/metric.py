@@ -114,19 +114,18 @@ def metrics_in_order() -> tuple[Metric, ...]:
     return tuple(sorted(metrics, key=lambda metric: metric.order))
 
 
-def measure(job: QualityJob, pixels_per_degree: float) -> QualityResult:
+def measure(job: QualityJob) -> QualityResult:
     """Return all figures of one job; the same job gives the same bits in any process."""
-    now, there, measurement = job.now, job.inputs, Measurement(job, pixels_per_degree)
+    now, there, measurement = job.now, job.inputs, Measurement(job)
     share = float(measurement.seen.mean())
     values = {
         metric.name: metric.of_seen(metric.compute(measurement), share) if metric.needs in there else None
         for metric in metrics_in_order()
     }
-    flip_map = measurement.flip[1]
-    error_map = np.rint(flip_map * 255).astype(np.uint8) if job.error_map else None
+    error_map = np.rint(measurement.alike.flip_map * 255).astype(np.uint8) if job.error_map else None
     regions = None
     if job.regions:
         region = region_of(measurement.covered, measurement.truth_inverse_depth, measurement.border_holes)
         region[~measurement.seen] = len(REGIONS)
-        regions = region_sums(now.shown, now.truth, region, flip_map)
+        regions = region_sums(now.shown, now.truth, region, measurement.alike.flip_map)
     return QualityResult(values, error_map, regions)

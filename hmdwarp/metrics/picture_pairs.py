@@ -1,6 +1,6 @@
 """Pairs of pictures of one type and size, (h, w, 3), RGB, sRGB-encoded, uint8 or floats 0..1.
 
-FLIP, SSIM and sharpness of a pair; block means, which tell whether two are the same; pixel centres.
+Sharpness of a pair; block means, which tell whether two are the same; pixel centres.
 """
 
 from __future__ import annotations
@@ -67,70 +67,16 @@ def pixel_centres(rows: slice, width: int) -> NDArray[np.float64]:
     return np.stack(np.broadcast_arrays(x[None, :], y[:, None]), axis=-1)
 
 
-def flip(shown: NDArray[Any], truth: NDArray[Any], pixels_per_degree: float) -> tuple[float, NDArray[np.float32]]:
-    """Return the mean LDR-FLIP error, 0..1, and its (h, w) map.
-
-    shown, truth: (h, w, 3), as check_pair takes them. pixels_per_degree: of the display that shows
-    the picture, 20 to 25 for a headset. flip-evaluator's own default of 67, a desktop screen, would
-    blur fine error away.
-    Errors: InputError if it is not positive, and for pictures that cannot be compared.
-    Source: Andersson et al. 2020, FLIP: A Difference Evaluator for Alternating Images;
-    flip-evaluator's implementation, which takes RGB in this order and, with inputsRGB=True,
-    sRGB-encoded values.
-    """
-    from flip_evaluator import evaluate
-
-    check_pair(shown, truth)
-    if not (pixels_per_degree > 0 and math.isfinite(pixels_per_degree)):
-        raise InputError(f"{pixels_per_degree} pixels per degree: expected a positive number, the headset's")
-    scale = np.float32(255 if shown.dtype == np.uint8 else 1)
-    reference, test = (np.ascontiguousarray(p, dtype=np.float32) / scale for p in (truth, shown))
-    parameters = {"ppd": float(pixels_per_degree)}
-    error, _, _ = evaluate(
-        reference, test, "LDR", inputsRGB=True, applyMagma=False, computeMeanError=False, parameters=parameters
-    )
-    error = error[..., 0]
-    return float(error.mean(dtype=np.float64)), error
-
-
 SSIM_SIGMA = 1.5
-SSIM_WINDOW = 11
-
-
-def ssim(shown: NDArray[Any], truth: NDArray[Any]) -> float:
-    """Return the mean structural similarity, at most 1, over all pixels and the three channels.
-
-    shown, truth: (h, w, 3), as check_pair takes them.
-    Window: Gaussian of sigma 1.5 pixels, 11x11, population covariance, as in the paper. The mean
-    includes the border (mirrored), which scikit-image leaves out: the border is where late pictures
-    have their holes.
-    Errors: InputError for pictures that cannot be compared.
-    Source: Wang, Bovik, Sheikh, Simoncelli 2004, Image quality assessment, eq. 13; scikit-image's
-    implementation.
-    """
-    from scipy.ndimage import gaussian_filter
-
-    check_pair(shown, truth)
-    peak = 255 if shown.dtype == np.uint8 else 1.0
-    x, y = (np.ascontiguousarray(picture.transpose(2, 0, 1)) / np.float64(peak) for picture in (shown, truth))
-
-    def mean(values: NDArray[np.float64]) -> Any:
-        return gaussian_filter(values, SSIM_SIGMA, radius=SSIM_WINDOW // 2, axes=(1, 2))
-
-    mean_x, mean_y, c1, c2 = mean(x), mean(y), 0.01**2, 0.03**2
-    products, squares = mean_x * mean_y, mean_x * mean_x + mean_y * mean_y
-    covariance, variances = mean(x * y) - products, mean(x * x + y * y) - squares
-    alike = (2 * products + c1) * (2 * covariance + c2) / ((squares + c1) * (variances + c2))
-    return float(alike.mean())
 
 
 @attrs.frozen(eq=False)
 class Alike:
     """What a PairPass finds of two pictures."""
 
-    # (h, w) 0..1; as flip.
+    # (h, w) LDR-FLIP error, 0..1.
     flip_map: NDArray[np.float32]
-    # As ssim.
+    # Mean structural similarity, at most 1, over all pixels and channels.
     ssim: float
     # As flicker; None where the pass did not find it.
     flicker: float | None = None

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import functools
 import os
-import queue
-import threading
 from collections.abc import Callable, Hashable
+from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, BrokenExecutor, Future, wait
 from typing import Any
 
 import attrs
@@ -14,7 +12,7 @@ import attrs
 from ..errors import HmdwarpError
 from .job import QualityJob, QualityResult
 from .metric import PRIMARY, measure
-from .process import MeasuringProcess
+from .processes import MeasuringProcesses
 
 
 @attrs.frozen(eq=False)
@@ -63,10 +61,6 @@ class WorstKeeper:
         return sorted(self._best.values(), key=lambda k: k.rank, reverse=True)
 
 
-# Takes the figures of a job.
-Then = Callable[[QualityResult], object]
-_Waiting = tuple[Any, QualityJob, bool, Then | None]
-
 MOST_WORKERS = 8  # each takes 250 MB, more for larger pictures
 
 
@@ -76,191 +70,83 @@ def worker_count(workers: int | None) -> int:
 
 
 class QualityPool:
-    """A pool of processes that measure QualityJobs; with 0 of them submit() does, to the same bits.
+    """Measures the QualityJobs of a run, to the same bits with any number of processes.
 
-    with QualityPool(2, pixels_per_degree, worst=6) as pool:
+    with MeasuringProcesses(2) as processes:
+    pool = QualityPool(processes, worst=6)
     pool.submit((frame, eye), job)            # waits while all workers are behind
-    pool.results[frame, eye]["flip"]              # complete, in the order of the keys
-
-    Leaving the block normally waits for all submitted jobs. Leaving it by an exception (including
-    Ctrl-C) drops the rest at once. No process outlives the block.
+    pool.wait()
+    pool.results[frame, eye]["flip"]              # in the order of the keys
 
     keep=True in submit keeps that job's pictures in `kept`. `worst` is how many of the worst
     pictures (by FLIP) are kept in `worst`, at most one from each `bucket(key)`. All others are
     dropped as soon as they are measured, so memory does not grow with the length of the run. A kept
     picture comes with its FLIP map, without previous frame, coverage and depth.
 
-    Errors: HmdwarpError, from submit() or from the end of the block, when measuring failed or a
-    worker died.
+    Errors: HmdwarpError, from submit() or wait(), when measuring failed or a worker died.
     """
 
     def __init__(
-        self,
-        workers: int,
-        pixels_per_degree: float,
-        *,
-        worst: int = 0,
-        bucket: Callable[[Any], Hashable] = lambda key: key,
+        self, processes: MeasuringProcesses, *, worst: int = 0, bucket: Callable[[Any], Hashable] = lambda key: key
     ) -> None:
-        self._pixels_per_degree = pixels_per_degree
-        self._keeper = WorstKeeper(worst, bucket)
-        self._results: dict[Any, dict[str, float | None]] = {}
-        self._regions: dict[Any, dict[str, dict[str, float]]] = {}
+        self._processes, self._keeper = processes, WorstKeeper(worst, bucket)
+        self._pending: dict[Future[QualityResult], tuple[Any, QualityJob, bool]] = {}
+        self._measured: dict[Any, QualityResult] = {}
         self._kept: dict[Any, Kept] = {}
-        self._lock = threading.Lock()
-        self._under_way = 0
-        self._idle = threading.Condition(self._lock)
-        self._failure: HmdwarpError | None = None
-        self._stopping = threading.Event()
-        # One waiting job per worker keeps them busy; more would only hold pictures in memory.
-        self._queue: queue.Queue[_Waiting | None] = queue.Queue(maxsize=max(workers, 1))
-        self._workers: list[MeasuringProcess] = []
-        self._threads: list[threading.Thread] = []
-        measured = functools.partial(measure, pixels_per_degree=pixels_per_degree)
-        try:
-            for _ in range(workers):
-                self._workers.append(MeasuringProcess(measured, "use fewer metric workers, or 0"))
-        except BaseException:
-            self._stop_workers(kill=True)
-            raise
-        for worker in self._workers:
-            thread = threading.Thread(target=self._serve, args=(worker,), name="hmdwarp-metrics", daemon=True)
-            thread.start()
-            self._threads.append(thread)
 
-    def submit(self, key: Any, job: QualityJob, *, keep: bool = False, then: Then | None = None) -> None:
-        """Submit a job under a sortable key; block while each worker has a job waiting.
-
-        then: called with the figures, from any thread.
-        """
+    def submit(self, key: Any, job: QualityJob, *, keep: bool = False) -> None:
+        """Submit a job under a sortable key; block while each worker has a job waiting."""
         if keep or self._keeper.count:
             job = attrs.evolve(job, error_map=True)
-        if not self._workers and not self._stopping.is_set():
-            self._measure_here(key, job, keep, then)
-            return
-        with self._lock:
-            self._under_way += 1
-        if not self._put((key, job, keep, then)):
-            self._raise_failure()
-            raise HmdwarpError("this pool of measuring processes is closed: submit inside its with block")
-
-    def take(self, key: Any, job: QualityJob, result: QualityResult, *, keep: bool = False) -> None:
-        """Store figures that are known already as those of a job."""
-        self._store(key, job, keep, result)
+        # One waiting job per worker keeps them busy; more would only hold pictures in memory.
+        while len(self._pending) >= max(1, 2 * self._processes.count):
+            self._collect(FIRST_COMPLETED)
+        try:
+            # What is only for reports stays here.
+            measured = self._processes.submit(measure, attrs.evolve(job, rendered_picture=None, beside=()))
+        except BrokenExecutor as error:
+            raise self._failed(key, error) from error
+        self._pending[measured] = key, job, keep
+        if not self._processes.count:
+            self.wait()
 
     def wait(self) -> None:
         """Wait until all jobs are measured, so that the next timing has the machine to itself.
 
         Errors: as submit.
         """
-        with self._idle:
-            while self._under_way and not self._stopping.is_set():
-                self._idle.wait(timeout=0.1)
-        self._raise_failure()
-
-    def forget(self) -> None:
-        """Drop the figures so far: a pool that lives long keeps those of its present pictures."""
-        with self._lock:
-            self._results.clear()
-            self._regions.clear()
-            self._kept.clear()
-
-    def finish(self) -> dict[Any, dict[str, float | None]]:
-        """Wait for all jobs, end the workers, and return all results in the order of their keys."""
-        try:
-            for _ in self._threads:
-                self._put(None)
-            for thread in self._threads:
-                thread.join()
-        except BaseException:
-            self.abort()
-            raise
-        self._stopping.set()
-        self._stop_workers(kill=self._failure is not None)
-        self._raise_failure()
-        return self.results
-
-    def abort(self) -> None:
-        """Drop the jobs not measured yet and end the workers at once."""
-        self._stopping.set()
-        self._stop_workers(kill=True)
+        self._collect(ALL_COMPLETED)
 
     @property
     def results(self) -> dict[Any, dict[str, float | None]]:
         """The figures measured so far, by metric, in the order of the keys."""
-        with self._lock:
-            return {key: self._results[key] for key in sorted(self._results)}
+        return {key: self._measured[key].values for key in sorted(self._measured)}
 
     @property
     def regions(self) -> dict[Any, dict[str, dict[str, float]]]:
         """The region_sums of the measured jobs that have regions=True, in the order of the keys."""
-        with self._lock:
-            return {key: self._regions[key] for key in sorted(self._regions)}
+        found = ((key, self._measured[key].regions) for key in sorted(self._measured))
+        return {key: regions for key, regions in found if regions is not None}
 
     @property
     def kept(self) -> list[Kept]:
         """The measured jobs that were submitted with keep=True, in the order of the keys."""
-        with self._lock:
-            return [self._kept[key] for key in sorted(self._kept)]
+        return [self._kept[key] for key in sorted(self._kept)]
 
     @property
     def worst(self) -> list[Kept]:
         """The worst pictures measured so far, the worst first."""
-        with self._lock:
-            return self._keeper.kept()
+        return self._keeper.kept()
 
-    def __enter__(self) -> QualityPool:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            self.finish()
-        else:
-            self.abort()
-
-    def _put(self, item: _Waiting | None) -> bool:
-        """Queue the item for a worker; return False if the pool stopped first."""
-        while not self._stopping.is_set():
+    def _collect(self, until: str) -> None:
+        done = wait(self._pending, return_when=until).done
+        for measured in [each for each in self._pending if each in done]:
+            key, job, keep = self._pending.pop(measured)
             try:
-                self._queue.put(item, timeout=0.1)
-                return True
-            except queue.Full:
-                continue
-        return False
-
-    def _measure_here(self, key: Any, job: QualityJob, keep: bool, then: Then | None) -> None:
-        try:
-            self._store(key, job, keep, measure(job, self._pixels_per_degree), then)
-        except Exception as error:
-            self._fail(key, error)
-            self._raise_failure(error)
-
-    def _serve(self, worker: MeasuringProcess) -> None:
-        while not self._stopping.is_set():
-            try:
-                item = self._queue.get(timeout=0.1)
-            except queue.Empty:
-                continue
-            if item is None:
-                return
-            key, job, keep, then = item
-            try:
-                # What is only for reports stays here.
-                self._store(key, job, keep, worker.ask(attrs.evolve(job, rendered_picture=None, beside=())), then)
-                with self._idle:
-                    self._under_way -= 1
-                    self._idle.notify_all()
+                result = measured.result()
             except Exception as error:
-                self._fail(key, error)
-                return
-
-    def _store(self, key: Any, job: QualityJob, keep: bool, result: QualityResult, then: Then | None = None) -> None:
-        if then is not None:
-            then(result)
-        with self._lock:
-            self._results[key] = result.values
-            if result.regions is not None:
-                self._regions[key] = result.regions
+                raise self._failed(key, error) from error
+            self._measured[key] = attrs.evolve(result, error_map=None)
             # Keep only what reports show: a job of a 2064x2208 eye is 100 MB, its pictures are 40.
             shown = attrs.evolve(job, previous=None, covered=None, truth_inverse_depth=None, alike=None, regions=False)
             kept = Kept(key, shown, result)
@@ -268,50 +154,7 @@ class QualityPool:
                 self._kept[key] = kept
             self._keeper.offer(kept)
 
-    def _fail(self, key: Any, error: Exception) -> None:
-        with self._lock:
-            if self._failure is None and not self._stopping.is_set():
-                known = error if isinstance(error, HmdwarpError) else HmdwarpError(f"{type(error).__name__}: {error}")
-                self._failure = type(known)(f"measuring picture {key} failed: {known}")
-        self._stopping.set()
-
-    def _raise_failure(self, cause: Exception | None = None) -> None:
-        if self._failure is not None:
-            raise self._failure from cause
-
-    def _stop_workers(self, *, kill: bool) -> None:
-        if kill:
-            for worker in self._workers:
-                worker.kill()
-        for thread in self._threads:
-            thread.join()
-        for worker in self._workers:
-            worker.close()
-
-
-class SharedPool:
-    """Measuring processes of runs that follow each other, for one resolution at a time."""
-
-    def __init__(self) -> None:
-        self._pool: tuple[Any, QualityPool] | None = None
-
-    def of(self, workers: int | None, pixels_per_degree: float) -> QualityPool:
-        """Return the pool, without figures; that for another resolution is ended."""
-        key = workers, pixels_per_degree
-        if self._pool is None or self._pool[0] != key:
-            self.end()
-            self._pool = key, QualityPool(worker_count(workers), pixels_per_degree)
-        self._pool[1].forget()
-        return self._pool[1]
-
-    def end(self, *, at_once: bool = False) -> None:
-        """End the processes; at once where measuring failed: they measure nothing more."""
-        if self._pool is not None:
-            (self._pool[1].abort if at_once else self._pool[1].finish)()
-        self._pool = None
-
-    def __enter__(self) -> SharedPool:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        self.end(at_once=kind is not None)
+    def _failed(self, key: Any, error: Exception) -> HmdwarpError:
+        error = self._processes.explained(error)
+        known = error if isinstance(error, HmdwarpError) else HmdwarpError(f"{type(error).__name__}: {error}")
+        return type(known)(f"measuring picture {key} failed: {known}")

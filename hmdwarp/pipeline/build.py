@@ -107,14 +107,10 @@ class Pipeline:
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with the pipeline."""
         self.channel.read_beside(Reads.of([plan]))
-        return self._compensator(plan, self.sizes)
+        return self._compensator(plan)
 
-    def compensator_of_shown(self, plan: Plan) -> Compensator:
-        """Return a compensator for finished pictures, before the lens; freed with the pipeline."""
-        return self._compensator(plan, attrs.evolve(self.sizes, rendered=self.sizes.shown))
-
-    def _compensator(self, plan: Plan, sizes: EyeSizes) -> Compensator:
-        made = _compensator(self.options, self.target, plan, sizes, self.geometry)
+    def _compensator(self, plan: Plan) -> Compensator:
+        made = _compensator(self.options, self.target, plan, self.sizes, self.geometry)
         self._made.append(made)
         return made
 
@@ -123,7 +119,7 @@ class Pipeline:
 
         Frames must carry its layers.
         """
-        made, before = self._compensator(plan, self.sizes), self.loop.compensator
+        made, before = self._compensator(plan), self.loop.compensator
         self.channel.read(Reads.of([plan]))
         self.loop.exchange(made)
         self._made.remove(before)

@@ -124,7 +124,9 @@ class Loop:
         Errors: MachineError once the GPU's context is lost.
         """
         self.compensator.gpu.check_not_lost()
-        self.settle()
+        last, self._last = self._last, None
+        if last is not None:
+            self.compensator.record_timings(last.stage_ms)
         frame = self._channel.newest(shown_ns)
         if frame is None:
             return None
@@ -138,29 +140,6 @@ class Loop:
         assert transit is not None  # a frame has arrived
         self._last = Refresh(shown_ns, head, frame, plan, inputs, tuple(eyes), transit, tuple(laps))
         return self._last
-
-    def settle(self, stages: tuple[Stages, ...] | None = None) -> None:
-        """Let the compensator know how long the last refresh took, once; `show` does so at first.
-
-        stages: of each eye, in place of the measured ones.
-        """
-        last, self._last = self._last, None
-        if last is not None:
-            self.compensator.record_timings(last.stage_ms if stages is None else stages)
-
-    def again(self, refresh: Refresh, shown_ns: int) -> Refresh:
-        """Return what a later refresh without scan-out shows where this one's pictures stand.
-
-        Its passes took no time.
-        """
-        head = self._requested.for_display(shown_ns)
-        views = self._eyes.views(head.pose)
-        inputs = tuple(
-            attrs.evolve(eye_inputs, shown=views[eye_inputs.eye], shown_ns=shown_ns) for eye_inputs in refresh.inputs
-        )
-        eyes = tuple(attrs.evolve(eye, view=one.shown) for eye, one in zip(refresh.eyes, inputs, strict=True))
-        laps = tuple(self.compensator.gpu.timer.lap() for _ in eyes)
-        return attrs.evolve(refresh, shown_ns=shown_ns, head=head, inputs=inputs, eyes=eyes, laps=laps)
 
     def inputs(self, refresh: Refresh, needs: Needs) -> tuple[PassInputs, ...]:
         """Return the inputs of another plan with these needs for the refresh just shown.

@@ -167,22 +167,13 @@ class Series:
     # 1-D and of one length, in order of time; NaN leaves a gap.
     time_s: NDArray[np.float64]
     value: NDArray[np.float64]
-    # Instants that a tick marks at the foot of the chart, in order.
-    ticks_s: NDArray[np.float64] = attrs.field(factory=lambda: np.empty(0))
 
     @classmethod
-    def of(
-        cls,
-        label: str,
-        rows: Iterable[Mapping[str, Any]],
-        column: str,
-        scale: float = 1.0,
-        ticks_s: Sequence[float] = (),
-    ) -> Series:
+    def of(cls, label: str, rows: Iterable[Mapping[str, Any]], column: str, scale: float = 1.0) -> Series:
         """Take a column of frames.csv's rows against time; rows without a value are left out."""
         pairs = [(row["time_s"], row[column] * scale) for row in rows if row.get(column) is not None]
         points = np.array(sorted(pairs), dtype=np.float64).reshape(-1, 2)
-        return cls(label, points[:, 0], points[:, 1], np.array(ticks_s, dtype=np.float64))
+        return cls(label, points[:, 0], points[:, 1])
 
 
 @attrs.frozen(eq=False)
@@ -217,10 +208,10 @@ def time_series(series: Sequence[Series], unit: str, *, from_zero: bool = True) 
     """Draw at most three lines over time as one <svg> element.
 
     A pale band spans the values of the two eyes, or of the pooled frames. Empty series are left
-    out, ticks included; a chart of nothing says so. The same data give the same text.
+    out; a chart of nothing says so. The same data give the same text.
     unit: of the vertical axis, "" for a plain number.
     """
-    content = [(line.label, line.value.tobytes(), line.ticks_s.tobytes()) for line in series]
+    content = [(line.label, line.value.tobytes()) for line in series]
     with canvas(content, (5.0, 2.2), x="time in s", y=unit) as axes:
         drawn = [_draw(axes, number, line) for number, line in enumerate(series)]
         axes.margins(x=0.01)
@@ -246,10 +237,6 @@ def _draw(axes: Axes, number: int, series: Series) -> bool:
         axes.fill_between(band.time_s, band.low, band.high, color=colour, alpha=0.2, linewidth=0)
     style: Style = {"linestyle": _DASHES[number], "linewidth": 1.3, "marker": marker, "markersize": 3}
     axes.plot(band.time_s, band.mean, color=colour, label=series.label, **style)
-    if len(series.ticks_s):
-        ticks = binned(Series("", series.ticks_s, series.ticks_s)).time_s
-        style = {"linestyle": "", "marker": "|", "markersize": 5, "transform": axes.get_xaxis_transform()}
-        axes.plot(ticks, np.full(len(ticks), 0.03 + 0.06 * number), color=colour, **style)
     return True
 
 

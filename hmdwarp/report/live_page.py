@@ -12,8 +12,17 @@ from numpy.typing import NDArray
 from ..metrics import Figure, Input, metrics, metrics_in_order
 from .charts import Series, time_series
 from .page import Chart, Group, Page, Section, Terms, Text, Tile, fact, notes_section, reading_section, texts
-from .replay_page import made_with, miss_tile, size_fact, transit_section
-from .run_texts import TIME_FIGURES, Summary, budget_rows, drawing_text, eyes_text, source_facts, waited_text
+from .replay_page import made_with, size_fact, transit_section
+from .run_texts import (
+    TIME_FIGURES,
+    Summary,
+    budget_rows,
+    drawing_text,
+    eyes_text,
+    miss_texts,
+    source_facts,
+    waited_text,
+)
 from .words import Cell, Line, Table, listed
 
 Column = Callable[[str], NDArray[np.float64]]
@@ -70,10 +79,12 @@ def _tiles(summary: Summary) -> list[Tile]:
     live, holes, total = summary["live"], metrics.get("hole_share"), summary["time_ms"]["total"]
     share, time = holes.figure.text(summary["quality"][holes.name]["mean"]), TIME_FIGURES[-1]
     handed, waits = "from reading the head to submitting the picture", waited_text(live)
+    missed, longest, judder = miss_texts(summary["miss"])
+    miss = Tile("Missed refreshes", "%", missed, f"at most {longest} in a row; judder {judder} deg RMS")
     return [
         _tile("Frame age at display", _MS, live["age_ms"], "from drawing to showing"),
         _tile("Pose age at hand-over", _SHORT_MS, live["pose_age_ms"], handed),
-        Tile("Missed refreshes", "", "–", waits) if waits else miss_tile(summary["miss"]),
+        Tile("Missed refreshes", "", "–", waits) if waits else miss,
         _tile("Time per eye", time, total, "all stages"),
         Tile(holes.label, holes.figure.unit, share, holes.tile_note),
     ]

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
-import numpy as np
 from markupsafe import Markup
 
 from ..metrics import LEAST_INSTANTS, PRIMARY, Figure, Kept, excludes_zero, metrics, metrics_in_order
@@ -31,7 +30,6 @@ from .page import (
     texts,
 )
 from .run_texts import (
-    MISS_FIGURES,
     QUALITY_FIGURES,
     TIME_FIGURES,
     Summary,
@@ -39,7 +37,6 @@ from .run_texts import (
     eyes_text,
     filled_rows,
     frame_rows,
-    miss_texts,
     model_rows,
     response_rows,
     source_facts,
@@ -91,7 +88,6 @@ def render_report(
     *,
     rows: Rows,
     baselines_rows: Sequence[Rows] = (),
-    misses: Sequence[Rows] = (),
     worst: Sequence[WorstFrame] = (),
     command: str,
     notes: Sequence[str] = (),
@@ -99,15 +95,13 @@ def render_report(
     """Return the text of report.html; the same arguments give the same text.
 
     summary, baselines: as summary.json. rows, baselines_rows: as frames.csv's, None for absent
-    values. misses: as misses.csv's, of the run and each baseline, empty without `miss` in the
-    summary; none if no one misses any. command: as the user typed it. notes: the run's, one
-    sentence each.
+    values. command: as the user typed it. notes: the run's, one sentence each.
     """
     names = column_names(summary, *baselines)
     truth = "the recorded frame nearest to that instant"
     if "recorded" not in summary:
         truth = "what a renderer without any delay would have shown at that instant"
-    charts = _charts(summary, names, rows, baselines_rows) + _miss_charts(summary, names, misses)
+    charts = _charts(summary, names, rows, baselines_rows)
     about_charts = texts("replay")["notes"]["charts"].format(eyes=eyes_text(summary))
     return Page(
         kind="replay",
@@ -173,27 +167,12 @@ def _tiles(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> 
             for name, one in zip(names[1:], baselines, strict=True)
         )
         tiles.append(Tile(label, figure.unit, figure.text(summary[table][figure.name][main]), note, other))
-    if "miss" in summary:
-        missing = [(name, one["miss"]) for name, one in zip(names[1:], baselines, strict=True) if "miss" in one]
-        tiles.append(miss_tile(summary["miss"], missing))
     return tiles
 
 
-def miss_tile(entry: Mapping[str, Any], others: Sequence[tuple[str, Mapping[str, Any]]] = ()) -> Tile:
-    """Return the tile of a run.
-
-    entry: `miss` of summary.json. others: name and entry of each run that it is compared with.
-    """
-    share, longest, judder = miss_texts(entry)
-    compared = "; ".join(f"{name}: {miss_texts(one)[0]}" for name, one in others)
-    note = f"at most {longest} in a row; judder {judder} deg RMS"
-    return Tile(MISS_FIGURES[0].label, MISS_FIGURES[0].unit, share, note, compared or None)
-
-
 def _figures(summary: Summary, baselines: Sequence[Summary], names: list[str]) -> Section:
-    """Return the table of figures: picture, time, and refreshes where any was missed."""
-    tables: dict[int, str] = {0: "Picture, mean", len(QUALITY_FIGURES): "Time per eye, median"}
-    tables[len(QUALITY_FIGURES + TIME_FIGURES)] = "Refreshes"
+    """Return the table of figures: picture and time."""
+    tables = {0: "Picture, mean", len(QUALITY_FIGURES): "Time per eye, median"}
     lines = [
         Line((Cell(_head(row.figure)), *_cells(row.cells, row.best)), group=tables.get(number, ""))
         for number, row in enumerate(comparison_rows(summary, *baselines))
@@ -286,24 +265,6 @@ def _differ(frames: Sequence[Mapping[str, Any]]) -> bool:
     return len({tuple(round(part, 3) for part in frame["parts"].values()) for frame in frames}) > 1
 
 
-def _miss_charts(summary: Summary, names: list[str], misses: Sequence[Rows]) -> list[Chart]:
-    """Return the chart of the client's time against its budget, if refreshes may be missed.
-
-    misses: none for a run that is always in time, whose place the budget takes, so that the others
-    keep theirs.
-    """
-    if not misses:
-        return []
-    lines = [
-        Series.of(name, rows, "took_ms", ticks_s=[row["time_s"] for row in rows if row["stale"]])
-        for name, rows in zip(names, misses, strict=True)
-    ]
-    times_s = np.array([row["time_s"] for row in misses[0]])
-    free = next((number for number, rows in enumerate(misses) if not rows), len(misses))
-    lines[free : free + 1] = [Series("budget", times_s, np.full(len(times_s), summary["miss"]["budget_ms"]))]
-    return [Chart.over_time("Client's time for a picture; ticks: missed refreshes", time_series(lines, "ms"))]
-
-
 def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequence[Rows]) -> list[Chart]:
     """Return the charts over time: the primary metric, the others, then the head's motion."""
     charts = []
@@ -352,7 +313,7 @@ class Row:
 
 
 def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
-    """Return the rows of quality, then of time per eye, then of a client that misses refreshes.
+    """Return the rows of quality, then of time per eye.
 
     Each has a cell for the run and each baseline.
 
@@ -368,9 +329,6 @@ def comparison_rows(summary: Summary, *baselines: Summary) -> list[Row]:
     for figure in TIME_FIGURES:
         times = [s["time_ms"][figure.name] for s in summaries]
         rows.append(Row(figure, tuple((figure.text(e["median"]), figure.text(e["p95"])) for e in times), None))
-    if "miss" in summary:
-        entries = [summary.get("miss", {}) for summary in summaries]
-        rows += [Row(each, tuple((each.text(e.get(each.name)), "") for e in entries), None) for each in MISS_FIGURES]
     return rows
 
 
@@ -435,7 +393,7 @@ def summary_table(summary: Summary, *baselines: Summary) -> TerminalTable:
         if number < tails:
             table.add_column("p95", justify="right", style="dim")
     for number, row in enumerate(comparison_rows(summary, *baselines)):
-        if number in (len(QUALITY_FIGURES), len(QUALITY_FIGURES + TIME_FIGURES)):
+        if number == len(QUALITY_FIGURES):
             table.add_section()
         cells: list[Text] = [Text(_table_head(row.figure))]
         for column, (main, tail) in enumerate(row.cells):

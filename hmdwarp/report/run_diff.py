@@ -21,7 +21,7 @@ from .output import FRAME_COLUMNS, TIMED_COLUMNS, TIMED_KEYS, validate_summary
 from .page import Page, Picture, Section, Sentences, Text, fact, machine_pairs
 from .words import counted
 
-_FIGURES = ("quality", "regions", "filled", "against", "link", "coding", "miss", "second_eye", "gaze", "measured")
+_FIGURES = ("quality", "regions", "filled", "against", "link", "coding", "second_eye", "gaze", "measured")
 _MAGNIFY = 16
 DIFF_PAGE = "diff.html"
 # Of what is not a metric: the same program on another machine may add in another order.

@@ -14,8 +14,8 @@ Pairs = list[tuple[str, str]]
 
 QUALITY_FIGURES = tuple(metric.figure for metric in metrics_in_order())
 TIME_FIGURES = tuple(Figure(stage, stage.capitalize(), "ms", 2) for stage in STAGES)
-# Of the `miss` of a summary.
-MISS_FIGURES = (
+# Of the `miss` of a live summary.
+_MISS = (
     Figure("stale_share", "Missed refreshes", "%", 1, 100.0),
     Figure("longest_stale", "Most missed in a row", "", 0),
     Figure("judder_deg", "Judder, RMS", "deg", 3),
@@ -90,8 +90,8 @@ def drawing_text(summary: Summary) -> str:
 
 
 def miss_texts(entry: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return the texts of MISS_FIGURES. entry: `miss` of a summary."""
-    return tuple(figure.text(entry[figure.name]) for figure in MISS_FIGURES)
+    """Return the missed refreshes, the most in a row and the judder. entry: a summary's `miss`."""
+    return tuple(figure.text(entry[figure.name]) for figure in _MISS)
 
 
 def axes_of_traces(summaries: Iterable[Summary]) -> dict[str, str]:

@@ -18,14 +18,6 @@ from .live_run import live as live
 from .live_run import open_display as open_display
 from .live_run import record as record
 from .live_run import took_by as took_by
-from .markers import Markers as Markers
-from .markers import MarkerStream as MarkerStream
-from .markers import NoMarkers as NoMarkers
-from .markers import check_received as check_received
-from .markers import load_lsl as load_lsl
-from .markers import marker_stream as marker_stream
-from .misses import Misses as Misses
-from .misses import miss_figures as miss_figures
 from .options import AUTO_SOURCE as AUTO_SOURCE
 from .options import DESKTOP as DESKTOP
 from .options import FLAT as FLAT

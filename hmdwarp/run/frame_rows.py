@@ -243,7 +243,6 @@ def _quoted(text: str) -> str:
 
 
 _NOT_MEASURED = dict.fromkeys(QUALITY)
-_NO_PASSES = dict(zip(STAGE_COLUMNS, NOT_KNOWN, strict=True))
 
 
 class ReplayLog:
@@ -257,7 +256,7 @@ class ReplayLog:
         self._track = track
         # Two for each refresh; figures are made from them.
         self.rows: list[Row] = []
-        # One for each refresh with a new picture.
+        # One for each refresh.
         self.responses: list[ResponseTime] = []
         self.timeline = Timeline()
         # One for each refresh.
@@ -265,17 +264,16 @@ class ReplayLog:
         # Of a scene that reacts, once all pictures were shown.
         self.answers: Answers | None = None
 
-    def add(self, refresh: Refresh, *, stale: bool = False) -> None:
-        """Add the next refresh. stale: it shows a picture again, and no passes ran."""
+    def add(self, refresh: Refresh) -> None:
+        """Add the next refresh."""
         speeds = speeds_at(self._track, refresh.shown_ns)
         moment = Moment.of(len(self.moments), refresh, self._track.start_ns, speeds)
         self.moments.append(moment)
-        if not stale:
-            self.responses.append(refresh.response)
+        self.responses.append(refresh.response)
         self.timeline.add(refresh)
         figures = moment.figures()
         for eye, stages in enumerate(refresh.stage_ms):
-            self.rows.append({**figures, "eye": eye, **(_NO_PASSES if stale else stage_columns(stages))})
+            self.rows.append({**figures, "eye": eye, **stage_columns(stages)})
 
     def measured(self, figures: Mapping[tuple[int, int], Row]) -> None:
         """Add the figures of the measured refreshes, by (frame, eye)."""

@@ -144,8 +144,8 @@ class Events:
 
     def changed(
         self, frame: int, time_s: float, before: Mapping[str, object], after: Mapping[str, object], reason: str
-    ) -> dict[str, list[object]]:
-        """Add a change of settings, and return what changed as [before, after] by name.
+    ) -> None:
+        """Add a change of settings, as [before, after] by name.
 
         frame, time_s: of the last picture. reason: "" for a change by hand.
         """
@@ -154,7 +154,6 @@ class Events:
             self.change_count += 1
             if len(self.changes) < MOST_EVENTS:
                 self.changes.append({"time_s": time_s, "frame": frame, "what": what, "reason": reason or "by hand"})
-        return what
 
     def noticed(self, notice: str) -> None:
         """Count a notice shown over a picture."""

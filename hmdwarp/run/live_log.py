@@ -20,10 +20,9 @@ from ..report import OutputFolder, live_lines, render_live_report
 from ..scenes import InputEvent
 from .frame_rows import HEADER, NOT_KNOWN, STAGE_COLUMNS, Moment, rows_text, speeds_between, stage_columns
 from .host import PipelineHost, values
-from .late_client import DepthSamples, SeenOffset
 from .live_figures import HoleCounter, LiveFigures
 from .live_summary import LiveFacts, Pictures, live_facts_of, live_summary_of
-from .markers import LiveMarkers, NoMarkers
+from .misses import DepthSamples, SeenOffset
 from .options import LiveOptions
 from .recorder import Lines
 from .run_summary import OWNED
@@ -71,7 +70,6 @@ class _Running:
     holes: HoleCounter
     # The current value of each control.
     values: dict[str, object]
-    markers: LiveMarkers
     # Where things are seen in a picture that is shown again.
     depths: DepthSamples
     offset: SeenOffset
@@ -121,13 +119,12 @@ class LiveLog:
         self._written = False
         self._finishing, self._finished = threading.Lock(), False
 
-    def begin(self, display: Display, host: PipelineHost, markers: LiveMarkers | None = None) -> None:
-        """Start logging on this display. markers: get what other recorders want to know."""
+    def begin(self, display: Display, host: PipelineHost) -> None:
+        """Start logging on this display."""
         facts = live_facts_of(attrs.evolve(self._options, latency_ms=host.options.latency_ms), display, host)
         now = values(host.options, host.pipeline.sizes.shown)
-        markers = markers or LiveMarkers(NoMarkers())
         seen = DepthSamples(display.gpu), SeenOffset(turned=facts.turns)
-        self._running = _Running(facts, host, HoleCounter(display.gpu), now, markers, *seen)
+        self._running = _Running(facts, host, HoleCounter(display.gpu), now, *seen)
         self.status.budget_ms = facts.budget_ms
         if self._files is not None:
             self._files.rows.add(HEADER)
@@ -137,8 +134,7 @@ class LiveLog:
         if self._running is None:
             return
         now = values(host.options, host.pipeline.sizes.shown)
-        what = self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
-        self._running.markers.changed(what, "")
+        self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
         self._running.values = now
 
     def acted(self, event: InputEvent) -> None:
@@ -148,15 +144,11 @@ class LiveLog:
     def on_display_lost(self, why: str) -> None:
         """Log the loss of the display."""
         self._figures.events.on_display_lost(self.count - 1, self._last.time_s, why)
-        if self._running is not None:
-            self._running.markers.on_display_lost(why)
         self._last.submitted_ns = None
 
     def came_back(self) -> None:
         """Log the return of the display."""
         self._figures.events.came_back()
-        if self._running is not None:
-            self._running.markers.came_back()
 
     def add(self, tick: Tick, refresh: Refresh | None, submitted_ns: int, notice: str) -> None:
         """Log a submitted refresh."""
@@ -166,7 +158,6 @@ class LiveLog:
         self._settle(refresh)
         if self.count:
             self._miss(tick, refresh)
-        self._running.markers.missed(tick.missed)
         self.status.missed, self.status.notice = counts.missed, notice
         if notice:
             self._figures.events.noticed(notice)
@@ -176,7 +167,6 @@ class LiveLog:
             return
         self._figures.misses.add(False, 0.0)
         self._look_at(refresh, submitted_ns, self._running.host)
-        self._running.markers.picture(refresh.shown_ns, self._running.values)
 
     def _miss(self, tick: Tick, refresh: Refresh | None) -> None:
         """Count the refreshes before this one that showed the last picture again.
@@ -257,15 +247,12 @@ class LiveLog:
         if running is not None and auto is not None and len(auto.changes) > running.auto_changes:
             for change in auto.changes[running.auto_changes :]:
                 before, after = ({"warp": passes.warp, "fill": passes.fill} for passes in (change.before, change.after))
-                what = self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
-                running.markers.changed(what, change.reason)
+                self._figures.events.changed(self.count - 1, self._last.time_s, before, after, change.reason)
             running.auto_changes = len(auto.changes)
 
     def leave(self) -> None:
         """Read the times of the last refresh, before the GPU goes away. Failures are ignored."""
         self._figures.pauses.stop()
-        if self._running is not None:
-            self._running.markers.end()
         with suppress(Exception):
             self._settle(None)
         if self._running is not None:

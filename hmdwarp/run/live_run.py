@@ -35,7 +35,6 @@ from ..scenes import InputEvent, check_scene_name
 from .ending import Ending, GarbageControl, Watchdog, come_back
 from .host import CommandHandler, Hand, PipelineHost, checked_source, choices, values
 from .live_log import LiveLog, LiveResult
-from .markers import LiveMarkers, Markers, NoMarkers, load_lsl, marker_stream
 from .options import DESKTOP, OFFSCREEN, OPENXR, SYNTHETIC, LiveOptions, RecordOptions
 from .recorder import LEAST, Recorder
 
@@ -158,7 +157,6 @@ class Driver:
             log.came_back()
 
 
-STREAM = "hmdwarp live"  # name of the stream of markers
 Watching = Callable[[str], AbstractContextManager[None]]
 
 
@@ -171,8 +169,6 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
     headset nor window, and where a lost headset does not come back. Recording and log up to that
     point are written in any case.
     """
-    if options.lsl:
-        load_lsl()  # refuses a machine without it, before anything is opened
     if options.record is not None and options.trace:
         refuse_source(options.record, Path(options.trace))
     source = checked_source(options)
@@ -187,10 +183,6 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         watchdog = stack.enter_context(Watchdog(options.hang_s, _last_words(recorder, log)))
         display = stack.enter_context(closing(open_display(options, source, watchdog.watching, say)))
         ending.now_ns = display.now_ns
-        markers: Markers = NoMarkers()
-        if options.lsl:
-            markers = stack.enter_context(closing(marker_stream(display, STREAM, {})))
-            say(markers.describe())
         if source.is_timed:
             of = "not loaded here" if source.scene.name == SERVER_SCENE else f"'{source.scene.name}', here too"
             say(f"calling {options.feed.connect}; its scene is {of}")
@@ -201,7 +193,7 @@ def live(options: LiveOptions, say: Say = lambda text: None, after: AfterRefresh
         stack.callback(log.leave)
         if recorder is not None:
             recorder.begin(display.about, display.rate_hz)
-        log.begin(display, host, LiveMarkers(markers, say))
+        log.begin(display, host)
         try:
             hand = Hand(host, display.now_ns, took_by(recorder, log))
             user = _UserRun(host, log, ending, _Pace(display, options, say), hand)

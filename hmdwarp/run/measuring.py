@@ -25,7 +25,7 @@ from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
 from .replay_setup import ReplaySetup
 from .side_by_side import clips_of
-from .truth import MOST_BANDS, TrueEye, WholePictures, coverage, is_measured, shown_picture
+from .truth import MOST_BANDS, WholePictures, coverage, is_measured, shown_picture, true_picture
 
 # Degrees from the gaze: the fovea and what is nearly as sharp (Strasburger, Rentschler and Jüttner
 # 2011, Peripheral vision and pattern recognition: a review).
@@ -140,7 +140,7 @@ class Probe:
             # The predecessor of a measured refresh is read for flicker only.
             measured = self._measures(number)
             try:
-                truth = self._setup.truth.at(refresh.inputs[eye], depth=measured)
+                truth = self._setup.truth(refresh.inputs[eye], depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
@@ -167,7 +167,7 @@ class Probe:
         result, server = self._before_lens(refresh, eye), self._setup.server
         self.second_eye["hole_share"][number] = _hole_share(coverage(result))
         if isinstance(server, RecordedRenderer) and server.right is not None:
-            truth = TrueEye(server.right, self._setup.size).at(refresh.inputs[eye], depth=False)
+            truth = true_picture(server.right, refresh.inputs[eye], self._setup.size, depth=False)
             self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
 
     def _read_comparison(

@@ -1,109 +1,29 @@
-"""What a client that misses refreshes is given, and what the misses cost."""
+"""What missed refreshes cost: pictures that are seen again, and away from their place."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-import attrs
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
 
-from ..errors import InputError
-from ..link.delays.trace import read_delays
-from ..options import Declared, Number, one_of, option
+from ..client.inputs import PassInputs
+from ..frames import EyeImage
+from ..geometry import Pose, View
+from ..gpu.context import Gpu
+from ..gpu.textures import flip_rows
+from ..pipeline.loop import Refresh
+from ..poses import quaternions
 
+Array = NDArray[np.float64]
 MEASURED = "measured"
-SHOWS = (TURNED, STANDS) = ("turned", "stands")  # in summary.json
-ON_MISS = (TURN, HOLD) = ("turn", "hold")
-_MOST_MS = 60_000.0
-# The share of stale refreshes among the measured ones may differ by so much without a word.
-_ALIKE = 0.05
-# Of a refresh: a time of exactly so many periods, given in decimals, is not one refresh more.
-_ROUNDING = 1e-6
-
-
-def parse_client_time(text: str) -> tuple[float, ...] | None:
-    """Parse '20', 'times.csv' or 'measured'; '' is None, measured is ().
-
-    A file has one number of milliseconds a line. Errors: InputError.
-    """
-    text = text.strip()
-    if not text:
-        return None
-    if text == MEASURED:
-        return ()
-    try:
-        number = float(text)
-    except ValueError:
-        if not Path(text).suffix and not Path(text).exists():
-            raise InputError(
-                f"--client-time '{text}': expected milliseconds, a CSV file of them, or {MEASURED}"
-            ) from None
-        return tuple(read_delays(Path(text), "time"))
-    if not 0 <= number <= _MOST_MS:
-        raise InputError(f"--client-time {text}: expected 0 to {_MOST_MS:g} ms")
-    return (number,)
-
-
-@attrs.frozen
-class Misses(Declared):
-    """How long the client works on a picture, and what is seen when it is late."""
-
-    heading = "A client that is late"
-    # Of both eyes, one for each refresh, repeated when they end; () for as long as it takes here,
-    # None for a client that is always in time.
-    times_ms: tuple[float, ...] | None = option(
-        None,
-        "Milliseconds that the client takes for a picture: a number, a CSV file with one for each refresh, or "
-        "measured. By default it is never late.",
-        name="client_time",
-        default="",
-        parse=parse_client_time,
-    )
-    # None for the display's period.
-    budget_ms: float | None = option(
-        None,
-        "Milliseconds that the client has for a picture; by default a refresh.",
-        name="client_budget",
-        valid=Number(above=True, most=_MOST_MS),
-    )
-    on_miss: str = option(
-        TURN,
-        "What a late client shows: turn its last picture to the newest head, or hold it as it was.",
-        valid=one_of(*ON_MISS),
-    )
-    compare_governor: bool = option(
-        False, "With --client-time and --warp auto: also run without the governor, and compare the two."
-    )
-
-    def __attrs_post_init__(self) -> None:
-        set_without = {
-            "--client-budget": self.budget_ms is not None,
-            "--on-miss": self.on_miss != TURN,
-            "--compare-governor": self.compare_governor,
-        }
-        for name, is_set in set_without.items():
-            if is_set and not self.on:
-                raise InputError(f"{name} without --client-time: the client is always in time then")
-
-    @property
-    def on(self) -> bool:
-        """Whether the client takes time at all."""
-        return self.times_ms is not None
-
-    @property
-    def turns(self) -> bool:
-        """Whether a late picture is turned to the newest head at each refresh."""
-        return self.on_miss == TURN
-
-    def refreshes(self, took_ms: float, period_ms: float) -> int:
-        """Return at which refresh a picture is first seen; 1 for the one it was to be made for.
-
-        The client begins a period before that one, and hands over at most once in a period.
-        """
-        budget_ms = self.budget_ms or period_ms
-        return 1 + max(0, math.ceil((took_ms - budget_ms) / period_ms - _ROUNDING))
+TURNED, STANDS = "turned", "stands"  # in summary.json
+_POINTS = 17  # a row and a column of the late frame
+_MOST_EYES = 2
+_MOST_LOOKED_AT = 16  # of the refreshes in a row that show one picture; between them it is interpolated
 
 
 class MissTally:
@@ -141,30 +61,102 @@ class MissTally:
         }
 
 
-def miss_figures(stale: Sequence[bool], off_deg: Sequence[float]) -> dict[str, Any]:
-    """Return what the misses of a run cost: as MissTally of these refreshes."""
-    tally = MissTally()
-    for one, off in zip(stale, off_deg, strict=True):
-        tally.add(one, off)
-    return tally.as_dict()
+class SeenOffset:
+    """Angles between where points of the late frame are seen and where they are.
+
+    The points are on a grid over the frame, as far away as its depth says; where it has no depth at
+    all, infinitely far. turned: pictures are turned to the newest head, else they stand.
+    """
+
+    def __init__(self, *, turned: bool) -> None:
+        self._turned = turned
+        self._made: Refresh | None = None
+        self._points: list[tuple[Array, Array]] = []
+
+    def between_deg(
+        self, made: Refresh, depths: Iterable[Array], then: Refresh, missed: int, periods: int
+    ) -> list[float]:
+        """Return it for each of the missed refreshes that showed a picture again.
+
+        depths: as of DepthSamples, of the frame of `made`. then: the next picture, so many periods
+        later; the head keeps its speed in between.
+        """
+        self._look(made, depths)
+        shares = np.arange(1, missed + 1) / periods
+        looked_at = np.linspace(shares[0], shares[-1], min(missed, _MOST_LOOKED_AT))
+        pairs = [(a.shown, b.shown) for a, b in zip(made.inputs, then.inputs, strict=False)]
+        found = [self._rms_deg(made, [_between(a, b, float(share)) for a, b in pairs]) for share in looked_at]
+        return [float(off) for off in np.interp(shares, looked_at, found)]
+
+    def _look(self, made: Refresh, depths: Iterable[Array]) -> None:
+        self._made = made
+        self._points = [_points_of(i.rendered, depth) for i, depth in zip(made.inputs, depths, strict=True)]
+
+    def _rms_deg(self, made: Refresh, now: Sequence[View]) -> float:
+        views = zip(self._points, [inputs.shown for inputs in made.inputs], now, strict=False)
+        angles = [self._angles(points, then, view) for points, then, view in views]
+        return float(np.degrees(np.sqrt(np.mean(np.concatenate(angles) ** 2))))
+
+    def _angles(self, points: tuple[Array, Array], then: View, now: View) -> Array:
+        seen, right = (_ways(points, view) for view in (then, now))
+        if not self._turned:
+            seen = seen @ then.pose.rotation_matrix @ now.pose.rotation_matrix.T
+        apart, together = (np.linalg.norm(ways, axis=1) for ways in (seen - right, seen + right))
+        return np.asarray(2 * np.arctan2(apart, together))
 
 
-def about_misses(entry: dict[str, Any]) -> str:
-    """Return the `miss` of summary.json as a sentence or two."""
-    how = "was turned to the newest head" if entry["show"] == TURNED else "stood as it was"
-    clock = "as measured here, not the same in every run" if entry["times"] == MEASURED else "as given"
-    return f"The client misses refreshes: {_told(entry)}. A late picture {how}; the client's times are {clock}."
+class DepthSamples:
+    """Inverse depth of late frames at the points of a SeenOffset, without waiting for the GPU.
+
+    take() starts; before() returns those of the refresh before, which are finished long ago.
+    """
+
+    def __init__(self, gpu: Gpu) -> None:
+        self._gl = gpu.gl
+        self._program = gpu.shaders.compute("live/depths.comp")
+        size = 4 * _MOST_EYES * _POINTS**2
+        self._now, self._before = (gpu.gl.buffer(reserve=size) for _ in range(2))
+
+    def take(self, inputs: Sequence[PassInputs]) -> None:
+        """Sample the frame of each eye. Call once for each picture."""
+        self._now, self._before = self._before, self._now
+        self._now.bind_to_storage_buffer(0)
+        for slot, eye in enumerate(inputs):
+            depth = eye.rendered.inverse_depth
+            depth.bind_to_image(0, read=True, write=False)
+            self._program.uniforms.set(inverse_depth=0, size=depth.size, points=_POINTS, slot=slot)
+            self._program.run(_POINTS, _POINTS)
+        self._gl.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
+
+    def before(self, eyes: int) -> list[Array]:
+        """Return (17, 17) for each eye, the top row first, of the picture before the last one."""
+        every = np.frombuffer(self._before.read(), np.float32).reshape(_MOST_EYES, _POINTS, _POINTS)
+        return [flip_rows(one.astype(np.float64)) for one in every[:eyes]]
+
+    def close(self) -> None:
+        """Free the buffers."""
+        for buffer in (self._now, self._before):
+            buffer.release()
 
 
-def about_without(name: str, entry: dict[str, Any]) -> str:
-    """Return the `miss` of a run that kept the warp `name` as a sentence."""
-    return f"Without the governor, with {name} throughout: {_told(entry)}."
+def _points_of(eye: EyeImage, depths: Array) -> tuple[Array, Array]:
+    """Return homogeneous points in the world, (n, 3) times the inverse depth, (n, 1).
+
+    All of the late frame that the picture may show.
+    """
+    found = depths.reshape(-1, 1)
+    inverse = np.where((found >= 0).any(), found, 0.0)
+    ways = eye.view.rays((_POINTS, _POINTS)).reshape(-1, 3) @ eye.view.pose.rotation_matrix.T
+    points, drawn = ways + eye.view.pose.position_m * inverse, inverse[:, 0] >= 0
+    return points[drawn], inverse[drawn]
 
 
-def _told(entry: dict[str, Any]) -> str:
-    share, measured = entry["stale_share"], entry["stale_share_measured"]
-    of_measured = f" ({100 * measured:.1f} % of the measured ones)" if abs(share - measured) > _ALIKE else ""
-    return (
-        f"{100 * share:.1f} % showed a picture again{of_measured}, at most {entry['longest_stale']} in a row; "
-        f"judder {entry['judder_deg']:.3f} deg RMS"
-    )
+def _between(a: View, b: View, share: float) -> View:
+    turned = quaternions.slerp(a.pose.orientation_xyzw.tolist(), b.pose.orientation_xyzw.tolist(), share)
+    return View(Pose(a.pose.position_m + share * (b.pose.position_m - a.pose.position_m), turned), a.fov)
+
+
+def _ways(points: tuple[Array, Array], view: View) -> Array:
+    """Return the unit vectors, (n, 3), from an eye to the points."""
+    ways = points[0] - view.pose.position_m * points[1]
+    return np.asarray(ways / np.linalg.norm(ways, axis=1, keepdims=True))

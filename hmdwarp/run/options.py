@@ -30,13 +30,12 @@ from ..options import (
     several,
 )
 from ..pipeline.options import DISPLAYED, PipelineOptions, refuse_without_frames
-from ..pipeline.proxy_options import RECORDING, REMOTE, SERVER_SCENE, ProxyOptions, SourceKind, with_frames
+from ..pipeline.proxy_options import REMOTE, SERVER_SCENE, ProxyOptions, SourceKind, with_frames
 from ..poses.options import MOTIONS, TraceOptions
 from ..scenes.options import SEED, SceneOptions, seed_of
 from ..sources.feed.options import FeedOptions
 from ..sources.feed.sockets import MOST_OF_ADDRESS, valid_address
 from ..sources.sequences.options import SequenceOptions
-from .misses import Misses
 
 SOURCES = (AUTO_SOURCE, OPENXR, DESKTOP, OFFSCREEN) = ("auto", "openxr", "desktop", "offscreen")
 SYNTHETIC = "synthetic"
@@ -52,7 +51,6 @@ def _check_input(instance: Any, field: attrs.Attribute[Any], value: str) -> None
         seed_of(value)
 
 
-BY_GPU, BY_LIBRARY = "gpu", "library"
 MEASURING = "Measuring"  # heading of options in help
 
 
@@ -101,12 +99,6 @@ class RunOptions(PipelineOptions):
         valid=Number(least=1),
         heading=MEASURING,
     )
-    metrics_by: str = option(
-        BY_GPU,
-        f"What computes FLIP, SSIM and flicker: {BY_GPU}; or {BY_LIBRARY}: flip-evaluator, SciPy, slower.",
-        valid=one_of(BY_GPU, BY_LIBRARY),
-        heading=MEASURING,
-    )
     # 0 for not at all.
     jod_s: float = option(
         0.0,
@@ -122,8 +114,6 @@ class RunOptions(PipelineOptions):
     )
     images: int = option(6, "Keep about this many refreshes as pictures.", valid=Number())
     video: bool = option(False, "Also write replay.mp4: both panels, as the display gets them.")
-    # A client that takes time.
-    miss: Misses = group(Misses)
     trace_options: TraceOptions = group(TraceOptions)
     # Where frames come from, if not from here.
     feed: FeedOptions = group(FeedOptions)
@@ -135,25 +125,10 @@ class RunOptions(PipelineOptions):
         super().__attrs_post_init__()
         if not self.trace and not self.source_kind.has_head:
             raise InputError("no TRACE: name a head trace file or a shipped recording, like look-around")
-        if self.miss.on:
-            self._check_miss()
         if len(self.compared) > MOST_COMPARED:
             raise InputError(
                 f"--against {self.against}: expected at most {MOST_COMPARED} warps; 'hmdwarp bench' compares any number"
             )
-
-    def _check_miss(self) -> None:
-        excluded = {
-            "--fused": self.fused,
-            f"--scanout {self.scanout_ms:g}": self.scanout_ms > 0,
-            "--frames": self.source_kind is RECORDING,
-            "--connect": self.source_kind is REMOTE,
-        }
-        for name, said in excluded.items():
-            if said:
-                raise InputError(
-                    f"--client-time with {name}: a late picture is not shown again there; leave one of them out"
-                )
 
     @property
     def source_kind(self) -> SourceKind:
@@ -232,11 +207,6 @@ class LiveOptions(PipelineOptions):
         study="what was shown is kept in the study's store",
     )
     force: bool = force_field("the study's store overwrites nothing")
-    lsl: bool = option(
-        False,
-        "Send markers to the Lab Streaming Layer (pip install '.[lsl]').",
-        study="'hmdwarp study run --lsl' sends markers of trials",
-    )
     images_every: int = option(
         0,
         "With --out: keep every n-th picture as it was handed over; 0 for none.",

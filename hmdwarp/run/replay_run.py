@@ -17,7 +17,7 @@ from ..frames import EyeSizes
 from ..geometry import Pose
 from ..gpu.textures import download
 from ..link.options import ALL, DROP
-from ..metrics import TRUTH_JOD, Clips, Kept, QualityPool, SharedPool, pooled, worker_count
+from ..metrics import TRUTH_JOD, Clips, Kept, MeasuringProcesses, QualityPool, pooled, worker_count
 from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..pipeline.proxy import source_of
@@ -28,12 +28,10 @@ from ..pipeline.source import ServerFrames
 from ..report import OutputFolder, VideoWriter
 from ..sources.server import Server
 from .frame_rows import ReplayLog, Row
-from .late_client import MISS_COLUMNS, LateClient, Seen
 from .measuring import MAIN, Probe, method_name
-from .misses import about_misses, about_without
-from .options import MOST_COMPARED, RunOptions
+from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
-from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
+from .run_summary import OWNED, ReplayResult, result_of, write_results
 from .short_bench import decided
 
 WORST_FRAMES = 6
@@ -59,31 +57,20 @@ def replay(
 
 
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
-    compares_governor = options.miss.compare_governor
-    if compares_governor:
-        _check_governed(options)
     source = source_of(options)
     options, choice = decided(options, source, say)
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
         setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
-        workers = worker_count(options.workers)
-        with QualityPool(
-            workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)
-        ) as pool:
+        with MeasuringProcesses(worker_count(options.workers)) as processes:
+            pool = QualityPool(processes, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key))
             probe = Probe(setup, pool, _keep_every(setup))
-            log, late = _run(setup, probe, out, progress)
+            log = _run(setup, probe, out, progress)
             pool.wait()
             log.measured(_figures(pool, MAIN))
         _write_delays(setup, out)
         compared = _compared(log, probe, pool)
         more: dict[str, Any] = {"filled": probe.filled_shares(), "regions": pooled(pool.regions.values())}
-        misses: list[list[Row]] = []
         more |= probe.near_gaze.entry()
-        if late is not None:
-            more["miss"] = late.entry()
-            setup.notes.append(about_misses(more["miss"]))
-            misses = [list(late.rows()), *([] for _ in compared)]
-            out.write_csv("misses.csv", misses[0], MISS_COLUMNS)
         more |= _rated(setup, probe.clips, range(1, 1 + len(setup.options.compared)))
         if probe.clips is not None and "jod" in more:
             setup.notes.append(_about_rating(more["jod"], setup.options.compared))
@@ -93,39 +80,8 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
             more["second_eye"] = beside
             setup.notes.append(about_second_eye(beside))
         result = result_of(setup, log, compared, more, probe.without_truth)
-    if compares_governor:
-        ungoverned = _without_governor(options, result, say, progress)
-        compared.append(ungoverned.rows)
-        misses.append(ungoverned.misses)
-    write_results(out, log, result, compared, pool, misses, options.command)
+    write_results(out, log, result, compared, pool, options.command)
     return result
-
-
-def _check_governed(options: RunOptions) -> None:
-    if options.warp != AUTO:
-        raise InputError(f"--compare-governor: expected --warp auto, found --warp {options.warp}")
-    if len(options.compared) == MOST_COMPARED:
-        raise InputError(
-            f"--against {options.against}: expected at most {MOST_COMPARED - 1} warp with --compare-governor, "
-            "which adds one"
-        )
-
-
-def _without_governor(
-    options: RunOptions, result: ReplayResult, say: Callable[[str], None], progress: Progress
-) -> Measured:
-    """Run again with the warp and fill of the first picture throughout, and add the comparison."""
-    warp, fill = result.rows[0]["warp"], result.rows[0]["fill"]
-    name = method_name(warp, fill)
-    say(f"the same without the governor: {name} throughout")
-    alone = attrs.evolve(
-        options.with_pair(warp, fill),
-        miss=attrs.evolve(options.miss, compare_governor=False), against="", jod_s=0.0, images=0, video=False,
-    )  # fmt: skip
-    other = measured(alone, progress)
-    compare(result, other.summary, other.rows)
-    result.summary["notes"].append(about_without(name, other.summary["miss"]))
-    return other
 
 
 def _write_delays(setup: ReplaySetup, out: OutputFolder) -> None:
@@ -168,9 +124,8 @@ class Measured:
     kept: list[Kept]
     plan: Plan
     sizes: EyeSizes
-    # As frames.csv's and misses.csv's; no misses of a client that is always in time.
+    # As frames.csv's.
     rows: list[Row]
-    misses: list[Row]
 
 
 class NothingShown(InputError):
@@ -185,48 +140,37 @@ class NothingShown(InputError):
 
 
 def measured(
-    options: RunOptions, progress: Progress = lambda done, total: None, pools: SharedPool | None = None
+    options: RunOptions, progress: Progress = lambda done, total: None, processes: MeasuringProcesses | None = None
 ) -> Measured:
     """Run a replay without writing anything.
 
-    pools: measuring processes that stay for the next run; None for processes of its own.
+    processes: that stay for the next run; None for processes of its own.
     Errors: as replay; InputError for warp "auto" and for a video.
     """
     if options.warp == AUTO or options.video:
         raise InputError("figures without a folder: neither warp 'auto' nor a video is supported")
     with (
         set_up_replay(options, alone=True) as setup,
-        SharedPool() if pools is None else nullcontext(pools) as lent,
+        MeasuringProcesses(worker_count(options.workers)) if processes is None else nullcontext(processes) as lent,
     ):
-        pool = lent.of(options.workers, setup.pixels_per_degree)
+        pool = QualityPool(lent)
         probe = Probe(setup, pool, _keep_every(setup))
-        log, late = _run(setup, probe, None, progress)
+        log = _run(setup, probe, None, progress)
         pool.wait()
         log.measured(_figures(pool, MAIN))
-        more = _rated(setup, probe.clips)
-        if late is not None:
-            more["miss"] = late.entry()
-        summary, misses = (
-            result_of(setup, log, [], more, probe.without_truth).summary,
-            [] if late is None else list(late.rows()),
-        )
-        return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes, log.rows, misses)
+        summary = result_of(setup, log, [], _rated(setup, probe.clips), probe.without_truth).summary
+        return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes, log.rows)
 
 
-def _run(
-    setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress
-) -> tuple[ReplayLog, LateClient | None]:
+def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
     log, count = ReplayLog(setup.track), 0
-    misses = setup.options.miss
-    late = LateClient(setup, misses) if misses.on else None
     _leave_unseen_undrawn(setup)
     with _video(setup, out) as video:
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
-            seen = _seen(setup, late, number, instant_ns) if number >= 0 else None
-            if seen is not None:
-                refresh = seen.refresh
-                log.add(refresh, stale=seen.stale)
+            refresh = setup.loop.show(instant_ns) if number >= 0 else None
+            if refresh is not None:
+                log.add(refresh)
                 if probe.wants(count):
                     probe.read(count, refresh)
                 if video is not None:
@@ -244,28 +188,20 @@ def _run(
                 setup.plan,
                 setup.pipeline.sizes,
                 [],
-                [],
             ),
         )
-    return log, late
+    return log
 
 
 def _leave_unseen_undrawn(setup: ReplaySetup) -> None:
     """Draw no pictures that arrive after the last refresh, in frames that hold nothing else."""
     options, source = setup.options, setup.loop.source
     is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
-    if not is_plain or options.miss.on or options.coding.codec != "none" or not isinstance(source, ServerFrames):
+    if not is_plain or options.coding.codec != "none" or not isinstance(source, ServerFrames):
         return
     if isinstance(source.server, Server) and not source.requested.needs:
         *_, (_, last_ns) = setup.schedule.numbered()
         setup.loop.source = attrs.evolve(source, unseen_from_ns=last_ns - setup.channel.latency_ns + 1)
-
-
-def _seen(setup: ReplaySetup, late: LateClient | None, number: int, instant_ns: int) -> Seen | None:
-    if late is not None:
-        return late.at(number, instant_ns)
-    refresh = setup.loop.show(instant_ns)
-    return Seen(refresh, stale=False, work_ns=None) if refresh is not None else None
 
 
 def _fates(setup: ReplaySetup) -> str:

@@ -12,6 +12,7 @@ import attrs
 import numpy as np
 
 from ..client.compensator import Compensator
+from ..client.inputs import PassInputs
 from ..client.plan import Plan
 from ..errors import InputError, counted
 from ..frames import Needs
@@ -29,9 +30,9 @@ from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, take_inputs
 from ..sources.server import Renderer
-from .options import BY_LIBRARY, RunOptions
+from .options import RunOptions
 from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
-from .truth import TrueEye
+from .truth import TruePicture, true_picture
 
 _MANY = 10_000  # refreshes
 # Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
@@ -116,26 +117,20 @@ class ReplaySetup:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
 
-    @property
-    def truth(self) -> TrueEye:
-        """What eyes should see."""
-        return TrueEye(self.server, self.size)
+    def truth(self, inputs: PassInputs, *, depth: bool = True) -> TruePicture:
+        """Return what an eye should see at a refresh. Errors: NoTruth."""
+        return true_picture(self.server, inputs, self.size, depth=depth)
 
     def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
-        """Submit a picture to be measured. Errors: as pool.submit."""
-        pool.submit(key, self._compared(job), keep=keep)
-
-    def _compared(self, job: QualityJob) -> QualityJob:
-        """Return the job with what the GPU finds of its pictures, unless libraries do."""
-        if self.options.metrics_by == BY_LIBRARY:
-            return job
+        """Submit a picture, with what the GPU finds of it. Errors: as pool.submit."""
         if not self._alike:
             self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
             self._cleanup.callback(self._alike[0].close)
         alike = self._alike[0].run(job.now.shown, job.now.truth)
-        if job.previous is None or (flicker := self._alike[0].flicker(job.now, job.previous)) is None:
-            return attrs.evolve(job, alike=alike)
-        return attrs.evolve(job, alike=attrs.evolve(alike, flicker=flicker), previous=None)
+        if job.previous is not None and (flicker := self._alike[0].flicker(job.now, job.previous)) is not None:
+            job = attrs.evolve(job, previous=None)
+            alike = attrs.evolve(alike, flicker=flicker)
+        pool.submit(key, attrs.evolve(job, alike=alike), keep=keep)
 
     def compensator(self, plan: Plan) -> Compensator:
         """Return a compensator for another plan on the same frames, freed with this object."""

@@ -57,8 +57,6 @@ OWNED = (
     "inputs.csv",
     "delays.csv",
     "jod.csv",
-    "misses.csv",
-    "profile.json",
     "report.html",
     "replay.mp4",
 )
@@ -230,7 +228,7 @@ def auto_note(entry: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> st
     return f"{began}. It changed {count}: {', '.join(steps)}{more}; the reasons are in the report."
 
 
-_OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference", "miss")
+_OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference")
 
 
 @attrs.frozen(eq=False)
@@ -329,7 +327,10 @@ def result_of(
         summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]
     result = ReplayResult(options.out, summary, rows, [])
     for pair, its_rows in zip(options.compared, compared, strict=False):
-        compare(result, summary_of_rows(setup, (*pair, "none"), its_rows), its_rows)
+        other = summary_of_rows(setup, (*pair, "none"), its_rows)
+        other["difference"] = {name: difference(rows, its_rows, name) for name in QUALITY}
+        result.against.append(other)
+        summary.setdefault("against", []).append({key: other[key] for key in _OF_COMPARISON if key in other})
     return result
 
 
@@ -343,21 +344,12 @@ def answers_of(setup: ReplaySetup, inputs: InputLog, log: ReplayLog) -> Answers:
     return answers
 
 
-def compare(result: ReplayResult, other: dict[str, Any], its_rows: list[Row]) -> None:
-    """Add the summary of another run of the same refreshes to the comparisons."""
-    other["difference"] = {name: difference(result.rows, its_rows, name) for name in QUALITY}
-    result.against.append(other)
-    entry = {key: other[key] for key in _OF_COMPARISON if key in other}
-    result.summary.setdefault("against", []).append(entry)
-
-
 def write_results(
     out: OutputFolder,
     log: ReplayLog,
     result: ReplayResult,
     compared: list[list[Row]],
     pool: QualityPool,
-    misses: list[list[Row]],
     command: str,
 ) -> None:
     """Write everything but the video, which is written during the run.
@@ -374,7 +366,6 @@ def write_results(
             result.against,
             rows=result.rows,
             baselines_rows=compared,
-            misses=misses,
             worst=[_worst_frame(result.rows, kept) for kept in pool.worst],
             command=command,
             notes=result.summary["notes"],

@@ -18,7 +18,7 @@ from ..errors import PlanError
 from ..geometry import Fov, Pose
 from ..headsets import Headset
 from ..link import LinkOptions
-from ..metrics import QualityPool, worker_count
+from ..metrics import MeasuringProcesses, QualityPool, worker_count
 from ..options import AUTO
 from ..pipeline.levels import best_within, levels_from
 from ..pipeline.options import PipelineOptions
@@ -262,7 +262,8 @@ def _rows(options: RunOptions, source: Source, combinations: Sequence[Combinatio
     """Yield the keys of a bench.json row that levels_from reads, for each combination."""
     headset, size = source.headset, options.size or source.headset.eye_size_px
     case = Case(options.scene, options.trace, options.latency_ms, size)
-    with QualityPool(worker_count(options.workers), headset.left_fov.pixels_per_degree(size)) as pool:
+    with MeasuringProcesses(worker_count(options.workers)) as processes:
+        pool = QualityPool(processes)
         for batch in _batches(options, headset, combinations):
             with _frames_for(batch, options, source) as setup:
                 comparison = Comparison(setup, case, batch, pool, ROUNDS)

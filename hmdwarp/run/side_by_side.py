@@ -212,7 +212,7 @@ class SideBySide:
 
     def truth(self, inputs: PassInputs) -> TruePicture:
         """Return what an eye should see in the middle of a refresh."""
-        return self._setup.truth.at(attrs.evolve(inputs, shown_last=None))
+        return self._setup.truth(attrs.evolve(inputs, shown_last=None))
 
     def pictures(self, refresh: Refresh, eye: int, truth: TruePicture) -> list[Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""

@@ -55,22 +55,11 @@ class TruePicture:
     picture: NDArray[np.uint8]
     inverse_depth: NDArray[np.float32] | None
 
-    @classmethod
-    def of(cls, drawn: Truth) -> TruePicture:
-        """Return the picture as a display has it."""
-        return cls(picture_from_linear(drawn.colour), drawn.inverse_depth)
 
-
-@attrs.frozen
-class TrueEye:
-    """Draws what eyes should see, in (w, h) pixels."""
-
-    server: Renderer
-    size: tuple[int, int]
-
-    def at(self, inputs: PassInputs, *, depth: bool = True) -> TruePicture:
-        """Return what the eye should see at a refresh. Errors: NoTruth."""
-        return TruePicture.of(draw_truth(self.server, inputs, self.size, depth=depth))
+def true_picture(server: Renderer, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> TruePicture:
+    """Return what the eye should see at this refresh, as a display has it. Errors: NoTruth."""
+    drawn = draw_truth(server, inputs, size, depth=depth)
+    return TruePicture(picture_from_linear(drawn.colour), drawn.inverse_depth)
 
 
 def draw_truth(server: Renderer, inputs: PassInputs, size: tuple[int, int], *, depth: bool = True) -> Truth:

@@ -12,7 +12,7 @@ from hmdwarp import warp_image
 from hmdwarp.client import Compensator, PassInputs, build_plan
 from hmdwarp.geometry import Fov, Hidden, Pose, View
 from hmdwarp.headsets import headset_toml, load_headset, reported_headset
-from hmdwarp.metrics import Compared, QualityJob, measure, metrics_in_order
+from hmdwarp.metrics import Alike, Compared, PairPass, QualityJob, measure, metrics_in_order
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
@@ -77,16 +77,23 @@ def test_figures_are_of_the_seen_pixels(tmp_path, gpu):
     )
 
 
-def test_what_is_hidden_changes_no_figure():
+def alike_of(gpu, shown: np.ndarray, truth: np.ndarray) -> Alike:
+    measuring = PairPass(gpu, truth.shape[1::-1], 10.0)
+    found = measuring.run(shown, truth)
+    measuring.close()
+    return found
+
+
+def test_what_is_hidden_changes_no_figure(gpu):
     rng = np.random.default_rng(3)
     truth = rng.integers(0, 255, (67, 61, 3), dtype=np.uint8)
     shown = np.clip(truth.astype(int) + rng.integers(-20, 20, truth.shape), 0, 255).astype(np.uint8)
     view = View(Pose(), SQUARE, hidden=Hidden((((-1, -1), (1, -1), (1, 0), (-1, 0)),), SQUARE))
     seen = view.seen((61, 67))
     pair = [np.where(seen[..., None], picture, np.uint8(0)) for picture in (shown, truth)]
-    half = measure(QualityJob(Compared(*pair, view)), 10.0).values
+    half = measure(QualityJob(Compared(*pair, view), alike=alike_of(gpu, *pair))).values
     upper = [picture[seen.all(axis=1)] for picture in (shown, truth)]
-    alone = measure(QualityJob(Compared(*upper, View(Pose(), SQUARE))), 10.0).values
+    alone = measure(QualityJob(Compared(*upper, View(Pose(), SQUARE)), alike=alike_of(gpu, *upper))).values
     assert half["psnr_db"] == pytest.approx(alone["psnr_db"], abs=1e-9)
     # Both compare pixels with those around them, at the outline with hidden ones too.
     assert half["flip"] == pytest.approx(alone["flip"], rel=0.1)

@@ -3,9 +3,11 @@
 import math
 
 import numpy as np
+from flip_evaluator import evaluate
+from skimage.metrics import structural_similarity
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import Compared, QualityJob
+from hmdwarp.metrics import Alike, Compared, QualityJob
 
 FOV = Fov(-0.7, 0.6, -0.5, 0.55)
 
@@ -44,4 +46,23 @@ def job(seed: int, size=(40, 30)) -> QualityJob:
         turned(0.2, position_m=(0.05, 0, 0)),
         size,
         rendered_picture=noise(seed + 4000, size),
+        alike=Alike(rng.random((size[1], size[0])).astype(np.float32), rng.uniform(-1, 1)),
     )
+
+
+def flip(shown: np.ndarray, truth: np.ndarray, pixels_per_degree: float) -> tuple[float, np.ndarray]:
+    """Mean FLIP error of two byte pictures and its (h, w) map, by its authors' library."""
+    reference, test = (np.ascontiguousarray(picture, np.float32) / np.float32(255) for picture in (truth, shown))
+    parameters = {"ppd": float(pixels_per_degree)}
+    how = {"inputsRGB": True, "applyMagma": False, "computeMeanError": False}
+    error = evaluate(reference, test, "LDR", **how, parameters=parameters)[0][..., 0]
+    return float(error.mean(dtype=np.float64)), error
+
+
+def ssim(shown: np.ndarray, truth: np.ndarray) -> float:
+    """Mean SSIM of two byte pictures by scikit-image, the mirrored border included."""
+    # It refuses pictures smaller than its window.
+    wide = [np.pad(picture, ((11, 11), (11, 11), (0, 0)), mode="symmetric") for picture in (shown, truth)]
+    how = {"gaussian_weights": True, "sigma": 1.5, "use_sample_covariance": False, "full": True}
+    _, every = structural_similarity(*wide, channel_axis=2, data_range=255, **how)
+    return float(every[11:-11, 11:-11].mean())

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from hmdwarp.errors import InputError
-from hmdwarp.metrics import Compared, PairPass, error_image, flicker, flip, ssim
+from hmdwarp.metrics import Compared, PairPass, error_image, flicker
 
-from .pictures import noise, turned
+from .pictures import flip, noise, ssim, turned
 
 
 def pictures(size: tuple[int, int], seed: int) -> list[tuple[np.ndarray, np.ndarray]]:

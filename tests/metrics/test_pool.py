@@ -1,4 +1,4 @@
-"""The pool: same bits with any number of workers, bounded, and nothing left behind at its end."""
+"""Measuring processes: same bits with any number, bounded, and nothing left behind."""
 
 import gc
 import os
@@ -9,6 +9,7 @@ import textwrap
 import threading
 import time
 import warnings
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 import attrs
@@ -17,11 +18,9 @@ import pytest
 
 import hmdwarp
 from hmdwarp.errors import HmdwarpError, InputError
-from hmdwarp.metrics import QUALITY, Compared, QualityJob, QualityPool, SharedPool, measure
+from hmdwarp.metrics import QUALITY, Compared, MeasuringProcesses, QualityJob, QualityPool, measure
 
 from .pictures import job, noise, turned
-
-PPD = 20.0
 
 
 def children() -> set[int]:
@@ -39,6 +38,7 @@ def children() -> set[int]:
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind():
+    resource_tracker.ensure_running()  # Python's own, which ends with this program
     before, threads = children(), threading.active_count()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -49,9 +49,11 @@ def nothing_left_behind():
 
 
 def run(workers: int, keys, **options):
-    with QualityPool(workers, PPD, **options) as pool:
+    with MeasuringProcesses(workers) as processes:
+        pool = QualityPool(processes, **options)
         for key in keys:
             pool.submit(key, job(key[0]), keep=key[0] % 3 == 0)
+        pool.wait()
     return pool
 
 
@@ -69,27 +71,39 @@ def test_the_same_bits_with_any_number_of_workers():
     )
 
 
-def test_runs_of_one_resolution_share_their_processes():
-    """A run finds nothing of the one before; another resolution has processes of its own."""
+def test_runs_share_their_processes():
+    """A run finds nothing of the one before."""
     others = children()
-    with SharedPool() as pools:
-        first = pools.of(1, PPD)
-        mine = children() - others
+    with MeasuringProcesses(1) as processes:
+        first = QualityPool(processes)
         first.submit((0, 0), job(0), keep=True)
         first.wait()
-        found = first.results
-        again = pools.of(1, PPD)
-        assert children() == mine | others and not again.results and not again.kept
+        mine = children() - others
+        again = QualityPool(processes)
+        assert not again.results and not again.kept
         again.submit((0, 0), job(0))
         again.wait()
-        assert again.results == found
-        pools.of(1, 2 * PPD)
-        assert not children() & mine
+        assert again.results == first.results and children() - others == mine and len(mine) == 1
+
+
+def test_processes_that_were_ended_begin_again():
+    """As for the next case of a sweep, after one that failed."""
+    with MeasuringProcesses(1) as processes:
+        pool = QualityPool(processes)
+        pool.submit(0, attrs.evolve(job(1), rendered_size=(0, 0)))
+        with pytest.raises(HmdwarpError):
+            pool.wait()
+        processes.close()
+        again = QualityPool(processes)
+        again.submit(0, job(0))
+        again.wait()
+        assert list(again.results) == [0]
 
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
 def test_waiting_is_until_all_is_measured(workers):
-    with QualityPool(workers, PPD) as pool:
+    with MeasuringProcesses(workers) as processes:
+        pool = QualityPool(processes)
         pool.wait()
         for round_ in range(3):
             keys = [(round_, number) for number in range(5)]
@@ -99,21 +113,15 @@ def test_waiting_is_until_all_is_measured(workers):
             assert [key for key in pool.results if key[0] == round_] == keys
 
 
-def test_waiting_ends_when_a_worker_dies():
-    with pytest.raises(HmdwarpError, match="measuring"), QualityPool(1, PPD) as pool:
-        pool._workers[0].kill()
-        pool.submit((0, 0), job(0))
-        pool.wait()
-        raise AssertionError("a dead worker was waited for in vain")
-
-
 def test_regions_come_with_the_jobs_that_ask_for_them():
     wanted = attrs.evolve(job(1), regions=True)
-    with QualityPool(1, PPD) as pool:
+    with MeasuringProcesses(1) as processes:
+        pool = QualityPool(processes)
         pool.submit((0, 0), wanted)
         pool.submit((1, 0), job(1))
+        pool.wait()
     assert list(pool.regions) == [(0, 0)]
-    assert pool.regions[0, 0] == measure(wanted, PPD).regions
+    assert pool.regions[0, 0] == measure(wanted).regions
     assert pool.results[0, 0] == pool.results[1, 0]
     with pytest.raises(InputError, match="coverage"):
         attrs.evolve(job(1), covered=None, regions=True)
@@ -129,11 +137,17 @@ def test_a_kept_job_keeps_its_late_picture():
 
 def test_figures_without_their_inputs_are_none():
     now = Compared(noise(1), noise(2), turned(0))
-    values = measure(QualityJob(now), PPD).values
-    assert {name for name, value in values.items() if value is None} == {"hole_share", "border_share", "flicker"}
+    values = measure(QualityJob(now)).values
+    assert {name for name, value in values.items() if value is None} == {
+        "flip",
+        "ssim",
+        "hole_share",
+        "border_share",
+        "flicker",
+    }
     covered = np.zeros((30, 40))
-    assert measure(QualityJob(now, covered=covered), PPD).values["border_share"] is None
-    assert measure(QualityJob(now, covered=covered), PPD).values["hole_share"] == 1
+    assert measure(QualityJob(now, covered=covered)).values["border_share"] is None
+    assert measure(QualityJob(now, covered=covered)).values["hole_share"] == 1
 
 
 def test_jobs_that_do_not_fit_together():
@@ -148,50 +162,64 @@ def test_jobs_that_do_not_fit_together():
 
 @pytest.mark.parametrize("workers", [0, 1, 2])
 def test_a_measurement_that_fails_is_one_clear_error(workers):
-    with pytest.raises(InputError, match=r"picture \(7, 0\).*pixels per degree"), QualityPool(workers, -3.0) as pool:
-        pool.submit((7, 0), job(1))
-    if workers:
-        # What makes flip-evaluator or pickle fall over in the worker is our fault, not the input's.
-        broken = attrs.evolve(job(1), rendered_size=(0, 0))
-        with pytest.raises(HmdwarpError, match=r"picture 5 failed: \w+Error: "), QualityPool(workers, PPD) as pool:
-            pool.submit(5, broken)
+    # A size of no pixels is our fault, not the input's.
+    broken = attrs.evolve(job(1), rendered_size=(0, 0))
+    with MeasuringProcesses(workers) as processes:
+        pool = QualityPool(processes)
+        with pytest.raises(HmdwarpError, match=r"measuring picture \(7, \d+\) failed: \w+Error: "):
+            for key in range(50):  # far more than wait: no submit hangs
+                pool.submit((7, key), broken)
 
 
-def test_submit_raises_after_a_failure_and_does_not_hang():
-    with pytest.raises(InputError, match="picture 0"), QualityPool(1, -3.0) as pool:
-        for key in range(50):  # far more than the queue holds
-            pool.submit(key, job(1))
+def test_an_error_of_the_input_stays_one(monkeypatch):
+    monkeypatch.setattr("hmdwarp.metrics.pool.measure", refused)
+    pool = QualityPool(MeasuringProcesses(0))
+    with pytest.raises(InputError, match=r"^measuring picture 3 failed: no such picture$"):
+        pool.submit(3, job(1))
+
+
+def refused(_: QualityJob) -> None:
+    raise InputError("no such picture")
 
 
 def test_a_worker_that_dies_is_one_clear_error():
     others = children()
-    with (
-        pytest.raises(HmdwarpError, match=r"picture \d+ failed: a measuring process ended \(killed.*fewer"),
-        QualityPool(1, PPD) as pool,
-    ):
+    with MeasuringProcesses(1) as processes:
+        pool = QualityPool(processes)
         pool.submit(0, job(0))
+        pool.wait()
         (worker,) = children() - others
         os.kill(worker, signal.SIGKILL)
-        for key in range(1, 20):
-            pool.submit(key, job(key))
+        ended = r"picture \d+ failed: a measuring process ended \(killed, perhaps for memory\); use fewer"
+        with pytest.raises(HmdwarpError, match=ended):
+            for key in range(1, 20):
+                pool.submit(key, job(key))
 
 
-def test_a_worker_that_cannot_start_says_why(monkeypatch):
-    monkeypatch.setattr(sys, "path", [str(Path(__file__).parent)])
-    with pytest.raises(HmdwarpError, match="exit status 1.*No module named"), QualityPool(1, PPD) as pool:
-        pool.submit(0, job(0))
+def test_what_a_worker_prints_is_not_seen_but_says_why_it_ended(capfd):
+    with MeasuringProcesses(1) as processes:
+        found = processes.submit(says_and_ends, 3)
+        with pytest.raises(Exception) as caught:
+            found.result()
+        assert str(processes.explained(caught.value)) == (
+            "a measuring process ended (exit status 3): the last words; use fewer metric workers, or 0"
+        )
+    assert capfd.readouterr() == ("", "")
 
 
-def test_the_queue_is_bounded():
-    """With the only worker stopped, one job is with it and one waits.
+def says_and_ends(status: int) -> None:
+    print("words", flush=True)
+    print("the last words", file=sys.stderr, flush=True)
+    os._exit(status)
 
-    The third submit must wait too.
-    """
+
+def test_no_more_jobs_than_two_for_each_worker_are_held():
+    """With the only worker stopped, one job is with it and one waits; the third submit waits."""
     others = children()
-    with QualityPool(1, PPD) as pool:
+    with MeasuringProcesses(1) as processes:
+        pool = QualityPool(processes)
         pool.submit(0, job(0))
-        while not pool.results:
-            time.sleep(0.01)
+        pool.wait()
         (worker,) = children() - others
         os.kill(worker, signal.SIGSTOP)
         handed_in = []
@@ -207,35 +235,37 @@ def test_the_queue_is_bounded():
         waiting = list(handed_in)
         os.kill(worker, signal.SIGCONT)
         thread.join()
+        pool.wait()
     assert len(waiting) <= 2
     assert list(pool.results) == list(range(6))
 
 
 def test_leaving_by_an_exception_drops_the_rest():
-    with pytest.raises(KeyboardInterrupt), QualityPool(2, PPD) as pool:
+    with pytest.raises(KeyboardInterrupt), MeasuringProcesses(2) as processes:
+        pool = QualityPool(processes)
         for key in range(3):
             pool.submit(key, job(key))
         raise KeyboardInterrupt
-    with pytest.raises(HmdwarpError, match="closed"):
-        pool.submit(9, job(9))
 
 
-def test_an_unused_pool():
-    with QualityPool(2, PPD) as pool:
-        pass
-    assert pool.results == {} and pool.finish() == {}
+def test_processes_without_work_are_none():
+    with MeasuringProcesses(2) as processes:
+        pool = QualityPool(processes)
+        pool.wait()
+    assert pool.results == {}
 
 
 SCRIPT = """
 import sys, signal
 sys.path[:0] = [{package!r}, {tests!r}]
 from metrics.pictures import job
-from hmdwarp.metrics import QualityPool, SharedPool
+from hmdwarp.metrics import MeasuringProcesses, QualityPool
 # No `if __name__ == "__main__"`: the workers must not run this script again.
 try:
-    with QualityPool(2, 20.0) as pool:
+    with MeasuringProcesses(2) as processes:
+        pool = QualityPool(processes)
         pool.submit(0, job(0))
-        while not pool.results: pass
+        pool.wait()
         print("ready", flush=True)
         for key in range(1, 100000):
             pool.submit(key, job(key % 10))
@@ -262,8 +292,28 @@ def test_ctrl_c_in_a_terminal(tmp_path):
         os.killpg(process.pid, signal.SIGINT)
         out, err = process.communicate(timeout=60)
     assert (out, err, process.returncode) == ("interrupted True\n", "", 130)
-    # Its session is empty: no worker is left in it.
-    assert not [s for s in Path("/proc").glob("[0-9]*/stat") if _session(s) == process.pid]
+    # No worker is left in its session. Python's own tracker ends once it hears of the end.
+    assert not [stat for stat in Path("/proc").glob("[0-9]*/stat") if _session(stat) == process.pid and _works(stat)]
+
+
+def test_workers_end_with_a_program_that_is_killed(tmp_path):
+    script = tmp_path / "script.py"
+    package = Path(hmdwarp.__file__).parents[1]
+    script.write_text(textwrap.dedent(SCRIPT).format(package=str(package), tests=str(Path(__file__).parents[1])))
+    said = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL, "text": True}
+    with subprocess.Popen([sys.executable, script], **said, start_new_session=True) as process:
+        assert process.stdout.readline() == "ready\n"
+        process.kill()
+        process.wait()
+        while [stat for stat in Path("/proc").glob("[0-9]*/stat") if _session(stat) == process.pid and _works(stat)]:
+            time.sleep(0.01)  # until the last has ended: it hears of it as soon as it may run
+
+
+def _works(stat: Path) -> bool:
+    try:
+        return b"spawn_main" in (stat.parent / "cmdline").read_bytes()
+    except OSError:
+        return False
 
 
 def _session(stat: Path) -> int:

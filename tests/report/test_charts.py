@@ -75,15 +75,6 @@ def test_a_long_run_makes_no_larger_page():
     assert len(long) < 1.2 * len(short)
 
 
-def test_ticks_stand_beside_the_line_and_are_pooled_too():
-    rows = some_rows(seconds=2)
-    plain, ticked = svg(rows), time_series([Series.of("forward", rows, "flip", ticks_s=[0.5, 1.5])], "unit")
-    assert ticked.count("<use") == plain.count("<use") + 2
-    often = [Series.of("forward", rows, "flip", ticks_s=[k * 1e-3 for k in range(count)]) for count in (1000, 9000)]
-    few, many = (time_series([values], "unit") for values in often)
-    assert len(many) < 1.2 * len(few)
-
-
 @pytest.mark.parametrize("count", [0, 1, 2])
 def test_few_points_or_none(count):
     text = svg([{"time_s": t, "flip": 0.1} for t in range(count)])

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.metrics import REGIONS, Compared, QualityJob, QualityPool, aggregate
+from hmdwarp.metrics import REGIONS, Alike, Compared, MeasuringProcesses, QualityJob, QualityPool, aggregate
 from hmdwarp.report import WorstFrame, render_report
 
 from .samples import a_baseline, a_scene, a_summary, some_rows, some_worst
@@ -114,22 +114,6 @@ def test_the_error_is_told_by_region():
         )
 
 
-def test_a_client_that_misses_has_a_tile_and_a_chart():
-    entry = {"stale_share": 0.25, "longest_stale": 3, "judder_deg": 0.1234, "budget_ms": 11.1}
-    rows = [
-        {"frame": k, "time_s": k / 90, "stale": int(k % 4 > 0), "off_deg": 0.0, "took_ms": None if k % 4 else 30.0}
-        for k in range(90)
-    ]
-    plain, missing = Page(render()), Page(render(summary={**a_summary(), "miss": entry}, misses=[rows, []]))
-    assert "Missed refreshes 25.0 % at most 3 in a row; judder 0.123 deg RMS" in missing.text
-    assert "Client's time for a picture" in missing.text and "budget" in missing.text
-    assert missing.tags.count("svg") == plain.tags.count("svg") + 1
-    beside = {**a_baseline(some_rows(0, 4), some_rows(1, 4)), "miss": {**entry, "stale_share": 0.5}}
-    both = Page(render(summary={**a_summary(), "miss": entry}, baselines=[beside], misses=[rows, rows]))
-    assert "Missed refreshes 25.0 % none: 50.0" in both.text  # the tile
-    assert "Refreshes Missed refreshes % 25.0 50.0 Most missed in a row 3 3" in both.text  # the table
-
-
 def test_the_page_fetches_no_file(text):
     """Only data: addresses and fragments of the page itself, in attributes and in style sheets."""
     page = Page(text)
@@ -164,10 +148,10 @@ def test_pictures_are_whole_and_have_their_size(text):
 def test_worst_frames_come_from_what_the_pool_kept():
     truth, shown, rendered, other = a_scene(0), a_scene(2), a_scene(9), a_scene(5)
     view = View(Pose(), Fov.symmetric(1.5, 1.0))
-    with QualityPool(0, 20.0, worst=1) as pool:
-        pool.submit(
-            (3, 1), QualityJob(Compared(shown, truth, view), rendered_picture=rendered, beside=(("none", other),))
-        )
+    alike = Alike(np.full(truth.shape[:2], 0.25, np.float32), 0.5)
+    pool = QualityPool(MeasuringProcesses(0), worst=1)
+    compared = Compared(shown, truth, view)
+    pool.submit((3, 1), QualityJob(compared, rendered_picture=rendered, alike=alike, beside=(("none", other),)))
     (kept,) = pool.worst
     frame = WorstFrame.of(0.5, kept.key[1], kept)
     assert [name for name, _ in frame.panels] == ["truth", "late frame", "warped", "none", "error (FLIP 0 to 0.5)"]

@@ -24,10 +24,11 @@ from hmdwarp.errors import InputError, MachineError
 from hmdwarp.gpu import download, flip_rows
 from hmdwarp.poses import PoseTrack, load_trace
 from hmdwarp.report import FRAME_COLUMNS, validate_summary
-from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, miss_figures, replay
+from hmdwarp.run import LiveLog, LiveOptions, RunOptions, live_figures, replay
 from hmdwarp.run import live_log as log
 from hmdwarp.run.live_figures import Thinned
 from hmdwarp.run.live_summary import LiveFacts
+from hmdwarp.run.misses import MissTally
 
 from .offscreen import PERIOD_NS, READ_NS, SUBMITTED_NS, OffscreenDisplay, closed_at, run_on
 
@@ -268,7 +269,7 @@ def moving(m_s: float, deg_s: float) -> PoseTrack:
 
 
 @pytest.mark.parametrize(("turned", "m_s", "deg_s"), [(False, 0.6, 20.0), (True, 0.6, 20.0), (True, 0.0, 20.0)])
-def test_misses_are_told_as_a_replay_tells_them(monkeypatch, tmp_path, seen, turned, m_s, deg_s):
+def test_misses_are_told_with_what_they_cost(monkeypatch, tmp_path, seen, turned, m_s, deg_s):
     monkeypatch.setattr(LiveFacts, "turns", turned)
     # Two refreshes pass after the second picture, by the display's time too.
     gap = [Tick(0, PERIOD_NS), Tick(0, PERIOD_NS, render=False), Tick(0, PERIOD_NS, render=False)]
@@ -281,7 +282,10 @@ def test_misses_are_told_as_a_replay_tells_them(monkeypatch, tmp_path, seen, tur
     off = [0.0] * after + missed + [0.0] * (len(rows) - after)
     entry = result.summary["miss"]
     # A grid of points beside all pixels.
-    expected = miss_figures(stale, off)
+    tally = MissTally()
+    for pair in zip(stale, off, strict=True):
+        tally.add(*pair)
+    expected = tally.as_dict()
     assert {name: entry[name] for name in expected} == pytest.approx(expected, rel=0.1, abs=1e-6)
     assert entry["longest_stale"] == 2 and entry["show"] == ("turned" if turned else "stands")
     assert entry["judder_deg"] > (0.01 if m_s else 0)

@@ -23,7 +23,7 @@ from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.pipeline import build_plan_for
 from hmdwarp.run import draw_truth, set_up_replay
-from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of
+from hmdwarp.run.truth import MOST_BANDS, PIXELS_PER_BAND, bands_of, is_measured
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server import Server
 
@@ -191,3 +191,14 @@ def test_the_plan_tells_of_both():
     )
     assert not cannot.scanout
     assert "cannot follow" in dict(cannot.left_out)["scan-out"]
+
+
+@pytest.mark.parametrize("every", [2, 5, 10])
+@pytest.mark.parametrize("period", [2, 3, 4, 5])
+def test_measured_refreshes_are_in_step_with_no_period(every, period):
+    """Or every tenth could be of one kind, such as those that show an older frame."""
+    measured = [number for number in range(1200) if is_measured(number, every)]
+    assert measured[0] == 0 and len(measured) in (1200 // every, 1200 // every - 1)
+    assert [number // every for number in measured] == list(range(len(measured)))
+    shares = [sum(number % period == phase for number in measured) / len(measured) for phase in range(period)]
+    assert max(abs(share - 1 / period) for share in shares) < 0.05

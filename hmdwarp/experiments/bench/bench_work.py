@@ -15,8 +15,7 @@ from ...client.classes import load_client
 from ...client.plan import build_plan, needs_of
 from ...gpu.context import Gpu
 from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
-from ...headsets import Headset
-from ...metrics import QualityPool, SharedPool, clip_length
+from ...metrics import MeasuringProcesses, QualityPool, clip_length, worker_count
 from ...pipeline.sizes import check_held, eye_sizes
 from ...platforms import memory_bytes
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
@@ -50,9 +49,9 @@ class BenchWork:
 
     @contextmanager
     def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
-        """Open what cases share: the machine's bandwidth, and the measuring processes of a size."""
-        with SharedPool() as pools:
-            yield _Runner(self.workers, pools)
+        """Open what cases share: the machine's bandwidth, and the measuring processes."""
+        with MeasuringProcesses(worker_count(self.workers)) as processes:
+            yield _Runner(processes)
 
 
 @attrs.frozen(eq=False)
@@ -97,28 +96,24 @@ def check_room(works: Sequence[BenchCase]) -> None:
 
 
 class _Runner:
-    """Runs one case after the other; neighbours of one size share their measuring processes."""
+    """Runs one case after the other."""
 
-    def __init__(self, workers: int | None, pools: SharedPool) -> None:
-        self._workers, self._pools = workers, pools
+    def __init__(self, processes: MeasuringProcesses) -> None:
+        self._processes = processes
 
     def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
         part: BenchPart = case.what
         try:
             found = _SECTIONS[part.part](self, prepared(part.options), step)
         except BaseException:
-            self._pools.end(at_once=True)
+            self._processes.close()  # what failed is not measured any further
             raise
         return Result({**_examined().about, part.part: found})
-
-    def pool(self, headset: Headset, size: tuple[int, int]) -> QualityPool:
-        """Return the measuring processes for pictures of a size."""
-        return self._pools.of(self._workers, headset.left_fov.pixels_per_degree(size))
 
     def rows(self, work: BenchCase, step: Callable[[float], None]) -> list[dict[str, Any]]:
         """Return the rows of a case."""
         machine, options, client = _examined(), work.options, load_client(work.options.client)
-        pool = self.pool(work.headset, work.case.size)
+        pool = QualityPool(self._processes)
         chosen, rated = work.batched(machine.most_bytes), _rated_batches(work, machine)
         steps = _steps(work.instants * (len(chosen) + len(rated)), step)
         rows: list[tuple[Combination, dict[str, Any]]] = []
@@ -144,7 +139,7 @@ class _Runner:
             Combination(warp, "none", build_plan(effects, warp, "none", "none", client_geometry=True, named=effects))
             for warp, effects in done.items()
         ]
-        pool = self.pool(work.headset, GRID_SIZE)
+        pool = QualityPool(self._processes)
         # The run at another size, with the same field of view.
         shown = work.case.size
         guard = work.run.guard_band.factors(shown)
@@ -156,7 +151,7 @@ class _Runner:
 
     def fused(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
         """Return the rows of warps that look through the lens, and where they were measured."""
-        options, pool = work.options, self.pool(work.headset, work.case.size)
+        options, pool = work.options, QualityPool(self._processes)
         lens = options.lens if options.lens != "none" else "radial"
         warps, steps = list(dict.fromkeys(c.warp for c in work.warped)), _steps(fused_steps(work.instants), step)
         with set_up_replay(work.run, needs_of(c.plan for c in work.warped)) as setup:

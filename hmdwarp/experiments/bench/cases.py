@@ -213,7 +213,6 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "rendered_size",
         "predict",
         "horizon_ms",
-        "metrics_by",
         "out",
         "command",
     )

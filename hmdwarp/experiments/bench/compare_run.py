@@ -22,7 +22,7 @@ from ...errors import InputError, PlanError
 from ...frames import EyeSizes, frame_bytes, video_pixels
 from ...link import LinkOptions
 from ...link.codec import codecs
-from ...metrics import QUALITY, SharedPool, at_instants, ratings_of
+from ...metrics import QUALITY, MeasuringProcesses, at_instants, ratings_of, worker_count
 from ...options import PAPER, PaperOptions
 from ...pipeline.planning import build_plan_for
 from ...pipeline.proxy import source_of
@@ -78,7 +78,12 @@ def compare(
         say(cost_text(options.suite, [run.size or SIZE for run in runs], seen, options.workers, drawn))
         say(f"{sum(run.seconds or 0 for run in runs) / 60:.1f} min of motion are drawn, sent and shown")
 
-    with experiment(options, FILES, _Work(), cases, progress, say) as (out, swept, described):
+    work = _Work(options.sweep.measuring(options.workers))
+    with experiment(options, FILES, work, cases, progress, say) as (
+        out,
+        swept,
+        described,
+    ):
         rows = swept.rows(lambda row: (row,))
         failed = [{"strategy": failure.name, "why": f"failed: {failure.why}"} for failure in swept.failed]
         data = described(
@@ -169,7 +174,7 @@ def _run_options(options: CompareOptions, text: str, recording: str, latency_ms:
     by_strategy = RunOptions.of({"strategy": text, "frames": options.frames}, trace=recording)
     return attrs.evolve(
         by_strategy.over(latency_ms, options.network, options.coding),
-        **options.of_run("scene", "repair", "fovea_deg", "rim", "inset", "gaze", "metrics_every", "metrics_by"),
+        **options.of_run("scene", "repair", "fovea_deg", "rim", "inset", "gaze", "metrics_every"),
         size=options.eye_size,
         start_s=start_s,
         lens="none",
@@ -238,23 +243,26 @@ def pictures_of(kept: KeptCases, case: SweepCase) -> tuple[Picture, Picture]:
 class _Work:
     """Runs the cases of a compare."""
 
+    # Measuring processes, as the option.
+    workers: int | None
+
     @contextmanager
     def opened(self) -> Iterator[Runner]:
         """Open what cases share: the measuring processes."""
-        with SharedPool() as pools:
-            yield functools.partial(_run_part, pools)
+        with MeasuringProcesses(worker_count(self.workers)) as processes:
+            yield functools.partial(_run_part, processes)
 
 
-def _run_part(pools: SharedPool, case: SweepCase, step: Callable[[float], None]) -> Result:
+def _run_part(processes: MeasuringProcesses, case: SweepCase, step: Callable[[float], None]) -> Result:
     """Run one strategy; its pictures are kept with its row."""
     part: ComparePart = case.what
     try:
-        result = measured(part.run, pools=pools)
+        result = measured(part.run, processes=processes)
     except NothingShown as error:  # a result of its own, without pictures
         assert error.result is not None
         return Result(_row(part.run, error.result, [load_client(name) for name in part.clients]))
     except BaseException:
-        pools.end(at_once=True)
+        processes.close()  # what failed is not measured any further
         raise
     job = min(result.kept, key=lambda kept: kept.key).job
     pictures = {SHOWN: png_bytes(job.now.shown), TRUTH: png_bytes(job.now.truth)}

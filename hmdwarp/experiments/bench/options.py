@@ -129,7 +129,6 @@ class BenchOptions(RecordedOptions):
     # picture take 0.6 s, and seventeen warps with two fills on two recordings make 68 pictures an
     # instant. Two rounds for both eyes at each make 24 times per combination.
     instants: int = option(6, "Refreshes measured in each case, evenly spread.", valid=Number(least=1))
-    metrics_by: str = same_as(_RUN.metrics_by)
     rounds: int = option(2, "Timed runs at each instant, after one to warm up.", valid=Number(least=1))
     # 0 for not at all.
     jod_s: float = same_as(
@@ -222,7 +221,6 @@ class CompareOptions(RecordedOptions):
     start_s: float = same_as(_RUN.start_s, START_S)
     seconds: float | None = same_as(_RUN.seconds, 1.0, help="Seconds to show of each recording.")
     metrics_every: int = same_as(_RUN.metrics_every)
-    metrics_by: str = same_as(_RUN.metrics_by)
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
     inset: bool = same_as(_RUN.inset)

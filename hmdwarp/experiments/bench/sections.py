@@ -105,7 +105,7 @@ def grid_rows(
             for combination, compensator in zip(warps, compensators, strict=True):
                 result = compensator.run(whole.inputs(loop, refresh, combination.plan)[EYE])
                 shown = Compared(shown_picture(result), picture, result.view)
-                pool.submit((combination.warp, number), QualityJob(shown, covered=coverage(result)))
+                setup.hand_in(pool, (combination.warp, number), QualityJob(shown, covered=coverage(result)))
             setup.gpu.timer.collect()
             step()
         pool.wait()
@@ -222,7 +222,7 @@ def fused_rows(
             _time(setup, pairs, inputs, rounds)
             truth, seen = truth_of(refresh.inputs[EYE])
             for pair in pairs:
-                _compare(pair, inputs[pair.warp], number, truth, seen, pool)
+                _compare(setup, pair, inputs[pair.warp], number, truth, seen, pool)
             setup.gpu.timer.collect()
             step()
         pool.wait()
@@ -244,7 +244,13 @@ def _time(setup: ReplaySetup, pairs: list[_Pair], inputs: dict[str, PassInputs],
 
 
 def _compare(
-    pair: _Pair, inputs: PassInputs, number: int, truth: NDArray[np.uint8], seen: NDArray[np.bool_], pool: QualityPool
+    setup: ReplaySetup,
+    pair: _Pair,
+    inputs: PassInputs,
+    number: int,
+    truth: NDArray[np.uint8],
+    seen: NDArray[np.bool_],
+    pool: QualityPool,
 ) -> None:
     panels = {form: download(pair.compensators[form].run(inputs).panel.texture) for form in FORMS}
     both = seen & np.logical_and.reduce([panel[..., 3] == 1 for panel in panels.values()])
@@ -253,7 +259,7 @@ def _compare(
         found = sharpness(picture, truth, both)
         if found is not None:
             pair.sharpness[form].append(found)
-        pool.submit((pair.warp, form, number), QualityJob(Compared(picture, truth, inputs.shown)))
+        setup.hand_in(pool, (pair.warp, form, number), QualityJob(Compared(picture, truth, inputs.shown)))
 
 
 def _fused_row(pair: _Pair, numbers: list[int], pool: QualityPool) -> dict[str, Any]:

@@ -23,16 +23,7 @@ EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""
 _OF_EVERY_RUN = (
-    *(
-        "scene_options",
-        "sequence_options",
-        "trace_options",
-        "samples",
-        "sample_depth",
-        "client_motion",
-        "input",
-        "cache",
-    ),
+    *("scene_options", "sequence_options", "trace_options", "samples", "sample_depth", "client_motion", "input"),
     *("headset", "rate_hz", "seconds", "jod_s"),
 )
 _RUN = attrs.fields(RunOptions)

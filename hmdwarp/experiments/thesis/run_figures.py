@@ -25,7 +25,7 @@ from ...gpu.textures import download
 from ...headsets import load_headset
 from ...link import Bandwidth, LinkOptions, StageTimes
 from ...link.codec import Coding
-from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, Measurement, QualityJob, hole_share, metrics, psnr_db
+from ...metrics import LEAST_STEP, RELATIVE_STEP, Compared, flicker, hole_share, psnr_db
 from ...pipeline.loop import Refresh
 from ...pipeline.planning import build_plan_for
 from ...pipeline.sizes import refreshes_of
@@ -252,7 +252,7 @@ class _Seen:
 
     @classmethod
     def of(cls, setup: ReplaySetup, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
-        drawn = setup.truth.at(refresh.inputs[eye], depth=is_measured)
+        drawn = setup.truth(refresh.inputs[eye], depth=is_measured)
         frame = refresh.frame.eyes[eye]
         late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
         return cls(refresh, eye, drawn.picture, drawn.inverse_depth, late, depth)
@@ -310,8 +310,7 @@ class _Watcher:
             "flicker": None,
         }
         if self._before is not None:
-            job = Measurement(QualityJob(now, self._before), self._setup.pixels_per_degree)
-            found["flicker"] = metrics.get("flicker").compute(job)
+            found["flicker"] = flicker(now.error, now.view, self._before.error, self._before.view)
         if seen.late.shape == now.shown.shape and there.any():
             truth = now.truth[there][None]
             found["gain_db"] = psnr_db(now.shown[there][None], truth) - psnr_db(seen.late[there][None], truth)

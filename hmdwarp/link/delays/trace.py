@@ -51,21 +51,21 @@ class DelayTrace(DelayModel):
         return (round(delay * 1e6) for delay in itertools.cycle(self.delays_ms))
 
 
-def read_delays(path: Path, what: str = "delay") -> list[float]:
+def read_delays(path: Path) -> list[float]:
     """Read the delays in ms of a text file with one number a line, or of a browser's session.jsonl.
 
-    # starts a comment; the first line may be a heading. what: what a number is, for messages.
+    # starts a comment; the first line may be a heading.
     Errors: InputError with file, line and value, and for several sessions.
     """
-    text = text_in(path, attrs.evolve(DELAYS, what=f"a trace with one {what} in milliseconds a line"))
+    text = text_in(path, DELAYS)
     read = _of_session if text.startswith("{") else _numbers
-    delays = list(read(path, text.splitlines(), what))
+    delays = list(read(path, text.splitlines()))
     if not delays:
-        raise InputError(f"{path}: holds no {what}; expected one number of milliseconds a line")
+        raise InputError(f"{path}: holds no delay; expected one number of milliseconds a line")
     return delays
 
 
-def _of_session(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
+def _of_session(path: Path, lines: Iterable[str]) -> Iterator[float]:
     """Yield the delays in lines of JSON as `hmdwarp serve --web` writes them, of one session."""
     sessions: dict[str, None] = {}
     for number, line in enumerate(lines, start=1):
@@ -73,15 +73,15 @@ def _of_session(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
         delays = said.get("delays_ms") if isinstance(said, dict) else None
         if isinstance(delays, list):
             sessions[str(said.get("session"))] = None
-            yield from (_delay(path, number, str(delay), what) for delay in delays)
+            yield from (_delay(path, number, str(delay)) for delay in delays)
     if len(sessions) > 1:
         some = ", ".join([*sessions][:8])
         raise InputError(
-            f"{path}: {what}s of {len(sessions)} sessions ({some}): keep the lines of one, as grep does by its name"
+            f"{path}: delays of {len(sessions)} sessions ({some}): keep the lines of one, as grep does by its name"
         )
 
 
-def _numbers(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
+def _numbers(path: Path, lines: Iterable[str]) -> Iterator[float]:
     may_be_heading, found = True, 0
     for number, line in enumerate(lines, start=1):
         text = line.partition("#")[0].strip()
@@ -92,8 +92,8 @@ def _numbers(path: Path, lines: Iterable[str], what: str) -> Iterator[float]:
             continue
         found += 1
         if found > _MOST_LINES:
-            raise InputError(f"{path}: line {number}: expected at most {_MOST_LINES} {what}s")
-        yield _delay(path, number, text, what)
+            raise InputError(f"{path}: line {number}: expected at most {_MOST_LINES} delays")
+        yield _delay(path, number, text)
 
 
 def _is_heading(text: str) -> bool:
@@ -101,7 +101,7 @@ def _is_heading(text: str) -> bool:
     return text[:1].isalpha() and text.lower() not in ("nan", "inf", "infinity")
 
 
-def _delay(path: Path, number: int, text: str, what: str) -> float:
+def _delay(path: Path, number: int, text: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -109,6 +109,6 @@ def _delay(path: Path, number: int, text: str, what: str) -> float:
     if not 0 <= value <= LONGEST_MS:
         shown = text if len(text) <= 40 else text[:37] + "..."
         raise InputError(
-            f"{path}: line {number}: '{shown}': expected one {what} in milliseconds, from 0 to {LONGEST_MS:g}"
+            f"{path}: line {number}: '{shown}': expected one delay in milliseconds, from 0 to {LONGEST_MS:g}"
         )
     return value

@@ -1,5 +1,8 @@
 """FLIP, the mean of its map; see flip_map."""
 
+import numpy as np
+
+from ..job import Input
 from ..metric import Metric, metrics
 
 metrics.register(
@@ -7,7 +10,8 @@ metrics.register(
         name="flip",
         order=30,
         most=1.0,
-        compute=lambda m: m.flip[0],
+        compute=lambda m: float(m.alike.flip_map.mean(dtype=np.float64)),
+        needs=Input.TRUTH | Input.ALIKE,
         label="FLIP",
         bench_rank=float("inf"),
         tile_note="lower is better, 0 is identical",

@@ -1,12 +1,14 @@
 """SSIM: structural similarity of a picture to the truth, over all pixels."""
 
+from ..job import Input
 from ..metric import Metric, metrics
 
 metrics.register(
     Metric(
         name="ssim",
         order=20,
-        compute=lambda m: m.ssim,
+        compute=lambda m: m.alike.ssim,
+        needs=Input.TRUTH | Input.ALIKE,
         of_seen_share=lambda value, share: 1 - (1 - value) / share,
         higher_is_better=True,
         least=-1.0,

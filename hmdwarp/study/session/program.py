@@ -16,13 +16,14 @@ from ...display import Closed, Display
 from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...resources import __version__
-from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
+from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
 from ..console.line_console import Console
 from ..console.terminal_console import make_console
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.buttons import ACTING_CONTROLS, CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
 from ..store import INTERRUPTED, PILOT, SIMULATED, Session, Store, store_folder
+from .markers import MarkerStream, load_lsl, marker_stream
 from .runner import Interrupted, SessionRunner
 from .session_context import CommandSources, SessionContext
 from .session_options import SessionOptions
@@ -74,7 +75,7 @@ def run_session(
         controls = ACTING_CONTROLS if any(map(scene_reacts, design.part(part).conditions)) else CONTROLS
         where = (live, sources[live.scene_key], watchdog.watching, console.say, controls)
         display = stack.enter_context(closing(open_display(*where, briefly=True)))
-        markers: Markers = NoMarkers()
+        markers = None
         if options.lsl:
             about = {"study": design.name, "title": design.title}
             name = f"hmdwarp study {design.name}"
@@ -126,7 +127,7 @@ class _Program:
     console: Console
     words: ClosingWords
     display: Display
-    markers: Markers
+    markers: MarkerStream | None
     live: LiveOptions  # between trials there is no pipeline, but the driver asks for these options
     answers_for: Callable[[Session], Respondent]
     sources: dict[SceneKey, Source]  # those that are open
@@ -153,8 +154,9 @@ class _Program:
         else:
             runner.farewell(self.words.session.status)
         finally:
-            who = {"participant": session.sub, "session": session.number}
-            self.markers.send("session_end", self.display.now_ns(), **who, status=self.words.session.status)
+            if self.markers is not None:
+                who = {"participant": session.sub, "session": session.number}
+                self.markers.send("session_end", self.display.now_ns(), **who, status=self.words.session.status)
         return self.words.session
 
     def _session(self) -> Session:

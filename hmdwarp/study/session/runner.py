@@ -10,7 +10,7 @@ from typing import TypeVar
 import attrs
 
 from ...display import Closed
-from ...run import Driver, Ending, check_received
+from ...run import Driver, Ending
 from ..design import Ask, Page, PageStep, Pause, Read, Show, Sickness, Step, reading_s
 from ..dialogs.buttons import InputHints
 from ..dialogs.choice_dialogs import AGAIN, BREAK, CONTINUE, SKIP, STOP
@@ -199,7 +199,8 @@ class SessionRunner:
         while True:
             if step.after and self._just_seen != step.after:
                 self._show(self._show_of(step.after))
-            check_received(context.markers, context.say)
+            if context.markers is not None and not context.markers.are_received:
+                context.say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
             panel = number_panel(step, context.steps, self.hints, context.found)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))

@@ -11,12 +11,12 @@ import attrs
 from ...display import Command, Display, Status
 from ...geometry import Pose
 from ...poses import Origin, PoseSample
-from ...run import Markers, NoMarkers
 from ..console.line_console import Console, ConsoleState
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Design, Show, Step
 from ..respondents import Respondent
 from ..store import PILOT, SIMULATED, Session, Store
+from .markers import MarkerStream
 from .wording import step_name
 
 PARTICIPANT, EXPERIMENTER, RESPONDENT = "participant", "experimenter", "simulated"  # who sends commands
@@ -61,7 +61,7 @@ class SessionContext:
     sources: CommandSources
     steps: tuple[Step, ...]  # all of the session
     done: set[str]  # keys of the steps that are over
-    markers: Markers = attrs.field(factory=NoMarkers)
+    markers: MarkerStream | None = None
     shown: Show | None = None  # the step shown last
     break_due: bool = False  # whether a requested break waits for the end of the trial
     found: tuple[int, int] | None = None  # targets that were found in the last trial, and all of it
@@ -101,8 +101,9 @@ class SessionContext:
 
     def mark(self, event: str, step: Step, at_ns: int, **data: object) -> None:
         """Send a marker of the step, with the word that stands for the participant in exports."""
-        who = {"participant": self.session.sub, "session": self.session.number}
-        self.markers.send(event, at_ns, step=step.key, **who, **data)
+        if self.markers is not None:
+            who = {"participant": self.session.sub, "session": self.session.number}
+            self.markers.send(event, at_ns, step=step.key, **who, **data)
 
     def remark(self, by: str, command: Command, step: Step) -> None:
         """Keep a remark."""

@@ -8,8 +8,8 @@ from pathlib import Path
 import attrs
 
 from ...errors import InputError
-from ...options import Declared, as_path, one_of, option, same_as
-from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES, LiveOptions
+from ...options import Declared, as_path, one_of, option
+from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
 from ..console.line_console import KINDS as CONSOLES
 from ..store import PERSON, PILOT, SIMULATED
 
@@ -41,7 +41,7 @@ class SessionOptions(Declared):
         "Experimenter's console: terminal, browser, lines, none; auto: terminal if possible.",
         valid=one_of(*CONSOLES),
     )
-    lsl: bool = same_as(attrs.fields(LiveOptions).lsl)
+    lsl: bool = option(False, "Send markers to the Lab Streaming Layer (pip install '.[lsl]').")
 
     def __attrs_post_init__(self) -> None:
         if self.resume and self.new_session:

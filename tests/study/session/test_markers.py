@@ -6,13 +6,13 @@ import sys
 
 import numpy as np
 import pytest
-from run.lsl import lsl_on_this_machine, receiving, with_lsl  # noqa: F401
 from run.offscreen import PERIOD_NS
 
 from hmdwarp.display.offscreen import AHEAD
 from hmdwarp.errors import MachineError
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 
+from .lsl import lsl_on_this_machine, receiving, with_lsl  # noqa: F401
 from .sessions import Person, contents, run, study, whole
 
 ROUNDING_S = 1e-8  # a double of the seconds that a machine is up

@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from hmdwarp.run import MarkerStream
+from hmdwarp.study.session.markers import MarkerStream
 
 from .lsl import lsl_on_this_machine, receiving, with_lsl  # noqa: F401
 

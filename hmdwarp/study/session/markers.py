@@ -1,4 +1,4 @@
-"""Markers of a run as a stream of the Lab Streaming Layer (LSL), stamped with the display's time.
+"""Markers of a session as a stream of the Lab Streaming Layer (LSL), in the display's time.
 
 LSL joins what several devices record (EEG, eye trackers, force plates) by stamps on one clock.
 Source: Kothe et al. 2025, The lab streaming layer for synchronized multimodal recording, Imaging
@@ -10,47 +10,20 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any
 
 import attrs
 
-from ..display import Display
-from ..errors import MachineError
-from ..resources import import_extra
-from .options import OFFSCREEN
+from ...display import Display
+from ...errors import MachineError
+from ...resources import import_extra
+from ...run import OFFSCREEN
 
-Say = Callable[[str], None]
 EXTRA = "lsl"
 TYPE = "Markers"  # of the stream, by which recorders know it
 READINGS = 8  # of both clocks for each conversion; the closest counts
-# For what is on its way when a run ends: the library drops it where the stream closes at once.
+# For what is on its way when a session ends: the library drops it where the stream closes at once.
 LEAVING_S = 0.5
-
-
-class Markers(Protocol):
-    """Where the markers of a run go."""
-
-    @property
-    def are_received(self) -> bool:
-        """Whether any program receives them now; what was sent before is lost to it."""
-
-    def send(self, event: str, at_ns: int, **data: object) -> None:
-        """Send a marker. at_ns: when it happened, on the display's clock; may lie ahead."""
-
-
-class NoMarkers:
-    """Markers that are not wanted."""
-
-    are_received = True
-
-    def send(self, event: str, at_ns: int, **data: object) -> None:
-        """Do nothing."""
-
-
-def check_received(markers: Markers, say: Say) -> None:
-    """Tell the user where no program receives the markers."""
-    if not markers.are_received:
-        say("no program receives the markers: start the recorder")
 
 
 def load_lsl() -> Any:
@@ -149,60 +122,3 @@ def marker_stream(display: Display, name: str, about: Mapping[str, str]) -> Mark
     """
     facts = {**about, "display": display.name, "rate_hz": f"{display.rate_hz:g}"}
     return MarkerStream(name, facts, display.now_ns, is_simulated=display.name == OFFSCREEN)
-
-
-class LiveMarkers:
-    """Send the markers of a live run.
-
-    What happens between two pictures is stamped with the instant at which the second is seen: from
-    there on it shows.
-    """
-
-    def __init__(self, markers: Markers, say: Say = lambda text: None) -> None:
-        """Send to `markers`. say: called with a sentence where no program receives them."""
-        self._markers, self._say = markers, say
-        self._pending: list[tuple[str, dict[str, Any]]] = []
-        self._last_ns: int | None = None  # when the last picture is seen
-        self._pictures = 0
-        self._settings_known = False  # to a program that receives the markers
-
-    def picture(self, shown_ns: int, settings: Mapping[str, object]) -> None:
-        """Add a picture: when it is seen, and the value of each control."""
-        if self._last_ns is None:
-            check_received(self._markers, self._say)
-            self._markers.send("run_start", shown_ns, **settings)
-            self._settings_known = self._markers.are_received
-        elif not self._settings_known and self._markers.are_received:
-            self._markers.send("settings", shown_ns, pictures=self._pictures, **settings)
-            self._settings_known = True
-        for event, data in self._pending:
-            self._markers.send(event, shown_ns, **data)
-        self._pending.clear()
-        self._last_ns = shown_ns
-        self._pictures += 1
-
-    def missed(self, count: int) -> None:
-        """Add refreshes that passed without a new picture."""
-        if count and self._last_ns is not None:
-            self._pending.append(("missed", {"count": count}))
-
-    def changed(self, what: Mapping[str, list[object]], reason: str) -> None:
-        """Add a change of settings: [before, after] by name. reason: "" for a change by hand."""
-        if what and self._last_ns is not None:
-            after = {name: value for name, (_, value) in what.items()}
-            self._pending.append(("change", {**after, "reason": reason or "by hand"}))
-
-    def on_display_lost(self, why: str) -> None:
-        """Add the loss of the display, at the last picture before it."""
-        if self._last_ns is not None:
-            self._markers.send("display_lost", self._last_ns, why=why)
-
-    def came_back(self) -> None:
-        """Add the return of the display, at the first picture after it."""
-        if self._last_ns is not None:
-            self._pending.append(("display_back", {}))
-
-    def end(self) -> None:
-        """Add the end, at the last picture."""
-        if self._last_ns is not None:
-            self._markers.send("run_end", self._last_ns, pictures=self._pictures)
