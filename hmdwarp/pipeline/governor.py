@@ -230,7 +230,6 @@ class AdaptiveCompensator:
     def __init__(self, governor: Governor, compensators: Mapping[QualityLevel, Compensator]) -> None:
         self._governor, self._compensators = governor, dict(compensators)
         self.changes: list[Change] = []
-        self._first_ms = governor.level.total_ms
 
     @property
     def gpu(self) -> Gpu:
@@ -240,21 +239,6 @@ class AdaptiveCompensator:
     def plan(self) -> Plan:
         """The plan of the next refresh."""
         return self._running.plan
-
-    @property
-    def levels(self) -> tuple[QualityLevel, ...]:
-        """All levels, from cheapest to most accurate."""
-        return self._governor.levels
-
-    @property
-    def budget_ms(self) -> float:
-        """Time budget of one eye at a refresh."""
-        return self._governor.budget_ms
-
-    @property
-    def share_of_first(self) -> float:
-        """How long the current level is expected to take, of the time of the first one."""
-        return self._governor.level.total_ms / self._first_ms
 
     @property
     def _running(self) -> Compensator:

@@ -219,10 +219,10 @@ class LateClient:
 
     def _next_ms(self, number: int) -> float:
         """Return how long the client takes for the picture that it begins now."""
-        given, auto = self._misses.times_ms, self._setup.auto
+        given = self._misses.times_ms
         if not given:
             return sum(ms for stages in self._made.stage_ms for _, ms in stages) if self._made is not None else 0.0
-        return given[number % len(given)] * (auto.share_of_first if auto is not None else 1.0)
+        return given[number % len(given)]
 
     def _again(self, made: Refresh, instant_ns: int, *, stale: bool) -> Refresh:
         refresh = self._setup.loop.again(made, instant_ns)

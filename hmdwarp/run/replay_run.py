@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -34,7 +33,6 @@ from .misses import about_misses, about_without
 from .options import MOST_COMPARED, RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED, ReplayResult, compare, result_of, write_results
-from .short_bench import decided
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -54,6 +52,8 @@ def replay(
     software.
     """
     options = RunOptions.checked(options)
+    if AUTO in (options.warp, options.guard):
+        raise InputError("warp or guard 'auto': choose(options).options names what it stands for in a run")
     with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
         return _replay(options, out, progress, say)
 
@@ -63,9 +63,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     if compares_governor:
         _check_governed(options)
     source = source_of(options)
-    options, choice = decided(options, source, say)
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
-        setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         workers = worker_count(options.workers)
         with QualityPool(
             workers, setup.pixels_per_degree, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key)

@@ -20,7 +20,6 @@ from ..headsets import Headset
 from ..metrics import PairPass, QualityJob, QualityPool
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
-from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
 from ..pipeline.proxy import source_of
@@ -105,11 +104,6 @@ class ReplaySetup:
     def loop(self) -> Loop:
         """The loop over refreshes."""
         return self.pipeline.loop
-
-    @property
-    def auto(self) -> AdaptiveCompensator | None:
-        """Chooses the warp; None where the options name one."""
-        return self.pipeline.auto
 
     @property
     def pixels_per_degree(self) -> float:
