@@ -19,6 +19,7 @@ from .poses import PoseTrack as PoseTrack
 from .poses import load_trace as load_trace
 from .resources import __version__ as __version__
 from .run import RunOptions as RunOptions
+from .run import choose as choose
 from .run import replay as replay
 from .scenes import Panel as Panel
 from .sources import sequences as sequences

@@ -585,7 +585,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 
 def _results() -> Iterator[tuple[str, Target]]:
     from hmdwarp.link.delays.trace import read_delays
-    from hmdwarp.run.bench_levels import read_rows
+    from hmdwarp.pipeline.levels import read_rows
     from hmdwarp.study.analysis.table_ratings import from_csv
 
     def bench(folder: Path) -> None:

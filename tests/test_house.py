@@ -176,8 +176,8 @@ def test_every_part_has_its_place():
     assert not homeless, f"say in FLOORS of this file where {sorted(homeless)} stands"
 
 
-# Lines of Python in each room: today's bound, and the budget that the room is to reach. A room that is
-# done has its budget as its bound. Bounds go down alone.
+# Lines of Python in each room: today's bound, and the budget that the room is to reach. A room
+# that is done has its budget as its bound. Bounds go down alone.
 ROOMS = {
     "sources": (12546, 8500),
     "run": (8965, 5400),

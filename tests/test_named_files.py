@@ -30,11 +30,11 @@ from hmdwarp.headsets import load_headset
 from hmdwarp.link.delays.trace import read_delays
 from hmdwarp.options import opened, text_in
 from hmdwarp.options.named_files import TABLE, allow_outside
+from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.poses import load_trace
 from hmdwarp.poses.reading import file_head
 from hmdwarp.poses.reading import pose_messages as bags
 from hmdwarp.resources import folder as shipped
-from hmdwarp.run.bench_levels import read_rows
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
 from hmdwarp.sources.feed.key_pairs import public_key

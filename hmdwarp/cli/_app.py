@@ -29,6 +29,7 @@ COMMANDS = {
     "thesis": ("experiments", "thesis"),
     "list": ("listing", "list_"),
     "plan": ("plan", "plan"),
+    "choose": ("runs", "choose"),
     "doctor": ("doctor", "doctor"),
     "study": ("study", "app"),
     "trace": ("trace", "app"),

@@ -23,11 +23,9 @@ def instead_of(arguments: Sequence[str]) -> str | None:
 
 
 def _holds(words: Sequence[str], key: Sequence[str]) -> bool:
-    """Return whether the command comes first in the line, and the option anywhere, its value right after it."""
+    """Return whether the command comes first, and the option anywhere, its value right after."""
     start = next((at for at, word in enumerate(key) if word.startswith("--")), len(key))
     command, option = key[:start], key[start:]
     if len(words) < len(command) or not all(map(fnmatchcase, words, command)):
         return False
-    return any(
-        len(words) >= at + len(option) and all(map(fnmatchcase, words[at:], option)) for at in range(len(words))
-    )
+    return any(len(words) >= at + len(option) and all(map(fnmatchcase, words[at:], option)) for at in range(len(words)))

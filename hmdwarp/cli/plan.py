@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -35,13 +34,15 @@ def plan(said: Said) -> None:
     if said["lens"] is None and told:
         said["lens"] = "none"
     options = kind.of(said)
+    if options.warp == AUTO:
+        raise InputError("plan --warp auto: 'hmdwarp choose' with the same options names warp and fill; plan those")
     frames = pipeline.source_of(options)
     options = frames.fitted(options)
     slow, noted = list(scenes.slow_in(frames.scene)), [*frames.notes, *frames.scene.notes]
-    about = (_auto if options.warp == AUTO else _passes)(options, frames, told)
+    about = _passes(options, frames, told)
     eyes = headset_facts(frames.headset)
     if said["json"]:
-        names = ("scene", "indirect", "warp", *(() if options.warp == AUTO else ("fill",)), "lens", "headset")
+        names = ("scene", "indirect", "warp", "fill", "lens", "headset")
         chosen = {name: getattr(options, name) for name in names}
         notes = [*about.notes, *noted]
         typer.echo(as_json({"source": source, **chosen, "eyes": eyes, **about.data, "slow": slow, "notes": notes}))
@@ -115,58 +116,6 @@ def _assumed(source: str, headset: str) -> list[tuple[str, str]]:
             "all",
         )
     ]
-
-
-def _auto(options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
-    """Return what warp auto would choose from, as far as that is known without running anything."""
-    from ..run.short_bench import INSTANTS, candidates
-
-    if options.bench is not None:
-        return _auto_from_file(options.bench, options, source, told)
-    pairs = [(c.warp, c.fill if c.plan.fills else "none") for c in candidates(options, source)]
-
-    def show() -> None:
-        names = ", ".join(warp if fill == "none" else f"{warp} + {fill}" for warp, fill in pairs)
-        paragraph(f"Warp auto would first try these {len(pairs)} at {INSTANTS} instants of the run: {names}.")
-        paragraph(
-            f"It would begin with the most accurate that takes at most {options.budget_ms:g} ms for one eye, and "
-            "keep to that time."
-        )
-
-    tried = [{"warp": warp, "fill": fill} for warp, fill in pairs]
-    return _About({"budget_ms": options.budget_ms, "instants": INSTANTS, "tries": tried}, show)
-
-
-def _auto_from_file(bench: Path, options: PipelineOptions, source: pipeline.Source, told: dict[str, Any]) -> _About:
-    from ..pipeline.levels import best_within
-    from ..pipeline.planning import plans_for
-    from ..run import levels_from_file
-
-    found = levels_from_file(bench, options, None)
-    first = best_within(found.levels, options.budget_ms)
-    chosen = attrs.evolve(options, levels=found.levels)
-    frame = pipeline.frame_weight(options, source.headset, plans_for(chosen, source.headset, source.scene, **told))
-
-    def show() -> None:
-        typer.echo("Warp auto would choose from these, each slower and more accurate than the one before:")
-        marks = ["; it would begin here" if number == first else "" for number in range(len(found.levels))]
-        in_columns(
-            (
-                (str(r), f"{r.total_ms:.2f} ms per eye, mean FLIP {r.error:.4f}{mark}")
-                for r, mark in zip(found.levels, marks, strict=True)
-            ),
-            indent=2,
-        )
-        for note in found.notes:
-            paragraph(f"note: {note}")
-        in_columns(_weights(frame))
-
-    levels = [
-        {"warp": r.warp, "fill": r.fill, "total_ms": r.total_ms, "flip": r.error, "psnr_db": r.psnr_db}
-        for r in found.levels
-    ]
-    data = {"budget_ms": options.budget_ms, "levels": levels, "begins_with": first, "frame": frame}
-    return _About(data, show, list(found.notes))
 
 
 def _weights(frame: dict[str, Any]) -> list[tuple[str, str]]:

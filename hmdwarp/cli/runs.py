@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import sys
 from functools import partial
+from typing import Any
 
+import attrs
 import typer
 
 from .. import run
+from ..errors import InputError
+from ..options import AUTO
 from ..run.options import LiveOptions, ProxyRunOptions, RecordOptions, RunOptions, ServeOptions
 from ..run.requirements import Baseline, Requirements, hold
-from ._options import QUIET, Said, command_line, takes
+from ._options import JSON, QUIET, Said, as_json, command_line, takes
 from ._show import sayer
 
 
@@ -17,6 +22,9 @@ from ._show import sayer
 def replay(said: Said) -> None:
     """Replay a head trace with late frames, warp each to the newest pose, and measure it."""
     options, required, baseline = RunOptions.of(said, command=command_line()), Requirements.of(said), Baseline.of(said)
+    if AUTO in (options.warp, options.guard):
+        choice = run.choose(options, sayer(said["quiet"]))
+        options = _told(choice, quiet=said["quiet"])
     required.prepare(force=options.force, has_baseline=baseline.baseline is not None)
     stored = baseline.stored(options.out)
     result = _replay(options, said["quiet"])
@@ -41,6 +49,51 @@ def _replay(options: RunOptions, quiet: bool) -> run.ReplayResult:
         typer.echo(f"note: {note}")
     typer.echo(f"report: {result.report}")
     return result
+
+
+@takes(RunOptions, JSON, QUIET)
+def choose(said: Said) -> None:
+    """Choose warp, fill and guard band for a budget, and print the replay that has them.
+
+    For --budget, or that of --client: by --bench, else by a short bench on a few instants of this
+    run. 'replay --warp auto' does the same and runs it.
+    """
+    if said["warp"] not in (None, AUTO):
+        raise InputError(f"choose --warp {said['warp']}: it names the warp; leave --warp out")
+    said["warp"] = AUTO
+    if said["guard"] is None and not said["wide"] and said["rendered_size"] is None:
+        said["guard"] = AUTO
+    options = RunOptions.of(said)
+    choice = run.choose(options, sayer(said["quiet"] or said["json"]))
+    if said["json"]:
+        typer.echo(as_json(_entry(options, choice)))
+    else:
+        _told(choice)
+
+
+def _entry(options: RunOptions, choice: run.Choice) -> dict[str, Any]:
+    """Return the choice for programs. Levels have the keys that bench.json's rows have."""
+    level, *_ = levels = [
+        {"warp": one.warp, "fill": one.fill, "total_ms": one.total_ms, "flip": one.error, "psnr_db": one.psnr_db}
+        for one in (choice.level, *choice.levels)
+        if one is not None
+    ]
+    return {
+        "command": choice.command(sys.argv[2:]),
+        "budget_ms": options.budget_ms,
+        "guard": choice.options.guard,
+        **level,
+        "levels": levels[1:],
+        "notes": choice.notes,
+    }
+
+
+def _told(choice: run.Choice, *, quiet: bool = False) -> RunOptions:
+    """Print what was chosen and why; return the options that name it."""
+    command = choice.command(sys.argv[2:])
+    if not quiet:
+        typer.echo("\n".join((command, *choice.notes)))
+    return attrs.evolve(choice.options, command=command)
 
 
 @takes(LiveOptions, QUIET)

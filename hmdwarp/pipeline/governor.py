@@ -241,16 +241,6 @@ class AdaptiveCompensator:
         return self._running.plan
 
     @property
-    def levels(self) -> tuple[QualityLevel, ...]:
-        """All levels, from cheapest to most accurate."""
-        return self._governor.levels
-
-    @property
-    def budget_ms(self) -> float:
-        """Time budget of one eye at a refresh."""
-        return self._governor.budget_ms
-
-    @property
     def _running(self) -> Compensator:
         return self._compensators[self._governor.level]
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 import attrs
 
+from .. import report
 from ..errors import NO_NUMBERS, InputError, in_brief
+from ..options.documents import json_in
+from ..options.named_files import RESULTS
 
 # The keys that two rows must share for their figures to be comparable.
 _CASE = (
@@ -201,3 +205,22 @@ def front(levels: list[QualityLevel]) -> tuple[QualityLevel, ...]:
         if not front or level.error < front[-1].error:
             front.append(level)
     return tuple(front)
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Return the rows of a bench.json, less those of strategies.
+
+    Errors: InputError naming the file and its fault.
+    """
+    wanted = attrs.evolve(RESULTS, what="the bench.json that hmdwarp bench wrote")
+    bench = json_in(path, wanted)
+    if not isinstance(bench, dict) or not isinstance(bench.get("rows"), list):
+        raise InputError(f"{path}: it has no list of 'rows'; expected the bench.json that hmdwarp bench wrote")
+    if bench.get("schema") != report.SCHEMA:
+        found = f"its schema is {bench.get('schema')!r}, this program reads {report.SCHEMA}"
+        raise InputError(f"{path}: {found}: run hmdwarp bench again")
+    for number, row in enumerate(bench["rows"]):
+        faults = report.summary_faults(row)
+        if faults:
+            raise InputError(f"{path}: row {number}: {'; '.join(faults)}")
+    return [row for row in bench["rows"] if not row.get("strategy")]

@@ -276,7 +276,7 @@ class PipelineOptions(Declared):
         study=DISPLAY,
         heading=DISPLAYED,
     )
-    # "auto" is replaced by a number before a run is built, see run.short_bench.
+    # "auto" is replaced by a number before a run is built, see run.choose.
     guard: Guard | str = guard_field(
         attrs.Factory(lambda self: default_guard(self.warp), takes_self=True),
         f" auto: as the trace needs. [default: {DEFAULT_GUARD:g}; 1 with warp none]",
@@ -349,7 +349,7 @@ class PipelineOptions(Declared):
         valid=Number(),
         heading=RENDERING,
     )
-    # What warp "auto" chooses from: decided before a run is set up, see run.short_bench.decided.
+    # What warp "auto" chooses from: of a live run, by the benchmark.
     levels: tuple[QualityLevel, ...] = ()
 
     def __attrs_post_init__(self) -> None:

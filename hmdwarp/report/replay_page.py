@@ -20,7 +20,6 @@ from .page import (
     Page,
     Picture,
     Section,
-    Terms,
     Text,
     Tile,
     fact,
@@ -57,7 +56,6 @@ _MOTION_CHARTS = (
     ("Linear speed of the head", "linear_speed_m_s", "m/s"),
 )
 _SCALE = Markup(f"<span>0 no visible error</span><i></i><span>FLIP {ERROR_TOP:g} and more</span>")
-_LEVEL_HEADS = ("expected, ms", "expected FLIP", "share of refreshes")
 
 
 @attrs.frozen(eq=False)
@@ -115,7 +113,6 @@ def render_report(
             _worst_frames(worst, EYES if summary.get("eyes", 2) == 2 else ("camera",)),
             _figures(summary, baselines, names),
             _regions(summary),
-            _levels(summary),
             transit_section(summary, ("Holes, of all pixels", filled_rows(summary)),
                             ("On the client, uncompressed", model_rows(summary))),
             Section("Over time", [Group("charts", charts), Text(about_charts)]),
@@ -219,28 +216,6 @@ def _cells(cells: Sequence[tuple[str, str]], best: int | None) -> list[Cell]:
     return made
 
 
-def _levels(summary: Summary) -> Section | None:
-    """Return the levels and changes of warp "auto"; None for a run of one warp."""
-    if "auto" not in summary:
-        return None
-    auto, notes = summary["auto"], texts("replay")["notes"]
-    lines = [
-        (
-            level["name"],
-            f"{level['total_ms']:.2f}",
-            f"{level['flip']:.4f}",
-            f"{level['refreshes'] / summary['frames']:.1%}",
-        )
-        for level in auto["ladder"]
-    ]
-    heads = [(f"within {auto['budget_ms']:g} ms per eye", ""), *((head, "") for head in _LEVEL_HEADS)]
-    changes = [(f"{c['time_s']:.2f} s: {c['to']}", f"{c['reason']}.") for c in auto["changes"]]
-    table = Table.of("", heads, lines, label="Chosen warps")
-    return Section(
-        "Chosen warps", [table, Text(notes["ladder"]), Terms(changes, "changes") if changes else Text(notes["kept"])]
-    )
-
-
 def transit_section(summary: Summary, *more: tuple[str, Sequence[tuple[str, str]]]) -> Section | None:
     """Return the section on the frames in transit. more: heading and pairs of further tables."""
     response = response_rows(summary)
@@ -275,9 +250,9 @@ def _charts(summary: Summary, names: list[str], rows: Rows, baselines_rows: Sequ
         series = [Series.of(name, its_rows, metric.name, metric.scale) for name, its_rows in drawn]
         svg = time_series(series, metric.chart_unit, from_zero=metric.chart_from_zero)
         charts.append(Chart.over_time(metric.chart, svg))
-    others = [*_MOTION_CHARTS, *([("Time per eye", "total_ms", "ms")] if "auto" in summary else [])]
     return charts + [
-        Chart.over_time(heading, time_series([Series.of("", rows, name)], unit)) for heading, name, unit in others
+        Chart.over_time(heading, time_series([Series.of("", rows, name)], unit))
+        for heading, name, unit in _MOTION_CHARTS
     ]
 
 

@@ -1,5 +1,10 @@
-from .bench_levels import LevelSet as LevelSet
-from .bench_levels import levels_from_file as levels_from_file
+from .choosing import Choice as Choice
+from .choosing import Guard as Guard
+from .choosing import LevelSet as LevelSet
+from .choosing import choose as choose
+from .choosing import levels_by_short_bench as levels_by_short_bench
+from .choosing import levels_from_file as levels_from_file
+from .choosing import needed_factors as needed_factors
 from .combinations import Combination as Combination
 from .ending import Ending as Ending
 from .ending import Watchdog as Watchdog
@@ -40,7 +45,4 @@ from .replay_setup import set_up_replay as set_up_replay
 from .serve_run import serve as serve
 from .setup import EmulatedScreen as EmulatedScreen
 from .setup import RunSetup as RunSetup
-from .short_bench import Guard as Guard
-from .short_bench import levels_by_short_bench as levels_by_short_bench
-from .short_bench import needed_factors as needed_factors
 from .truth import draw_truth as draw_truth

@@ -25,7 +25,7 @@ from ..pipeline.source import Source
 from ..poses import Origin, PoseSample
 from ..poses.track import LoopedSource, Moment
 from ..scenes import ACTIONS, GRAB, PUSH, RELEASE, InputEvent, SceneOptions, scenes
-from .bench_levels import levels_from_file
+from .choosing import levels_from_file
 from .options import BOTH, FLAT, OFFSCREEN, LiveOptions
 from .setup import EmulatedScreen, RecentPoses, RunSetup
 
@@ -58,7 +58,7 @@ def on_screen(options: LiveOptions, screen: Display | EmulatedScreen) -> LiveOpt
         lens = headset.lens.model if headset is not None and headset.lens is not None else "none"
     if options.bench is not None:
         sized = attrs.evolve(options, lens="none", size=options.size or screen.size)
-        options = attrs.evolve(options, levels=levels_from_file(options.bench, sized, None).levels)
+        options = attrs.evolve(options, levels=levels_from_file(options.bench, sized).levels)
     return attrs.evolve(options, lens=lens)
 
 

@@ -18,6 +18,7 @@ from ..display import Display
 from ..errors import counted
 from ..gpu.textures import download
 from ..metrics import aggregate_columns, middle_and_tail
+from ..options import AUTO
 from ..pipeline.loop import Refresh
 from ..report import OutputFolder
 from .frame_rows import STAGE_COLUMNS
@@ -25,7 +26,7 @@ from .host import PipelineHost
 from .live_figures import OF_EYE, Events, LiveFigures, Thinned
 from .misses import MEASURED, STANDS, TURNED
 from .options import OPENXR, LiveOptions
-from .run_summary import EYES, Facts, chosen_passes
+from .run_summary import EYES, Facts
 
 if TYPE_CHECKING:
     import numpy as np
@@ -135,7 +136,8 @@ def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, picture
     }
     if (acted := figures.answers.entry())["count"]:
         more |= {"input": acted, "notes": [*more["notes"], figures.answers.note()]}
-    return facts.shared.summary(chosen_passes(options, facts.lens), frames, more)
+    fill = AUTO if options.warp == AUTO else options.fill
+    return facts.shared.summary((options.warp, fill, facts.lens), frames, more)
 
 
 def _live(facts: LiveFacts, frames: int, figures: LiveFigures) -> dict[str, Any]:

@@ -199,11 +199,8 @@ class Probe:
             self._empty.setdefault(name, []).append(_hole_share(alpha))
 
     def filled_shares(self) -> dict[str, float]:
-        """Return the share of pixels that each fill of the chain filled, and the rest ("empty").
-
-        Empty for warp "auto": its chain changes during the run.
-        """
-        if self._setup.auto is not None or not self._empty:
+        """Return the share of pixels that each fill of the chain filled, and the rest ("empty")."""
+        if not self._empty:
             return {}
         left = {name: sum(shares) / len(shares) for name, shares in self._empty.items()}
         names = list(left)

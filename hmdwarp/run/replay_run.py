@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -32,7 +31,6 @@ from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
 from .run_summary import OWNED, ReplayResult, result_of, write_results
-from .short_bench import decided
 
 WORST_FRAMES = 6
 # which: 0 for the run itself, then those that it is compared with.
@@ -52,15 +50,15 @@ def replay(
     software.
     """
     options = RunOptions.checked(options)
+    if AUTO in (options.warp, options.guard):
+        raise InputError("warp or guard 'auto': choose(options).options names what it stands for in a run")
     with OutputFolder(options.out, owned=OWNED, force=options.force) as out:
         return _replay(options, out, progress, say)
 
 
 def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Callable[[str], None]) -> ReplayResult:
     source = source_of(options)
-    options, choice = decided(options, source, say)
     with set_up_replay(options, say=say, alone=True, source=source) as setup:
-        setup.notes.extend(choice.notes_on(setup.gpu.renderer, os.cpu_count() or 1))
         with MeasuringProcesses(worker_count(options.workers)) as processes:
             pool = QualityPool(processes, worst=WORST_FRAMES, bucket=lambda key: _contest(setup, key))
             probe = Probe(setup, pool, _keep_every(setup))

@@ -21,7 +21,6 @@ from ..headsets import Headset
 from ..metrics import PairPass, QualityJob, QualityPool
 from ..pipeline.build import Pipeline
 from ..pipeline.channel import Channel
-from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
 from ..pipeline.proxy import source_of
@@ -108,11 +107,6 @@ class ReplaySetup:
         return self.pipeline.loop
 
     @property
-    def auto(self) -> AdaptiveCompensator | None:
-        """Chooses the warp; None where the options name one."""
-        return self.pipeline.auto
-
-    @property
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
         return self.headset.left_fov.pixels_per_degree(self.size)
@@ -153,7 +147,7 @@ def set_up_replay(
 ) -> ReplaySetup:
     """Load, check, then start the GPU.
 
-    options: decided, see short_bench.decided. also: layers that frames must carry for plans other
+    options: nothing in them is "auto". also: layers that frames must carry for plans other
     than the run's. say: called with a sentence once all is checked, before what takes seconds.
     alone: whether other plans on these frames take their inputs from WholePictures; a picture that
     the run's own plan does not read is not drawn then. source: if it is open already; it is closed

@@ -6,7 +6,6 @@ Includes the entry of warp "auto".
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -21,9 +20,7 @@ from ..geometry import Pose, View
 from ..gpu.context import Gpu
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
-from ..options import AUTO
 from ..pipeline.build import Pipeline
-from ..pipeline.governor import AdaptiveCompensator
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
@@ -43,8 +40,6 @@ from ..scenes import InputLog
 from .answers import ANSWER_COLUMNS, Answers
 from .frame_rows import ReplayLog, Row
 from .replay_setup import ReplaySetup
-
-_MOST_CHANGES = 8  # in the note; the entry and the page list all of them
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
@@ -168,66 +163,6 @@ def machine_of(gpu: Gpu) -> dict[str, Any]:
     return {"gl_renderer": gpu.renderer, "gl_version": gpu.version, "cpu_count": os.cpu_count() or 1}
 
 
-def chosen_passes(options: PipelineOptions, lens: str) -> tuple[str, str, str]:
-    """Return (warp, fill, lens) as summary.json names them.
-
-    Under warp "auto" the run has no fill of its own.
-    """
-    return options.warp, options.warp if options.warp == AUTO else options.fill, lens
-
-
-def auto_entry(auto: AdaptiveCompensator, rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Return the `auto` of summary.json: {budget_ms, ladder, changes}.
-
-    rows: two for each refresh, keyed as frames.csv. ladder: quality levels from cheapest to most
-    accurate, with their expected time and error, and the number of refreshes that each rendered.
-    changes: time_s and frame of the last picture made by `from`, and the reason.
-    """
-    made = [row for row in rows if row["eye"] == 0 and row["total_ms"] is not None]
-    ran = Counter((row["warp"], row["fill"]) for row in rows if row["eye"] == 0)
-    levels = [
-        {
-            "name": str(level),
-            "warp": level.warp,
-            "fill": level.fill,
-            "total_ms": level.total_ms,
-            "flip": level.error,
-            "psnr_db": level.psnr_db,
-            "refreshes": ran[level.warp, level.fill],
-        }
-        for level in auto.levels
-    ]
-    changes = [
-        {
-            "time_s": made[change.refresh]["time_s"],
-            "frame": made[change.refresh]["frame"],
-            "from": str(change.before),
-            "to": str(change.after),
-            "reason": change.reason,
-        }
-        for change in auto.changes
-    ]
-    return {"budget_ms": auto.budget_ms, "ladder": levels, "changes": changes}
-
-
-def auto_note(entry: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the entry as a sentence or two."""
-    started = rows[0]["warp"] if rows[0]["fill"] == "none" else f"{rows[0]['warp']} + {rows[0]['fill']}"
-    expected = next(level["total_ms"] for level in entry["ladder"] if level["name"] == started)
-    began = (
-        f"Warp 'auto' began with {started}, expected to take {expected:.2f} of the {entry['budget_ms']:g} ms "
-        "for "
-        "one eye"
-    )
-    changes = entry["changes"]
-    if not changes:
-        return f"{began}, and kept it."
-    steps = [f"at {change['time_s']:.2f} s to {change['to']}" for change in changes[:_MOST_CHANGES]]
-    more = f", and {len(changes) - _MOST_CHANGES} more" if len(changes) > _MOST_CHANGES else ""
-    count = "once" if len(changes) == 1 else f"{len(changes)} times"
-    return f"{began}. It changed {count}: {', '.join(steps)}{more}; the reasons are in the report."
-
-
 _OF_COMPARISON = ("warp", "fill", "lens", "time_ms", "quality", "difference")
 
 
@@ -301,12 +236,12 @@ def result_of(
 
     more: other measurements, by key. without_truth: pictures that were to be measured.
     """
-    options, rows, auto = setup.options, log.rows, setup.auto
+    options, rows = setup.options, log.rows
     if setup.scene.inputs:
         log.answers = answers_of(setup, setup.scene.inputs, log)
         setup.notes.append(log.answers.note())
         more = {**more, "input": log.answers.entry()}
-    summary = summary_of_rows(setup, chosen_passes(options, options.lens), rows)
+    summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
     summary["link"] = {
         **setup.channel.summary(setup.schedule.rate_hz),
         "response": "fixed" if options.network.response is None else "sum",
@@ -322,9 +257,6 @@ def result_of(
         summary["notes"] = setup.notes
     if weights := setup.pipeline.geometry.weights():
         summary["client_models"] = weights
-    if auto is not None:
-        summary["auto"] = auto_entry(auto, rows)
-        summary["notes"] = [*setup.notes, auto_note(summary["auto"], rows)]
     result = ReplayResult(options.out, summary, rows, [])
     for pair, its_rows in zip(options.compared, compared, strict=False):
         other = summary_of_rows(setup, (*pair, "none"), its_rows)

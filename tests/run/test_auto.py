@@ -1,6 +1,6 @@
-"""Whole runs that choose their warp.
+"""A warp, a fill and a guard band that are chosen for a budget.
 
-From a benchmark's figures or a trial of their own, within a budget, down and up again.
+From a benchmark's figures or a trial of their own; the replay of them is one like any other.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ from pathlib import Path
 import attrs
 import pytest
 from bench_files import AMPLE_MS, PAIRS, a_bench, a_row
-from replays import contents, rows_of, run, small, suited
+from replays import contents, run, small, suited
 
 from hmdwarp.client import Compensator, build_plan, every_warp, parse_warp
 from hmdwarp.client.effects import effects
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.pipeline import QualityLevel, build_plan_for, source_of
+from hmdwarp.pipeline.levels import read_rows
 from hmdwarp.report import validate_summary
-from hmdwarp.run import LiveOptions, levels_by_short_bench, levels_from_file, set_up_replay
-from hmdwarp.run.bench_levels import read_rows
-from hmdwarp.run.short_bench import FILLS, candidates, lens_ms
+from hmdwarp.run import LiveOptions, choose, levels_by_short_bench, levels_from_file, replay, set_up_replay
+from hmdwarp.run.choosing import FILLS, candidates
 
 from .offscreen import OffscreenDisplay, run_on
 
-CHEAP, MIDDLE, BEST = "none", "rotation", "forward + interpolate"
+MEASURED = "b.json was measured on somebody's with 1 cores."
 
 
 def auto(path: Path, **options):
@@ -96,16 +96,22 @@ def test_a_benchmark_with_any_value_damaged_is_refused_in_a_line_or_read(tmp_pat
         a_bench(path, [row, good])
         for lens in ("none", "radial"):
             try:
-                found = levels_from_file(path, small(**auto(path), headset="rift-dk1", lens=lens), lambda: 0.1)
+                found = levels_from_file(path, small(**auto(path), headset="rift-dk1", lens=lens))
             except InputError as error:
                 assert "b.json" in str(error) and "\n" not in str(error)
             else:
-                assert found.levels and found.notes_on("this one", 2) is not None
+                assert found.levels and found.notes[0].startswith("b.json was measured on")
 
 
 def test_a_budget_in_which_nothing_fits(tmp_path):
     with pytest.raises(InputError, match=r"the cheapest, none, takes 1000\.00 ms per eye"):
-        run(tmp_path / "out", **auto(a_bench(tmp_path / "b.json"), budget_ms=1.0))
+        choose(small(**auto(a_bench(tmp_path / "b.json"), budget_ms=1.0)))
+
+
+@pytest.mark.parametrize("options", [{"warp": "auto", "budget_ms": 5.0}, {"guard": "auto"}], ids=str)
+def test_a_replay_wants_a_choice_that_was_made(options, tmp_path):
+    with pytest.raises(InputError, match=r"choose\(options\)\.options names what it stands for"):
+        replay(small(**options, out=tmp_path / "out"))
     assert not (tmp_path / "out").exists()
 
 
@@ -115,16 +121,17 @@ def test_a_budget_in_which_nothing_fits(tmp_path):
 
 def test_rows_of_the_run_s_size_come_first(tmp_path):
     rows = [a_row("none", "none", 1.0, 0.3), a_row("none", "none", 99.0, 0.3, size=[1920, 1080])]
-    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)))
     assert [level.total_ms for level in found.levels] == [1.0]
-    assert found.notes == ()
+    assert found.notes == (MEASURED,)
 
 
 def test_another_size_counts_in_proportion(tmp_path):
     rows = [a_row("none", "none", 8.0, 0.3, size=[192, 160]), a_row("none", "none", 1.0, 0.3, size=[48, 40])]
-    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)))
     assert [level.total_ms for level in found.levels] == [2.0]
     assert found.notes == (
+        MEASURED,
         "b.json was measured at 192x160, this run is 96x80: its times are taken in proportion to the pixels, 0.25 "
         "times.",
     )
@@ -136,73 +143,77 @@ def test_unknown_warps_of_a_bench_are_left_out(tmp_path):
         a_row("teleport", "none", 2.0, 0.1),
         a_row("forward:x=1", "none", 2.0, 0.1),
     ]
-    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms)
+    found = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)))
     assert [level.warp for level in found.levels] == ["none"]
-    assert [note.partition(" is left out")[0] for note in found.notes] == [
+    assert [note.partition(" is left out")[0] for note in found.notes[1:]] == [
         "b.json: warp 'forward:x=1' with fill 'none'",
         "b.json: warp 'teleport' with fill 'none'",
     ]
     with pytest.raises(InputError, match="nothing of its 1 rows can be run here"):
-        levels_from_file(a_bench(tmp_path / "b.json", rows[1:2]), small(**auto(tmp_path)), lens_ms)
+        levels_from_file(a_bench(tmp_path / "b.json", rows[1:2]), small(**auto(tmp_path)))
 
 
-def test_the_lens_of_the_run_counts(tmp_path):
-    """Rows with a lens of 2 ms.
-
-    Without it for a run without one, and with what is measured for a run with another.
-    """
+def test_a_run_without_a_lens_takes_the_times_without_theirs(tmp_path):
     with_lens = a_row("none", "none", 5.0, 0.3, lens="radial")
     with_lens["time_ms"]["lens"] = {"median": 2.0, "p95": 2.0}
     path, plain = a_bench(tmp_path / "b.json", [with_lens]), small(**auto(tmp_path))
-    (level,) = levels_from_file(path, plain, lambda: 1e3).levels
-    assert level.total_ms == 3.0
-    path = a_bench(tmp_path / "b.json", [a_row("none", "none", 5.0, 0.3)])
     lensed = attrs.evolve(plain, lens="radial", headset="rift-dk1")
-    found = levels_from_file(path, lensed, lambda: 1e3)
-    assert found.levels[0].total_ms == 1005.0
-    assert found.notes == ("b.json was measured with lens none: lens radial counts instead, with 1000.00 ms.",)
-
-
-def test_the_lens_is_timed_here():
-    options = small(lens="radial", headset="rift-dk1", warp="auto", budget_ms=1.0)
-    assert 0 < lens_ms(options, source_of(options)) < AMPLE_MS
+    assert [levels_from_file(path, one).levels[0].total_ms for one in (plain, lensed)] == [3.0, 5.0]
+    found = levels_from_file(a_bench(tmp_path / "b.json", [a_row("none", "none", 5.0, 0.3)]), lensed)
+    assert found.levels[0].total_ms == 5.0
+    assert found.notes[1:] == ("b.json was measured without a lens: the time of lens radial comes on top.",)
 
 
 def test_other_terms_are_told(tmp_path):
     rows = [a_row("none", "none", 1.0, 0.3, guard=1.5, latency_ms=400.0, scene="room")]
-    (note,) = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path)), lens_ms).notes
+    _, note = levels_from_file(a_bench(tmp_path / "b.json", rows), small(**auto(tmp_path))).notes
     assert (
         note == "b.json was measured with guard 1.5 (this run: 1.0); latency 400.0 ms (this run: 200.0 ms); scene room "
         "(this run: planes)."
     )
 
 
-# --- a run
+# --- a choice
 # --------------------------------------------------------------------------------------------------
 
 
-def test_a_run_within_its_budget_is_that_of_its_warp(tmp_path):
-    """Every byte of the pictures is what the chosen warp alone would show, and the log says which
-    it was.
-    """
-    chosen = run(tmp_path / "auto", images=2, **auto(a_bench(tmp_path / "b.json")))
-    alone = run(tmp_path / "alone", images=2, warp="forward", fill="interpolate")
+def test_the_best_within_the_budget_is_named_with_its_command_line_and_why(tmp_path):
+    rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "pyramid", 2.0, 0.2), a_row("mesh", "pyramid", 4.0, 0.1)]
+    path = a_bench(tmp_path / "b.json", rows)
+    choice = choose(small(**auto(path, budget_ms=3.0), trace="walk", guard="auto"))
+    assert (choice.options.warp, choice.options.fill, choice.options.budget_ms) == ("forward", "pyramid", None)
+    assert choice.options.guard > 1
+    assert choice.notes[0] == "forward + pyramid: 2.00 of 3 ms for one eye, mean FLIP 0.2000."
+    assert choice.notes[1] == "The next better is mesh + pyramid: 4.00 ms, mean FLIP 0.1000."
+    assert choice.notes[2].startswith("Guard auto: ")
+    typed = ["walk", "--warp=auto", "--budget", "3", "--latency", "200", "--bench", f"{path}", "--json"]
+    wanted = f"hmdwarp replay walk --latency 200 --warp forward --fill pyramid --guard {choice.options.guard}"
+    assert choice.command(typed) == wanted
+
+
+def test_a_run_that_names_its_warp_is_left_as_it_is():
+    options = small(warp="forward")
+    choice = choose(options)
+    assert (choice.options, choice.level, choice.following, choice.notes) == (options, None, None, ())
+
+
+def test_the_replay_of_a_choice_is_that_of_its_warp(tmp_path):
+    """Every byte of the pictures, and every figure but times, is what the warp alone would show."""
+    chosen = choose(small(**auto(a_bench(tmp_path / "b.json")))).options
+    assert (chosen.warp, chosen.fill) == ("forward", "interpolate")
+    results = [
+        run(tmp_path / "chosen", images=2, warp=chosen.warp, fill=chosen.fill, client=chosen.client),
+        run(tmp_path / "alone", images=2, warp="forward", fill="interpolate"),
+    ]
     pictures = [
-        {n: d for n, d in contents(tmp_path / name).items() if n.startswith("images/")} for name in ("auto", "alone")
+        {n: d for n, d in contents(tmp_path / name).items() if n.startswith("images/")} for name in ("chosen", "alone")
     ]
     assert pictures[0] and pictures[0] == pictures[1]
-    assert chosen.summary["quality"] == alone.summary["quality"]
-    validate_summary(chosen.summary)
-    assert (chosen.summary["warp"], chosen.summary["fill"]) == ("auto", "auto")
-    told = chosen.summary["auto"]
-    assert (told["budget_ms"], told["changes"]) == (AMPLE_MS, [])
-    assert [(level["name"], level["refreshes"]) for level in told["ladder"]] == [(CHEAP, 0), (MIDDLE, 0), (BEST, 30)]
-    assert {(row["warp"], row["fill"]) for row in rows_of(tmp_path / "auto")} == {("forward", "interpolate")}
-    assert any(note.startswith("Warp 'auto' began with forward + interpolate") for note in chosen.summary["notes"])
-    assert any(note.startswith("The benchmark was run on somebody's with 1 cores") for note in chosen.summary["notes"])
+    assert results[0].summary["quality"] == results[1].summary["quality"]
+    validate_summary(results[0].summary)
 
 
-def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch):
+def test_a_live_run_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch):
     """The best level really takes 150 ms for a while, where there are 100.
 
     Otherwise both take a few at 96x80.
@@ -229,21 +240,11 @@ def test_it_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, monkeypatch
 
     monkeypatch.setattr("hmdwarp.pipeline.build.Compensator", Busy)
     rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
-    options = auto(a_bench(tmp_path / "b.json", rows), budget_ms=100.0, seconds=3.0, metrics_every=30)
-    summary = run(tmp_path / "out", page=True, **options).summary
-    down, up = summary["auto"]["changes"]
-    assert (down["from"], down["to"]) == (BEST, CHEAP) and (up["from"], up["to"]) == (CHEAP, BEST)
-    # The fourth refresh that is far over the budget is the last one of the kind.
-    assert down["frame"] == 23
-    assert "over the budget" in down["reason"] and "expected within 95%" in up["reason"]
-    log = rows_of(tmp_path / "out")
-    ran = [row["warp"] for row in log]
-    for change in (down, up):
-        at = 2 * change["frame"]
-        assert len({*ran[at : at + 2]}) == 1 and len({*ran[at + 2 : at + 4]}) == 1, "both eyes change together"
-        assert ran[at + 1] != ran[at + 2]
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8").replace("<wbr>", "")
-    assert "<h2>Chosen warps</h2>" in page and "over the budget" in page
+    options = {"warp": "auto", "budget_ms": 100.0, "bench": a_bench(tmp_path / "b.json", rows)}
+    live = LiveOptions(scene="planes", latency_ms=50.0, pictures=180, **options)
+    changes = run_on(monkeypatch, OffscreenDisplay(gpu=gpu), live).summary["live"]["changes"]
+    assert [list(change["what"]) for change in changes] == [["warp", "fill"]] * 2
+    assert "over the budget" in changes[0]["reason"] and "expected within 95%" in changes[1]["reason"]
 
 
 def test_each_switch_of_a_live_run_is_logged_once(gpu, tmp_path, monkeypatch):
@@ -274,7 +275,7 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
             raise PlanError("not in this run")
         return build_plan_for(one, *inputs, **more)
 
-    monkeypatch.setattr("hmdwarp.run.short_bench.build_plan_for", picky)
+    monkeypatch.setattr("hmdwarp.run.choosing.build_plan_for", picky)
     assert {(c.warp, c.fill) for c in candidates(options, source_of(options))} == {
         pair for pair in every if pair[0] != "rotation"
     }
@@ -284,7 +285,7 @@ def test_it_would_try_all_that_the_run_can_have(monkeypatch):
 def few(monkeypatch):
     """A trial of three warps: pictures of all would take FLIP half a minute on a busy machine."""
     monkeypatch.setattr(
-        "hmdwarp.run.short_bench.candidates",
+        "hmdwarp.run.choosing.candidates",
         lambda options, source: [c for c in candidates(options, source) if c.warp in {w for w, _ in PAIRS}],
     )
 
@@ -294,15 +295,14 @@ def test_a_trial_of_its_own(few):
     options = small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3)
     found = levels_by_short_bench(options, source_of(options), said.append)
     assert len(said) == 1 and said[0].startswith("trying 9 combinations")
-    assert found.machine is None and found.notes[0].startswith("Warp 'auto' tried")
+    assert found.notes[0].startswith("Warp 'auto' tried")
     times, errors = [level.total_ms for level in found.levels], [level.error for level in found.levels]
     assert times == sorted(times) and errors == sorted(errors, reverse=True) and len(times) > 1
 
 
-def test_a_run_with_a_trial_of_its_own(few, tmp_path):
-    """It begins with the best of what it found, whatever that was."""
-    summary = run(tmp_path, warp="auto", budget_ms=AMPLE_MS, seconds=0.3).summary
-    assert summary["auto"]["ladder"][-1]["refreshes"] == summary["frames"]
+def test_a_choice_by_a_trial_of_its_own_is_the_best_of_what_it_found(few):
+    choice = choose(small(warp="auto", budget_ms=AMPLE_MS, seconds=0.3))
+    assert choice.level == choice.levels[-1] and choice.following is None
 
 
 def test_a_trial_leaves_out_what_is_out_of_reach(few):
@@ -335,7 +335,7 @@ def test_layers_of_a_compared_warp_are_not_handed_to_the_run(tmp_path, against):
 
 
 def test_a_replay_compiles_every_level_at_the_start(tmp_path):
-    levels = levels_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path)), lens_ms).levels
+    levels = levels_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path))).levels
     with set_up_replay(small(**auto(tmp_path), levels=levels)) as setup:
         compiled = setup.gpu.shaders.compiled
         for level in levels:

@@ -12,10 +12,9 @@ from hmdwarp.errors import InputError
 from hmdwarp.headsets import load_headset
 from hmdwarp.options import parse_guard
 from hmdwarp.poses import PoseTrack
-from hmdwarp.run import Guard, RunOptions, needed_factors
-from hmdwarp.run.short_bench import MOST, NEAR_M, settled
+from hmdwarp.run import Guard, RunOptions, choose, needed_factors
+from hmdwarp.run.choosing import MOST, NEAR_M
 
-DK1 = load_headset("rift-dk1")
 FLAT = load_headset("flat-90")  # 45 degrees to every side
 
 
@@ -80,22 +79,22 @@ def test_a_steady_turn_gets_what_it_moves_by_in_the_latency_and_prediction_saves
     A constant velocity is predicted to the last bit, as far as the horizon reaches.
     """
     usual = {"trace": turning, "guard": "auto", "headset": "flat-90", "lens": "none", "latency_ms": 200, "rate_hz": 50}
-    plain, _ = settled(RunOptions(**usual, predict="none"), FLAT)
+    plain = choose(RunOptions(**usual, predict="none")).options
     assert math.tan(math.radians(53)) <= plain.guard <= math.tan(math.radians(53)) + 0.03
-    predicted, notes = settled(RunOptions(**usual, predict="constant_velocity", horizon_ms=300), FLAT)
-    assert predicted.guard == pytest.approx(1, abs=0.011)
-    assert "auto" in notes[0] and f"{predicted.guard:g} is drawn" in notes[0]
+    predicted = choose(RunOptions(**usual, predict="constant_velocity", horizon_ms=300))
+    assert predicted.options.guard == pytest.approx(1, abs=0.011)
+    assert f"{predicted.options.guard:g} is drawn" in predicted.notes[0]
 
 
 def test_no_more_than_most_is_drawn_and_the_note_says_so():
-    options, notes = settled(RunOptions(trace="fast-turns", guard="auto", latency_ms=400), DK1)
-    assert options.guard == MOST
-    assert "--wide" in notes[0]
+    choice = choose(RunOptions(trace="fast-turns", guard="auto", latency_ms=400))
+    assert choice.options.guard == MOST
+    assert "--wide" in choice.notes[0]
 
 
 def test_longer_latencies_want_more():
     found = [
-        settled(RunOptions(trace="still", guard="auto", predict="none", latency_ms=ms), DK1)[0].guard
+        choose(RunOptions(trace="still", guard="auto", predict="none", latency_ms=ms)).options.guard
         for ms in (0, 100, 800)
     ]
     assert found[0] == 1
@@ -104,7 +103,7 @@ def test_longer_latencies_want_more():
 
 def test_a_number_stays_as_it_is():
     options = RunOptions(trace="no such trace", guard=1.5)
-    assert settled(options, DK1) == (options, ())
+    assert choose(options).options == options
 
 
 def test_the_note_is_for_people():

@@ -1,10 +1,16 @@
-"""Quality levels for warp "auto", from a benchmark file or a short bench on the run's frames."""
+"""Choose warp, fill and guard band for a budget.
+
+From a benchmark file, or from a short bench on the run's own frames. What is chosen is then run as
+if it had been named.
+"""
 
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
+from pathlib import Path
 from statistics import fmean, median
 from typing import Any
 
@@ -14,22 +20,21 @@ from numpy.typing import NDArray
 
 from ..client.plan import needs_of
 from ..client.variants import every_warp
-from ..errors import PlanError
-from ..geometry import Fov, Pose
-from ..headsets import Headset
+from ..errors import InputError, PlanError
+from ..headsets import Headset, load_headset
 from ..link import LinkOptions
 from ..metrics import MeasuringProcesses, QualityPool, worker_count
 from ..options import AUTO
-from ..pipeline.levels import best_within, levels_from
+from ..pipeline.levels import QualityLevel, Row, best_within, levels_from, read_rows
 from ..pipeline.options import PipelineOptions
 from ..pipeline.planning import build_plan_for
+from ..pipeline.proxy import source_of
 from ..pipeline.sizes import expected_age_ns, guarded_size
 from ..pipeline.source import Source
 from ..platforms import memory_bytes
-from ..poses import PoseSample, PoseTrack, load_trace
+from ..poses import PoseTrack, load_trace
 from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
-from .bench_levels import LevelSet, levels_from_file
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .options import RunOptions
 from .replay_setup import ReplaySetup, set_up_replay
@@ -69,19 +74,6 @@ class Guard:
         return f"{told}; {MOST:g} is drawn, auto's most. A second wide view (--wide) reaches farther and costs less."
 
 
-def settled(options: RunOptions, headset: Headset) -> tuple[RunOptions, tuple[str, ...]]:
-    """Return the options with a number in place of guard `auto`, and notes on it.
-
-    Errors: as load_trace and schedule_of.
-    """
-    if options.guard != AUTO:
-        return options, ()
-    track = load_trace(options.trace, options.trace_options).track
-    schedule = schedule_of(track, options, options.rate_hz or headset.refresh_hz)
-    found = guard_for(headset, track, schedule, options)
-    return attrs.evolve(options, guard=found.factor), (str(found),)
-
-
 def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: RunOptions) -> Guard:
     """Return the factor that holds the middles of the pictures' sides in 95 of 100 refreshes.
 
@@ -96,7 +88,12 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
         dtype=np.int64,
     )
     shown = track.sample_many(shown_ns)
-    drawn = [_drawn_for(track, t - age_ns, age_ns, options) for t in shown_ns.tolist()]
+    drawn = [
+        track.at(t - age_ns)
+        if options.predict == "none"
+        else predict(track, t - age_ns, t, options.predict, options.horizon_ns)
+        for t in shown_ns.tolist()
+    ]
     needed = needed_factors(
         headset,
         (np.array([pose.pose.position_m for pose in drawn]), np.array([pose.pose.orientation_xyzw for pose in drawn])),
@@ -107,44 +104,99 @@ def guard_for(headset: Headset, track: PoseTrack, schedule: Schedule, options: R
     return Guard(factor, wanted)
 
 
-def _drawn_for(track: PoseTrack, now_ns: int, age_ns: int, options: RunOptions) -> PoseSample:
-    if options.predict == "none":
-        return track.at(now_ns)
-    return predict(track, now_ns, now_ns + age_ns, options.predict, options.horizon_ns)
-
-
 def needed_factors(headset: Headset, drawn: tuple[Array, Array], shown: tuple[Array, Array]) -> Array:
     """Return how much larger, in tangents, each picture must be drawn: (n,) factors.
 
     1 for a head that has not moved, infinite where the middle of a side lies beside or behind the
     rendered eye. drawn, shown: head positions (n, 3) in metres and orientations (n, 4).
     """
-    needed = np.ones(len(drawn[0]))
+    most = np.ones(len(drawn[0]))
     for eye in headset.eyes:
-        for inverse_depth in (0.0, 1 / NEAR_M):
-            needed = np.maximum(needed, _needed(eye.fov, eye.head_from_eye, inverse_depth, drawn, shown))
-    return needed
-
-
-def _needed(
-    fov: Fov, head_from_eye: Pose, inverse_depth: float, drawn: tuple[Array, Array], shown: tuple[Array, Array]
-) -> Array:
-    left, right, down, up = fov.tangents
-    axes = head_from_eye.rotation_matrix
-    middles = np.array([(left, 0, -1), (right, 0, -1), (0, down, -1), (0, up, -1)]) @ axes.T
-    eyes = [
-        position + rotate(turned, np.broadcast_to(head_from_eye.position_m, position.shape))
-        for position, turned in (drawn, shown)
-    ]
-    moved = (eyes[1] - eyes[0]) * inverse_depth
-    most = np.ones(len(moved))
-    for middle in middles:
-        towards = rotate(shown[1], np.broadcast_to(middle, moved.shape)) + moved
-        x, y, z = (rotate(conjugate(drawn[1]), towards) @ axes).T
-        with np.errstate(divide="ignore", invalid="ignore"):
-            sides = np.stack([x / -z / left, x / -z / right, y / -z / down, y / -z / up])
-        most = np.maximum(most, np.where(z < 0, sides.max(axis=0), np.inf))
+        left, right, down, up = eye.fov.tangents
+        axes = eye.head_from_eye.rotation_matrix
+        middles = np.array([(left, 0, -1), (right, 0, -1), (0, down, -1), (0, up, -1)]) @ axes.T
+        offset = np.broadcast_to(eye.head_from_eye.position_m, drawn[0].shape)
+        places = [position + rotate(turned, offset) for position, turned in (drawn, shown)]
+        for middle, inverse_depth in product(middles, (0.0, 1 / NEAR_M)):
+            moved = (places[1] - places[0]) * inverse_depth
+            towards = rotate(shown[1], np.broadcast_to(middle, moved.shape)) + moved
+            x, y, z = (rotate(conjugate(drawn[1]), towards) @ axes).T
+            with np.errstate(divide="ignore", invalid="ignore"):
+                sides = np.stack([x / -z / left, x / -z / right, y / -z / down, y / -z / up])
+            most = np.maximum(most, np.where(z < 0, sides.max(axis=0), np.inf))
     return most
+
+
+@attrs.frozen
+class LevelSet:
+    """Quality levels, from cheapest to most accurate, and how they were obtained."""
+
+    levels: tuple[QualityLevel, ...]
+    notes: tuple[str, ...]
+
+
+def levels_from_file(path: Path, options: PipelineOptions) -> LevelSet:
+    """Return the levels of a benchmark for a run.
+
+    Uses the rows of the run's size if there are any; otherwise those of the largest size, with
+    times scaled by the number of pixels. A run without a lens takes them without theirs.
+    Combinations that this run cannot use are left out, with a note.
+    Errors: InputError for a file that is no benchmark, and if none of its combinations can run.
+    """
+    name, headset, usable = path.name, load_headset(options.headset), list[Row]()
+    size = options.size or headset.eye_size_px
+    build_plan_for(options.with_pair("none", "none"), headset, None)
+    rows = read_rows(path)
+    machine = rows[0]["machine"] if rows else {"gl_renderer": "no machine", "cpu_count": 0}
+    notes = [f"{name} was measured on {machine['gl_renderer']} with {machine['cpu_count']} cores."]
+    for warp, fill in sorted({(row["warp"], row["fill"]) for row in rows}):
+        try:
+            build_plan_for(options.with_pair(warp, fill), headset, None)
+            usable += [row for row in rows if (row["warp"], row["fill"]) == (warp, fill)]
+        except InputError as error:
+            notes.append(f"{name}: warp '{warp}' with fill '{fill}' is left out: {error}.")
+    if not usable:
+        raise InputError(f"{path}: nothing of its {len(rows)} rows can be run here; {notes[-1]}")
+    if options.lens == "none":
+        usable = [_without_lens(row) for row in usable]
+    elif {row["lens"] for row in usable} == {"none"}:
+        notes.append(f"{name} was measured without a lens: the time of lens {options.lens} comes on top.")
+    notes += _other_terms(usable, options, size, name)
+    same = [row for row in usable if tuple(row["size"]) == size]
+    try:
+        levels = levels_from(same or usable)
+    except InputError as error:
+        raise InputError(f"{name}: {error}") from error
+    if not same:
+        width, height = max((row["size"] for row in usable), key=lambda s: s[0] * s[1])
+        factor = size[0] * size[1] / (width * height)
+        terms = f"{name} was measured at {width}x{height}, this run is {size[0]}x{size[1]}"
+        notes.append(f"{terms}: its times are taken in proportion to the pixels, {factor:.2g} times.")
+        levels = tuple(level.scaled(factor) for level in levels)
+    return LevelSet(levels, tuple(notes))
+
+
+def _without_lens(row: Row) -> Row:
+    times = row["time_ms"]
+    median = times["total"]["median"]
+    total = {"median": None if median is None else median - (times["lens"]["median"] or 0.0), "p95": None}
+    return {**row, "lens": "none", "time_ms": {**times, "total": total}}
+
+
+def _other_terms(rows: list[Row], options: PipelineOptions, size: tuple[int, int], name: str) -> list[str]:
+    """Return a note on the differences between the benchmark and this run that nothing corrects."""
+    differing = []
+    for key, mine, unit in (
+        ("guard", options.guard_band.factors(size).entry, ""),
+        ("latency_ms", options.latency_ms, " ms"),
+        ("scene", options.scene, ""),
+    ):
+        theirs = list(dict.fromkeys(row[key] for row in rows if key in row))
+        if theirs and mine not in theirs:
+            differing.append(
+                f"{key.removesuffix('_ms')} {', '.join(str(value) for value in theirs)}{unit} (this run: {mine}{unit})"
+            )
+    return [f"{name} was measured with {'; '.join(differing)}."] if differing else []
 
 
 INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of both eyes at each
@@ -154,26 +206,78 @@ INSTANTS, ROUNDS = 3, 2  # instants, evenly spread over the run; timed runs of b
 FILLS = ("none", "interpolate", "pyramid")
 # A warp beyond twice the budget would need a machine twice as fast: its picture is not measured.
 REACH = 2.0
+
 Say = Callable[[str], None]
 
 
-def decided(options: RunOptions, source: Source, say: Say = lambda text: None) -> tuple[RunOptions, LevelSet]:
-    """Return the options with what `auto` stands for in them, and the origin of that with notes.
+@attrs.frozen
+class Choice:
+    """What `auto` stands for in a run, and why."""
 
-    The guard band becomes a number, and warp "auto" gets its levels. say: called with a sentence
-    before a short bench starts.
-    Errors: as settled; as levels_from_file; as set_up_replay; InputError if nothing fits the
-    budget.
+    # Names what was chosen; nothing in them is `auto`.
+    options: RunOptions
+    # The chosen level, and all that it was chosen from, cheapest first; None and () where the run
+    # named its warp.
+    level: QualityLevel | None
+    levels: tuple[QualityLevel, ...]
+    # The reasons, one sentence each.
+    notes: tuple[str, ...]
+
+    @property
+    def following(self) -> QualityLevel | None:
+        """The next better level, which the budget has no room for."""
+        after = self.levels.index(self.level) + 1 if self.level is not None else 0
+        return self.levels[after] if 0 < after < len(self.levels) else None
+
+    def command(self, arguments: Sequence[str]) -> str:
+        """Return the command line of the chosen replay.
+
+        arguments: those of the command that chose.
+        """
+        named = {"--warp": self.options.warp, "--fill": self.options.fill, "--guard": f"{self.options.guard}"}
+        dropped, kept, words = {*named, "--budget", "--bench"}, [], iter(arguments)
+        for word in words:
+            name, has_value, _ = word.partition("=")
+            if name in dropped:
+                if not has_value:
+                    next(words, None)
+            elif name not in ("--json", "--quiet"):
+                kept.append(word)
+        return shlex.join(["hmdwarp", "replay", *kept, *(part for pair in named.items() for part in pair)])
+
+
+def choose(options: RunOptions, say: Say = lambda text: None) -> Choice:
+    """Return the run with what `auto` stands for: a guard band, a warp and a fill.
+
+    They are the most accurate that take at most options.budget_ms for one eye: by options.bench, or
+    by a short bench on a few instants of this run. say: called with a sentence before that starts.
+    Errors: as load_trace and schedule_of; as levels_from_file; as set_up_replay; InputError if
+    nothing fits the budget.
     """
-    options, notes = settled(options, source.headset)
+    source = source_of(options)
+    options, notes = _with_guard(source.fitted(options), source.headset)
     if options.warp != AUTO:
-        return options, LevelSet(notes=notes)
+        return Choice(options, None, (), notes)
     if options.bench is None:
         found = levels_by_short_bench(options, source, say)
     else:
-        found = levels_from_file(options.bench, options, lambda: lens_ms(options, source))
-    best_within(found.levels, options.budget_ms)
-    return attrs.evolve(options, levels=found.levels), attrs.evolve(found, notes=(*notes, *found.notes))
+        found = levels_from_file(options.bench, options)
+    level = found.levels[best_within(found.levels, options.budget_ms)]
+    made = Choice(options.with_pair(level.warp, level.fill), level, found.levels, (*notes, *found.notes))
+    why = [f"{level}: {level.total_ms:.2f} of {options.budget_ms:g} ms for one eye, mean FLIP {level.error:.4f}."]
+    if (more := made.following) is not None:
+        why += [f"The next better is {more}: {more.total_ms:.2f} ms, mean FLIP {more.error:.4f}."]
+    return attrs.evolve(made, notes=(*why, *made.notes))
+
+
+def _with_guard(options: RunOptions, headset: Headset) -> tuple[RunOptions, tuple[str, ...]]:
+    """Return the options with a number in place of guard `auto`, and notes on it."""
+    if options.guard != AUTO:
+        return options, ()
+    track = load_trace(options.trace, options.trace_options).track
+    schedule = schedule_of(track, options, options.rate_hz or headset.refresh_hz)
+    found = guard_for(headset, track, schedule, options)
+    return attrs.evolve(options, guard=found.factor), (str(found),)
 
 
 def candidates(options: PipelineOptions, source: Source) -> list[Combination]:
@@ -214,14 +318,6 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say) -> Leve
             f"; {', '.join(left_out)} took more than {REACH:g} times the budget, so their pictures were not measured"
         )
     return LevelSet(levels, (f"{note}.",))
-
-
-def lens_ms(options: RunOptions, source: Source) -> float:
-    """Return the time of the run's lens pass for one eye on this machine."""
-    alone = Combination("none", "none", build_plan_for(options.with_pair("none", "none"), source.headset, None))
-    with _frames_for([alone], options, source) as setup:
-        (stages,) = _stages(setup, [alone], INSTANTS * ROUNDS)
-    return median([milliseconds for name, milliseconds in stages if name == "lens"])
 
 
 def _frames_for(combinations: Sequence[Combination], options: RunOptions, source: Source) -> ReplaySetup:
