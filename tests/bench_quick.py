@@ -57,7 +57,7 @@ _SHORT = ("--size", "640x400", "--latency", "100", "--latency", "200")
 AGAIN = (
     ("replay", *REPLAY[1:5], "--seconds", "0.4", "--against", "none,forward+interpolate", "--metrics-every", "1"),
     ("compare", *_SHORT, "--seconds", "0.3", "--strategy", "depth_image,rotation"),
-    ("bench", *_SHORT, "--warp", "forward,iterative", "--instants", "6", "--no-grid", "--no-fused"),
+    ("bench", *_SHORT, "--warp", "forward,iterative", "--instants", "6"),
 )
 START_LIMITS_S = {"import hmdwarp": 0.3, "hmdwarp --help": 0.5}
 

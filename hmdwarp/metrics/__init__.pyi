@@ -43,7 +43,6 @@ from .picture_pairs import db_of as db_of
 from .picture_pairs import error_image as error_image
 from .picture_pairs import flip as flip
 from .picture_pairs import pixel_centres as pixel_centres
-from .picture_pairs import sharpness as sharpness
 from .picture_pairs import ssim as ssim
 from .pool import Kept as Kept
 from .pool import QualityPool as QualityPool

@@ -22,7 +22,6 @@ FILLS = ("none", FILL)
 _CLOCKS = ("gpu", "wall")
 _MOST_INSTANTS, _MOST_TIMES = 16, 256  # of a row
 _STEPS = 256  # of a level that the means of parts of a picture come in
-_COPIED = 8 + 4  # bytes a pixel that the pass without a fill reads and writes
 _OF_ROW = {"chain", "fill", "warp_ms", "total_ms", "square", "means"}
 
 
@@ -99,7 +98,6 @@ def write_bench(bench: BrowserBench, out: OutputFolder, scene: str, command: str
     rows = [_row(bench, row, scene) for row in bench.rows]
     copying = [row for row in bench.rows if row["fill"] == FILLS[0]] or bench.rows
     pass_ms = float(np.median([t - w for row in copying for t, w in zip(row["total_ms"], row["warp_ms"], strict=True)]))
-    pixels = bench.display.width * bench.display.height
     note = (
         f"{bench.how}, in {bench.display.browser}; the fill's time has the pass in it that writes the picture, and "
         "copying is that pass alone"
@@ -112,11 +110,10 @@ def write_bench(bench: BrowserBench, out: OutputFolder, scene: str, command: str
         "machine": rows[0]["machine"],
         "clock": bench.clock,
         "clocks": {"wall_ms": None, "gpu_ms": None, f"{bench.clock}_ms": pass_ms, "note": note},
-        "copy_gb_s": _COPIED * pixels / pass_ms * 1e-6 if pass_ms > 0 else 0.0,
         "client": PICTURE_CLIENT,
         "notes": ["Measured in a browser by its page: of one eye, frames without a codec, PSNR to the server's truth."],
         "rows": rows,
-        **{"grid": [], "fused": [], "grid_at": None, "fused_at": None, "choice": None},
+        "choice": None,
         "seconds": bench.seconds,
     }
     out.write_text("bench.html", render_bench_page(data))
@@ -148,6 +145,5 @@ def _row(bench: BrowserBench, row: Mapping[str, Any], scene: str) -> dict[str, A
         "blocks": blocks,
         "regions": pooled([]),
         "mismatch": None,
-        "passes": [],
         "notes": [f"Timed by: {bench.how}."],
     }

@@ -69,9 +69,6 @@ def test_a_bench_of_the_page_is_one_of_ours(benched):
     assert list(rows) == [(warp, fill) for warp in CHAINS.values() for fill in ("none", "pyramid")]
     assert all(row["time_ms"]["total"]["median"] > 0 and row["clock"] == data["clock"] for row in rows.values())
     assert {row["trace"] for row in rows.values()} == {"walk"}
-    # Of each bench one clock; where its noise hides the copying pass there is no rate of it.
-    copying_ms = data["clocks"][f"{data['clock']}_ms"]
-    assert (data["copy_gb_s"] > 0) == (copying_ms > 0)
     psnr_db = {names: row["quality"]["psnr_db"]["mean"] for names, row in rows.items()}
     assert psnr_db[CHAINS["iterative"], "pyramid"] > max(psnr_db["rotation", "pyramid"], 20)
     assert rows["rotation", "none"]["notes"][0].startswith("Timed by: ")

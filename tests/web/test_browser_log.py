@@ -102,7 +102,6 @@ def test_a_bench_is_kept_beside_the_sessions(logs, tmp_path):
     assert (row["warp"], row["fill"], row["clock"]) == ("iterative:seed=rotation,steps=5", "none", "gpu")
     assert row["time_ms"]["warp"]["median"] == 2.5 and row["time_ms"]["fill"]["median"] == 1
     assert row["quality"]["psnr_db"]["mean"] == pytest.approx(20 * np.log10(255 / 3))
-    assert data["copy_gb_s"] == pytest.approx(12 * 120 * 130 / 1e-3 * 1e-9)
 
 
 def later(**changed) -> bytes:

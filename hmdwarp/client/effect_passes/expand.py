@@ -29,8 +29,6 @@ class ExpandPass(RenderedPass):
     name = "expand"
     needs_compute = False
     reads = ("rendered.foveated", "rendered.foveated_depth")
-    # Written; what is read is a part of them.
-    moves = (8 + 4, 0)
 
     def prepare(self) -> None:
         self._programs, self._pictures = {}, {}

@@ -145,8 +145,6 @@ class BenchOptions(RecordedOptions):
     budget_ms: float | None = same_as(
         _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
     )
-    grid: bool = option(True, "Sweep head displacements in the first scene.", off="--no-grid")
-    fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
     parquet: bool = parquet_field()
     paper: PaperOptions = group(PaperOptions)
@@ -157,8 +155,7 @@ class BenchOptions(RecordedOptions):
         said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
         check_one_guard(said)
         values = super().values_of(said)
-        recorded = {"predict": "none", "grid": False, "fused": False}
-        return values if said.get("frames") is None else {"guard": 1.0, **values, **recorded}
+        return values if said.get("frames") is None else {"guard": 1.0, **values, "predict": "none"}
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
