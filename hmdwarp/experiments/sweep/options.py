@@ -31,7 +31,6 @@ _OF_EVERY_RUN = (
         "sample_depth",
         "client_motion",
         "input",
-        "cache",
     ),
     *("headset", "rate_hz", "seconds", "jod_s"),
 )
