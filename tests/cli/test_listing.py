@@ -284,8 +284,6 @@ def test_plan_counts_bytes_and_frames(command):
         ("--predict", "q", "unknown predictor 'q'"),
         ("--mirrors", "q", "unknown kind of mirrors 'q': known are geometry, screen"),
         ("--samples", "0", "--samples 0"),
-        ("--sample-depth", "mean", "--sample-depth 'mean': expected centre or nearest"),
-        ("--sample-depth", "nearest --samples 1", "a pixel has one sample; leave --samples 1 out"),
         ("--jitter", "uniform:900", "--jitter uniform:900 around a latency of 200 ms"),
     ],
 )

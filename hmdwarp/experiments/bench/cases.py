@@ -193,7 +193,7 @@ def plan_of(
     check_suited(scene, parse_warp(warp), indirect)
     recorded = options.frames is not None
     more: dict[str, Any] = {"brings": (*PICTURE, OTHERS) if recorded else None, "named": effects.forced(wanted)}
-    more["fovea"] = None if options.fovea_deg is None else Fovea(options.fovea_deg, options.rim, options.inset)
+    more["fovea"] = None if options.fovea_deg is None else Fovea(options.fovea_deg, options.rim)
     return build_plan(selected, warp, fill, lens, client_geometry=not recorded, indirect=indirect, **more)
 
 
@@ -206,7 +206,6 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "effects",
         "fovea_deg",
         "rim",
-        "inset",
         "gaze",
         "start_s",
         "rendered_size",

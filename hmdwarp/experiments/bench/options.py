@@ -110,7 +110,6 @@ class BenchOptions(RecordedOptions):
     sizes: tuple[Size, ...] = several(_RUN.size, DEFAULT_SIZES, "Pixels of one eye", each=_size)
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
-    inset: bool = same_as(_RUN.inset)
     gaze: str = same_as(_RUN.gaze)
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     # Empty for the display's.
@@ -222,7 +221,6 @@ class CompareOptions(RecordedOptions):
     metrics_by: str = same_as(_RUN.metrics_by)
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
-    inset: bool = same_as(_RUN.inset)
     gaze: str = same_as(_RUN.gaze)
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)
