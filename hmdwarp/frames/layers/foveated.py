@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     import moderngl
 
 
+# What comes in place of colour and of inverse depth.
+FOVEATED = ("foveated", "foveated_depth")
+
+
 @attrs.frozen(eq=False)
 class FoveatedPicture:
     """A picture on a coarser grid."""
