@@ -16,8 +16,7 @@ import trimesh
 import typer
 
 from hmdwarp.cli._app import app, options_of_commands
-from hmdwarp.cli.catalogue import entries
-from hmdwarp.cli.listing import KINDS
+from hmdwarp.cli.catalogue import KINDS, entries
 from hmdwarp.client.effects import effects
 from hmdwarp.client.warps import warps
 from hmdwarp.experiments.bench.cases import baselines
@@ -89,7 +88,7 @@ def test_list_alone_lists_its_kinds(command):
     out = command("list").done().out
     assert [line.split()[0] for line in out.splitlines() if line and line[0] != " "] == list(KINDS)
     assert json.loads(command("list", "--json").done().out) == [
-        {"name": name, "summary": summary} for name, summary in KINDS.items()
+        {"name": name, "summary": kind.summary} for name, kind in KINDS.items()
     ]
 
 

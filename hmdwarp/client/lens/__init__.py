@@ -184,6 +184,6 @@ class ResampledLens(LensPass):
         }
 
 
-lenses: Registry[type[LensPass]] = Registry("lens", __name__)
+lenses: Registry[type[LensPass]] = Registry("lens", __name__, columns="source")
 
 __all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "ResampledLens", "bind_texels", "lenses"]

@@ -35,7 +35,7 @@ class Server(Renderer):
     (rays marched through the picture itself, which lacks what is outside the picture). draw(),
     which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
     lighting: of a scene with lamps, in place of what its own meshes make; it belongs to the caller.
-    samples: of each pixel of plain surfaces; colour is their mean in linear light, and depth that of
+    samples: of each pixel of plain surfaces; colour is their mean in linear light, depth that of
     the pixel's centre. Mirrors, sheets and overlays are added with one sample, as are layers of
     surfaces. changes: whether the scene's textures will. Errors: MachineError for more samples than
     the GPU has.
