@@ -161,11 +161,11 @@ def _draw_case(
         own = sorted((x, y) for row, x, y in zip(rows, time, error, strict=True) if row["warp"] == name)
         axes.plot(*zip(*own, strict=True), color=palette.warp(name), linewidth=0.7, alpha=0.6, zorder=1)
     higher = metrics.get(measure).higher_is_better
-    numbered = {}
+    numbered: dict[int, int] = {}
     for name, number in numbers.items():
-        own = [index for index, row in enumerate(rows) if row["warp"] == name]
-        best_of_all = [max(own, key=lambda index: error[index] if higher else -error[index])] if own else []
-        numbered |= dict.fromkeys([index for index in own if is_best[index]] or best_of_all, number)
+        its = [index for index, row in enumerate(rows) if row["warp"] == name]
+        least = [max(its, key=lambda index: error[index] if higher else -error[index])] if its else []
+        numbered |= dict.fromkeys([index for index in its if is_best[index]] or least, number)
     draw_numbers(axes, numbered, np.stack([time, error], axis=1), is_best, palette)
     better = "better ↖" if higher else "better ↙"
     axes.annotate(better, (1, 1), (0, 4), **_ABOVE, ha="right", color=palette.ink)
