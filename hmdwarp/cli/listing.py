@@ -7,8 +7,9 @@ import typer
 
 from ..errors import InputError, unknown_name
 from ..options import Declared, option
+from ..registry import Row
 from ._options import Said, as_json, takes
-from .catalogue import KINDS, Row, entries, headset_row
+from .catalogue import KINDS, entries, headset_row
 
 # Of one entry, where that is not the list's name without its s.
 _ONE = {"lenses": "lens", "studies": "study", "axes": "axes preset"}
