@@ -21,25 +21,9 @@ def machine_line(data: Row, *, defaults: bool = True) -> str:
         f"{data['machine']['gl_renderer']}, {data['machine']['cpu_count']} cores",
         data["machine"]["gl_version"],
         clock,
-        f"{data['copy_gb_s']:.1f} GB/s copied",
         *([f"the bench with its defaults took {data['seconds'] / 60:.1f} minutes"] if defaults else []),
     )
     return textwrap.fill("; ".join(parts) + ".", 100, break_on_hyphens=False)
-
-
-def traffic_table(rows: list[Row]) -> str:
-    """Return the memory traffic of each pass, its least time, and how far above it the pass ran.
-
-    A pass that occurs in several rows is taken from the first.
-    """
-    found: dict[str, list[str]] = {}
-    for row in rows:
-        for each in row["passes"]:
-            kind = each["name"]
-            name = row["warp"] if kind == "warp" else f"{kind} {row.get(kind, '')}".strip()
-            figures = (f"{each['bytes'] / 1e6:.1f}", f"{each['bound_ms']:.2f}", f"{each['median_ms']:.2f}")
-            found.setdefault(name, [f"`{name}`", *figures, f"{each['times_bound']:.1f}"])
-    return markdown(("pass", "MB", "bound ms", "measured ms", "times the bound"), found.values())
 
 
 def times_table(rows: list[Row], trace: str = "look-around") -> str:
@@ -81,18 +65,7 @@ def section(data: Row) -> str:
         parts += [paths] if paths else []
     # Files from before there was this part lack it.
     if data.get("chains"):
-        copied = data["bench"][0]["copy_gb_s"] if data["bench"] else None
-        parts += [
-            "Both eyes in one refresh, while copies keep the clock up, in ms:",
-            chains_table(data["chains"], copied),
-        ]
-    if data["bench"]:
-        for each in data["bench"]:
-            size = "x".join(map(str, each["rows"][0]["size"]))
-            parts += [
-                f"What each pass must move at {size}, at {each['copy_gb_s']:.1f} GB/s copied, and what it took:",
-                traffic_table(each["rows"]),
-            ]
+        parts += ["Both eyes in one refresh, while copies keep the clock up, in ms:", chains_table(data["chains"])]
     if data["live"]:
         parts += ["`hmdwarp live`, both eyes, in ms:", live_table(data["live"])]
     if data.get("arrays"):
@@ -103,16 +76,13 @@ def section(data: Row) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def chains_table(chains: list[Row], copy_gb_s: float | None) -> str:
-    """Return median and 95th percentile of whole chains, and how far the warp is from its bound."""
+def chains_table(chains: list[Row]) -> str:
+    """Return median and 95th percentile of whole chains."""
     lines = []
     for row in chains:
-        times = row["time_ms"]
-        cells = [_cell(times.get(stage)) for stage in ("warp", "fill", "total")]
-        bound_ms = row["warp_bytes"] / (copy_gb_s * 1e6) if copy_gb_s else None
-        cells.append(f"{times['warp']['median'] / bound_ms:.1f}" if bound_ms else "")
+        cells = [_cell(row["time_ms"].get(stage)) for stage in ("warp", "fill", "total")]
         lines.append([row["chain"], "x".join(map(str, row["size"])), *cells])
-    return markdown(("chain", "size", "warp", "fill", "all passes", "warp over its memory bound"), lines, texts=2)
+    return markdown(("chain", "size", "warp", "fill", "all passes"), lines, texts=2)
 
 
 def paths_line(rows: list[Row]) -> str:

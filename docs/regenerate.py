@@ -129,7 +129,7 @@ def bench(folder: Path, *ready: str) -> None:
     """Measure every warp at 200, 400, 600 and 800 ms: two tables, the plot, the front page."""
     from hmdwarp.report.bench.charts import pareto_plot_png
 
-    later = "--latency 400,600,800 --instants 3 --rounds 1 --no-grid --no-fused"
+    later = "--latency 400,600,800 --instants 3 --rounds 1"
     plain = "bench --predict none --size 800x500"
     runs = {"200": plain, "later": f"{plain} {later}"}
     made = read(ready) or [hmdwarp(command, folder / name, "bench.json") for name, command in runs.items()]
@@ -316,7 +316,7 @@ def fill_fronts(folder: Path, *sequences: str) -> None:
         for fill in TRIED:
             found[fill][column] = sum(part[fill] for part in parts) / len(parts)
     for number, place in enumerate(sequences):
-        more = "--warp iterative --size 320x240 --guard 1.25 --instants 4 --rounds 1 --no-grid --no-fused"
+        more = "--warp iterative --size 320x240 --guard 1.25 --instants 4 --rounds 1"
         command = f"bench --frames {place} {more} --fill {','.join(TRIED)}"
         for row in hmdwarp(command, folder / str(number), "bench.json")["rows"]:
             for region in ("border", "inside"):

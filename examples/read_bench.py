@@ -21,8 +21,6 @@ hmdwarp.bench.bench(
         seconds=0.5,
         instants=2,
         workers=0,
-        grid=False,
-        fused=False,
         parquet=True,
         paper=PaperOptions(tables=("latex",), plots=("pdf",)),
         out=out,

@@ -21,9 +21,12 @@ import functools
 import importlib
 import pkgutil
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import attrs
 
 from .errors import InputError, unknown_name
 
@@ -32,6 +35,29 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 E = TypeVar("E")
+Row = dict[str, str]
+
+
+def describe(entries: Iterable[Any], columns: str = "", more: Callable[[Any], Row] = lambda entry: {}) -> list[Row]:
+    """Return a row of texts for each entry: its name, its summary, `columns`, and what `more` adds.
+
+    columns: names of attributes; KEY=ATTRIBUTE for one under another name.
+    """
+    named = [each.partition("=") for each in columns.split()]
+    return [
+        {name: getattr(entry, name, "") for name in ("name", "summary")}
+        | {key: _text(attrgetter(attribute or key)(entry)) for key, _, attribute in named}
+        | more(entry)
+        for entry in entries
+    ]
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, type):  # an attrs class of settings
+        value = [f"{field.name}={field.default}" for field in attrs.fields(value)]
+    return (value if isinstance(value, str) else ", ".join(value) if isinstance(value, Iterable) else "") or "none"
 
 
 class Registry(Generic[T]):
@@ -49,11 +75,13 @@ class Registry(Generic[T]):
         of_table: Callable[[str, dict[str, Any]], T] | None = None,
         *,
         holds_objects: bool = False,
+        columns: str = "",
     ) -> None:
         self.kind = kind  # singular, for messages: "warp"
         self.package = package  # dotted name of the package that holds the entries
         self.group = f"hmdwarp.{group or package.rpartition('.')[2]}"  # of the entry points
         self._of_table = of_table  # makes an entry of its name and its table; None: there are no tables
+        self._columns = columns  # of describe()
         self._holds_objects = holds_objects  # whether an entry is an object: a class that registers is made
         self._entries: dict[str, T] = {}
 
@@ -90,6 +118,10 @@ class Registry(Generic[T]):
 
     def __iter__(self) -> Iterator[T]:
         return (self.get(name) for name in self.names())
+
+    def describe(self, more: Callable[[T], Row] = lambda entry: {}) -> list[Row]:
+        """Return a row of texts for each entry, see the function describe."""
+        return describe(self, self._columns, more)
 
     def __contains__(self, name: object) -> bool:
         return name in self.names()

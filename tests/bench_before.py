@@ -51,7 +51,7 @@ CASES = (
     ),
     Case(
         "`bench` of two warps, two latencies, three instants",
-        "bench --size 640x400 --latency 100 --latency 200 --warp forward,iterative --instants 3 --no-grid --no-fused",
+        "bench --size 640x400 --latency 100 --latency 200 --warp forward,iterative --instants 3",
         0.5,
     ),
 )

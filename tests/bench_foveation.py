@@ -20,6 +20,7 @@ import numpy as np
 from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
+from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import Tools
 from hmdwarp.geometry import Fovea, View
 from hmdwarp.gpu import Gpu
@@ -37,8 +38,6 @@ FRAMES = {
     "20 degrees": {"fovea_deg": 20.0},
     "20 degrees, predicted": {"fovea_deg": 20.0, "gaze": "predicted"},
     "20 degrees, rim of 8": {"fovea_deg": 20.0, "rim": 8},
-    "40 degrees, inset": {"fovea_deg": 40.0, "inset": True},
-    "20 degrees, inset": {"fovea_deg": 20.0, "inset": True},
 }
 # 100 Hz: each latency is a whole number of refreshes.
 OPTIONS = {
@@ -51,7 +50,7 @@ HEADSET, GUARD, LATE_NS, AT_NS = "quest-3", 1.1, 50_000_000, 3_000_000_000
 
 def quality(gpu: Gpu, side: int, seconds: float) -> None:
     """Print bits and quality by latency and frames."""
-    heads = ["pixels drawn", "pixels sent", "Mbit/s", "off, p50", "off, p95", "PSNR near the gaze", "PSNR"]
+    heads = ["pixels sent", "Mbit/s", "off, p50", "off, p95", "PSNR near the gaze", "PSNR"]
     missing = [module for module in jod.MODULES if importlib.util.find_spec(module) is None]
     if missing:
         print(f"no column JOD: not installed: {', '.join(missing)} (pip install '.[jod]')", file=sys.stderr)
@@ -67,22 +66,21 @@ def quality(gpu: Gpu, side: int, seconds: float) -> None:
         for latency_ms, (name, sets) in itertools.product(LATENCIES_MS, FRAMES.items()):
             summary = run(Path(folder) / "out", gpu=gpu, latency_ms=latency_ms, **known, **sets).summary
             gaze, link = summary["gaze"], summary["link"]
-            cells = [*pixels(side, sets), f"{link['mbit_s']:.2f}"]
+            cells = [pixels(side, sets), f"{link['mbit_s']:.2f}"]
             cells += [f"{gaze['off_deg'][key]:.1f}" for key in ("p50", "p95")]
             cells += [f"{gaze['psnr_db']:.2f}", f"{summary['quality']['psnr_db']['mean']:.2f}"]
             cells += [] if missing else [f"{summary['jod']['mean']:.2f}"]
             print(f"| {latency_ms:g} ms | {name} | " + " | ".join(cells) + " |", flush=True)
 
 
-def pixels(side: int, sets: dict) -> list[str]:
-    """Return the shares of a whole frame's pixels that are drawn, and sent."""
+def pixels(side: int, sets: dict) -> str:
+    """Return the share of a whole frame's pixels that is sent."""
     if not sets:
-        return ["100 %"] * 2
+        return "100 %"
     view = load_headset("flat-90").views(load_trace("look-around").track.at(0).pose)[0]
     fov, size = view.fov.guarded(OPTIONS["guard"], (side, side))
-    fovea = Fovea(sets["fovea_deg"], sets.get("rim", 4), sets.get("inset", False))
-    counts = fovea.drawn_pixels(fov, size, size), math.prod(fovea.small(fov, size, size))
-    return [f"{100 * count / math.prod(size):.0f} %" for count in counts]
+    fovea = Fovea(sets["fovea_deg"], sets.get("rim", 4))
+    return f"{100 * math.prod(fovea.small(fov, size, size)) / math.prod(size):.0f} %"
 
 
 def price(gpu: Gpu, scale: float, rounds: int) -> None:
@@ -94,10 +92,9 @@ def price(gpu: Gpu, scale: float, rounds: int) -> None:
     heads = ["frames of 30 degrees", "drawing", *(f"`{chain.replace('/', '`, `')}`" for chain in CHAINS)]
     print(f"| {' | '.join(heads)} |")
     print("| --- |" + " ---: |" * (1 + len(CHAINS)))
-    for name, fovea in (("a rim", Fovea(30.0)), ("an inset", Fovea(30.0, inset=True))):
-        cells, shares = row(gpu, server, (late, shown), size, fovea, rounds)
-        print(f"| {name}: processor time, of whole frames' | {' | '.join(cells)} |")
-        print(f"| {name}: of it the expansion | | {' | '.join(shares)} |")
+    cells, shares = row(gpu, server, (late, shown), size, Fovea(30.0), rounds)
+    print(f"| processor time, of whole frames' | {' | '.join(cells)} |")
+    print(f"| of it the expansion | | {' | '.join(shares)} |")
     server.close()
 
 
@@ -117,7 +114,7 @@ def row(
             methods.append(lambda client=client, frame=frame: client.run(PassInputs(frame.eyes[0], shown)))
             if plan.expands:
                 inputs, parts = PassInputs(frame.eyes[0], shown), frozenset(plan.foveated)
-                alone = plan.expand_pass(gpu, parts, frame.eyes[0].size, size, Tools(None, 1))
+                alone = ExpandPass(gpu, parts, frame.eyes[0].size, size, Tools(None, 1))
                 share = ratio(gpu, lambda alone=alone, inputs=inputs: alone.run(inputs), methods[0], rounds)
                 shares.append(f"{100 * share:.0f} %")
             elif each is not None:

@@ -47,11 +47,11 @@ class Work:
 FILLS = ("none", "interpolate", "pyramid", "memory+pyramid")
 ALL = Work(
     (("1280x800", MORE, FILLS), ("2064x2208", FEW, FILLS)),
-    ("--instants", "3", "--rounds", "5", "--no-grid", "--no-fused"),
+    ("--instants", "3", "--rounds", "5"),
 )
 QUICK = Work(
     (("48x40", ("rotation",), ("none", "pyramid")),),
-    tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0 --no-grid --no-fused")),
+    tuple(shlex.split("--instants 1 --rounds 1 --seconds 1 --workers 0")),
     "planes", ("--refreshes", "2", "--busy-bytes", "65536"), 10, 2, ("48x40",),
 )  # fmt: skip
 

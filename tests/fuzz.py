@@ -601,7 +601,7 @@ def _results() -> Iterator[tuple[str, Target]]:
         for host in ("one", "two"):
             machine = {"host": host, "gl_renderer": "any", "gl_version": "4.5", "cpu_count": 1}
             row = a_row("none", "none", 1.0, 0.3, machine=machine, blocks={"3": blocks_text(np.zeros((2, 2, 3)))})
-            about = {"hmdwarp": "0", "program": "this", "clock": "wall", "clocks": {}, "copy_gb_s": 1.0, "notes": []}
+            about = {"hmdwarp": "0", "program": "this", "clock": "wall", "clocks": {}, "notes": []}
             (folder / host).mkdir()
             a_bench(folder / host / "bench.json", [row], machine=machine, seconds=1.0, **about)
 

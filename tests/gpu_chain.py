@@ -15,7 +15,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from hmdwarp.client import Compensator, PassInputs
-from hmdwarp.client.warps import warps
 from hmdwarp.gpu import Gpu
 from hmdwarp.headsets import load_headset
 from hmdwarp.pipeline import PipelineOptions, build_plan_for
@@ -86,9 +85,6 @@ def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Ite
         made.close()
         for frame in frames:
             server.recycle(frame)
-        wide, high = frame.eyes[0].size
-        settings = plan.choice.settings
-        moved = 2 * warps.get(plan.warp.name).bytes_moved(wide * high, size[0] * size[1], settings)
         yield {
             "chain": name,
             "size": list(size),
@@ -96,7 +92,6 @@ def measured(gpu: Gpu, size: tuple[int, int], refreshes: int, busy: Busy) -> Ite
                 stage: {"median": float(np.median(each)), "p95": float(np.percentile(each, 95))}
                 for stage, each in times.items()
             },
-            "warp_bytes": moved,
         }
 
 

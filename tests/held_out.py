@@ -77,7 +77,7 @@ def flip_of(parameter: Parameter, value: float, half: Mapping[str, Sequence[str]
     with tempfile.TemporaryDirectory() as out, parameter.set_to(value):
         usual = {"latency": [str(LATE_MS)], "size": ["160x100"], "samples": 4, "instants": 2, "rounds": 1}
         where = {"scene": [",".join(half["scenes"][:most])], "traces": list(half["heads"][:most])}
-        said = {**usual, **where, **parameter.methods(value), "grid": False, "fused": False, "out": Path(out) / "out"}
+        said = {**usual, **where, **parameter.methods(value), "out": Path(out) / "out"}
         rows = bench(BenchOptions.of(said)).data["rows"]
         return float(np.mean([row["quality"]["flip"]["mean"] for row in rows]))
 

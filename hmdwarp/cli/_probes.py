@@ -30,26 +30,15 @@ def report(known: dict[str, object]) -> None:
 
 
 def gl() -> None:
-    """Report the OpenGL context that replay would use.
-
-    Its renderer, its limits, and whether its timers measure anything.
-    """
+    """Report the OpenGL context that replay would use: renderer, limits, timers that measure."""
     from ..errors import HmdwarpError
     from ..gpu.context import Gpu
 
     try:
         with Gpu() as gpu:
-            report(
-                {
-                    "stage": "done",
-                    "renderer": gpu.renderer,
-                    "version": gpu.version,
-                    "software": gpu.is_software,
-                    "clock": gpu.timer.clock,
-                    "atomic_int64": gpu.gl.extensions >= INT64_EXTENSIONS,
-                    **{name: gpu.gl.info[key] for name, key in GL_LIMITS.items()},
-                }
-            )
+            about = {"renderer": gpu.renderer, "version": gpu.version, "software": gpu.is_software}
+            about |= {"clock": gpu.timer.clock, "atomic_int64": gpu.gl.extensions >= INT64_EXTENSIONS}
+            report({"stage": "done", **about, **{name: gpu.gl.info[key] for name, key in GL_LIMITS.items()}})
     except HmdwarpError as error:
         report({"stage": "context", "error": str(error)})
 
@@ -95,10 +84,8 @@ def openxr() -> None:
         instance = xr.create_instance(xr.InstanceCreateInfo(application_info=application, enabled_extension_names=[]))
         try:
             properties = xr.get_instance_properties(instance)
-            known |= {
-                "runtime": _text(properties.runtime_name),
-                "runtime_version": str(xr.Version(properties.runtime_version)),
-            }
+            known["runtime"] = _text(properties.runtime_name)
+            known["runtime_version"] = str(xr.Version(properties.runtime_version))
             advance("headset")
             system = xr.get_system(instance, xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY))
             known["headset"] = _text(xr.get_system_properties(instance, system).system_name)
@@ -123,27 +110,17 @@ def window() -> None:
         report({"stage": "display", "error": _text(glfw.get_error()[1] or "no display")})
         return
     try:
-        hints = {
-            glfw.VISIBLE: glfw.FALSE,
-            glfw.CONTEXT_VERSION_MAJOR: 4,
-            glfw.CONTEXT_VERSION_MINOR: 3,
-            glfw.OPENGL_PROFILE: glfw.OPENGL_CORE_PROFILE,
-        }
-        for hint, value in hints.items():
-            glfw.window_hint(hint, value)
-        made = glfw.create_window(64, 64, "hmdwarp doctor", None, None)
-        if not made:
+        glfw.window_hint(glfw.VISIBLE, glfw.FALSE)
+        glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 4)
+        glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+        glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+        if not glfw.create_window(64, 64, "hmdwarp doctor", None, None):
             report({"stage": "window", "error": _text(glfw.get_error()[1] or "no window")})
             return
         monitor = glfw.get_primary_monitor()
         mode = glfw.get_video_mode(monitor) if monitor else None
-        report(
-            {
-                "stage": "done",
-                "size": list(mode.size) if mode else None,
-                "refresh_hz": mode.refresh_rate if mode else None,
-            }
-        )
+        size, refresh_hz = (list(mode.size), mode.refresh_rate) if mode else (None, None)
+        report({"stage": "done", "size": size, "refresh_hz": refresh_hz})
     finally:
         glfw.terminate()
 

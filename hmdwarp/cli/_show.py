@@ -8,7 +8,8 @@ import textwrap
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -47,19 +48,16 @@ def steps(what: str, *, quiet: bool) -> Iterator[tuple[Callable[[int, int], None
     """
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    logging.getLogger("matplotlib").setLevel(
-        logging.ERROR
-    )  # it warns where there is no home folder to keep its cache in
+    # It warns where there is no home folder to keep its cache in.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     screen = console(stderr=True)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with ExitStack() as stack:
-        bar = stack.enter_context(
-            Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal)
-        )
+    bar, lines = (
+        Progress(*columns, console=screen, transient=True, disable=quiet or not screen.is_terminal),
+        _Lines(what),
+    )
+    with bar, lines.printed(screen) if bar.disable and not quiet else nullcontext():
         task = bar.add_task(what, total=None)
-        lines = _Lines(what)
-        if bar.disable and not quiet:
-            stack.enter_context(lines.printed(screen))
 
         def progress(done: int, total: int) -> None:
             end_if_asked()
@@ -160,13 +158,9 @@ def in_columns(rows: Iterable[tuple[str, str]], indent: int = 0) -> None:
     left = indent + max((len(name) for name, _ in rows), default=0) + 2
     width = max(left + 24, _width())
     for name, text in rows:
-        lines = [
-            part for line in text.splitlines() for part in textwrap.wrap(line, width - left, break_on_hyphens=False)
-        ] or [""]
+        wrapped = (textwrap.wrap(line, width - left, break_on_hyphens=False) for line in text.splitlines())
         head = " " * indent + typer.style(name, bold=True) + " " * (left - indent - len(name))
-        typer.echo(head + lines[0])
-        for line in lines[1:]:
-            typer.echo(" " * left + line)
+        typer.echo(head + f"\n{' ' * left}".join(chain.from_iterable(wrapped)))
 
 
 def paragraph(text: str) -> None:

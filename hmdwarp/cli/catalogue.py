@@ -1,221 +1,98 @@
-"""What every registry holds, as plain rows.
+"""What there is to choose from, as rows of texts.
 
-For `hmdwarp list`, the README's tables and other programs.
+For `hmdwarp list`, tables of docs/ and other programs.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from importlib import import_module
 from typing import Any
 
 import attrs
 
-from .. import geometry, headsets, poses
 from ..options import Option
-from ..poses.assumptions import Assumption, By
-from ..study import design, scales
-
-_SIZES = {"rendered": "of the rendered picture", "shown": "of the shown picture", "own": "its own"}
+from ..registry import Registry, Row, describe
 
 
-def entries(kind: str) -> list[dict[str, str]]:
-    """Rows of one kind, each with at least `name` and `summary`.
+@attrs.frozen
+class Kind:
+    """What one list holds."""
 
-    kind: a key of `listing.KINDS`.
-    """
-    return _MAKERS[kind]()
+    summary: str
+    # "module:registry", or a function that returns the entries.
+    entries: str | Callable[[], Iterable[Any]]
+    # The columns of an entry besides those of its registry.
+    more: Callable[[Any], Row] = lambda entry: {}
 
-
-def _said(entry: object, *names: str) -> dict[str, str]:
-    """Return the texts of an entry under their own names."""
-    return {name: getattr(entry, name) for name in ("name", "summary", *names)}
-
-
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
-
-
-def _settings(entry: Any) -> str:
-    return ", ".join(f"{field.name}={field.default}" for field in attrs.fields(entry.Settings)) or "none"
+    def rows(self) -> list[Row]:
+        """Return a row of texts for each entry, each with at least `name` and `summary`."""
+        if isinstance(self.entries, str):
+            module, _, name = self.entries.partition(":")
+            registry: Registry[Any] = getattr(_of(module), name)
+            return registry.describe(self.more)
+        return describe(self.entries(), more=self.more)
 
 
-def _strategies() -> list[dict[str, str]]:
-    from ..client.strategies import strategies
-
-    return [
-        {
-            **_said(strategy, "crosses", "client", "late"),
-            "sets": ", ".join(f"{name}={value}" for name, value in strategy.options("").items()) or "nothing",
-            "classes": ", ".join(f"class-{number}" for number in strategy.classes),
-            "source": strategy.source,
-        }
-        for strategy in strategies
-    ]
+def entries(kind: str) -> list[Row]:
+    """Return the rows of one kind, a key of KINDS."""
+    return KINDS[kind].rows() + (_baselines() if kind == "warps" else [])
 
 
-def _warps() -> list[dict[str, str]]:
+def _of(module: str) -> Any:
+    return import_module(f"hmdwarp.{module}")
+
+
+def _each(module: str, names: str, load: str) -> Callable[[], Iterable[Any]]:
+    """Return a function that loads what a module has names of."""
+    return lambda: map(getattr(_of(module), load), getattr(_of(module), names)())
+
+
+def _baselines() -> list[Row]:
+    """Return the rows of warps that do as another system does, and of that library's own."""
     from ..client.variants import every_baseline, parse_warp
-    from ..client.warps import warps
     from ..run.combinations import OUTSIDE, missing
 
-    rows = [
-        {
-            **_said(warp, "kind"),
-            "reads": ", ".join(warp.reads),
-            "settings": _settings(warp),
-            "fused_with_the_lens": _yes(warp.fuses),
-            "follows_scanout": _yes(warp.scans_out),
-            "exact_when": warp.exact_when,
-            "gets_wrong": warp.gets_wrong,
-            "does_as": "none",
-            "source": warp.source,
-        }
-        for warp in warps
-    ]
-    own = {row["name"]: row for row in rows}
+    own, rows = {row["name"]: row for row in KINDS["warps"].rows()}, []
     for text, system in every_baseline().items():
         choice = parse_warp(text)
         values = ", ".join(f"{name}={value}" for name, value in attrs.asdict(choice.settings).items())
         of = own[choice.entry.name]
-        rows.append(
-            of | {"name": text, "summary": f"as {system}: {of['summary']}", "settings": values, "does_as": system}
+        told = {"name": text, "summary": f"as {system}: {of['summary']}", "settings": values, "does_as": system}
+        rows.append(of | told)
+    for name, system in OUTSIDE.items():
+        summary = f"as {system}: its own warp by depth, on the CPU, for 'hmdwarp bench' only"
+        told = {"name": name, "summary": summary, "does_as": system, "source": system}
+        told |= {"reads": "rendered.colour, rendered.inverse_depth", "fused_with_the_lens": "no"}
+        rows += (
+            []
+            if missing(name)
+            else [dict.fromkeys(next(iter(own.values())), "none") | told | {"follows_scanout": "no"}]
         )
-    there = [name for name in OUTSIDE if not missing(name)]
-    return rows + [_outside_row(name, OUTSIDE[name], list(rows[0])) for name in there]
+    return rows
 
 
-def _outside_row(name: str, system: str, keys: list[str]) -> dict[str, str]:
-    said = {
-        "name": name,
-        "summary": f"as {system}: its own warp by depth, on the CPU, for 'hmdwarp bench' only",
-        "reads": "rendered.colour, rendered.inverse_depth",
-        "fused_with_the_lens": "no",
-        "follows_scanout": "no",
-        "does_as": system,
-        "source": system,
-    }
-    return {key: said.get(key, "none") for key in keys}
-
-
-def _fills() -> list[dict[str, str]]:
-    from ..client.fills import fills
-
-    return [
-        {
-            **_said(fill),
-            "reads": ", ".join(fill.reads),
-            "settings": _settings(fill),
-            "leaves_no_hole": _yes(fill.complete),
-            "source": fill.source,
-        }
-        for fill in fills
-    ]
-
-
-def _repairs() -> list[dict[str, str]]:
-    from ..sources.repairs import repairs
-
-    return [{**_said(repair, "needs"), "settings": _settings(repair), "source": repair.source} for repair in repairs]
-
-
-def _metrics() -> list[dict[str, str]]:
-    from ..metrics import metrics
-
-    return [
-        {
-            "name": metric.name,
-            "summary": metric.description,
-            "unit": "%" if metric.percent_of else metric.unit or "none",
-            "better": "more" if metric.higher_is_better else "less",
-            "needs": ", ".join(sorted(str(need.name).lower().replace("_", " ") for need in metric.needs)) or "nothing",
-        }
-        for metric in metrics
-    ]
-
-
-def _predictors() -> list[dict[str, str]]:
-    from ..poses.predictors import predictors
-
-    return [
-        {
-            **_said(each),
-            "horizon": f"{each.horizon_ns / 1e6:g} ms",
-            "same_as": each.alias_of or "none",
-            "source": each.source,
-        }
-        for each in predictors
-    ]
-
-
-def _codecs() -> list[dict[str, str]]:
-    from ..link.codec import codecs
-
-    return [{**_said(each), "encoder": each.encoder or "none", "crf": f"{each.crf:g}"} for each in codecs]
-
-
-def _delays() -> list[dict[str, str]]:
-    from ..link import delay_models
-
-    return [{"name": each.name, "summary": str(each.__doc__).split("\n\n", maxsplit=1)[0]} for each in delay_models]
-
-
-def _effects() -> list[dict[str, str]]:
-    from ..client.effects import effects
-
-    return [{**_said(e), "pass": e.made_by.name, "without": e.without, "source": e.source} for e in effects]
-
-
-def _lenses() -> list[dict[str, str]]:
-    from ..client.lens import lenses
-
-    return [_said(lens, "source") for lens in lenses]
-
-
-def _scenes() -> list[dict[str, str]]:
-    from ..scenes import scenes
-
-    return [{**_said(scene), "effects": ", ".join(scene.effects) or "none"} for scene in scenes]
-
-
-def _headsets() -> list[dict[str, str]]:
-    return [headset_row(name) for name in headsets.headset_names()]
-
-
-def _axes() -> list[dict[str, str]]:
-    from ..poses.reading.axes import load_preset, preset_names
-
-    presets = map(load_preset, preset_names())
-    return [{**_said(preset), "axes": preset.axes.words(), "source": preset.source} for preset in presets]
-
-
-def _clients() -> list[dict[str, str]]:
-    from ..client.classes import client_names, load_client
-
-    return [
-        {
-            **_said(client, "scene"),
-            "compute_shaders": _yes(client.compute_shaders),
-            "layers": "all" if client.more_layers else "colour and depth",
-            "budget": _limit(client.budget_ms, "ms an eye"),
-            "decoder": _limit(client.decoder_mpx_s, "Mpx/s"),
-            "download": _limit(client.download_mbit_s, "Mbit/s"),
-            "source": client.source or "none",
-        }
-        for client in map(load_client, client_names())
-    ]
-
-
-def _limit(value: float, unit: str) -> str:
-    return f"{value:g} {unit}" if math.isfinite(value) else "no limit"
-
-
-def headset_row(name: str) -> dict[str, str]:
-    """Return the row of one headset. name: as load_headset takes it. Errors: InputError."""
-    headset = headsets.load_headset(name)
+def _client(client: Any) -> Row:
+    limits = {"budget": (client.budget_ms, "ms an eye"), "decoder": (client.decoder_mpx_s, "Mpx/s")}
+    limits["download"] = (client.download_mbit_s, "Mbit/s")
     return {
-        **_said(headset),
+        "scene": client.scene,
+        "compute_shaders": "yes" if client.compute_shaders else "no",
+        "layers": "all" if client.more_layers else "colour and depth",
+        **{key: f"{most:g} {unit}" if math.isfinite(most) else "no limit" for key, (most, unit) in limits.items()},
+        "source": client.source or "none",
+    }
+
+
+def headset_row(name: str) -> Row:
+    """Return the row of one headset. name: as load_headset takes it. Errors: InputError."""
+    return describe([_of("headsets").load_headset(name)], more=_headset)[0]
+
+
+def _headset(headset: Any) -> Row:
+    return {
         "eye_size": "x".join(map(str, headset.eye_size_px)),
         "refresh_hz": f"{headset.refresh_hz:g}",
         **headset_facts(headset),
@@ -225,7 +102,7 @@ def headset_row(name: str) -> dict[str, str]:
     }
 
 
-def headset_facts(headset: headsets.Headset) -> dict[str, str]:
+def headset_facts(headset: Any) -> Row:
     """Return what the eyes of a headset see, in words."""
     sides = dict(zip(("left", "right"), headset.eyes, strict=False))
     least, most = (limit * 1e3 for limit in headset.ipd_range_m)
@@ -240,73 +117,53 @@ def headset_facts(headset: headsets.Headset) -> dict[str, str]:
     }
 
 
-def _angles(fov: geometry.Fov) -> str:
+def _angles(fov: Any) -> str:
     angles = zip(("left", "right", "down", "up"), map(math.degrees, attrs.astuple(fov)), strict=True)
     return ", ".join(f"{side} {angle:.1f}" for side, angle in angles)
 
 
 def _both(values: Sequence[float], form: str) -> str:
     """Return one value where both eyes have the same, else those of each."""
-    texts = [format(value, form) for value in values]
-    return texts[0] if len(set(texts)) == 1 else ", ".join(texts)
+    return ", ".join(dict.fromkeys(format(value, form) for value in values))
 
 
-def _formats() -> list[dict[str, str]]:
-    from ..poses.formats import formats
-
-    rows = []
-    for entry in formats:
-        facts = {fact.what: f"{fact.value} ({_stated_by(fact)})" for fact in entry.assumes()}
-        rows.append({**_said(entry), "can_write": _yes(entry.writes), **facts})
-    return rows
+def _layout(reader: Any) -> Row:
+    facts = _of("sources.sequences").FACTS
+    return dict.fromkeys((what.replace(" ", "_") for what in facts), "") | {
+        fact.what.replace(" ", "_"): stated for fact, stated in _stated(reader.assumes)
+    }
 
 
-def _layouts() -> list[dict[str, str]]:
-    from ..sources.sequences import FACTS, readers
-
-    rows = []
-    for reader in readers:
-        stated = {assume.what: f"{assume.value} ({_stated_by(assume)})" for assume in reader.assumes}
-        facts = {what.replace(" ", "_"): stated.get(what, "") for what in FACTS}
-        rows.append({**_said(reader), **facts})
-    return rows
-
-
-def _stated_by(fact: Assumption) -> str:
-    if fact.by not in (By.USER, By.NOBODY):
-        return f"by the {fact.by}"
-    return f"stated by {fact.option}" if fact.by is By.USER else f"not stated{fact.option and f': {fact.option}'}"
+def _stated(facts: Iterable[Any]) -> list[tuple[Any, str]]:
+    """Return what a file format assumes, with who states it."""
+    by = _of("poses.assumptions").By
+    said = {by.USER: "stated by {0.option}", by.NOBODY: "not stated"}
+    return [
+        (fact, f"{fact.value} ({said.get(fact.by, 'by the {0.by}').format(fact)}"
+         f"{f': {fact.option}' if fact.by is by.NOBODY and fact.option else ''})")
+        for fact in facts
+    ]  # fmt: skip
 
 
-def _recordings() -> list[dict[str, str]]:
-    from ..resources import recording_names
-
-    return [_recording_row(poses.load_trace(name).track) for name in recording_names()]
-
-
-def _recording_row(track: poses.PoseTrack) -> dict[str, str]:
+def _recording(loaded: Any) -> Row:
     # As 'hmdwarp trace synth' writes it into the file.
+    track = loaded.track
     made_by, _, what = track.origin.rpartition("; ")
+    seconds, rate_hz = f"{track.duration_ns * 1e-9:.1f}", f"{track.rate_hz:.0f}"
     return {
         "name": track.name,
         "summary": what,
-        "seconds": f"{track.duration_ns * 1e-9:.1f}",
-        "rate_hz": f"{track.rate_hz:.0f}",
+        "seconds": seconds,
+        "rate_hz": rate_hz,
         "origin": made_by or track.origin,
     }
 
 
-def _scales() -> list[dict[str, str]]:
-    return [_scale_row(scales.load_scale(name)) for name in scales.scale_names()]
-
-
-def _scale_row(scale: scales.Scale) -> dict[str, str]:
+def _scale(scale: Any) -> Row:
     items = [item.described for item in scale.items]
+    answers = f"{scale.least:g} to {scale.most:g}, {scale.direction}"
     return {
-        "name": scale.name,
-        "summary": f"{scale.title}: {scale.least:g} to {scale.most:g}, {scale.direction}"
-        if scale.has_answers
-        else f"{scale.title}: each question has its own answers",
+        "summary": f"{scale.title}: {answers if scale.has_answers else 'each question has its own answers'}",
         "kind": scale.kind,
         "step": f"{scale.step:g}",
         "anchors": "; ".join(f"{value:g} = {words}" for value, words in scale.anchors.items())
@@ -317,45 +174,36 @@ def _scale_row(scale: scales.Scale) -> dict[str, str]:
     }
 
 
-def _studies() -> list[dict[str, str]]:
-    return [_study_row(design.load_design(name, checked=False)) for name in design.study_names()]
+def _studies() -> Iterable[Any]:
+    design = _of("study.design")
+    return (design.load_design(name, checked=False) for name in design.study_names())
 
 
-def _study_row(study: design.Design) -> dict[str, str]:
+def _study(study: Any) -> Row:
     parts = [f"{part.name}: {', '.join(condition.name for condition in part.conditions)}" for part in study.parts]
-    return {
-        "name": study.name,
-        "summary": study.title,
-        "scales": ", ".join(scale.name for scale in study.scales),
-        "conditions": "; ".join(parts),
-        "order": study.order,
-    }
+    scales = ", ".join(scale.name for scale in study.scales)
+    return {"summary": study.title, "scales": scales, "conditions": "; ".join(parts), "order": study.order}
 
 
-def _layers() -> list[dict[str, str]]:
-    from ..frames.layers import layers
+def _layer(layer: Any) -> Row:
     from ..pipeline.options import PipelineOptions
     from ..pipeline.sizes import eye_sizes
 
-    headset = headsets.load_headset(PipelineOptions().headset)
-    sizes = eye_sizes(1.0, headset, headset.eye_size_px)
-    rows = []
-    for layer in layers:
-        per, count = "frame" if layer.per_frame else "eye", layer.bytes(layer.something, sizes)
-        row = {
-            **_said(layer),
-            "format": " + ".join(layer.formats) or "none: no picture",
-            "size": _SIZES[layer.size_class] if layer.formats else "none",
-            "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset.name}" if count else "none",
-            "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
-            "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
-            "coded_as": " + ".join(layer.coded_as()) if count else "nothing",
-        }
-        rows.append(row)
-    return rows
+    headset = _of("headsets").load_headset(PipelineOptions().headset)
+    count = layer.bytes(layer.something, eye_sizes(1.0, headset, headset.eye_size_px))
+    per, size = "frame" if layer.per_frame else "eye", layer.size_class
+    return {
+        "format": " + ".join(layer.formats) or "none: no picture",
+        "size": ("its own" if size == "own" else f"of the {size} picture") if layer.formats else "none",
+        "bytes": f"{count / 1e6:.1f} MB for each {per} of {headset.name}" if count else "none",
+        "carried": f"once for each {per}, {'always' if layer.always else 'where a pass reads it'}",
+        "drawn_by": layer.drawn_by or ("the scene's own passes" if layer.always else "nothing: the client has it"),
+        "coded_as": " + ".join(layer.coded_as()) if count else "nothing",
+    }
 
 
-def _options() -> list[dict[str, str]]:
+def _options() -> list[tuple[str, Option, list[str]]]:
+    """Return every option with the commands that take it, and a name that no other has."""
     from ._app import options_of_commands
 
     takers: dict[Option, list[str]] = {}
@@ -364,21 +212,22 @@ def _options() -> list[dict[str, str]]:
             takers.setdefault(option, []).append(command)
     first = {option.name: option for option in reversed(takers)}
     return [
-        _option_row(option, option.name if first[option.name] is option else f"{names[0]} {option.name}", names)
-        for option, names in takers.items()
+        (option.name if first[option.name] is option else f"{commands[0]} {option.name}", option, commands)
+        for option, commands in takers.items()
     ]
 
 
-def _option_row(option: Option, name: str, commands: list[str]) -> dict[str, str]:
+def _option(named: tuple[str, Option, list[str]]) -> Row:
+    name, option, commands = named
     default = {False: "no", True: "yes"}.get(option.default) if option.kind is bool else str(option.default)
     if option.default is None and (said := re.search(r"\[default: (.*)\]", option.help)):
         default = said[1]
+    kinds = {bool: "yes or no", int: "a whole number", float: "a number"}
     return {
         "name": name.replace("_", "-"),
         "summary": option.help,
         "flag": option.metavar or option.name.upper() if option.positional else option.flag,
-        "value": option.limits
-        or {bool: "yes or no", int: "a whole number", float: "a number"}.get(option.kind, "a text"),
+        "value": option.limits or kinds.get(option.kind, "a text"),
         "unit": option.unit or "none",
         "default": "none" if default in (None, "", "None") else default,
         "commands": ", ".join(commands),
@@ -386,10 +235,69 @@ def _option_row(option: Option, name: str, commands: list[str]) -> dict[str, str
     }
 
 
-_MAKERS: dict[str, Callable[[], list[dict[str, str]]]] = {
-    maker.__name__.removeprefix("_"): maker
-    for maker in (
-        *(_strategies, _warps, _fills, _repairs, _metrics, _effects, _lenses, _scenes, _headsets, _clients, _axes),
-        *(_formats, _layers, _layouts, _predictors, _codecs, _delays, _recordings, _scales, _studies, _options),
-    )
-}
+KINDS = {
+    "strategies": Kind(
+        "What crosses the link, and what the client does with it.", "client.strategies:strategies",
+        lambda s: {
+            "sets": ", ".join(f"{name}={value}" for name, value in s.options("").items()) or "nothing",
+            "classes": ", ".join(f"class-{number}" for number in s.classes), "source": s.source,
+        },
+    ),
+    "warps": Kind(
+        "Move a late picture to the newest head pose.", "client.warps:warps",
+        lambda warp: {"does_as": "none", "source": warp.source},
+    ),
+    "fills": Kind("Close the holes that a warp leaves.", "client.fills:fills"),
+    "repairs": Kind("Mend depth as cameras give it, before the warp.", "sources.repairs:repairs"),
+    "metrics": Kind(
+        "What is measured of each picture.", "metrics:metrics",
+        lambda metric: {
+            "unit": "%" if metric.percent_of else metric.unit or "none",
+            "better": "more" if metric.higher_is_better else "less",
+            "needs": ", ".join(sorted(str(need.name).lower().replace("_", " ") for need in metric.needs)) or "nothing",
+        },
+    ),
+    "effects": Kind(
+        "What a scene may call for beside plain surfaces: mirrors, moving bodies, glass, overlays.",
+        "client.effects:effects",
+    ),
+    "lenses": Kind("Correct the lens of a headset.", "client.lens:lenses"),
+    "scenes": Kind("What is rendered, beside files of your own.", "scenes:scenes"),
+    "headsets": Kind(
+        "Displays that can be emulated.", _each("headsets", "headset_names", "load_headset"), _headset
+    ),
+    "clients": Kind(
+        "Devices that warp, with what each can do.", _each("client.classes", "client_names", "load_client"), _client
+    ),
+    "axes": Kind(
+        "Axes of head traces, by the software that writes them.",
+        _each("poses.reading.axes", "preset_names", "load_preset"),
+        lambda preset: {"axes": preset.axes.words(), "source": preset.source},
+    ),
+    "formats": Kind(
+        "Formats of head traces.", "poses.formats:formats",
+        lambda entry: {fact.what: stated for fact, stated in _stated(entry.assumes())},
+    ),
+    "layouts": Kind("Layouts of recorded frames.", "sources.sequences:readers", _layout),
+    "layers": Kind("What a frame holds beside its picture.", "frames.layers:layers", _layer),
+    "predictors": Kind(
+        "Foretell the head's pose.", "poses.predictors:predictors",
+        lambda e: {"horizon": f"{e.horizon_ns / 1e6:g} ms", "same_as": e.alias_of or "none", "source": e.source},
+    ),
+    "codecs": Kind(
+        "Encode and decode what crosses the link.", "link.codec:codecs", lambda codec: {"crf": f"{codec.crf:g}"}
+    ),
+    "delays": Kind(
+        "How the latency varies from frame to frame.", "link:delay_models",
+        lambda model: {"summary": str(model.__doc__).split("\n\n", maxsplit=1)[0]},
+    ),
+    "recordings": Kind(
+        "Head traces that are part of the package.",
+        lambda: map(_of("poses").load_trace, _of("resources").recording_names()), _recording,
+    ),
+    "scales": Kind("What a study asks.", _each("study.scales", "scale_names", "load_scale"), _scale),
+    "studies": Kind("Plans of studies that are part of the package.", _studies, _study),
+    "options": Kind(
+        "Every option, with its limits, its default and the commands that take it.", _options, _option
+    ),
+}  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import attrs
 import typer
 
 from ._options import JSON, Said, as_json, takes
@@ -20,21 +21,14 @@ def doctor(said: Said) -> None:
     findings = examine()
     ready = replay_can_run(findings)
     if said["json"]:
-        rows = [
-            {"name": f.name, "state": f.state, "detail": f.detail, "remedy": f.remedy, "facts": dict(f.facts)}
-            for f in findings
-        ]
-        typer.echo(as_json({"replay": ready, "findings": rows}))
+        typer.echo(as_json({"replay": ready, "findings": list(map(attrs.asdict, findings))}))
     else:
         for finding in findings:
             mark = typer.style(f"{finding.state:<9}", fg=COLOURS[finding.state])
             typer.echo(f"{mark} {finding.name:<15} {finding.detail}")
             if finding.remedy:
                 typer.echo(f"{'':<25} -> {finding.remedy}")
-        typer.echo(
-            "'hmdwarp replay' can run here."
-            if ready
-            else "'hmdwarp replay' cannot run here: see the lines marked missing."
-        )
+        cannot = "cannot run here: see the lines marked missing."
+        typer.echo(f"'hmdwarp replay' {'can run here.' if ready else cannot}")
     if not ready:
         raise typer.Exit(3)

@@ -51,7 +51,7 @@ def _tell_bench(result: sweep.ExperimentResult) -> None:
     screen.print(bench_table(shown, width=screen.width))
     if count > MOST_SHOWN:
         paragraph(f"These are the first {MOST_SHOWN} of {count} cases; bench.csv and bench.json have all.")
-    paragraph(f"Timed by {result.data['clocks']['note']}. Copying moves {result.data['copy_gb_s']:.1f} GB/s.")
+    paragraph(f"Timed by {result.data['clocks']['note']}.")
     for trace, axes in axes_of_traces(rows).items():
         paragraph(f"Axes of {trace}: {axes}.")
     of_rows = (note for row in rows for note in row["notes"])

@@ -14,6 +14,7 @@ from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
 from .client_scene import ClientScene
+from .effect_passes.expand import ExpandPass
 from .effect_passes.panels_pass import HeldPanel, PanelsPass, held_panels
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
@@ -145,7 +146,7 @@ class Compensator:
             plan.hands_panels_on,
         )
         self._expand = (
-            plan.expand_pass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
+            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
         )
         made = [
             planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)

@@ -40,7 +40,7 @@ class Surfaces:
 
     def __init__(self, gpu: Gpu, scene: Scene, *sources: Indirect, samples: int = 1) -> None:
         self.scene = scene
-        self._several = Multisampled(gpu, samples, numbers=False) if samples > 1 else None
+        self._several = Multisampled(gpu, samples) if samples > 1 else None
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
         self._textures = SceneTextures(gpu, scene)
         self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)

@@ -14,10 +14,9 @@ import attrs
 from ..errors import InputError, PlanError
 from ..frames import Needs
 from ..frames.layers import PICTURE, layers, readable, readable_names
-from ..frames.layers.foveated import drawn_with_picture
 from ..geometry import Fovea
 from ..options import Choice
-from .effect_passes.expand import EXPANDED, ExpandInsetPass, ExpandPass
+from .effect_passes.expand import EXPANDED, ExpandPass
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
@@ -126,11 +125,6 @@ class Plan:
     def expands(self) -> bool:
         """Whether foveated pictures are expanded; else the warp samples them where they lie."""
         return any(step.name == ExpandPass.name for step in self.steps)
-
-    @property
-    def expand_pass(self) -> type[ExpandPass]:
-        """What expands them."""
-        return ExpandInsetPass if any(fovea.inset for fovea in self.foveated.values()) else ExpandPass
 
     @property
     def draws_scene(self) -> bool:
@@ -273,7 +267,7 @@ def build_plan(
     foveated = _plan_foveated(fovea, choice, samples_grid=not passes, draft=draft)
     _refuse_unwritten(draft.steps, readable_names() if brings is None else brings, client_geometry)
     compensated = effects.ordered(effect.name for planned in passes for effect in planned.effects)
-    plan = Plan(
+    return Plan(
         compensated,
         choice,
         chain,
@@ -289,12 +283,6 @@ def build_plan(
         Needs(voxels=parse_indirect(indirect)),
         foveated,
     )
-    if plan.expand_pass is ExpandInsetPass and (lacking := drawn_with_picture(plan.needs)):
-        raise PlanError(
-            f"--inset: {', '.join(lacking)} of the frame would need the whole picture, which is not drawn: leave "
-            "--inset out, or what needs that, by --effects none"
-        )
-    return plan
 
 
 @attrs.define

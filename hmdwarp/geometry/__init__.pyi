@@ -10,12 +10,9 @@ from .depth import metres_from_inverse_depth as metres_from_inverse_depth
 from .fovea import AHEAD as AHEAD
 from .fovea import Fovea as Fovea
 from .fovea import FoveaGrid as FoveaGrid
-from .fovea import Grid as Grid
-from .fovea import InsetGrid as InsetGrid
 from .fovea import gaze_tangent as gaze_tangent
 from .fovea import grid_of as grid_of
 from .fovea import looking as looking
-from .parallel import ParallelEyes as ParallelEyes
 from .pose import Pose as Pose
 from .pose import RigidState as RigidState
 from .pose import real as real

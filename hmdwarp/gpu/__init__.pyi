@@ -2,13 +2,6 @@ from .context import HOW_TO_GET_GL as HOW_TO_GET_GL
 from .context import WANTED as WANTED
 from .context import Gpu as Gpu
 from .context import drawing_into as drawing_into
-from .memory_bandwidth import Bandwidth as Bandwidth
-from .memory_bandwidth import ClockCheck as ClockCheck
-from .memory_bandwidth import Copier as Copier
-from .memory_bandwidth import check_clocks as check_clocks
-from .memory_bandwidth import copy_bandwidth as copy_bandwidth
-from .memory_bandwidth import last_cache_bytes as last_cache_bytes
-from .memory_bandwidth import suitable_bytes as suitable_bytes
 from .raw_gl import depth_framebuffer as depth_framebuffer
 from .raw_gl import gl_function as gl_function
 from .raw_gl import reset_status_of as reset_status_of
@@ -28,7 +21,9 @@ from .textures import download as download
 from .textures import flip_map as flip_map
 from .textures import flip_rows as flip_rows
 from .textures import upload as upload
+from .timers import ClockCheck as ClockCheck
 from .timers import Lap as Lap
 from .timers import Stages as Stages
 from .timers import StageTimer as StageTimer
+from .timers import check_clocks as check_clocks
 from .timers import has_real_gpu_timer as has_real_gpu_timer

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 
+import attrs
 import moderngl
 
 from .shaders import Compute
@@ -20,6 +21,7 @@ def is_software(gl: moderngl.Context) -> bool:
 # copy by a CPU takes milliseconds, and a timer that misses it still counts what surrounds it.
 _LEAST_SHARE, _LEAST_SHARE_OF_A_COPY_ON_A_CPU = 1e-3, 0.1
 _PROBE_BYTES, _PROBE_WIDTH = 4 << 20, 512
+_CHECK_BYTES = 64 << 20
 
 
 def has_real_gpu_timer(gl: moderngl.Context) -> bool:
@@ -46,28 +48,61 @@ def _measures_draws(gl: moderngl.Context) -> bool:
 
 
 def _measures_dispatches(gl: moderngl.Context) -> bool:
+    with _copying(gl, _PROBE_BYTES) as run:
+        return _agrees_with_the_wall(gl, run, _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE)
+
+
+@contextmanager
+def _copying(gl: moderngl.Context, size_bytes: int) -> Iterator[Callable[[], None]]:
+    """Give what copies so many bytes from one buffer to another in a compute shader."""
     copy = Compute(gl, "gpu/copy.comp", {})
-    buffers = [gl.buffer(reserve=_PROBE_BYTES) for _ in range(2)]
+    buffers = [gl.buffer(reserve=size_bytes) for _ in range(2)]
     for binding, buffer in enumerate(buffers):
         buffer.bind_to_storage_buffer(binding)
-    blocks = _PROBE_BYTES // 16
+    blocks = size_bytes // 16
     copy.uniforms.set(count=blocks, width=_PROBE_WIDTH)
-
-    def run() -> None:
-        copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
-
-    least = _LEAST_SHARE_OF_A_COPY_ON_A_CPU if is_software(gl) else _LEAST_SHARE
-    agrees = _agrees_with_the_wall(gl, run, least)
-    copy.program.release()
-    for buffer in buffers:
-        buffer.release()
-    return agrees
+    try:
+        yield lambda: copy.run(_PROBE_WIDTH, blocks // _PROBE_WIDTH)
+    finally:
+        copy.program.release()
+        for buffer in buffers:
+            buffer.release()
 
 
 def _agrees_with_the_wall(gl: moderngl.Context, run: Callable[[], object], least: float) -> bool:
     run()  # keeps one-time work of the driver out of the comparison
     wall_ms, gpu_ms = both_clocks(gl, run)
     return wall_ms * least < gpu_ms <= wall_ms * 1.5
+
+
+@attrs.frozen
+class ClockCheck:
+    """One known pass timed by both clocks."""
+
+    clock: str  # the one the stage timer uses
+    wall_ms: float
+    gpu_ms: float | None  # None where timer queries measure nothing
+    note: str  # which clock is used and how far apart the two are, in a sentence
+
+
+def check_clocks(gl: moderngl.Context, clock: str, rounds: int = 5) -> ClockCheck:
+    """Time a copy by GPU query and by wall clock after finish, in the same runs; the best of each.
+
+    clock: the stage timer's, "gpu" or "wall".
+    """
+    with _copying(gl, _CHECK_BYTES) as run:
+        run()
+        times = [both_clocks(gl, run) for _ in range(rounds)]
+    wall_ms, gpu_ms = (min(column) for column in zip(*times, strict=True))
+    if clock == "wall":
+        told = f"({gpu_ms:.3g} ms for a pass of {wall_ms:.2f} ms)"
+        return ClockCheck("wall", wall_ms, None, f"wall clock: this driver's GPU timers are unusable {told}")
+    apart = (wall_ms - gpu_ms) / gpu_ms
+    note = (
+        f"GPU timers; a pass of {gpu_ms:.3f} ms takes {wall_ms:.3f} ms by wall clock ({apart:+.1%}: launching and "
+        "waiting)"
+    )
+    return ClockCheck("gpu", wall_ms, gpu_ms, note)
 
 
 Stages = tuple[tuple[str, float], ...]  # (name, milliseconds) of each stage, in order

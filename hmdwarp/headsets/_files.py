@@ -180,7 +180,7 @@ def _triangles(mesh: Table, fov: Fov) -> tuple[Polygon, ...]:
 _FOLDER = Path(__file__).parent
 _EXAMPLE = "hmdwarp/headsets/rift-dk1.toml"
 MIRRORED = "mirrored"
-IPD, DRAWN, PARALLEL = ":ipd=", ":hidden=drawn", ":render=parallel"
+IPD, DRAWN = ":ipd=", ":hidden=drawn"
 FILE_ENDINGS = (".toml", ".json")
 
 
@@ -193,7 +193,7 @@ def load_headset(spec: str) -> Headset:
     """Load a shipped headset by name, or the user's own .toml or .json file by path.
 
     `NAME:ipd=62` sets the distance of its pupils, in millimetres; `NAME:hidden=drawn`, before that,
-    draws and counts what its lenses hide; `NAME:render=parallel` draws with parallel views.
+    draws and counts what its lenses hide.
     Errors: InputError naming the file and its fault, and for a distance outside its range.
     """
     name, distance, ipd = spec.partition(IPD)
@@ -207,8 +207,6 @@ def load_headset(spec: str) -> Headset:
 def _loaded(name: str) -> Headset:
     if name.endswith(DRAWN):
         return _loaded(name.removesuffix(DRAWN)).without_hidden(name)
-    if name.endswith(PARALLEL):
-        return attrs.evolve(_loaded(name.removesuffix(PARALLEL)), name=name, renders_parallel=True)
     if name.endswith(".json"):
         return load_export(Path(name))
     path = Path(name) if name.endswith(".toml") else _FOLDER / f"{name}.toml"

@@ -123,7 +123,6 @@ class Headset:
     emulated: str = ""  # what of it is emulated and what is not, where that is not all
     peak_cd_m2: float | None = None  # luminance of white and of black; None where not measured
     black_cd_m2: float | None = None
-    renders_parallel: bool = False  # whether frames are drawn with views that are not canted
 
     def __attrs_post_init__(self) -> None:
         given = {"peak_cd_m2": self.peak_cd_m2, "black_cd_m2": self.black_cd_m2}

@@ -19,7 +19,7 @@ from .usable import plan_of
 
 # Printed by `hmdwarp bench look-around walk --scene room,spheres --latency 100,400
 # --warp none,rotation,forward,iterative,mesh --warp mesh:grid=64 --fill none,pyramid,memory+pyramid
-# --size 320x200 --samples 4 --instants 2 --rounds 1 --no-grid`, on llvmpipe, less the slowest one.
+# --size 320x200 --samples 4 --instants 2 --rounds 1`, on llvmpipe, less the slowest one.
 # The times are measured anew by each Warper.
 LEVELS = (
     QualityLevel("none", "none", 1.33, 0.3120),

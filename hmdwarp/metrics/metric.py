@@ -103,7 +103,7 @@ class Metric:
         return f"% of {self.percent_of}" if self.percent_of else self.unit
 
 
-metrics: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library", "metrics")
+metrics: Registry[Metric] = Registry("metric", "hmdwarp.metrics.library", "metrics", columns="summary=description")
 # Decides which pictures are the worst and, by default, which method is the best.
 PRIMARY = "flip"
 

@@ -15,7 +15,6 @@ from ..client.inputs import History, PassInputs
 from ..client.plan import Plan, needs_of
 from ..errors import InputError
 from ..frames import EyeSizes, frame_bytes, video_pixels
-from ..frames.layers import RENDERED, layers
 from ..geometry import Pose
 from ..gpu.context import Gpu
 from ..headsets import Headset
@@ -30,7 +29,7 @@ from .loop import Loop
 from .options import PipelineOptions
 from .proxy_options import REMOTE
 from .recorded_renderer import MomentOf
-from .sizes import check_held, drawn_for, expected_age_ns, eye_sizes
+from .sizes import check_held, expected_age_ns, eye_sizes
 from .source import PoseRequest, Source, Target, client_scene, settling
 
 Size = tuple[int, int]
@@ -161,7 +160,7 @@ def build_pipeline(
         server = source.renderer(gpu, options, moment_of)
         stack.callback(server.close)
         geometry = client_scene(options, source.scene, server, stack)
-        frames = source.frames(options, server, *_drawn(options, target, requested), stack)
+        frames = source.frames(options, server, target, requested, stack)
         history = History(needs.others.past, needs.others.spacing_ns, frames.recycle)
         stack.callback(history.close)
         # It waits for the next refresh at most.
@@ -189,18 +188,6 @@ def build_pipeline(
         loop = Loop(requested, frames, channel, history, compensator, target.eyes, changes)
         parts = (requested, sizes, options, source, target, server, geometry, channel, loop, auto)
         return Pipeline(compensator.plan, *parts, [compensator], stack.pop_all())
-
-
-def _drawn(options: PipelineOptions, target: Target, requested: PoseRequest) -> tuple[Target, PoseRequest]:
-    """Return target and request as the server has them. Errors: InputError."""
-    eyes, size = drawn_for(target.eyes, requested.size)
-    if eyes is target.eyes:
-        return target, requested
-    other = [name for name, _ in requested.needs.items() if layers.get(name).size_class != RENDERED]
-    if other or options.proxy.on:
-        what = f"a layer '{other[0]}' of its own size" if other else "--proxy"
-        raise InputError(f"--render-parallel with {what}: not supported; leave one of them out")
-    return attrs.evolve(target, eyes=eyes), attrs.evolve(requested, size=size)
 
 
 def _check_decoder(options: PipelineOptions, plans: Several[Plan], sizes: EyeSizes, rate_hz: float) -> None:

@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..frames import EyeImage, EyeSizes, Frame, Needs
 from ..frames.layers import BYTES, OWN, PICTURE, Layer, layers
 from ..frames.layers.foveated import FOVEATED
-from ..geometry import Fov, Fovea, Grid, Pose, View, grid_of
+from ..geometry import Fov, Fovea, FoveaGrid, Pose, View, grid_of
 from ..gpu.textures import COLOUR, NUMBER, SCALAR, download, upload
 from ..link.codec import Undecodable
 from ..sources.feed import bounds
@@ -167,7 +167,7 @@ def fovea_of(needs: Needs) -> tuple[Fovea | None, frozenset[str], Needs]:
     return needs[found[0]] if found else None, stand_for, rest
 
 
-def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[Grid, ...]:
+def grids_of(frame: FrameMessage, size: tuple[int, int]) -> tuple[FoveaGrid, ...]:
     """Return the grid of each eye's foveated pictures.
 
     size: of the whole ones. Errors: Undecodable.

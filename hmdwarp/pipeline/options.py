@@ -92,7 +92,6 @@ HELD_GAZE, PREDICTED_GAZE = "held", "predicted"
 AUTOMATIC, RENDERING, DISPLAYED = "Choosing warp and fill", "Rendering", "Display"
 RECORDED = SequenceOptions.heading
 # Depth of a pixel of several samples.
-CENTRE, NEAREST = "centre", "nearest"
 MOST_SAMPLES = 16
 _IPD = Option(
     "Millimetres between the pupils, within the headset's range; by default the headset's own.",
@@ -100,13 +99,6 @@ _IPD = Option(
     name="ipd",
     unit="mm",
     study=DISPLAY,
-)
-_PARALLEL = Option(
-    "Draw with parallel views that hold the canted ones, as SteamVR's parallel projection does.",
-    bool,
-    False,
-    name="render_parallel",
-    heading=RENDERING,
 )
 _WIDE = Option(
     "A second, wide and coarse view with every frame: fill wide before the others.",
@@ -226,15 +218,6 @@ class PipelineOptions(Declared):
         study=PICTURE,
         heading=RENDERING,
     )
-    sample_depth: str = option(
-        CENTRE,
-        "Which depth a pixel of several samples has: that of its centre, or of the nearest surface with a sample; "
-        "never a mean.",
-        valid=one_of(CENTRE, NEAREST),
-        limits=f"{CENTRE} or {NEAREST}",
-        study=PICTURE,
-        heading=RENDERING,
-    )
     # In the syntax of client.parse_indirect; only where the scene's lamps move.
     indirect: str = option(
         "converged",
@@ -262,7 +245,7 @@ class PipelineOptions(Declared):
         "rift-dk1",
         f"Headset that is emulated: {names_in('headsets', '*.toml')}, a .toml file, or SteamVR's .json.",
         study=DISPLAY,
-        beside=(_IPD, _PARALLEL),
+        beside=(_IPD,),
     )
     # (w, h) of one eye.
     size: tuple[int, int] | None = option(
@@ -297,11 +280,6 @@ class PipelineOptions(Declared):
         4,
         "Display pixels that one pixel covers on each axis beyond --fovea.",
         valid=Number(least=2, most=16),  # as Fovea has it; geometry brings NumPy
-        heading=RENDERING,
-    )
-    inset: bool = option(
-        False,
-        "Draw what --fovea has sharp apart, beside a coarse picture of everything: the server draws fewer pixels.",
         heading=RENDERING,
     )
     gaze: str = option(
@@ -359,13 +337,10 @@ class PipelineOptions(Declared):
             self._check_recorded()
         else:
             refuse_without_frames(self.sequence_options, self.repair)
-        if self.sample_depth != CENTRE and self.samples == 1:
-            raise InputError(f"--sample-depth {self.sample_depth}: a pixel has one sample; leave --samples 1 out")
         fields = attrs.fields(type(self))
-        for name in ("rim", "inset", "gaze"):
+        for name in ("rim", "gaze"):
             if self.fovea_deg is None and (found := getattr(self, name)) != getattr(fields, name).default:
-                said = f"--{name}" if found is True else f"--{name} {found}"
-                raise InputError(f"{said}: frames are as sharp everywhere; it is for --fovea")
+                raise InputError(f"--{name} {found}: frames are as sharp everywhere; it is for --fovea")
         if self.fovea_deg is not None and self.network.send == CHANGES:
             raise InputError(
                 f"--fovea with --send {CHANGES}: the eyes move where nothing else does; leave one of the two out"
@@ -403,7 +378,7 @@ class PipelineOptions(Declared):
     @property
     def fovea(self) -> geometry.Fovea | None:
         """What frames have sharp, None for all of them."""
-        return None if self.fovea_deg is None else geometry.Fovea(self.fovea_deg, self.rim, self.inset)
+        return None if self.fovea_deg is None else geometry.Fovea(self.fovea_deg, self.rim)
 
     @property
     def scene_key(self) -> SceneKey:
@@ -588,10 +563,7 @@ def _with_limits_of_client(values: dict[str, Any], said: Mapping[str, Any]) -> d
 
 
 def with_headset(said: Mapping[str, Any], headset: str) -> Mapping[str, Any]:
-    """Return the options with --render-parallel and --ipd as part of the headset.
-
-    headset: where none is named.
-    """
-    parts = ":render=parallel" if said.get("render_parallel") else ""
-    parts += f":ipd={said['ipd']:g}" if said.get("ipd") is not None else ""
-    return {**said, "headset": f"{said.get('headset') or headset}{parts}"} if parts else said
+    """Return the options with --ipd as part of the headset; headset: where none is named."""
+    if said.get("ipd") is None:
+        return said
+    return {**said, "headset": f"{said.get('headset') or headset}:ipd={said['ipd']:g}"}

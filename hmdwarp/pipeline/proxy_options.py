@@ -70,11 +70,10 @@ _WHY_NOT = {
     "scanout": "the truth of each row was not recorded",
     "guard": "a factor says how much of the recording is shown, such as 1.5",
     "samples": "its edges are as they were recorded",
-    "sample_depth": "it has the depth that was recorded",
     "fovea": "they came as sharp everywhere",
     "warp": "its benchmark draws a scene; name a warp",
 }
-_ONLY_SAID = ("scene", "headset", "rendered_size", "wide", "samples", "sample_depth")
+_ONLY_SAID = ("scene", "headset", "rendered_size", "wide", "samples")
 
 
 def with_frames(said: Mapping[str, Any], usual: Mapping[str, Any]) -> Mapping[str, Any]:

@@ -19,7 +19,7 @@ import numpy as np
 from ..errors import InputError, MachineError
 from ..frames import Needs
 from ..frames.layers import PICTURE, layers
-from ..geometry import Fov, Fovea, Guard, View, guarded_eyes
+from ..geometry import Fov, Guard, View, guarded_eyes
 from ..link.codec import Undecodable
 from ..poses import PoseSample
 from ..scenes import InputEvent
@@ -124,7 +124,7 @@ class Remote:
         # The session, where the server takes one; what is told in it until a request that told it
         # has been answered: each fate with the id of the first such request.
         self._takes_session, self._session = False, 0
-        self._takes_fovea = self._takes_inset = False
+        self._takes_fovea = False
         self._fates: dict[int, tuple[Fate, int | None]] = {}
         self.age_ns, self.only_changes = 0, False
         # Requests of this session to which nothing had changed.
@@ -165,7 +165,7 @@ class Remote:
         wanted = wanted_of(rest, views, size)
         times = (self._number, 0, self.scene_ns(now_ns), self.scene_ns(head.time_ns), 0)
         session = self._session_at(now_ns) if self._takes_session else None
-        fovea = fovea if self._takes_form(fovea) else None
+        fovea = fovea if self._takes_fovea else None
         acted = self._acted_until(times[2]) if self.takes_inputs else self._known_inputs
         inputs = tuple(self._acted[self._known_inputs : acted])
         ask = Ask(*times, grown, head.pose, wide, wish=reading(self.wish, read), anew=anew, wanted=wanted)
@@ -175,10 +175,6 @@ class Remote:
         self._pending[self._number] = Pending(self._number, *made, range(self._known_inputs, acted))
         while len(self._pending) > _MOST_PENDING:
             self._unanswer(next(iter(self._pending)))
-
-    def _takes_form(self, fovea: Fovea | None) -> bool:
-        """Return whether the server has said that it takes that form of foveated frames."""
-        return self._takes_fovea and (self._takes_inset or fovea is None or not fovea.inset)
 
     def act(self, events: Iterable[InputEvent]) -> None:
         """Send what people did with the requests of later instants, until the server has it.
@@ -263,11 +259,9 @@ class Remote:
                     self._say(line)
                 for answer in self._known():
                     if self.decoded(answer) is not None:
-                        fovea = fovea_of(needs)[0]
-                        if fovea is not None and not self._takes_form(fovea):
-                            why = "--fovea: that server sends whole frames alone"
-                            why = "--inset: that server draws none" if self._takes_fovea else why
-                            raise InputError(f"--connect {self._caller.address} {why}; leave it out")
+                        if fovea_of(needs)[0] is not None and not self._takes_fovea:
+                            why = "that server sends whole frames alone; leave it out"
+                            raise InputError(f"--connect {self._caller.address} --fovea: {why}")
                         return answer.took_ns
                 if self._misfit:
                     raise InputError(
@@ -331,7 +325,7 @@ class Remote:
                 continue
             self._heard_ns, self._format = arrival.heard_ns, arrival.frame.colour
             self._takes_hidden, self._takes_session = arrival.frame.takes_hidden, arrival.frame.takes_session
-            self._takes_fovea, self._takes_inset = arrival.frame.takes_fovea, arrival.frame.takes_inset
+            self._takes_fovea = arrival.frame.takes_fovea
             if self._acted and self.takes_inputs and not arrival.frame.takes_inputs:  # another server in its place
                 self._say(f"{self._caller.address}: it does not react any more: what people do is left out")
             self.takes_inputs = arrival.frame.takes_inputs

@@ -9,7 +9,7 @@ from typing import Any
 from ..client.plan import Plan, needs_of
 from ..errors import InputError, MachineError
 from ..frames import EyeSizes, Needs, frame_bytes
-from ..geometry import Eyes, Fovea, Guard, GuardBand, ParallelEyes, Pose, guarded_eyes
+from ..geometry import Eyes, Guard, GuardBand, Pose, guarded_eyes
 from ..geometry.cube import wide_size
 from ..gpu.context import Gpu
 from ..gpu.textures import check_size
@@ -22,17 +22,6 @@ from .options import PipelineOptions
 Size = tuple[int, int]
 
 
-def drawn_for(eyes: Eyes, size: Size) -> tuple[Eyes, Size]:
-    """Return the eyes and (w, h) that frames are drawn for, without a guard band.
-
-    Those that are shown, or for a headset that renders in parallel such that hold them.
-    """
-    if not getattr(eyes, "renders_parallel", False):
-        return eyes, size
-    parallel = ParallelEyes(eyes)
-    return parallel, parallel.size(size)
-
-
 def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     """Return (w, h) of the picture that the server draws for one eye.
 
@@ -41,9 +30,8 @@ def guarded_size(guard: Guard, eyes: Eyes, size: Size) -> Size:
     """
     band = GuardBand.of(guard)
     band.check(size)
-    drawn, drawn_size = drawn_for(eyes, size)
     try:
-        return guarded_eyes(drawn.views(Pose()), band, drawn_size)[1]
+        return guarded_eyes(eyes.views(Pose()), band, size)[1]
     except InputError as error:
         raise InputError(f"{band} on {_named(eyes)}: {error}; use a smaller one") from error
 
@@ -58,30 +46,24 @@ def eye_sizes(guard: Guard, eyes: Eyes, size: Size) -> EyeSizes:
 
     size: of the shown picture. Errors: as guarded_size.
     """
-    drawn, drawn_size = drawn_for(eyes, size)
-    other = None if drawn is eyes else (drawn.views(Pose())[0].fov, drawn_size)
-    return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())), other)
+    return EyeSizes(guarded_size(guard, eyes, size), size, tuple(view.fov for view in eyes.views(Pose())))
 
 
-def rendered_entry(guard: Guard, sizes: EyeSizes, needs: Needs, fovea: Fovea | None = None) -> dict[str, Any]:
+def rendered_entry(guard: Guard, sizes: EyeSizes, needs: Needs) -> dict[str, Any]:
     """Return the `rendered` of summary.json: what the server draws for one eye.
 
     size: [w, h]. pixels: how many times those of the shown picture are drawn, with those of a wide
-    view that is needed. fov_deg: [across, down], of the left eye, on the whole. parallel: how many
-    times the pixels of canted views, where views are parallel instead.
+    view that is needed. fov_deg: [across, down], of the left eye, on the whole.
     """
     (width, height), (shown_width, shown_height) = sizes.rendered, sizes.shown
-    fov, size = sizes.drawn or (sizes.fovs[0], sizes.shown)
+    fov, size = sizes.fovs[0], sizes.shown
     left, right, down, up = fov.guarded(guard, size, sizes.rendered)[0].tangents.tolist()
-    canted = sizes.fovs[0].guarded(guard, sizes.shown)[1]
-    pixels = width * height if fovea is None else fovea.drawn_pixels(fov, size, sizes.rendered)
-    pixels += math.prod(wide_size(fov, size)) if "wide" in needs else 0
+    pixels = width * height + (math.prod(wide_size(fov, size)) if "wide" in needs else 0)
     degrees = [math.degrees(math.atan(high) - math.atan(low)) for low, high in ((left, right), (down, up))]
     return {
         "size": [width, height],
         "pixels": round(pixels / (shown_width * shown_height), 4),
         "fov_deg": [round(angle, 2) for angle in degrees],
-        **({} if sizes.drawn is None else {"parallel": round(width * height / math.prod(canted), 4)}),
     }
 
 
@@ -89,8 +71,7 @@ def rendered_text(entry: Mapping[str, Any]) -> str:
     """Return the entry in words: '1600x900, 1.41 times the pixels, 102.7 x 93.4 degrees'."""
     width, height = entry["size"]
     across, down = entry["fov_deg"]
-    parallel = f", parallel: {entry['parallel']:.2f} times those of canted views" if "parallel" in entry else ""
-    return f"{width}x{height}, {entry['pixels']:.2f} times the pixels, {across:.1f} x {down:.1f} degrees{parallel}"
+    return f"{width}x{height}, {entry['pixels']:.2f} times the pixels, {across:.1f} x {down:.1f} degrees"
 
 
 def check_room(gpu: Gpu, needs: Needs, sizes: EyeSizes, guard: Guard, frames: int, latency_ms: float) -> None:
@@ -179,7 +160,7 @@ def frame_weight(options: PipelineOptions, headset: Headset, plans: Sequence[Pla
     layers = frame_bytes(needs, sizes, {name for plan in plans for name in plan.layers}, eyes=pictures)
     return {
         "eyes": pictures,
-        **rendered_entry(options.guard_band, sizes, needs, options.fovea),
+        **rendered_entry(options.guard_band, sizes, needs),
         "layers": layers,
         "bytes": sum(layers.values()),
         "at_once": frames_held(options, rate_hz, needs),

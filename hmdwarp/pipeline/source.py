@@ -44,7 +44,7 @@ from ..scenes import (
 from ..sources.server import Renderer, Server
 from .channel import Channel, ChannelSetup, Settled
 from .frame_coder import Coder
-from .options import NEAREST, PipelineOptions
+from .options import PipelineOptions
 from .proxy_options import SCENE, SourceKind
 from .recorded_renderer import MomentOf
 
@@ -219,7 +219,7 @@ def motion_notes(options: PipelineOptions, scene: Scene, plan: Plan) -> list[str
 
 
 def _server(gpu: Gpu, options: PipelineOptions, scene: Scene) -> Server:
-    return Server(gpu, scene, options.mirrors, samples=options.samples, nearest=options.sample_depth == NEAREST)
+    return Server(gpu, scene, options.mirrors, samples=options.samples)
 
 
 Options = TypeVar("Options", bound=PipelineOptions)

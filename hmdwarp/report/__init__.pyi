@@ -1,5 +1,7 @@
 from .charts import Series as Series
 from .charts import binned as binned
+from .charts import canvas as canvas
+from .charts import draw_numbers as draw_numbers
 from .charts import time_series as time_series
 from .charts import timeline_svg as timeline_svg
 from .files import atomic as atomic
@@ -21,11 +23,6 @@ from .files import write_png as write_png
 from .files import write_stream as write_stream
 from .files import write_text as write_text
 from .headset_plot import headset_plot_png as headset_plot_png
-from .label_places import boxes_touch as boxes_touch
-from .label_places import leaders as leaders
-from .label_places import place_labels as place_labels
-from .label_places import segments_hit as segments_hit
-from .label_places import spread as spread
 from .live_page import render_live_report as render_live_report
 from .output import FRAME_COLUMNS as FRAME_COLUMNS
 from .output import POSE_PARTS as POSE_PARTS
@@ -56,11 +53,9 @@ from .run_texts import live_lines as live_lines
 from .run_texts import model_rows as model_rows
 from .run_texts import response_rows as response_rows
 from .run_texts import transit_lines as transit_lines
-from .style import DASHES as DASHES
 from .style import PAGE as PAGE
 from .style import PAPER as PAPER
 from .style import css_variables as css_variables
-from .style import dashes_of as dashes_of
 from .style import markers_of as markers_of
 from .style import warp_of as warp_of
 from .thesis_page import render_thesis_page as render_thesis_page

@@ -1,4 +1,4 @@
-"""Charts as SVG: what all of them share, lines over time, named points, and frames in transit."""
+"""Charts as SVG: what all of them share, lines over time, numbered points, frames in transit."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
-from .label_places import leaders, place_labels
 from .style import CSS_VARIABLES, GRID, INK, PAGE, SERIES, Palette
 
 if TYPE_CHECKING:
@@ -130,7 +129,7 @@ def empty_figure(width_in: float, height_in: float, layout: Literal["constrained
 
 
 def axes_in(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
-    """Add axes at a fixed place (left, bottom, right, top in inches): placing labels needs it."""
+    """Add axes at a fixed place (left, bottom, right, top in inches)."""
     width, height = figure.get_size_inches()
     left, bottom, right, top = box
     return figure.add_axes((left / width, bottom / height, (right - left) / width, (top - bottom) / height))
@@ -241,8 +240,6 @@ def _draw(axes: Axes, number: int, series: Series) -> bool:
 
 
 MARKER_PT = 6.5
-_CLEAR_PT = 4.5  # half the side of the square around a marker that no label covers
-_LEADER_PT = 2.5  # a label nearer than that to its marker needs no line to it
 _NOTHING = 1e-3  # a microsecond, a kbit/s, an error that rounds to 0.000
 
 
@@ -288,61 +285,49 @@ def scale_axis(axis: Any, values: np.ndarray, *, logarithmic: bool) -> np.ndarra
     return drawn
 
 
-def draw_names(
-    axes: Axes, names: Mapping[str, list[int]], points: np.ndarray, is_best: np.ndarray, line: np.ndarray,
-    palette: Palette,
-) -> None:  # fmt: skip
-    """Write each name next to one of its points."""
-    to_points, box = 72 / axes.figure.dpi, axes.get_window_extent()
-    area = (box.width * to_points, box.height * to_points)
-    at = (axes.transData.transform(points) - (box.x0, box.y0)) * to_points
-    bends = (axes.transData.transform(line) - (box.x0, box.y0)) * to_points
-    groups = list(names.values())
-    weights = ["bold" if is_best[group].any() else "normal" for group in groups]
-    sizes = np.array([_size_pt(axes.figure, *pair) for pair in zip(names, weights, strict=True)])
-    corners = place_labels([at[group] for group in groups], sizes, area, clearance=_CLEAR_PT, line=bends, others=at)
-    for text, group, weight, corner, size in zip(names, groups, weights, corners, sizes, strict=True):
-        style: Style = {
-            "weight": weight,
-            "ha": "center",
-            "va": "center",
-            "color": palette.ink,
-            "linespacing": 1.0,
-            "zorder": 6,
-        }
-        x, y = (corner + size / 2) / area
-        axes.text(x, y, text, transform=axes.transAxes, **style)
-        (start,), (tip,) = leaders(at[group], np.array([[*corner, *(corner + size)]]))
-        length = np.linalg.norm(tip - start)
-        if length > _CLEAR_PT + _LEADER_PT:
-            ends = np.stack([start + (tip - start) * (MARKER_PT / 2 / length), tip]) / area
-            axes.plot(*ends.T, transform=axes.transAxes, color=palette.ink, linewidth=0.7, zorder=2)
+_SIDES = np.array([(1, 0.8), (-1, 0.8), (1, -0.8), (-1, -0.8), (0, 1.2), (0, -1.2), (1.4, 0), (-1.4, 0)])
+_SIDES_PT = np.concatenate([9 * _SIDES, 15 * _SIDES])
+# From a number's middle to those of other points and of other numbers, across and up.
+_FROM_POINT_PT, _FROM_NUMBER_PT = (8.0, 7.0), (13.0, 9.0)
 
 
-def _size_pt(figure: Any, text: str, weight: str) -> tuple[float, float]:
-    from matplotlib.text import Text
+def draw_numbers(
+    axes: Axes, numbers: Mapping[int, int], points: np.ndarray, is_best: np.ndarray, palette: Palette
+) -> None:
+    """Write numbers beside points, bold where the point is best; the legend has their names.
 
-    extent = Text(0, 0, text, weight=weight, linespacing=1.0, figure=figure).get_window_extent(
-        figure.canvas.get_renderer()
-    )
-    return extent.width * 72 / figure.dpi, extent.height * 72 / figure.dpi
+    numbers: by the index of the point. Each stands on the first side with room, or where most is.
+    """
+    at = axes.transData.transform(points) * 72 / axes.figure.dpi
+    placed: list[np.ndarray] = []
+    for index, number in numbers.items():
+        places = (at[index] + _SIDES_PT)[:, None]
+        others = np.delete(at, index, axis=0)
+        apart = [
+            np.abs(places - others) / _FROM_POINT_PT,
+            np.abs(places - np.reshape(placed, (-1, 2))) / _FROM_NUMBER_PT,
+        ]
+        side = int(np.concatenate(apart, axis=1).max(axis=2).min(axis=1, initial=1).argmax())
+        placed.append(at[index] + _SIDES_PT[side])
+        axes.annotate(
+            str(number), points[index], _SIDES_PT[side], textcoords="offset points", ha="center", va="center",
+            weight="bold" if is_best[index] else "normal", color=palette.ink, zorder=6, annotation_clip=False,
+        )  # fmt: skip
 
 
-def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, palette: Palette, *, higher: bool) -> np.ndarray:
-    """Draw the staircase that bounds these points; return it as (m, 2) in data coordinates.
+def draw_front(axes: Axes, cost: np.ndarray, error: np.ndarray, palette: Palette, *, higher: bool) -> None:
+    """Draw the staircase that bounds these points, if there are any.
 
-    Without points there is none.
     higher: whether a higher error measure is better.
     """
     if not len(cost):
-        return np.zeros((0, 2))
+        return
     order = np.argsort(cost, kind="stable")
     cost, error = cost[order], error[order]
     worst = axes.get_ylim()[0 if higher else 1]
     x = np.concatenate([[cost[0]], cost, [axes.get_xlim()[1]]])
     y = np.concatenate([[worst], error, error[-1:]])
     axes.plot(x, y, drawstyle="steps-post", color=palette.ink, linewidth=1.1, alpha=0.55, zorder=2)
-    return np.stack([np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1]], axis=1)
 
 
 # (label, colour, opacity, hatch): the server's work, the network and the client's have a colour

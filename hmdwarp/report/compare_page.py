@@ -12,7 +12,19 @@ from numpy.typing import NDArray
 from ..metrics import JOD, PRIMARY, TRUTH_PREFERRED, Figure, metrics, pareto, ratings_of
 from .bench.page import suite_section
 from .bench.rows import Column
-from .charts import MARKER_PT, Drawn, again, canvas, draw_front, draw_names, not_measured, scale_axis, svg_text
+from .charts import (
+    MARKER_PT,
+    Drawn,
+    again,
+    canvas,
+    draw_front,
+    draw_numbers,
+    legend,
+    mark,
+    not_measured,
+    scale_axis,
+    svg_text,
+)
 from .page import (
     Article,
     Chart,
@@ -47,6 +59,7 @@ Pictures = Callable[[], tuple[NDArray[Any], NDArray[Any]]]
 _OF_CASE = ("trace", "latency_ms", "over", "scene", "machine")
 _PICTURE_WIDTH = 420
 _WIDTH_IN, _HEIGHT_IN = 4.7, 3.3
+_CHARS = 66  # in a line of the legend
 
 
 def _quality(name: str) -> Column:
@@ -95,7 +108,8 @@ def compare_page(data: Mapping[str, Any], pictures: Sequence[Pictures]) -> Page:
         for number, (label, group, shown) in enumerate(cases)
     ]
     drawn: dict[object, Drawn] = {}
-    clients = [_client(client, rows, drawn) for client in data["clients"]]
+    numbers = {strategy["name"]: number for number, strategy in enumerate(data["strategies"], 1)}
+    clients = [_client(client, rows, numbers, drawn) for client in data["clients"]]
     strategies = [(strategy["name"], _strategy_text(strategy)) for strategy in data["strategies"]]
     return Page(
         kind="compare",
@@ -331,15 +345,18 @@ def _strategy_text(one: Mapping[str, Any]) -> str:
     return f"{summary}. Crosses the link: {one['crosses']}. Late: {one['late']}. ({one['source']})"
 
 
-def _client(client: Mapping[str, str], rows: Sequence[Row], drawn: dict[object, Drawn]) -> Article:
+def _client(
+    client: Mapping[str, str], rows: Sequence[Row], numbers: Mapping[str, int], drawn: dict[object, Drawn]
+) -> Article:
     """Return the fronts of one client: what it can run, case by case.
 
-    drawn: the charts so far, by content; those that are the same are drawn once.
+    numbers: of the strategies, the same in all charts. drawn: the charts so far, by content; those
+    that are the same are drawn once.
     """
     folds: list[Fold] = []
     for label, group, _ in _cases(rows, []):
         can = [row for row in group if not row["unfit"][client["name"]]]
-        charts = Group("charts", [_front(label, client["name"], can, cost, drawn) for cost in COSTS])
+        charts = Group("charts", [_front(label, client["name"], can, cost, numbers, drawn) for cost in COSTS])
         folds.append(Fold(label, [charts], _best(can), is_open=not folds))
     return Article([Heading(client["name"]), Text(client["summary"], ""), *folds], id=client["name"])
 
@@ -352,7 +369,9 @@ def _best(can: Sequence[Row]) -> str:
     return f"Least error: {best['strategy']} ({', '.join(parts[:2])}; {', '.join(parts[4:7])})."
 
 
-def _front(label: str, client: str, rows: Sequence[Row], cost: str, drawn: dict[object, Drawn]) -> Chart:
+def _front(
+    label: str, client: str, rows: Sequence[Row], cost: str, numbers: Mapping[str, int], drawn: dict[object, Drawn]
+) -> Chart:
     column = COLUMNS[cost]
     rows = [row for row in rows if row["quality"][PRIMARY]["mean"] is not None]
     best = pareto(rows, lambda row: (row["quality"][PRIMARY]["mean"], row[cost]))
@@ -362,31 +381,46 @@ def _front(label: str, client: str, rows: Sequence[Row], cost: str, drawn: dict[
     content = (cost, *((row["strategy"], row["quality"][PRIMARY]["mean"], row[cost]) for row in rows))
     if content in drawn:
         return Chart.of(heading, again(drawn[content], (client, label)), words, "")
-    box = (0.62, 0.5, _WIDTH_IN - 0.1, _HEIGHT_IN - 0.15)
     across = " in ".join(filter(None, column.head))
-    with canvas(
-        (label, client, content), (_WIDTH_IN, _HEIGHT_IN), x=across, y="FLIP, lower is better", box=box
-    ) as axes:
+    longest = max((len(row["strategy"]) for row in rows), default=0)
+    ncols = max(1, _CHARS // (longest + 6))
+    foot = 0.17 * -(-len(rows) // ncols)
+    size, box = (_WIDTH_IN, _HEIGHT_IN + foot), (0.62, foot + 0.5, _WIDTH_IN - 0.1, foot + _HEIGHT_IN - 0.15)
+    with canvas((label, client, content), size, x=across, y="FLIP, lower is better", box=box) as axes:
         if rows:
-            _draw(axes, rows, best, cost)
+            _draw(axes, rows, best, cost, numbers)
+            _draw_legend(axes, rows, numbers, ncols)
         else:
             not_measured(axes)
         drawn[content] = svg_text(axes.get_figure())
     return Chart.of(heading, drawn[content], words, "")
 
 
-def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str) -> None:
+def _draw(axes: Any, rows: Sequence[Row], best: Sequence[Row], cost: str, numbers: Mapping[str, int]) -> None:
     is_best = np.array([any(row is best_row for best_row in best) for row in rows])
     spent = scale_axis(axes.xaxis, np.array([float(row[cost]) for row in rows]), logarithmic=True)
     error = np.array([row["quality"][PRIMARY]["mean"] for row in rows])
     error = scale_axis(axes.yaxis, error, logarithmic=True)
-    line = draw_front(axes, spent[is_best], error[is_best], PAGE, higher=False)
+    draw_front(axes, spent[is_best], error[is_best], PAGE, higher=False)
     for x, y, row, filled in zip(spent, error, rows, is_best, strict=True):
         colour = PAGE.warp(row["warp"])
         shown = colour if filled else "none"
         axes.plot(x, y, marker="o", markersize=MARKER_PT, color=colour, markerfacecolor=shown, clip_on=False, zorder=3)
-    names = {row["strategy"]: [number] for number, row in enumerate(rows)}
-    draw_names(axes, names, np.stack([spent, error], axis=1), is_best, line, PAGE)
+    beside = {index: numbers[row["strategy"]] for index, row in enumerate(rows)}
+    draw_numbers(axes, beside, np.stack([spent, error], axis=1), is_best, PAGE)
+
+
+def _draw_legend(axes: Any, rows: Sequence[Row], numbers: Mapping[str, int], ncols: int) -> None:
+    """Name the numbers below the chart."""
+    here = {row["strategy"]: row["warp"] for row in rows}
+    handles = [
+        mark(f"{numbers[name]} {name}", color=PAGE.warp(here[name]), linestyle="none", marker="o", markersize=5)
+        for name in sorted(here, key=numbers.__getitem__)
+    ]
+    legend(
+        axes.figure, handles, loc="lower left", bbox_to_anchor=(0, 0), ncols=ncols, fontsize=8, borderaxespad=0.1,
+        handletextpad=0.2, columnspacing=1.0, labelspacing=0.25,
+    )  # fmt: skip
 
 
 def _assigned(data: Mapping[str, Any]) -> Table:

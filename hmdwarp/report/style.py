@@ -1,9 +1,8 @@
-"""How charts look: the colours, dashes and markers that tell warps, fills and regions apart.
+"""How charts look: the colours and markers that tell warps, fills and regions apart.
 
 Warps of one kind share a hue: greys do nothing, ochres know no depth or one plane, blues scatter,
 reds gather, greens draw triangles, purples know more than one layer. Colour is never alone: points
-and lines carry their names, lines of one hue differ in their dashes, fills in the marker, regions
-in the hatching.
+have numbers, fills differ in the marker, regions in the hatching.
 
 Charts of a page take their colours and font from the page around them, so that one chart serves
 light and dark: Matplotlib writes stand-in colours, and charts.svg_text() replaces them by the
@@ -14,37 +13,35 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterable
-from typing import Any
 
 import attrs
 
-# name: (on light paper, on dark paper, dash). Each has a contrast of 3 or more to its paper: a test
+# name: (on light paper, on dark paper). Each has a contrast of 3 or more to its paper: a test
 # computes it.
-_WARPS: dict[str, tuple[str, str, int]] = {
-    "none": ("#6b7280", "#9aa3ad", 0),
-    "shift": ("#7d8700", "#c9d35a", 3),
-    "similarity": ("#565d00", "#e2ea8c", 1),
-    "rotation": ("#a87400", "#e3b341", 0),
-    "planar": ("#7a5200", "#f5d78a", 1),
-    "environment": ("#c08a00", "#b98a1e", 2),
-    "forward_raster": ("#4f93d8", "#4b8fd6", 3),
-    "forward": ("#0b63c5", "#6db3ff", 0),
-    "forward_ordered": ("#0a3d80", "#b3d7ff", 1),
-    "splat": ("#00869c", "#45cfe0", 2),
-    "backward": ("#c2410c", "#ff8a4c", 0),
-    "iterative": ("#e0561f", "#ffb38a", 1),
-    "search": ("#7c2d12", "#e86a3c", 2),
-    "mesh": ("#1b7a3d", "#4fc274", 0),
-    "mesh_adaptive": ("#3f9a5d", "#a6e6b8", 1),
-    "multi": ("#b0309b", "#f08fdf", 0),
-    "layered": ("#5b2a9c", "#b79cff", 1),
+_WARPS: dict[str, tuple[str, str]] = {
+    "none": ("#6b7280", "#9aa3ad"),
+    "shift": ("#7d8700", "#c9d35a"),
+    "similarity": ("#565d00", "#e2ea8c"),
+    "rotation": ("#a87400", "#e3b341"),
+    "planar": ("#7a5200", "#f5d78a"),
+    "environment": ("#c08a00", "#b98a1e"),
+    "forward_raster": ("#4f93d8", "#4b8fd6"),
+    "forward": ("#0b63c5", "#6db3ff"),
+    "forward_ordered": ("#0a3d80", "#b3d7ff"),
+    "splat": ("#00869c", "#45cfe0"),
+    "backward": ("#c2410c", "#ff8a4c"),
+    "iterative": ("#e0561f", "#ffb38a"),
+    "search": ("#7c2d12", "#e86a3c"),
+    "mesh": ("#1b7a3d", "#4fc274"),
+    "mesh_adaptive": ("#3f9a5d", "#a6e6b8"),
+    "multi": ("#b0309b", "#f08fdf"),
+    "layered": ("#5b2a9c", "#b79cff"),
 }
-_OTHERS = (("#8a3b5c", "#e8a0bf", 3), ("#4d6b00", "#b9d94e", 3), ("#005f5f", "#5fd0c0", 3), ("#3d3d8f", "#a3a8f5", 3))
+_OTHERS = (("#8a3b5c", "#e8a0bf"), ("#4d6b00", "#b9d94e"), ("#005f5f", "#5fd0c0"), ("#3d3d8f", "#a3a8f5"))
 _REGIONS = (("#11161d", "#ffffff"), ("#4a5563", "#c3ccd6"), ("#8e9aa8", "#8e9aa8"), ("#d5dbe2", "#3c4652"))
 # Of charts that compare a few things which are no warps.
 _SERIES = (("#0b63c5", "#6db3ff"), ("#b4500b", "#ffab66"), ("#6b5b95", "#c3b1f0"))
 HATCHES = ("", "....", "////", "")
-DASHES: tuple[Any, ...] = ("solid", (0, (5, 2)), (0, (1.5, 1.5)), (0, (7, 2, 1.5, 2)))
 _MARKERS = {"none": "o", "interpolate": "s", "pyramid": "^", "memory+pyramid": "D"}
 _MORE_MARKERS = ("v", "P", "X", "p", "<", ">", "h", "*")
 
@@ -103,18 +100,6 @@ def css_variables(dark: bool) -> str:
     values |= {f"--warp-{key.replace('_', '-')}": (tones[1] if dark else tones[0]) for key, tones in _TONES.items()}
     values |= {f"--region-{number}": tones[dark] for number, tones in enumerate(_REGIONS)}
     return " ".join(f"{name}: {value};" for name, value in values.items())
-
-
-def dashes_of(specs: Iterable[str]) -> dict[str, Any]:
-    """Return a dash for each spec; settings of one warp share its colour but differ in it."""
-    chosen: dict[str, Any] = {}
-    seen: dict[str, int] = {}
-    for spec in specs:
-        if spec not in chosen:
-            name = warp_of(spec)
-            chosen[spec] = DASHES[(_TONES[_key(spec)][2] + seen.get(name, 0)) % len(DASHES)]
-            seen[name] = seen.get(name, 0) + 1
-    return chosen
 
 
 def markers_of(fills: Iterable[str]) -> dict[str, str]:

@@ -371,7 +371,6 @@ class ServeOptions(ListenOptions):
     repair: str = same_as(_PIPELINE.repair)
     mirrors: str = same_as(_PIPELINE.mirrors)
     samples: int = same_as(_PIPELINE.samples)
-    sample_depth: str = same_as(_PIPELINE.sample_depth)
     web: str = option(
         "",
         "Address of the page for browsers, HOST:PORT, * for a free port; prints what to open. A headset's browser "

@@ -148,7 +148,7 @@ class Facts:
             "rate_hz": self.rate_hz,
             "server_rate_hz": options.network.server_rate_hz,
             "guard": options.guard_band.factors(self.sizes.shown).entry,
-            "rendered": rendered_entry(options.guard_band, self.sizes, self.needs, options.fovea),
+            "rendered": rendered_entry(options.guard_band, self.sizes, self.needs),
             "predict": options.predict,
             "pixels_per_degree": self.pixels_per_degree,
             "machine": self.machine,

@@ -24,7 +24,7 @@ from ..options import AUTO
 from ..pipeline.channel import SEEN_PX, Changes
 from ..pipeline.feed_coding import LIGHT, FeedEncoder, check_work, videos_for_browsers
 from ..pipeline.feed_layers import FOVEA_GRID, needs_of_client, parts_of, sizes_of
-from ..pipeline.options import NEAREST, PipelineOptions
+from ..pipeline.options import PipelineOptions
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.recorded_source import RecordingSource
 from ..pipeline.source import Source
@@ -123,8 +123,7 @@ def _renderer(gpu: Gpu, source: Source, options: ServeOptions) -> Renderer:
     if isinstance(source, RecordingSource):  # played to its end and back, endlessly
         last_ns = source.instants_ns[-1]
         return RecordedRenderer(gpu, source.scene, source.sequence, lambda time_ns: folded(time_ns, last_ns))
-    nearest = options.sample_depth == NEAREST
-    return Server(gpu, source.scene, options.mirrors, samples=options.samples, nearest=nearest)
+    return Server(gpu, source.scene, options.mirrors, samples=options.samples)
 
 
 def _door(
@@ -307,7 +306,7 @@ def _answer(sessions: _Sessions, coders: _Coders, asked: Asked) -> None:
     times = (ask.number, ask.sent_ns, asked.received_ns, 0, 0, frame.shows_ns)
     drawn = FrameMessage(*times, views, colours, depths, layers=further)
     drawn = attrs.evolve(drawn, takes_hidden=True, takes_session=True, began=session.began & 0xFFFF)
-    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded, takes_inset=not is_recorded)
+    drawn = attrs.evolve(drawn, takes_fovea=not is_recorded)
     drawn = attrs.evolve(drawn, takes_inputs=server.reacts_to(asked.client))
     coded = coders.coded(attrs.evolve(asked, ask=ask), drawn)
     sent_ns = time.monotonic_ns()

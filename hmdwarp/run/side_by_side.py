@@ -6,7 +6,6 @@ should see.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
@@ -286,8 +285,6 @@ class Measured:
     combination: Combination
     # One row for each timed run of one eye, keyed as frames.csv.
     times: list[Row] = attrs.field(factory=list)
-    # The same, by the timer's own stage names.
-    stages: dict[str, list[float]] = attrs.field(factory=lambda: defaultdict(list))
     keys: list[Key] = attrs.field(factory=list)
     mismatch: list[Mismatch] = attrs.field(factory=list)
     # Of each measured picture, by its refresh: see metrics.block_means.
@@ -362,8 +359,6 @@ class Comparison:
             stages = self._setup.gpu.timer.collect()
             if timed:
                 measured.times.append({"frame": refresh.shown_ns, "eye": inputs.eye, **stage_columns(stages)})
-                for name in dict.fromkeys(name for name, _ in stages):
-                    measured.stages[name].append(sum(milliseconds for other, milliseconds in stages if other == name))
 
     def _measure(self, number: int, refresh: Refresh, eye: int, before: list[Compared]) -> None:
         """Submit the pictures, and compare the holes of both eyes, which no fill changes."""

@@ -317,4 +317,4 @@ class SceneSource:
     reacts: Callable[[InputLog], dict[str, Any]] | None = None
 
 
-scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes")
+scenes: Registry[SceneSource] = Registry("scene", "hmdwarp.scenes.library", group="scenes", columns="effects")

@@ -2,20 +2,17 @@
 // centres of the pixels around, without what is not covered and (DEPTH 1) without another surface
 // than that of the pixel that holds this one. One invocation writes all that one pixel holds, so
 // that each of its neighbours is loaded once: llvmpipe takes the longest for loads.
-// INSET 1: lay the inset of a coarse picture over that; its colour begins over the width of a coarse
-// pixel, so that no line is seen, and its depth at once.
 // In: rgba16f colour with coverage in alpha, or r32f inverse depth in 1/m, on the grid of
 // lib/fovea.glsl. Out: the same for each pixel of the picture; the sharp rectangle bit for bit.
-// Source: none; bilinear in two steps whose lengths differ. Guenter et al. 2012, Foveated 3D Graphics
-// (blended insets).
+// Source: none; bilinear in two steps whose lengths differ.
 layout(local_size_x = 64, local_size_y = 1) in;
 #include "lib/fovea.glsl"
 #if DEPTH
 layout(r32f) readonly uniform image2D foveated;
-layout(r32f) uniform image2D picture;
+layout(r32f) writeonly uniform image2D picture;
 #else
 layout(rgba16f) readonly uniform image2D foveated;
-layout(rgba16f) uniform image2D picture;
+layout(rgba16f) writeonly uniform image2D picture;
 #endif
 
 bool is_covered(vec4 texel) {
@@ -26,19 +23,6 @@ bool is_covered(vec4 texel) {
 #endif
 }
 
-#if INSET
-void main() {
-    ivec2 at = ivec2(gl_GlobalInvocationID.xy), p = inset_from + at, inner = min(at, inset_size - 1 - at);
-    if (at.x >= inset_size.x || at.y >= inset_size.y) return;
-    vec4 own = imageLoad(foveated, inset_at + at);
-#if DEPTH == 0
-    vec4 coarse = imageLoad(picture, p);
-    float part = min((float(min(inner.x, inner.y)) + 0.5) * of_rim, 1.0);
-    own = part < 1.0 && is_covered(coarse) && is_covered(own) ? mix(coarse, own, part) : own;
-#endif
-    imageStore(picture, p, own);
-}
-#else
 // 1 for a pixel beside one that is held which may be averaged with it.
 float counts(vec4 beside, vec4 held) {
 #if DEPTH
@@ -72,4 +56,3 @@ void main() {
             }
     }
 }
-#endif

@@ -4,8 +4,6 @@ uniform ivec2 picture_size, small_size; // of the picture, and of the coarser on
 uniform ivec2 sharp_from, sharp;        // the sharp rectangle's first pixel, and its size
 uniform ivec2 before;                   // columns of the rim left of it, rows below
 uniform int rim;                        // pixels on each axis that one of the rim holds
-uniform ivec2 inset_from, inset_size;   // of the inset, where there is one: its first pixel, and its size,
-uniform ivec2 inset_at;                 // and where it lies in what came
 uniform float of_rim;                   // 1 / rim: a division of integers takes llvmpipe longer than all else
 
 // Two inverse depths of one surface: a plane changes by 3 % a pixel at most (client/warp_kinds/

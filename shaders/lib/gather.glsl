@@ -58,15 +58,6 @@ vec4 sampled(vec2 p) {
 #ifdef FOVEATED
 #include "lib/fovea.glsl"
 
-#if INSET
-// The coarse picture, and over the width of one of its pixels the inset; as effects/expand.comp.
-vec4 sampled(vec2 p) {
-    vec2 at = p - vec2(inset_from), inner = min(at, vec2(inset_size) - at);
-    vec4 coarse = bilinear(clamp(p * of_rim, vec2(0.5), vec2(small_size) - 0.5));
-    vec4 own = bilinear(vec2(inset_at) + clamp(at, vec2(0.5), vec2(inset_size) - 0.5));
-    return mix(coarse, own, clamp(min(inner.x, inner.y) * of_rim, 0.0, 1.0));
-}
-#else
 // Columns or rows of the rim over a distance from the centre of the outermost sharp pixel: the first
 // step is from there to the rim's first centre.
 vec2 rim_steps(vec2 away) {
@@ -84,7 +75,6 @@ vec2 grid_place(vec2 p) {
 vec4 sampled(vec2 p) {
     return bilinear(grid_place(p));
 }
-#endif
 #else
 vec4 sampled(vec2 p) {
     return bilinear(p);

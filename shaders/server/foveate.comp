@@ -1,6 +1,5 @@
 // Make a picture coarser beyond its sharp rectangle: colour (DEPTH 0) is the mean of the covered
 // pixels that one of the rim holds, depth (DEPTH 1) the mean over the nearest surface among them.
-// INSET 1: lay a coarse picture and a sharp one beside each other instead, as they are; nothing elsewhere.
 // In: rgba16f colour with coverage in alpha, or r32f inverse depth in 1/m, -1 in holes. Out: the same
 // on the grid of lib/fovea.glsl; the sharp rectangle bit for bit.
 // Source: Patney et al. 2016, Towards Foveated Rendering for Gaze-Tracked Virtual Reality (average,
@@ -14,23 +13,7 @@ layout(r32f) writeonly uniform image2D foveated;
 layout(rgba16f) readonly uniform image2D picture;
 layout(rgba16f) writeonly uniform image2D foveated;
 #endif
-#if INSET
-#if DEPTH
-layout(r32f) readonly uniform image2D inset;
-const vec4 EMPTY = vec4(-1.0);
-#else
-layout(rgba16f) readonly uniform image2D inset;
-const vec4 EMPTY = vec4(0.0);
-#endif
 
-void main() {
-    ivec2 own = ivec2(gl_GlobalInvocationID.xy), at = own - inset_at, side = imageSize(foveated);
-    if (own.x >= side.x || own.y >= side.y) return;
-    bool is_coarse = all(lessThan(own, imageSize(picture)));
-    bool is_sharp = all(greaterThanEqual(at, ivec2(0))) && all(lessThan(at, imageSize(inset)));
-    imageStore(foveated, own, is_coarse ? imageLoad(picture, own) : is_sharp ? imageLoad(inset, at) : EMPTY);
-}
-#else
 void main() {
     ivec2 own = ivec2(gl_GlobalInvocationID.xy);
     if (own.x >= small_size.x || own.y >= small_size.y) return;
@@ -59,4 +42,3 @@ void main() {
     imageStore(foveated, own, count > 0.0 ? sum / count : vec4(0.0));
 #endif
 }
-#endif

@@ -16,7 +16,7 @@ import typer
 from typer.testing import CliRunner
 
 from hmdwarp.cli import _checks as doctor
-from hmdwarp.cli._checks import Finding, State
+from hmdwarp.cli._checks import MISSING, OK, OPTIONAL, Finding
 from hmdwarp.cli.doctor import doctor as command
 from hmdwarp.resources import EXTRAS
 
@@ -34,8 +34,29 @@ def probe(tmp_path, monkeypatch):
     return use
 
 
-def answers(monkeypatch, **known):
-    monkeypatch.setattr(doctor, "run_probe", lambda question: known)
+def looked(*names: str, **known) -> list[Finding]:
+    """What the checks of these names find, where each probe answers that."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(doctor, "CHECKS", [check for check in doctor.CHECKS if check.name in names])
+        if known:
+            patch.setattr(doctor, "run_probe", lambda question: known)
+        return doctor.examine()
+
+
+def live(*findings: Finding) -> Finding:
+    """What is told of live after these findings."""
+    with pytest.MonkeyPatch.context() as patch:
+        (check,) = (check for check in doctor.CHECKS if check.name == "live")
+        known = [doctor.Check(found.name, lambda ask, _, found=found: told(found)) for found in findings]
+        patch.setattr(doctor, "CHECKS", [*known, check])
+        patch.setattr(doctor, "run_probe", lambda question: {})
+        return doctor.examine()[-1]
+
+
+def told(found: Finding):
+    if found.state != OK:
+        raise doctor.Lack(found.detail)
+    return found.detail, {}
 
 
 # --- asking -------------------------------------------------------------------------------------
@@ -69,6 +90,7 @@ def test_silence_is_a_lack(probe):
 
 # --- OpenXR -------------------------------------------------------------------------------------
 
+OPENXR = ("OpenXR loader", "OpenXR runtime")
 AT = {"binding": "1.1", "loader": "1.1.0"}
 NAMED = {
     **AT,
@@ -114,18 +136,17 @@ NAMED = {
         ),
     ],
 )
-def test_each_openxr_lack_is_told_apart(monkeypatch, known, words):
-    answers(monkeypatch, **known)
-    loader, runtime = doctor.openxr()
-    assert loader.state is State.OK
-    assert runtime.state is State.OPTIONAL  # never what keeps replay from running
+def test_each_openxr_lack_is_told_apart(known, words):
+    loader, runtime = looked(*OPENXR, **known)
+    assert loader.state == OK
+    assert runtime.state == OPTIONAL  # never what keeps replay from running
     assert words in runtime.detail
     assert runtime.remedy
 
 
-def test_openxr_whole(monkeypatch):
-    answers(monkeypatch, **NAMED, stage="done", headset="Simulated HMD")
-    assert [finding.state for finding in doctor.openxr()] == [State.OK, State.OK]
+def test_openxr_whole():
+    found = looked(*OPENXR, **NAMED, stage="done", headset="Simulated HMD")
+    assert [finding.state for finding in found] == [OK, OK]
 
 
 @pytest.mark.parametrize(
@@ -136,37 +157,36 @@ def test_openxr_whole(monkeypatch):
         {"stage": "start", "error": "died", "message": "said nothing"},
     ],
 )
-def test_openxr_binding_that_does_not_load(monkeypatch, known):
-    answers(monkeypatch, **known)
-    (loader,) = doctor.openxr()
-    assert loader.state is State.OPTIONAL and "libgl1" in loader.remedy
+def test_openxr_binding_that_does_not_load(known):
+    (loader,) = looked(*OPENXR, **known)
+    assert loader.state == OPTIONAL and "libgl1" in loader.remedy
 
 
 # --- live ---------------------------------------------------------------------------------------
 
-HEADSET = [Finding("OpenXR loader", State.OK, "there"), Finding("OpenXR runtime", State.OK, "Runtime 1, headset 'H'")]
-NO_LOADER = [Finding("OpenXR loader", State.OPTIONAL, "no libGL", "get it")]
-NO_RUNTIME = [HEADSET[0], Finding("OpenXR runtime", State.OPTIONAL, "its service is down", "start it")]
+HEADSET = [Finding("OpenXR loader", OK, "there"), Finding("OpenXR runtime", OK, "Runtime 1, headset 'H'")]
+NO_LOADER = [Finding("OpenXR loader", OPTIONAL, "no libGL", "get it")]
+NO_RUNTIME = [HEADSET[0], Finding("OpenXR runtime", OPTIONAL, "its service is down", "start it")]
 WINDOW, NO_WINDOW = (
-    Finding("desktop window", State.OK, "opens"),
-    Finding("desktop window", State.OPTIONAL, "no display", "xvfb"),
+    Finding("desktop window", OK, "opens"),
+    Finding("desktop window", OPTIONAL, "no display", "xvfb"),
 )
 
 
 @pytest.mark.parametrize("window", [WINDOW, NO_WINDOW])
 def test_live_takes_the_headset_if_there_is_one(window):
-    finding = doctor.live(HEADSET, window)
-    assert (finding.state, finding.facts["source"]) == (State.OK, "openxr")
+    finding = live(*HEADSET, window)
+    assert (finding.state, finding.facts["source"]) == (OK, "openxr")
     assert "headset 'H'" in finding.detail
 
 
 @pytest.mark.parametrize(("headset", "why"), [(NO_LOADER, "no libGL"), (NO_RUNTIME, "its service is down")])
 def test_live_takes_the_window_else_and_says_why(headset, why):
-    finding = doctor.live(headset, WINDOW)
-    assert (finding.state, finding.facts["source"]) == (State.OK, "desktop")
+    finding = live(*headset, WINDOW)
+    assert (finding.state, finding.facts["source"]) == (OK, "desktop")
     assert why in finding.detail
-    nothing = doctor.live(headset, NO_WINDOW)
-    assert (nothing.state, nothing.facts["source"]) == (State.OPTIONAL, None)  # replay can run all the same
+    nothing = live(*headset, NO_WINDOW)
+    assert (nothing.state, nothing.facts["source"]) == (OPTIONAL, None)  # replay can run all the same
     assert why in nothing.detail and "no display" in nothing.detail and nothing.remedy
 
 
@@ -194,21 +214,22 @@ def run(*options: str):
 def test_no_display(monkeypatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    finding = doctor.window()
-    assert finding.state is State.OPTIONAL and "xvfb" in finding.remedy
+    (finding,) = looked("desktop window")
+    assert finding.state == OPTIONAL and "xvfb" in finding.remedy
 
 
 def test_a_display_that_is_not_there(monkeypatch):
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     monkeypatch.setenv("DISPLAY", ":987")
-    assert doctor.window().state is State.OPTIONAL
+    (finding,) = looked("desktop window")
+    assert finding.state == OPTIONAL
 
 
 def test_missing_package_is_named(monkeypatch):
     declared = ["typer>=0.1", "no-such.package-xyz>=2", 'pytest; extra == "test"']
     monkeypatch.setattr(doctor.importlib.metadata, "requires", lambda name: declared)
-    finding = doctor.packages()
-    assert finding.state is State.MISSING
+    (finding,) = looked("packages", error="")
+    assert finding.state == MISSING
     assert finding.detail == "not installed: no-such.package-xyz"
     assert "typer" in finding.facts and "pytest" not in finding.facts
 
@@ -237,9 +258,9 @@ def test_old_opengl_ends_with_3_and_the_line_to_type(monkeypatch):
 
 
 def test_only_what_replay_needs_decides():
-    found = Finding("a", State.OK, "")
-    assert doctor.replay_can_run([found, Finding("b", State.OPTIONAL, "")])
-    assert not doctor.replay_can_run([found, Finding("b", State.MISSING, "")])
+    found = Finding("a", OK, "")
+    assert doctor.replay_can_run([found, Finding("b", OPTIONAL, "")])
+    assert not doctor.replay_can_run([found, Finding("b", MISSING, "")])
 
 
 def test_probes_are_found_by_the_interpreter():
@@ -258,6 +279,10 @@ def test_every_extra_says_what_it_is_for():
     assert set(EXTRAS) == set(DECLARED) - {"test", "docs"}
 
 
+def extras() -> list[Finding]:
+    return looked(*(f"extra {name}" for name in EXTRAS), error="")
+
+
 def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
     there = {"pyarrow": "26.0.1"}
 
@@ -267,15 +292,15 @@ def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
         return there[name]
 
     monkeypatch.setattr(doctor.importlib.metadata, "version", version)
-    found = {extra.name: extra for extra in doctor.extras()}
+    found = {extra.name: extra for extra in extras()}
     assert list(found) == [f"extra {name}" for name in EXTRAS]
     study = found["extra study"]
-    assert study.state is State.OPTIONAL and ".[study]" in study.remedy
+    assert study.state == OPTIONAL and ".[study]" in study.remedy
     assert "statsmodels" in study.detail and "textual" in study.detail and "pyarrow" not in study.detail
     assert EXTRAS["study"] in study.detail
     there.update({re.split(r"[^\w.-]", line)[0]: "1.0" for line in DECLARED["study"]})
-    states = {extra.name: extra.state for extra in doctor.extras()}
-    assert states["extra study"] is State.OK and states["extra feed"] is State.OPTIONAL
+    states = {extra.name: extra.state for extra in extras()}
+    assert states["extra study"] == OK and states["extra feed"] == OPTIONAL
 
 
 def test_a_folder_that_is_not_installed_is_no_lack_of_replay(monkeypatch):
@@ -283,17 +308,18 @@ def test_a_folder_that_is_not_installed_is_no_lack_of_replay(monkeypatch):
         raise doctor.importlib.metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(doctor.importlib.metadata, "requires", requires)
-    found = doctor.packages()
-    assert found.state is State.OPTIONAL and "not installed" in found.detail and found.remedy == "make setup"
-    assert doctor.extras() == []
+    (found,) = looked("packages", error="")
+    assert found.state == OPTIONAL and "not installed" in found.detail and found.remedy == "make setup"
+    assert extras() == []
 
 
 def test_an_av_that_does_not_load_costs_the_video_and_the_codecs_alone(monkeypatch):
     """None in sys.modules is how Python itself says that a module cannot be imported."""
     monkeypatch.setitem(sys.modules, "av", None)
-    for found in (doctor.video(), doctor.codecs()):
-        assert found.state is State.OPTIONAL and "av" in found.remedy, found
-    assert "h264 is missing" in doctor.codecs().detail and "none in PyAV" in doctor.video().detail
+    video, codecs = looked("H.264 encoder", "codecs", error="")
+    for found in (video, codecs):
+        assert found.state == OPTIONAL and "av" in found.remedy, found
+    assert "h264 is missing" in codecs.detail and "none in PyAV" in video.detail
 
 
 def test_drivers_are_asked_at_the_same_time(probe, monkeypatch):
@@ -309,24 +335,24 @@ def test_drivers_are_asked_at_the_same_time(probe, monkeypatch):
 
 
 def test_the_devices_are_listed_with_what_draws_on_each():
-    found = doctor.devices()
-    if found.state is State.OPTIONAL:
+    (found,) = looked("EGL devices")
+    if found.state == OPTIONAL:
         pytest.skip(f"EGL lists no devices here: {found.detail}")
     assert found.detail.startswith("0: ") and "HMDWARP_EGL_DEVICE chooses another" in found.detail
     assert [device["index"] for device in found.facts["devices"]] == list(range(len(found.facts["devices"])))
 
 
-def test_a_device_that_crashes_is_named_after_those_that_did_not(monkeypatch):
+def test_a_device_that_crashes_is_named_after_those_that_did_not():
     good = {"index": 0, "file": "/dev/dri/card0", "renderer": "Some GPU"}
-    answers(monkeypatch, stage="device 1", devices=[good], error="died", message="ended with status -11")
-    found = doctor.devices()
-    assert found.state is State.OPTIONAL
+    known = {"stage": "device 1", "devices": [good], "error": "died", "message": "ended with status -11"}
+    (found,) = looked("EGL devices", **known)
+    assert found.state == OPTIONAL
     assert found.detail == "0: Some GPU at /dev/dri/card0; ended with status -11, at device 1"
 
 
 def test_a_device_that_is_not_there_is_told_with_the_list(monkeypatch):
     monkeypatch.setenv("HMDWARP_EGL_DEVICE", "99")
-    (found,) = doctor.opengl()
-    assert found.state is State.MISSING
+    (found,) = looked("OpenGL")
+    assert found.state == MISSING
     assert "HMDWARP_EGL_DEVICE=99 names no device here, expected one of 0: " in found.detail
     assert found.remedy.startswith("unset HMDWARP_EGL_DEVICE")

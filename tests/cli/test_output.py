@@ -31,8 +31,6 @@ FOLDERS = {
             "1",
             "--rounds",
             "1",
-            "--no-grid",
-            "--no-fused",
             *TINY,
         ],
         "bench.html",

@@ -91,8 +91,8 @@ def test_a_replay_shows_what_is_seen_from_there(command, scene, tmp_path):
 
 
 def test_a_bench_keeps_and_tells_the_notes(command, scene, tmp_path, monkeypatch):
-    monkeypatch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
-    few = ("--instants", "1", "--rounds", "1", "--workers", "0", "--no-grid", "--no-fused", "--seconds", "0.3")
+    monkeypatch.setattr("hmdwarp.gpu.timers._CHECK_BYTES", 1 << 20)
+    few = ("--instants", "1", "--rounds", "1", "--workers", "0", "--seconds", "0.3")
     which = ("--warp", "none", "--fill", "none", "--guard", "1", "--size", "40x50", "--out", tmp_path / "out")
     done = command("bench", "still", "--scene", scene, *few, *which).done()
     assert "note: far.glb: seen from 104,51.6,203" in " ".join(done.out.split())

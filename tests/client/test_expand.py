@@ -17,13 +17,13 @@ from scipy.spatial.transform import Rotation
 from worlds import pixels
 
 from hmdwarp.client import PassInputs, build_plan, parse_warp
-from hmdwarp.client.effect_passes.expand import ExpandInsetPass, ExpandPass
+from hmdwarp.client.effect_passes.expand import ExpandPass
 from hmdwarp.client.effects import Tools
 from hmdwarp.client.warps import Output
 from hmdwarp.errors import InputError, PlanError
 from hmdwarp.frames import EyeImage, EyeSizes, Needs, frame_bytes
 from hmdwarp.frames.layers.foveated import FoveatedPicture
-from hmdwarp.geometry import Fov, Fovea, FoveaGrid, InsetGrid, Pose, View, WarpMap, grid_of, looking
+from hmdwarp.geometry import Fov, Fovea, FoveaGrid, Pose, View, WarpMap, grid_of
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate, download
 from hmdwarp.headsets import load_headset
 from hmdwarp.link import LinkOptions
@@ -151,22 +151,6 @@ any_fovea = given(
 
 
 @any_fovea
-def test_an_inset_lies_beside_the_coarse_picture_whatever_the_size_and_gaze(degrees, rim, size, gaze):
-    fovea = Fovea(degrees, rim, inset=True)
-    grids = [fovea.grid(View(Pose(), FOV, gaze=each), size) for each in (None, gaze)]
-    for grid in grids:
-        assert grid.small == fovea.small(FOV, size, size) == grids[0].small, "a video has one size"
-        assert grid_of(grid.numbers(), grid.small) == grid
-        for first, count, whole, coarse, beside, all_ in zip(
-            grid.at, grid.inset, size, grid.coarse, grid.beside, grid.small, strict=True
-        ):
-            assert first % 2 == 0 <= first and 1 <= count <= whole - first and whole <= rim * coarse < whole + rim
-            assert coarse <= all_ and beside + count <= all_ and beside % 2 == all_ % 2 == 0
-        assert any(beside >= coarse for beside, coarse in zip(grid.beside, grid.coarse, strict=True))
-        assert fovea.drawn_pixels(FOV, size, size) == math.prod(grid.coarse) + math.prod(grid.inset)
-
-
-@any_fovea
 def test_a_grid_holds_each_pixel_once_whatever_the_size_and_gaze(degrees, rim, size, gaze):
     fovea = Fovea(degrees, rim)
     straight, aside = (fovea.grid(View(Pose(), FOV, gaze=each), size) for each in (None, gaze))
@@ -242,131 +226,6 @@ def test_a_turned_head_samples_between_the_same_centres(gpu, grid, seed):
     warp.close()
     into.release()
     texture.release()
-
-
-# --- a coarse picture and an inset --------------------------------------------------------------
-
-INSET = Fovea(30.0, 3, inset=True)
-WITH_INSET = Needs(foveated=INSET, foveated_depth=INSET)
-
-
-def drawn_and_expanded(gpu, eye: EyeImage) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Colour and depth as they are sent, and as the client has them; bottom row first."""
-    expand = ExpandInsetPass(gpu, frozenset(WITH_INSET), eye.size, (8, 6), Tools(None, 1))
-    rendered = expand.run(PassInputs(eye, eye.view)).rendered
-    assert not rendered.left_out
-    found = [pixels(rendered.colour), pixels(rendered.inverse_depth)]
-    expand.close()
-    return [pixels(eye[name].texture) for name in WITH_INSET], found
-
-
-@pytest.mark.parametrize(("scene", "samples"), [("planes", 1), ("planes", 4), ("room", 1), ("room", 4), ("reading", 4)])
-def test_an_inset_and_a_coarse_picture_are_drawn_and_expanded_to_the_whole_one(gpu, scene, samples):
-    """The middle of a coarse pixel of 3 x 3 is a pixel's: the same ray meets the same surface.
-
-    With several samples too: polygons have the same edges, and textures the same levels.
-    """
-    server, size = Server(gpu, load_scene(scene), samples=samples), (96, 81)
-    views = looking(load_headset("flat-90").views(Pose((0, 1.6, 1.0))), (0.1, -0.1, -1.0))
-    frame, whole = (server.draw_frame(views, 0, size, needs=needs) for needs in (WITH_INSET, None))
-    for eye, truth in zip(frame.eyes, whole.eyes, strict=True):
-        (colour, depth), (again, depth_again) = drawn_and_expanded(gpu, eye)
-        grid, (columns, rows) = eye["foveated"].grid, eye["foveated"].grid.coarse
-        (x, y), (i, j), (w, h) = grid.at, grid.beside, grid.inset
-        inset, coarse = np.s_[j : j + h, i : i + w], np.s_[:rows, :columns]
-        before, depth_before = pixels(truth.colour), pixels(truth.inverse_depth)
-        # Another projection rounds differently: along edges a ray may meet the other surface.
-        mostly = 1.0 if scene == "planes" else 0.99
-        near = [np.isclose(depth[inset], depth_before[y : y + h, x : x + w], rtol=1e-4)]
-        near += [np.isclose(depth[coarse], depth_before[1::3, 1::3], rtol=1e-4, atol=1e-5)]
-        near += [np.isclose(colour[inset], before[y : y + h, x : x + w], atol=2.0**-9)]
-        assert min(each.mean() for each in near) >= mostly
-        twins = [twin.with_inset(each[coarse], each[inset], grid) for each in (colour, depth)]
-        assert np.allclose(again, twins[0], rtol=HALF, atol=2.0**-10) and np.allclose(depth_again, twins[1], rtol=1e-4)
-        # The contract: what comes back is off by no more than the coarse picture samples.
-        rim_alone = FoveaGrid(size, 3, grid.coarse, (0, 0))
-        low, high = twin.within(depth_before, rim_alone, depth_before >= 0)
-        assert ((depth_again >= low * (1 - 1e-4) - 1e-5) & (depth_again <= high * (1 + 1e-4) + 1e-5)).mean() >= mostly
-        x, y, w, h = grid.sharp
-        sharp = np.s_[y : y + h, x : x + w]
-        assert np.isclose(again[sharp], before[sharp], atol=2.0**-9).mean() >= mostly
-    for each in (frame, whole):
-        server.recycle(each)
-    assert not any(pool.live for pool in server._pools.values())
-    server.close()
-
-
-@pytest.mark.parametrize("comes", ["an inset", "whole"])
-def test_a_turned_head_samples_both_where_they_lie(gpu, comes):
-    """Between centres of each, blended over a coarse pixel; and a frame that came whole."""
-    grid = InsetGrid((39, 30), 3, (9, 6), (15, 12))
-    (i, j), (w, h) = grid.beside, grid.inset
-    sent = grid.small if comes == "an inset" else grid.size
-    colour = picture(4, sent, holes=0.0)[0]
-    texture, into = allocate(gpu.gl, sent, COLOUR), Canvas(gpu.gl, grid.size)
-    texture.write(np.ascontiguousarray(colour, np.float16), alignment=1)
-    warp = parse_warp("rotation").entry(gpu, grid.size, grid.size, None, Output(foveated=INSET))
-    carried = {"foveated": FoveatedPicture(texture, grid)} if comes == "an inset" else {}
-    whole = texture if comes == "whole" else allocate(gpu.gl, grid.size, COLOUR)
-    rendered = EyeImage(View(Pose(), FOV), whole, whole, carried)
-    turned = View(Pose((0, 0, 0), Rotation.from_euler("yxz", [3.0] * 3, degrees=True).as_quat()), FOV)
-    warp.run(PassInputs(rendered, turned), into)
-    found = pixels(into.texture)
-    centres = np.stack(np.meshgrid(*(np.arange(side) + 0.5 for side in grid.size)), axis=-1)
-    to_rendered = WarpMap.between(turned, grid.size, rendered.view, grid.size)
-    place = to_rendered.apply(centres, np.zeros(centres.shape[:2]))[0]
-    if comes == "whole":
-        expected = twin.sampled(colour, FoveaGrid(grid.size, 2, (0, 0), (0, 0)), place)
-    else:
-        own = twin.sampled(colour[j : j + h, i : i + w], FoveaGrid(grid.inset, 2, (0, 0), (0, 0)), place - grid.at)
-        coarse = colour[: grid.coarse[1], : grid.coarse[0]]
-        beyond = twin.sampled(coarse, FoveaGrid(grid.coarse, 2, (0, 0), (0, 0)), place / grid.rim)
-        inner = np.minimum(place - grid.at, np.add(grid.at, grid.inset) - place).min(axis=-1)
-        part = np.clip(inner / grid.rim, 0, 1)[..., None]
-        expected = part * own + (1 - part) * beyond
-    covered = np.minimum(place, np.array(grid.size) - place).min(axis=-1) > 1e-4
-    # As for the rim: the map's rounding over a change of at most 2 from pixel to pixel.
-    assert covered.mean() > 0.7
-    assert np.allclose(found[covered], expected[covered], rtol=HALF, atol=2 * 2 * 3e-7 * 39 + 2.0**-24)
-    warp.close()
-    into.release()
-
-
-def test_an_inset_has_what_is_seen_of_a_headset_with_a_hidden_area(gpu):
-    headset, server = load_headset("index"), Server(gpu, load_scene("planes"))
-    frame, whole = (
-        server.draw_frame(headset.views(Pose((0, 1.6, 1.0))), 0, (97, 73), 1.2, needs) for needs in (WITH_INSET, None)
-    )
-    for eye, truth in zip(frame.eyes, whole.eyes, strict=True):
-        _, (again, depth) = drawn_and_expanded(gpu, eye)
-        seen = pixels(truth.inverse_depth) >= 0
-        assert 0.6 < seen.mean() < 0.95 and (again[seen][:, 3] > 0).all() and (depth[seen] >= 0).all()
-        corner = pixels(eye["foveated_depth"].texture)[: eye["foveated"].grid.coarse[1], 0]
-        assert (corner == -1).any(), "coarse pixels of which nothing is seen are not drawn"
-    server.close()
-
-
-def test_fewer_pixels_are_drawn_and_sent(tmp_path):
-    found = [
-        run(tmp_path / "out", size=(192, 160), seconds=0.1, warp="iterative", force=True, **sets).summary
-        for sets in ({"fovea_deg": 30.0}, {"fovea_deg": 30.0, "inset": True})
-    ]
-    view = load_headset("flat-90").views(Pose())[0]
-    grid = Fovea(30.0, inset=True).grid(view, (192, 160))
-    assert [each["rendered"]["pixels"] for each in found] == [
-        1.0, pytest.approx((math.prod(grid.coarse) + math.prod(grid.inset)) / (192 * 160), abs=1e-4)
-    ]  # fmt: skip
-    assert found[1]["link"]["frame_bytes"] == 2 * 12 * math.prod(grid.small) < found[0]["link"]["frame_bytes"]
-
-
-def test_what_is_drawn_with_the_whole_picture_has_no_inset(gpu):
-    with pytest.raises(PlanError, match="--inset: velocity of the frame would need the whole picture"):
-        build_plan(("soft_motion",), "iterative", "none", "none", client_geometry=True, fovea=INSET)
-    server = Server(gpu, load_scene("planes"))
-    with pytest.raises(InputError, match="an inset beside layers wide"):
-        server.draw_frame(load_headset("flat-90").views(Pose()), 0, (32, 24), needs=WITH_INSET | Needs(wide=True))
-    server.close()
-    assert not build_plan((), "rotation", "none", "none", client_geometry=True, fovea=INSET).expands
 
 
 # --- frames and runs ----------------------------------------------------------------------------
@@ -475,8 +334,6 @@ def test_frames_that_cannot_be_foveated_are_refused(sets, why):
         small(fovea_deg=30.0, **sets)
 
 
-def test_a_rim_or_an_inset_without_a_fovea_is_refused():
-    with pytest.raises(InputError, match="--inset: frames are as sharp everywhere; it is for --fovea"):
-        small(inset=True)
+def test_a_rim_without_a_fovea_is_refused():
     with pytest.raises(InputError, match="--rim 3: frames are as sharp everywhere; it is for --fovea"):
         small(rim=3)

@@ -584,13 +584,18 @@ def test_the_doctor_tells_of_it(monkeypatch):
 
     from hmdwarp.cli import _checks as doctor
 
-    def found():
-        return next(extra for extra in doctor.extras() if extra.name == "extra panel")
+    (check,) = (check for check in doctor.CHECKS if check.name == "extra panel")
+    monkeypatch.setattr(doctor, "CHECKS", [check])
+    monkeypatch.setattr(doctor, "run_probe", lambda question: {})
 
-    assert found().state is doctor.State.OK and "imgui-bundle" in found().detail
+    def found():
+        (finding,) = doctor.examine()
+        return finding
+
+    assert found().state == doctor.OK and "imgui-bundle" in found().detail
 
     def absent(name):
         raise importlib.metadata.PackageNotFoundError(name)
 
     monkeypatch.setattr(importlib.metadata, "version", absent)
-    assert found().state is doctor.State.OPTIONAL and found().remedy == PANEL_REMEDY
+    assert found().state == doctor.OPTIONAL and found().remedy == PANEL_REMEDY

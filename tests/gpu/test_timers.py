@@ -197,3 +197,22 @@ def test_the_query_of_a_stage_that_fails_is_used_again(fake):
             raise RuntimeError("broken")
     assert len(gl.queries) - probe == 1
     assert not gl.queries[-1].running
+
+
+def test_both_clocks_time_one_copy(gpu, monkeypatch):
+    monkeypatch.setattr(timers, "_CHECK_BYTES", 1 << 20)
+    found = timers.check_clocks(gpu.gl, gpu.timer.clock, rounds=2)
+    assert found.clock == gpu.timer.clock and found.wall_ms > 0
+    if found.clock == "wall":
+        assert found.gpu_ms is None and "GPU timers are unusable" in found.note
+    else:
+        assert 0 < found.gpu_ms <= found.wall_ms * 1.5
+
+
+def test_real_timers_are_compared_with_the_wall(gpu, monkeypatch):
+    times = iter([(3.0, 2.5), (2.2, 2.0), (2.4, 1.9)])
+    monkeypatch.setattr(timers, "both_clocks", lambda gl, run: next(times))
+    monkeypatch.setattr(timers, "_CHECK_BYTES", 1 << 20)
+    found = timers.check_clocks(gpu.gl, "gpu", rounds=3)
+    assert (found.clock, found.wall_ms, found.gpu_ms) == ("gpu", 2.2, 1.9)
+    assert "+15.8%" in found.note

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hmdwarp.geometry import FoveaGrid, InsetGrid
+from hmdwarp.geometry import FoveaGrid
 from reference._rays import Array
 
 ONE_SURFACE, FLOOR = 0.1, 0.02
@@ -117,19 +117,3 @@ def within(values: Array, grid: FoveaGrid, covered: NDArray[np.bool_]) -> tuple[
     at = [(rows, columns) for rows in (below, above) for columns in (left, right)]
     lows, highs = ([bound[np.ix_(*each)] for each in at] for bound in (low, high))
     return np.min(lows, axis=0), np.max(highs, axis=0)
-
-
-def with_inset(coarse: Array, inset: Array, grid: InsetGrid) -> Array:
-    """The coarse picture expanded and the inset over it: its colour begins over a coarse pixel."""
-    (w, h), (x, y), (across, up) = grid.size, grid.at, grid.inset
-    columns, rows = grid.coarse
-    all_coarse = FoveaGrid((columns * grid.rim, rows * grid.rim), grid.rim, grid.coarse, (0, 0))
-    found = (expanded if coarse.ndim == 3 else expanded_depth)(coarse, all_coarse)[:h, :w].copy()
-    below = found[y : y + up, x : x + across]
-    if coarse.ndim == 3:
-        ways = [np.minimum(np.arange(side), np.arange(side)[::-1]) + 0.5 for side in (up, across)]
-        part = np.minimum(np.minimum(ways[0][:, None], ways[1]) / grid.rim, 1)[..., None]
-        both = (below[..., 3:] > 0) & (inset[..., 3:] > 0)
-        inset = np.where(both, part * inset + (1 - part) * below, inset)
-    found[y : y + up, x : x + across] = inset
-    return found

@@ -32,7 +32,6 @@ WARPS = {
     "layered": (24.0, 0.049, 0.006),
 }
 INSTANTS = 12
-AXES = ("x", "y", "z", "yaw", "pitch", "roll")
 MACHINE = {
     "gl_renderer": "llvmpipe (LLVM 15.0.6, 256 bits)",
     "gl_version": "4.5 (Core Profile) Mesa 22.3.6",
@@ -75,7 +74,6 @@ def a_row(
     }
     shares = {"border_holes": holes / 4, "inside_holes": holes * 3 / 4, "silhouettes": 0.12, "seen": 0.88 - holes}
     parts = {"border_holes": 0.7, "inside_holes": 0.6, "silhouettes": error * 1.9, "seen": error * 0.6}
-    bounds = {"warp": 2.6, "fill": 1.6, "lens": 2.2}
     return {
         "schema": 1,
         "hmdwarp": "0.1.0",
@@ -116,17 +114,6 @@ def a_row(
             for name, share in shares.items()
         },
         "mismatch": holes * 0.7,
-        "passes": [
-            {
-                "name": name,
-                "bytes": int(bound * 8e6),
-                "bound_ms": bound,
-                "median_ms": stages[name],
-                "times_bound": stages[name] / bound,
-            }
-            for name, bound in bounds.items()
-            if stages[name]
-        ],
         **changes,
     }
 
@@ -139,50 +126,6 @@ def some_rows(
 ) -> list[dict[str, Any]]:
     """Every combination, as the bench runs them."""
     return [a_row(w, f, t, ms) for t in traces for ms in latencies for w in warps for f in fills]
-
-
-def a_grid(warps: Sequence[str] = tuple(WARPS)) -> list[dict[str, Any]]:
-    """Error over head offset: metres on three axes, degrees on the others."""
-    rows = []
-    for warp in warps:
-        _, flip, holes = WARPS.get(warp.partition(":")[0], (0, 0.1, 0.02))
-        for axis in AXES:
-            turning = axis in ("yaw", "pitch", "roll")
-            for step in np.linspace(-1, 1, 7):
-                free = turning and warp != "none"
-                error = (0.01 + flip * (0.4 if free else 1.6) * abs(step) ** 0.8) * (
-                    1 + 0.02 * _dice(warp, axis, step).standard_normal()
-                )
-                rows.append(
-                    {
-                        "warp": warp,
-                        "axis": axis,
-                        "offset": float(step * (30 if turning else 0.3)),
-                        "psnr_db": 40 - 60 * error,
-                        "flip": error,
-                        "hole_share": holes * abs(step),
-                    }
-                )
-    return rows
-
-
-def some_fused() -> list[dict[str, Any]]:
-    """The gather warps fused with the lens."""
-    rows = []
-    for warp in ("none", "rotation", "planar", "environment", "backward", "iterative", "search"):
-        fused, separate = WARPS[warp][0] + 4, WARPS[warp][0] + 8.3
-        rows.append(
-            {
-                "warp": warp,
-                "fused_ms": fused,
-                "separate_ms": separate,
-                "speedup": separate / fused,
-                "psnr_db": {"fused": 29.1, "separate": 27.6},
-                "flip": {"fused": 0.071, "separate": 0.083},
-                "sharpness": {"fused": 0.93, "separate": 0.78},
-            }
-        )
-    return rows
 
 
 def a_bench(**changes: Any) -> dict[str, Any]:
@@ -198,19 +141,7 @@ def a_bench(**changes: Any) -> dict[str, Any]:
             "gpu_ms": None,
             "note": "The GPU timer answers 1 ns for a pass of 4 ms, so the wall clock is used.",
         },
-        "copy_gb_s": 9.7,
         "rows": some_rows(),
-        "grid": a_grid(),
-        "fused": some_fused(),
-        "grid_at": {"scene": "room", "size": [400, 400], "eye": "left"},
-        "fused_at": {
-            "scene": "room",
-            "trace": "look-around",
-            "latency_ms": 200.0,
-            "size": [1280, 800],
-            "lens": "radial",
-            "eye": "left",
-        },
         "choice": {
             "budget_ms": 20.0,
             "warp": "backward",

@@ -1,9 +1,10 @@
 """The bench's charts.
 
-Every point and line has its name, the look of a warp never changes, and any data can be drawn.
+Every warp has a number and its name in the key, its look never changes, and any data can be drawn.
 """
 
 import io
+import itertools
 import re
 from xml.etree import ElementTree
 
@@ -12,24 +13,17 @@ import pytest
 from PIL import Image
 
 from hmdwarp.metrics import REGIONS, aggregate
-from hmdwarp.report import DASHES, PAGE, PAPER, css_variables, dashes_of, markers_of, warp_of
+from hmdwarp.report import PAGE, PAPER, canvas, css_variables, draw_numbers, markers_of, warp_of
 from hmdwarp.report.bench.charts import (
-    AXES,
-    axes_of,
-    curves,
-    displacement_chart,
-    displacement_text,
     pareto_chart,
     pareto_plot_png,
     pareto_text,
     region_parts,
     regions_chart,
-    traffic,
-    traffic_chart,
 )
 from hmdwarp.report.bench.rows import bench_table, cases
 
-from .bench_samples import WARPS, a_bench, a_grid, a_row, some_rows
+from .bench_samples import WARPS, a_bench, a_row, some_rows
 
 NASTY = "<b>&'\"$x_1$</b>--> ]]> 漢字"
 
@@ -39,19 +33,23 @@ def words(svg: str) -> list[str]:
     return ["".join(node.itertext()) for node in root.iter("{http://www.w3.org/2000/svg}text")]
 
 
+def key_of(svg: str) -> dict[str, str]:
+    """The numbers of the key, by the names that they stand for."""
+    return {
+        name: number for number, _, name in (word.partition(" ") for word in words(svg)) if number.isdigit() and name
+    }
+
+
 def one_case(**choice):
     (case,) = cases(some_rows(**{"traces": ("walk",), "latencies": (200.0,), **choice}))
     return case
 
 
 def all_charts():
-    grid = a_grid()
     rows = some_rows(traces=("walk",), latencies=(200.0,))
     yield "flip", pareto_chart(cases(rows)[0])
     yield "psnr", pareto_chart(cases(rows)[0], "psnr_db")
     yield "regions", regions_chart(cases(rows)[0])
-    yield "traffic", traffic_chart(traffic(rows))
-    yield from ((axis, displacement_chart(grid, axis)) for axis in AXES)
 
 
 def test_every_chart_takes_its_colours_from_the_page_and_shares_no_ids():
@@ -81,9 +79,10 @@ def test_warps_and_baselines_have_names_and_a_key():
     (case,) = cases(rows)
     for measure in ("flip", "psnr_db"):
         found = words(pareto_chart(case, measure))
-        # Once in the list of colours, and once beside a point, however many points it has there.
-        assert {name: found.count(name) for name in WARPS} == dict.fromkeys(WARPS, 2)
-        assert found.count("mesh:grid=64") == found.count("(CloudXR.js)") == 1
+        key = key_of(pareto_chart(case, measure))
+        assert key.keys() == {*WARPS, "mesh:grid=64 (CloudXR.js)"}
+        assert sorted(map(int, key.values())) == [*range(1, len(key) + 1)]
+        assert [name for name, number in key.items() if number not in found] == [], "beside a point"
         assert {"fill none", "fill interpolate", "fill pyramid"} <= set(found)
 
 
@@ -92,7 +91,8 @@ def test_the_front_is_filled_bold_and_in_words():
     text = pareto_chart(case)
     best = {row["warp"] for row in case.front()}
     bold = {m[1] for m in re.finditer(r'<text style="[^"]*(?:bold|700)[^"]*"[^>]*>([^<]*)', text)}
-    assert bold == best and 1 < len(best) < len(case.rows)
+    key = key_of(text)
+    assert bold == {key[name] for name in best} and 1 < len(best) < len(case.rows)
     assert [name for name in best if f"{name} with fill interpolate" not in pareto_text(case)] == []
     hollow = len(re.findall(r"<use [^>]*fill: none|<use [^>]*fill-opacity: 0", text))
     filled = len(re.findall(r"<use [^>]*fill: var\(--warp", text))
@@ -101,8 +101,8 @@ def test_the_front_is_filled_bold_and_in_words():
 
 
 def test_the_same_data_give_the_same_chart():
-    grid, case = a_grid(("none", "mesh")), one_case(warps=("none", "forward", "backward"))
-    for make in (lambda: pareto_chart(case), lambda: regions_chart(case), lambda: displacement_chart(grid, "yaw")):
+    case = one_case(warps=("none", "forward", "backward"))
+    for make in (lambda: pareto_chart(case), lambda: regions_chart(case)):
         assert make() == make()
 
 
@@ -117,7 +117,7 @@ def test_few_points_or_none(count, measure):
 
 def test_without_a_row_that_the_client_can_run_there_is_no_front():
     (case,) = cases([a_row("mesh", lacks="it takes the whole scene"), a_row("backward", lacks="so does this")])
-    assert "mesh" in words(pareto_chart(case)) and "the bench's client can run none" in pareto_text(case)
+    assert "mesh" in key_of(pareto_chart(case)) and "the bench's client can run none" in pareto_text(case)
 
 
 def test_odd_values_can_be_drawn():
@@ -130,35 +130,24 @@ def test_odd_values_can_be_drawn():
         ]
         (case,) = cases([*rows, a_row("backward")])
         for measure in ("flip", "psnr_db"):
-            assert words(pareto_chart(case, measure)).count("mesh") == 2
+            assert "mesh" in key_of(pareto_chart(case, measure))
     nothing = {name: {"share": 0.0, "flip": None, "psnr_db": None} for name in REGIONS}
     assert "forward" in words(regions_chart(cases([a_row(regions=nothing, fill="none")])[0]))
-    flat = [{"warp": "mesh", "axis": "x", "offset": x, "flip": 0.0, "psnr_db": 100.0} for x in (-1.0, 0.0, 1.0)]
-    assert "mesh" in words(displacement_chart(flat, "x")) and "mesh" in words(
-        displacement_chart(flat[:1], "x", "psnr_db")
-    )
 
 
 def test_names_are_text_whatever_they_hold():
     rows = [a_row(NASTY, fill=NASTY), a_row()]
-    grid = [{"warp": NASTY, "axis": "x", "offset": x, "flip": 0.1, "psnr_db": 30.0} for x in (-1.0, 1.0)]
-    for text in (
-        pareto_chart(cases(rows)[0]),
-        regions_chart(cases(rows)[0]),
-        traffic_chart(traffic(rows)),
-        displacement_chart(grid, "x"),
-    ):
+    for text in (pareto_chart(cases(rows)[0]), regions_chart(cases(rows)[0])):
         assert "<b>" not in text and any(NASTY in word for word in words(text))
 
 
 def test_a_spec_with_settings_looks_like_its_warp():
     specs = ["mesh", "mesh:cut=slope", "mesh:cut=identity", "new_warp"]
     assert {PAGE.warp(spec) for spec in specs[:3]} == {PAGE.warp("mesh")} != {PAGE.warp("forward")}
-    assert len({str(dash) for dash in list(dashes_of(specs).values())[:3]}) == 3
     assert (
         PAGE.warp("new_warp").startswith("#") and PAPER.warp("new_warp").startswith("#") and warp_of("a:b=1,c=2") == "a"
     )
-    assert "mesh:" in words(pareto_chart(cases([a_row(spec) for spec in specs])[0]))
+    assert key_of(pareto_chart(cases([a_row(spec) for spec in specs])[0])).keys() == {*specs}
 
 
 def test_markers_do_not_depend_on_who_else_is_there_for_known_fills_and_never_coincide():
@@ -197,7 +186,7 @@ SEEN_AS = {
 
 
 @pytest.mark.parametrize("sight", SEEN_AS)
-def test_warps_whose_colours_merge_have_names_and_lines_of_their_own(sight):
+def test_warps_whose_colours_merge_have_numbers_and_lines_of_their_own(sight):
     """Where two are within 0.12 of a channel's range, no one tells small marks apart by them."""
 
     def seen(colour: str) -> np.ndarray:
@@ -213,10 +202,10 @@ def test_warps_whose_colours_merge_have_names_and_lines_of_their_own(sight):
     assert merged, "the colours alone would do: is this test needed?"
     (case,) = cases(some_rows(WARPS, traces=("walk",), latencies=(200.0,)))
     text = pareto_chart(case)
-    named = words(text)
+    named, key = words(text), key_of(text)
     fills = len({row["fill"] for row in case.rows})
     for name in merged:
-        assert named.count(name) == 2, "in the key and beside a point"
+        assert key[name] in named, "beside a point"
         variable = re.escape(f"var(--warp-{name.replace('_', '-')})")
         lines = re.findall(
             rf'<path d="([^"]*)"[^>]*style="fill: none; stroke: {variable}; [^"]*stroke-width: 0.7', text
@@ -224,34 +213,17 @@ def test_warps_whose_colours_merge_have_names_and_lines_of_their_own(sight):
         assert [len(re.findall("[ML]", line)) for line in lines] == [fills], name
 
 
-def test_lines_of_one_colour_family_differ_in_their_dashes():
-    dashes = dashes_of(WARPS)
-    for family in (
-        ("rotation", "planar", "environment"),
-        ("forward_raster", "forward", "forward_ordered", "splat"),
-        ("backward", "iterative", "search"),
-        ("mesh", "mesh_adaptive"),
-        ("multi", "layered"),
-    ):
-        assert len({DASHES.index(dashes[name]) for name in family}) == len(family)
-
-
-def test_displacement_has_all_warps_on_all_axes_in_order():
-    grid = a_grid()
-    assert axes_of(reversed(grid)) == list(AXES)
-    for axis in AXES:
-        found = words(displacement_chart(grid, axis))
-        assert [name for name in WARPS if name not in found and f"{name} ↑" not in found] == []
-        assert ("offset in metres" in found) == (axis in "xyz")
-        ends = re.findall(r" ([\d.]+)[,.](?: |$)", displacement_text(grid, axis).partition("from above:")[2])
-        assert ends == sorted(ends, key=float, reverse=True) and len(ends) == len(WARPS)
-    points = curves([*grid, {"warp": "new", "axis": "x", "offset": 1.0, "flip": None}], "x")
-    assert points["new"].shape == (0, 2) and (np.diff(points["none"][:, 0]) > 0).all()
-
-
-def test_an_axis_without_rows_says_not_measured():
-    grid = [{"warp": "mesh", "axis": "x", "offset": 0.0, "flip": None, "psnr_db": None}]
-    assert "not measured" in words(displacement_chart(grid, "x"))
+def test_numbers_stand_beside_their_points_and_apart():
+    """In a crowd of 40 each number is within 24 pt of its point, and no two cover each other."""
+    rng = np.random.default_rng(3)
+    points = rng.uniform(0.2, 0.8, (40, 2))
+    with canvas("", (6.0, 5.0), box=(0.5, 0.5, 5.9, 4.9)) as axes:
+        draw_numbers(axes, {index: index + 1 for index in range(40)}, points, np.zeros(40, bool), PAGE)
+        renderer = axes.figure.canvas.get_renderer()
+        boxes = [text.get_window_extent(renderer) for text in axes.texts]
+        assert all(np.hypot(*text.get_position()) < 24 for text in axes.texts)
+        assert [text.get_text() for text in axes.texts] == [str(number) for number in range(1, 41)]
+        assert not any(one.overlaps(other) for one, other in itertools.combinations(boxes, 2))
 
 
 def test_regions_add_up_to_the_whole():
@@ -262,23 +234,6 @@ def test_regions_add_up_to_the_whole():
     )
     assert region_parts(a_row(regions={})) is None and region_parts(a_row(regions={"inside_holes": {}})) is None
     assert "not measured" in words(regions_chart(cases([a_row(regions={})])[0]))
-
-
-def test_each_pass_once_for_each_size():
-    rows = [
-        *some_rows(),
-        a_row(size=[640, 400]),
-        a_row("none", passes=[{"name": "warp", "bytes": 0, "bound_ms": 0.0, "median_ms": 1.0}]),
-    ]
-    found = traffic(rows)
-    assert len(found) == len(WARPS) + 2 + 3  # the fill `none` has no pass
-    assert {entry.kind for entry in found} == {"warp", "fill", "lens"} and {entry.size for entry in found} == {
-        "1280x800",
-        "640x400",
-    }
-    assert all(entry.times_bound == entry.median_ms / entry.bound_ms for entry in found if entry.bound_ms)
-    assert "not measured" in words(traffic_chart([])) and "lens radial" in words(traffic_chart(found))
-    assert traffic([a_row(passes=[{"name": "warp", "bytes": 0, "bound_ms": None, "median_ms": None}])]) == []
 
 
 @pytest.mark.parametrize("columns", [None, 1])

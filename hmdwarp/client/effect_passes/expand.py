@@ -10,7 +10,6 @@ import moderngl
 from ...frames import EyeImage
 from ...frames.layers import readable
 from ...frames.layers.foveated import FoveatedPicture
-from ...geometry import InsetGrid
 from ...gpu.textures import COLOUR, SCALAR, allocate, release_all
 from ..effects import RenderedPass
 from ..inputs import PassInputs
@@ -29,14 +28,12 @@ class ExpandPass(RenderedPass):
     name = "expand"
     needs_compute = False
     reads = ("rendered.foveated", "rendered.foveated_depth")
-    # Written; what is read is a part of them.
-    moves = (8 + 4, 0)
 
     def prepare(self) -> None:
         self._programs, self._pictures = {}, {}
         for number, (layer, (_, kind)) in enumerate(_PICTURES.items()):
             if layer in self.parts:
-                self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", DEPTH=number, INSET=0)
+                self._programs[layer] = self.gpu.shaders.compute("effects/expand.comp", DEPTH=number)
                 self._pictures[layer] = [
                     allocate(self.gpu.gl, self.rendered_size, kind) for _ in range(self.tools.images)
                 ]
@@ -62,30 +59,10 @@ class ExpandPass(RenderedPass):
     def _expand(self, layer: str, picture: FoveatedPicture, number: int) -> moderngl.Texture:
         program, into = self._programs[layer], self._pictures[layer][number]
         picture.texture.bind_to_image(0, read=True, write=False)
-        into.bind_to_image(1, read=True, write=True)
+        into.bind_to_image(1, read=False, write=True)
         program.uniforms.set(foveated=0, picture=1, **picture.grid.uniforms)
-        program.run(*picture.grid.cells)
+        program.run(*picture.grid.small)
         return into
 
     def close(self) -> None:
         release_all(*(texture for several in self._pictures.values() for texture in several))
-
-
-class ExpandInsetPass(ExpandPass):
-    """Likewise, of pictures that came as a coarse one and an inset."""
-
-    def prepare(self) -> None:
-        super().prepare()
-        self._insets = {
-            layer: self.gpu.shaders.compute("effects/expand.comp", DEPTH=number, INSET=1)
-            for number, layer in enumerate(_PICTURES)
-            if layer in self.parts
-        }
-
-    def _expand(self, layer: str, picture: FoveatedPicture, number: int) -> moderngl.Texture:
-        into, program, grid = super()._expand(layer, picture, number), self._insets[layer], picture.grid
-        assert isinstance(grid, InsetGrid), "the server draws the form that is asked for"
-        self.gpu.barrier()
-        program.uniforms.set(foveated=0, picture=1, **grid.uniforms)
-        program.run(*grid.inset)
-        return into

@@ -72,8 +72,6 @@ class MotionPass(RenderedPass):
 
     name = "motion"
     reads = ("rendered.colour", "rendered.inverse_depth", "rendered.ids", "rendered.velocity")
-    # Colour and depth read and written once, ids or velocities read; moving pixels add little.
-    moves = (2 * (8 + 4) + 2, 0)
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:

@@ -185,8 +185,6 @@ class PanelsPass(ShownPass):
 
     name = "panels"
     reads = ("shown.colour", "shown.inverse_depth", "rendered.panels")
-    # The copy: panels cover little.
-    moves = (0, 16)
 
     @classmethod
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:

@@ -32,9 +32,6 @@ class Reflections(ShownPass):
     name = "reflections"
     reads = ("shown.colour", "rendered.reflection")
     carries = True
-    # The layer's depth once; its colour and the surface for each shown pixel read, warped and
-    # read again; the picture both ways.
-    moves = (4, 8 * (2 * 3 + 2))
 
     def prepare(self) -> None:
         gpu, shown = self.gpu, self.shown_size

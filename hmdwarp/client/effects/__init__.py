@@ -6,6 +6,6 @@ compensates it.
 
 from ._base import Effect, EffectPass, EffectRegistry, RenderedPass, ShownPass, Tools
 
-effects = EffectRegistry("effect", __name__)
+effects = EffectRegistry("effect", __name__, columns="pass=made_by.name without source")
 
 __all__ = ["Effect", "EffectPass", "EffectRegistry", "RenderedPass", "ShownPass", "Tools", "effects"]

@@ -94,8 +94,6 @@ class EffectPass(ABC):
     carries: ClassVar[bool] = False
     needs_compute: ClassVar[bool] = True  # As a warp's.
     of_light: ClassVar[bool] = False  # Whether pictures hold light alone until it has run.
-    # Least bytes that it reads and writes for each pixel of the rendered picture and of the shown.
-    moves: ClassVar[tuple[int, int]] = (0, 16)
 
     def __init__(
         self, gpu: Gpu, parts: frozenset[str], rendered_size: tuple[int, int], shown_size: tuple[int, int], tools: Tools
@@ -117,12 +115,6 @@ class EffectPass(ABC):
     def reads_for(cls, parts: frozenset[str]) -> tuple[str, ...]:
         """Return those of `reads` that these effects need."""
         return cls.reads
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int) -> int:
-        """Return the least bytes that one eye's picture reads and writes in memory."""
-        rendered, shown = cls.moves
-        return rendered * rendered_pixels + shown * shown_pixels
 
 
 class RenderedPass(EffectPass):

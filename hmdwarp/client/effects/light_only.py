@@ -19,8 +19,6 @@ class LightPass(ShownPass):
     name = "light times albedo"
     reads = ("shown.colour", "rendered.light", "client.model")
     of_light = True
-    # The albedo written and read, of the light and of the result.
-    moves = (0, 4 * 8)
 
     def prepare(self) -> None:
         geometry = self.tools.geometry

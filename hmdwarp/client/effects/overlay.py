@@ -14,8 +14,6 @@ class OverlayPass(ShownPass):
 
     name = "overlay compositing"
     reads = ("shown.colour", "rendered.overlay")
-    # Two pictures in and one out.
-    moves = (0, 3 * 8)
 
     def prepare(self) -> None:
         self._program = self.gpu.shaders.compute("effects/overlay.comp", **self.tools.hiding)

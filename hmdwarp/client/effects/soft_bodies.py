@@ -140,8 +140,6 @@ class SoftBodiesPass(ShownPass):
         "client.soft_bodies",
     )
     writes = ("shown.colour", "shown.inverse_depth")
-    # The pictures in and out; of what deforms, its depth everywhere.
-    moves = (2 * (8 + 4) + 4, 2 * 8 + 4)
 
     def prepare(self) -> None:
         geometry, gl, rendered = self.tools.geometry, self.gpu.gl, self.rendered_size

@@ -68,9 +68,6 @@ class TransparencyPass(ShownPass):
 
     name = "transparency compositing"
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
-    # The veil, its transmission and the picture in, one picture out; three depths: rendered for
-    # the seeds and for the samples, and shown.
-    moves = (4, 4 * 8 + 2 * 4)
 
     def prepare(self) -> None:
         output = Output(hides=self.tools.hides)

@@ -3,6 +3,8 @@
 from ...registry import Registry
 from ._base import Fill
 
-fills: Registry[type[Fill]] = Registry("fill", __name__)
+fills: Registry[type[Fill]] = Registry(
+    "fill", __name__, columns="reads settings=Settings leaves_no_hole=complete source"
+)
 
 __all__ = ["Fill", "fills"]

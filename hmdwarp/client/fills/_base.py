@@ -35,7 +35,6 @@ class Fill(ABC):
     needs_compute: ClassVar[bool] = True  # As a warp's.
     Settings: ClassVar[type] = NoSettings  # As a warp's.
     variants: ClassVar[tuple[str, ...]] = ()  # As a warp's.
-    moves: ClassVar[int] = 16  # Least bytes that it reads and writes for each pixel: one colour each way.
 
     def __init__(
         self,
@@ -105,8 +104,3 @@ class Fill(ABC):
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
         """Return the bytes of the pictures that it may keep."""
         return 0
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        """Return the least bytes that one eye's picture reads and writes."""
-        return cls.moves * shown_pixels

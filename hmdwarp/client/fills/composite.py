@@ -78,8 +78,6 @@ class Composite(Fill):
     source = "the 2014 thesis's lighting-estimating composite (its algorithm 3); O'Neill 2014, PCG (the hash)"
     Settings = CompositeSettings
     variants = ("average=median",)
-    # Colour and inverse depth of the picture read and written, of the model written and read.
-    moves = 4 * (8 + 4)
 
     def prepare(self) -> None:
         gl, chosen = self.gpu.gl, self.settings

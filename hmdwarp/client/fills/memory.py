@@ -141,11 +141,3 @@ class Memory(Fill):
     @classmethod
     def bytes_kept(cls, rendered_pixels: int, settings: Any) -> int:
         return min(int(settings.frames) * BYTES_PER_PIXEL * rendered_pixels, int(settings.mb * 1e6))
-
-    @classmethod
-    def bytes_moved(cls, shown_pixels: int) -> int:
-        # The shown picture copied. Of the newest and the usual number of kept pictures, all of the
-        # same size, a quarter of the depth read, and guesses for a quarter of the pixels emptied,
-        # raised and read. The newest read once more, to compare a kept one with it.
-        pictures = 1 + MemorySettings().use
-        return shown_pixels * (16 + pictures * (4 + 4 * 4) // 4 + 12)

@@ -39,8 +39,6 @@ class Model(Fill):
     complete = True
     Settings = ModelSettings
     variants = ("share=0.05",)
-    # Colour and inverse depth each way.
-    moves = 2 * (8 + 4)
 
     def prepare(self) -> None:
         chosen = self.settings

@@ -91,8 +91,6 @@ class Pyramid(Fill):
     complete = True
     drops_depth = True
     Settings = PyramidSettings
-    # One colour and one inverse depth each way.
-    moves = 24
 
     def prepare(self) -> None:
         shaders = self.gpu.shaders

@@ -66,9 +66,6 @@ class Relight(Fill):
     complete = True
     Settings = RelightSettings
     variants = ("light=none",)
-    # Colour and inverse depth of the picture read and written, of the model written and read;
-    # the lights of 64 pixels are 48 bytes.
-    moves = 4 * (8 + 4) + 2
 
     def prepare(self) -> None:
         gl, (wide, high), chosen = self.gpu.gl, self.shown_size, self.settings

@@ -49,8 +49,6 @@ class Stretch(Fill):
     writes = ("shown.colour", "shown.inverse_depth")
     source = "Mark 1999, Post-Rendering 3D Image Warping (UNC TR99-022); decaying weights as in YORO"
     Settings = StretchSettings
-    # One colour and one inverse depth each way.
-    moves = 24
 
     def prepare(self) -> None:
         self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))

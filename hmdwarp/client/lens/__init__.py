@@ -133,11 +133,6 @@ class LensPass(ABC):
     def close(self) -> None:  # noqa: B027 (most own nothing)
         """Free what the lens owns."""
 
-    @classmethod
-    def bytes_moved(cls, panel_pixels: int) -> int:
-        """Return the least bytes that one eye's panel moves: one colour each way."""
-        return 16 * panel_pixels
-
 
 class ResampledLens(LensPass):
     """A lens that one resample of the shown picture corrects, by a library of its own.
@@ -189,6 +184,6 @@ class ResampledLens(LensPass):
         }
 
 
-lenses: Registry[type[LensPass]] = Registry("lens", __name__)
+lenses: Registry[type[LensPass]] = Registry("lens", __name__, columns="source")
 
 __all__ = ["GPU_DEFINES", "SOFTWARE_DEFINES", "LensPass", "ResampledLens", "bind_texels", "lenses"]

@@ -69,7 +69,7 @@ def _of_table(name: str, table: dict[str, Any]) -> type[Strategy]:
     return type(name, (Strategy,), {**table, "name": name, "classes": tuple(table["classes"])})
 
 
-strategies: Registry[type[Strategy]] = Registry("strategy", __name__, of_table=_of_table)
+strategies: Registry[type[Strategy]] = Registry("strategy", __name__, of_table=_of_table, columns="crosses client late")
 
 
 def options_of_strategy(text: str) -> dict[str, Any]:

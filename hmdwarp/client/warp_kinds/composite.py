@@ -15,7 +15,7 @@ from ...geometry import View, WarpMap
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, allocate, release_all
 from ..inputs import PassInputs
-from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from ..warps import KEY_BYTES, Warp
 from .gather import DEPTH_FLOOR, DEPTH_TOLERANCE
 from .guesses import PIECE_ROWS, DepthGuesses, piece_list
 from .scatter import check_room
@@ -101,12 +101,3 @@ class CompositeWarp(Warp):
     def close(self) -> None:
         self._guesses.close()
         release_all(self._pieces, self._best)
-
-    @classmethod
-    def bytes_of(cls, pictures: int, rendered_pixels: int, shown_pixels: int) -> int:
-        # For each picture: its depth read, the guesses emptied, raised (read, written) and read;
-        # depth and the best hit so far read and written once more. Of all pictures one colour read
-        # and one written for each shown pixel.
-        best = cls.best[0] * DEPTH_BYTES
-        each = rendered_pixels * DEPTH_BYTES + shown_pixels * (4 * KEY_BYTES + DEPTH_BYTES + 2 * best)
-        return pictures * each + shown_pixels * 2 * COLOUR_BYTES

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...frames import EyeImage
 from ...frames.layers.foveated import FoveatedPicture
-from ...geometry import View, WarpMap
+from ...geometry import FoveaGrid, View, WarpMap
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
@@ -71,7 +71,7 @@ class GatherWarp(Warp):
             defines |= {"WRITES_DEPTH": 1}
         if self.output.foveated is not None:
             # A sampler is not exact at centres.
-            defines |= {"FOVEATED": 1, "INSET": int(self.output.foveated.inset), "TEXELS": 1}
+            defines |= {"FOVEATED": 1, "TEXELS": 1}
         output = "lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl"
         return self.gpu.shaders.compute(path, OUTPUT=output, **defines)
 
@@ -91,8 +91,10 @@ class GatherWarp(Warp):
         program.uniforms.set(rendered_colour=_COLOUR, written=0, **self._coefficients(maps), **uniforms)
         bind_texels(program, self.picture(inputs))
         if self.output.foveated is not None:
-            found, whole = inputs.rendered.get("foveated"), self.output.foveated.whole(inputs.rendered.size)
-            program.uniforms.set(**whole if found is None else found.grid.uniforms)
+            found = inputs.rendered.get("foveated")
+            # What came whole is as sharp everywhere.
+            grid = FoveaGrid(inputs.rendered.size, 2, (0, 0), (0, 0)) if found is None else found.grid
+            program.uniforms.set(**grid.uniforms)
         lens, fov = self.output.lens, inputs.shown.fov
         if lens is None:
             self.gpu.seen_rows.run(program, inputs.middle, into.size)

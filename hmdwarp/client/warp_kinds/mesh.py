@@ -21,7 +21,7 @@ from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, Canvas, allocate, release_all
 from ..inputs import PassInputs
-from ..warps import COLOUR_BYTES, DEPTH_BYTES, Warp
+from ..warps import Warp
 from .gather import bind_rendered_colour
 
 
@@ -138,9 +138,6 @@ class MeshWarp(Warp):
     kind = "scatter"
     reads = ("rendered.colour", "rendered.inverse_depth")
     adaptive: ClassVar[bool]  # Whether cells merge where that moves little.
-    # Each rendered pixel's depth to make cells and again to draw them, its colour once; the
-    # shown colour and depth cleared and written, the depth read for its test.
-    moves = (2 * DEPTH_BYTES + COLOUR_BYTES, 2 * COLOUR_BYTES + 3 * DEPTH_BYTES)
 
     def prepare(self) -> None:
         _check_machine(self.name, self.gpu.gl.info)

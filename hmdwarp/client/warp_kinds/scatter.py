@@ -14,7 +14,7 @@ from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
-from ..warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp
+from ..warps import KEY_BYTES, Warp
 
 SHOWN_COLOUR, RENDERED_COLOUR, RENDERED_DEPTH, SHOWN_DEPTH = range(4)  # image units
 _UNITS = {
@@ -77,10 +77,6 @@ class OrderedScatter(ScatterWarp):
     pixel offers its rank, and the largest wins. The pass that copies the colours clears the keys
     again.
     """
-
-    # Each rendered pixel's depth; the shown keys raised (read, written), read and emptied; a
-    # colour read and one written for each.
-    moves = (DEPTH_BYTES, 4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def prepare(self) -> None:
         if max(self.rendered_size) > LONGEST_SIDE:

@@ -4,8 +4,12 @@ Each has a shader of the same stem, or shares a sibling's where only the numbers
 """
 
 from ...registry import Registry
-from ._base import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Output, Warp
+from ._base import KEY_BYTES, Output, Warp
 
-warps: Registry[type[Warp]] = Registry("warp", __name__)
+warps: Registry[type[Warp]] = Registry(
+    "warp",
+    __name__,
+    columns="kind reads settings=Settings fused_with_the_lens=fuses follows_scanout=scans_out exact_when gets_wrong",
+)
 
-__all__ = ["COLOUR_BYTES", "DEPTH_BYTES", "KEY_BYTES", "Output", "Warp", "warps"]
+__all__ = ["KEY_BYTES", "Output", "Warp", "warps"]

@@ -22,7 +22,7 @@ from ..inputs import PassInputs
 from ..lens import LensPass
 
 # Bytes of one pixel: rgba16f colour, r32f inverse depth, 32-bit key.
-COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES = 8, 4, 4
+KEY_BYTES = 4
 
 
 @attrs.frozen(eq=False)
@@ -84,9 +84,6 @@ class Warp(ABC):
     without_effects: ClassVar[str] = "draws it as it is now: nothing is left to compensate"
     # Whether it warps other pictures than rendered.colour along, see client/carry.py.
     carries: ClassVar[bool] = True
-    # Least bytes that it reads and writes for each pixel of the rendered picture and of the shown;
-    # None for those of a gather, see bytes_moved.
-    moves: ClassVar[tuple[int, int] | None] = None
     # Whether it stands for no compensation at all: no effect is compensated with it unless it is
     # asked for by name, and frames carry the whole picture.
     imposter: ClassVar[bool] = False
@@ -152,18 +149,6 @@ class Warp(ABC):
     def reads_for(cls, settings: Any) -> tuple[str, ...]:
         """Return what it reads with these settings: `reads`, or less or more of it."""
         return cls.reads
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        """Return the least bytes that one eye's picture reads and writes, each byte once.
-
-        The bench compares times with this bound. By default that of a gather: for each shown pixel,
-        one colour, one of each depth that it reads, and the result.
-        """
-        if cls.moves is not None:
-            return rendered_pixels * cls.moves[0] + shown_pixels * cls.moves[1]
-        depths = sum(name.endswith("inverse_depth") for name in cls.reads_for(settings))
-        return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES * depths)
 
     def set_sizes(self, program: Compute) -> None:
         """Set the uniforms that depend on the sizes alone."""

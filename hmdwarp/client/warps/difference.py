@@ -117,12 +117,6 @@ class Difference(Warp):
             self.depth_into.bind_to_image(_DEPTH, read=False, write=True)
             self._program.uniforms.set(shown_inverse_depth=_DEPTH)
 
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: DifferenceSettings) -> int:
-        """Return the bytes of the model's pictures written and read, the difference, the result."""
-        drawn = rendered_pixels + (shown_pixels if settings.warped == "on" else 0)
-        return 2 * (8 + 4) * drawn + (8 + 8) * shown_pixels
-
     def close(self) -> None:
         super().close()
         for picture in filter(None, (self._then, self._now)):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import attrs
 
@@ -13,7 +13,7 @@ from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..warp_kinds import ScatterWarp, check_room
-from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
+from . import KEY_BYTES, warps
 
 MOST_PIXELS = 2**27 - 2  # the keys of infinitely far pixels are indices below 2^27, see shaders/lib/scatter_depth.glsl
 _TIE_HEADER = 16  # bytes before the winners: three work-group counts and one spare
@@ -52,17 +52,6 @@ class Forward(ScatterWarp):
                 f"{MOST_PIXELS} pixels"
             )
         self._path: _OnePass | _Portable = (_OnePass if _one_pass(self.gpu, self.settings.path) else _Portable)(self)
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # portable and auto: each rendered pixel's depth twice and colour once; the shown keys
-        # cleared, raised (read, written) and read; the result cleared and written. atomic64: the
-        # depth once; keys of two words raised, read and emptied; a colour read and one written for
-        # each shown pixel.
-        if settings.path == "atomic64":
-            return rendered_pixels * DEPTH_BYTES + shown_pixels * (8 * KEY_BYTES + 2 * COLOUR_BYTES)
-        rendered = 2 * DEPTH_BYTES + COLOUR_BYTES
-        return rendered_pixels * rendered + shown_pixels * (4 * KEY_BYTES + 2 * COLOUR_BYTES)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import attrs
 
@@ -10,7 +10,7 @@ from ...geometry import Fov, Hidden
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
-from . import COLOUR_BYTES, DEPTH_BYTES, warps
+from . import warps
 
 MOST_STEPS = 64
 
@@ -88,14 +88,6 @@ class Iterative(GatherWarp):
         ]
         self._whole: dict[int, tuple[Hidden | None, Fov]] = {}
         self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size, hiding) if seeded else None
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # Per shown pixel one colour, one depth and the result; with the forward seed the rendered
-        # depth once more.
-        splat = rendered_pixels * DEPTH_BYTES if settings.seed == "forward" else 0
-        fringe = rendered_pixels * 2 * DEPTH_BYTES if settings.fringe == "front" else 0
-        return shown_pixels * (2 * COLOUR_BYTES + DEPTH_BYTES) + splat + fringe
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         wide, high = self.rendered_size

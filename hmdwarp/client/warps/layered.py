@@ -42,10 +42,6 @@ class Layered(CompositeWarp):
     def needs(cls, settings: Any) -> Needs:
         return Needs(peeled=settings.layers - 1)
 
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        return cls.bytes_of(settings.layers, rendered_pixels, shown_pixels)
-
     def own_uniforms(self, inputs: PassInputs) -> dict[str, object]:
         inputs.rendered.inverse_depth.bind_to_image(3, read=True, write=False)
         return {"front_inverse_depth": 3}

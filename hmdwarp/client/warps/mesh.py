@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import attrs
 
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..warp_kinds import GridMesh, MeshWarp
-from . import COLOUR_BYTES, DEPTH_BYTES, warps
+from . import warps
 
 STEEPEST_DEG = 85.0
 MOST_VERTICES = 1024  # a side: a vertex's index times the picture's side stays below 2^24
@@ -89,12 +89,3 @@ class Mesh(MeshWarp):
             self._grid.close()
         else:
             super().close()
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        if not settings.grid:
-            return super().bytes_moved(rendered_pixels, shown_pixels, settings)
-        # Seven depths for each vertex, or its own alone; the shown colour and depth as those of a
-        # whole mesh; of the rendered colour what is shown.
-        depths = (7 if settings.ring else 1) * settings.grid**2
-        return int(depths) * DEPTH_BYTES + shown_pixels * (3 * COLOUR_BYTES + 3 * DEPTH_BYTES)

@@ -64,12 +64,6 @@ class Multi(CompositeWarp):
     def reads_for(cls, settings: Any) -> tuple[str, ...]:
         return cls.reads if settings.views else tuple(name for name in cls.reads if name != _CHOSEN)
 
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        return cls.bytes_of(
-            1 + settings.frames + (settings.eye == "other") + settings.views, rendered_pixels, shown_pixels
-        )
-
     def pictures(self, inputs: PassInputs) -> list[DepthPicture]:
         """Return the newest picture and the others.
 

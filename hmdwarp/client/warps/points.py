@@ -19,7 +19,7 @@ from ..client_scene import ClientScene, Store, receiver_of
 from ..inputs import PassInputs
 from ..warp_kinds import check_room
 from . import KEY_BYTES, warps
-from ._base import COLOUR_BYTES, DEPTH_BYTES, Warp
+from ._base import Warp
 
 _COLOUR, _DEPTH = 0, 1  # image units
 _DEFAULT = Cloud()
@@ -181,12 +181,6 @@ class Points(Warp):
     @classmethod
     def needs(cls, settings: PointsSettings) -> Needs:
         return Needs(points=frozenset({_cloud(settings)}))
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # One point a pixel, 12 bytes read twice; keys and winners cleared, raised (read, written)
-        # and read; the result.
-        return shown_pixels * (2 * 12 + 4 * (KEY_BYTES + _WINNER_BYTES) + COLOUR_BYTES + DEPTH_BYTES)
 
     def prepare(self) -> None:
         if self.geometry is None:

@@ -7,7 +7,7 @@ import attrs
 from ...gpu.textures import Canvas, tiles
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, depth_limits
-from . import COLOUR_BYTES, DEPTH_BYTES, warps
+from . import warps
 
 LEVELS, FACTOR = 4, 4  # of the pyramid: blocks of 4, 16, 64 and 256 texels on each side; as in shaders/lib/pyramid.glsl
 BOUND_BYTES = 8
@@ -53,9 +53,6 @@ class Search(GatherWarp):
     source = "McMillan 1997 (search along the epipolar line); Tevs, Ihrke and Seidel 2008, Maximum Mipmaps"
     Settings = SearchSettings
     rows = 4
-    # The rendered depth once for the pyramid; per shown pixel one colour, one depth and the
-    # result.
-    moves = (DEPTH_BYTES, 2 * COLOUR_BYTES + DEPTH_BYTES)
 
     def prepare(self) -> None:
         self._program = self.gather("warps/search.comp")

@@ -9,7 +9,7 @@ from ...geometry import WarpMap
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..warp_kinds import ScatterWarp, depth_limits
-from . import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, warps
+from . import warps
 
 
 @attrs.frozen
@@ -48,9 +48,6 @@ class Splat(ScatterWarp):
         "Mori et al. 2009 (depth forward, colour backward)"
     )
     Settings = SplatSettings
-    # Each rendered pixel's depth twice and colour once; the shown keys raised (read, written),
-    # read and emptied; the result written.
-    moves = (2 * DEPTH_BYTES + COLOUR_BYTES, 4 * KEY_BYTES + COLOUR_BYTES)
 
     def prepare(self) -> None:
         self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0, **self.output.hiding)

@@ -1,4 +1,4 @@
-"""The rows of bench.json, their passes' traffic, and the table as bench.csv and bench.parquet."""
+"""The rows of bench.json, and the table as bench.csv and bench.parquet."""
 
 from __future__ import annotations
 
@@ -10,13 +10,8 @@ from operator import add
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ...client.capability import lacking
 from ...client.classes import Client
-from ...client.effects import EffectPass
-from ...client.plan import Plan
-from ...frames.layers import PIXEL_BYTES
 from ...metrics import (
     JOD,
     PRIMARY,
@@ -44,8 +39,6 @@ from .cases import baselines
 
 OUTSIDE_LACKS = "it is another library's, run on the CPU to compare with"
 ORACLE_LACKS = "it knows the depth of the truth, which no client has"
-PASSES = ("client_depth", "warp", "fill", "effects", "lens")
-_PASS_FIGURES = ("bytes", "bound_ms", "median_ms", "times_bound")
 _REGION_FIGURES = ("share", "psnr_db", "flip")
 _SAME = ("mismatch", "client", "lacks", "baseline")
 _PLAIN = (
@@ -60,7 +53,6 @@ COLUMNS = (
     *(f"{name}{tail}" for name in QUALITY for tail in ("", "_p95", "_low", "_high")),
     *(f"{region}_{figure}" for region in REGIONS for figure in _REGION_FIGURES),
     *("mismatch", JOD.name, TRUTH_PREFERRED.name, "client", "lacks", "baseline"),
-    *(f"{name}_pass_{figure}" for name in PASSES for figure in _PASS_FIGURES),
     *("gl_renderer", "gl_version", "cpu_count", "host", "hmdwarp", *_MADE_WITH),
 )
 # Columns that are no numbers, and those that are whole ones.
@@ -69,28 +61,24 @@ TEXTS = (
     *("clock", "client", "lacks", "baseline", "gl_renderer", "gl_version", "host"),
     *("hmdwarp", *_MADE_WITH),
 )
-# Keys of a row that grow with its pictures and passes.
-LONG = ("at_instants", "blocks", "passes", "jod", "jod_failure")
+# Keys of a row that grow with its pictures.
+LONG = ("at_instants", "blocks", "jod", "jod_failure")
 WHOLE = ("frames", "width", "height", "cpu_count")
 TYPES: dict[str, type] = {name: str if name in TEXTS else int if name in WHOLE else float for name in COLUMNS}
 
 
-def row_of(
-    setup: ReplaySetup, case: Case, measured: Measured, pool: QualityPool, bytes_per_s: float, client: Client
-) -> dict[str, Any]:
+def row_of(setup: ReplaySetup, case: Case, measured: Measured, pool: QualityPool, client: Client) -> dict[str, Any]:
     """Return one row of bench.json.
 
-    It has the keys of summary.json, the error by region, the eyes' mismatch, the time and bound of
-    each pass, the pictures in few numbers, the strategy where it was asked for as one, why the
-    client cannot run it ("" if it can), and the system that the warp stands for as a baseline (""
-    if none).
+    It has the keys of summary.json, the error by region, the eyes' mismatch, the pictures in few
+    numbers, the strategy where it was asked for as one, why the client cannot run it ("" if it
+    can), and the system that the warp stands for as a baseline ("" if none).
     """
     combination = measured.combination
     figures, regions = pool.results, pool.regions
     pictures = [{"frame": key[3], **figures[key]} for key in measured.keys]
     passes = combination.warp, combination.fill, combination.plan.lens.name
     base = summary_of_rows(setup, passes, [*measured.times, *pictures])
-    rendered_pixels, shown_pixels = (w * h for w, h in (setup.pipeline.sizes.rendered, setup.pipeline.sizes.shown))
     return {
         **base,
         "latency_ms": case.latency_ms,  # of the whole way, with a proxy too
@@ -106,9 +94,6 @@ def row_of(
         "regions": pooled(regions[key] for key in measured.keys),
         **_where_seen(measured.where_seen),
         "mismatch": reduce(add, measured.mismatch, Mismatch()).share,
-        "passes": []
-        if combination.is_outside
-        else passes_of(combination.plan, rendered_pixels, shown_pixels, measured.stages, bytes_per_s),
     }
 
 
@@ -145,8 +130,6 @@ def flat(rows: Iterable[Mapping[str, Any]]) -> Iterator[dict[str, Any]]:
                     found |= {f"{name}_low": entry["interval"][0], f"{name}_high": entry["interval"][1]}
         for region in REGIONS:
             found |= {f"{region}_{figure}": row["regions"][region][figure] for figure in _REGION_FIGURES}
-        for entry in row["passes"]:
-            found |= {f"{entry['name']}_pass_{figure}": entry[figure] for figure in _PASS_FIGURES}
         yield found | ratings_of(row)
 
 
@@ -162,37 +145,6 @@ def about_rating(clip_s: float, rows: Sequence[Mapping[str, Any]]) -> list[str]:
         f"instant, before the lens, at {display['rate_hz']:g} Hz, {display['pixels_per_degree']:.1f} pixels per degree "
         f"and {display['peak_cd_m2']:g} cd/m2. Predicted from the pictures: no one was asked.",
     ]
-
-
-def passes_of(
-    plan: Plan, rendered_pixels: int, shown_pixels: int, stages: Mapping[str, Sequence[float]], bytes_per_s: float
-) -> list[dict[str, Any]]:
-    """Return the `passes` of a row: name, bytes, bound_ms, median_ms, times_bound.
-
-    bound_ms: the bytes at the copy bandwidth. stages: the timer's milliseconds by stage. The bound
-    counts each byte once and no arithmetic, so no pass can be quicker unless its pictures stay in
-    the caches. Drawing the client's own depth is a pass of its own here; of it, only the picture it
-    writes counts.
-    """
-    moved = {"client_depth": PIXEL_BYTES["r32f"] * shown_pixels} if plan.draws_client_depth else {}
-    moved["warp"] = plan.warp.bytes_moved(rendered_pixels, shown_pixels, plan.choice.settings)
-    if plan.fills:
-        moved["fill"] = sum(fill.entry.bytes_moved(shown_pixels) for fill in plan.fills)
-    effects: list[type[EffectPass]] = [
-        *([plan.expand_pass] if plan.expands else []),
-        *(each.made_by for each in plan.effect_passes),
-    ]
-    if effects:
-        moved["effects"] = sum(each.bytes_moved(rendered_pixels, shown_pixels) for each in effects)
-    if plan.lens.is_pass and not plan.fused:
-        moved["lens"] = plan.lens.bytes_moved(shown_pixels)
-    passes = []
-    for name, count in moved.items():
-        if stages.get(name):
-            bound_ms, median_ms = count / bytes_per_s * 1e3, float(np.median(stages[name]))
-            entry = {"name": name, "bytes": int(count), "bound_ms": bound_ms, "median_ms": median_ms}
-            passes.append({**entry, "times_bound": median_ms / bound_ms})
-    return passes
 
 
 def check_parquet() -> None:

@@ -41,7 +41,7 @@ from ..sweep import (
     experiment,
 )
 from .bench_rows import COLUMNS, LONG, Rows, about_rating, check_parquet, flat, left_out_notes, typed, write_parquet
-from .bench_work import FUSED, GRID, ROWS, BenchPart, BenchWork, check_room
+from .bench_work import ROWS, BenchWork, check_room
 from .cases import (
     BenchCase,
     cases_of,
@@ -55,7 +55,6 @@ from .cases import (
     source_of,
 )
 from .options import DEFAULT_SIZES, BenchOptions, MergeOptions
-from .sections import GRID_STEPS, fused_steps
 from .suite_means import suite_entry
 from .suites import cost_text, suites
 
@@ -137,8 +136,6 @@ def about_sequence(options: BenchOptions) -> dict[str, Any]:
     return {"name": source.scene.name, "sha256": hash_of_files(options.frames), "noise_floor_db": floor}
 
 
-# What is measured once, and what stands in bench.json without it.
-SECTIONS: Mapping[str, Any] = {GRID: [], FUSED: [], "grid_at": None, "fused_at": None}
 FILES = ("bench.csv", "bench.html", "bench.parquet", *PAPER, "bench.json")
 Progress = Callable[[int, int], None]
 
@@ -179,17 +176,14 @@ def bench(
         pictures = [case.instants * len(case.combinations) for case in works]
         say(cost_text(options.suite, [case.case.size for case in works], pictures, options.workers))
     work = BenchWork(options.sweep.measuring(options.workers))
-    with experiment(options, FILES, work, _cases(options, works), progress, say) as (out, swept, described):
+    with experiment(options, FILES, work, list(map(_case, works)), progress, say) as (out, swept, described):
         rows = swept.rows(lambda result: result.get(ROWS, ()))
         first = next(result for _, result in swept.results())
-        sections = dict(SECTIONS)
-        for case in (case for case in swept.done if case.what.part != ROWS):
-            sections |= swept.kept.result(case.identity)[case.what.part]
         choice, refused = _choice(rows, options.budget_ms)
         data = described(
             {
                 "program": program_hash(),
-                **{key: first[key] for key in ("machine", "clock", "clocks", "copy_gb_s")},
+                **{key: first[key] for key in _MACHINE},
                 "client": client.name,
                 "notes": [
                     *notes,
@@ -199,7 +193,6 @@ def bench(
                 ],
                 "rows": rows,
                 **suite_entry(options.suite, rows, [about_sequence(part) for part in parts if part.frames is not None]),
-                **sections,
                 "choice": choice,
             }
         )
@@ -207,24 +200,11 @@ def bench(
     return ExperimentResult(options.out, data, options.out / "bench.html", swept, refused)
 
 
-def _cases(options: BenchOptions, works: Sequence[BenchCase]) -> list[SweepCase]:
-    """Return the cases to run: all rows, then the sections that the first case stands for."""
-    first = works[0]
-    cases = [_case(ROWS, work, work.instants) for work in works]
-    unrated = attrs.evolve(first, options=attrs.evolve(first.options, jod_s=0.0))
-    if options.grid and first.warped:
-        cases.append(_case(GRID, unrated, GRID_STEPS))
-    if options.fused and first.headset.lens is not None and first.warped:
-        cases.append(_case(FUSED, unrated, fused_steps(first.instants)))
-    return cases
-
-
-def _case(part: str, work: BenchCase, steps: int) -> SweepCase:
+def _case(work: BenchCase) -> SweepCase:
     case = work.case
     rate = () if case.server_rate_hz is None else (f"server {case.server_rate_hz:g} Hz",)
     named = (case.recording, f"{case.latency_ms:g} ms", case.scene, "x".join(map(str, case.size)), *rate)
-    name = ", ".join(filter(None, (*(() if part == ROWS else (part,)), *named)))
-    return SweepCase.of("bench", name, BenchPart(part, work.options), steps=steps)
+    return SweepCase.of("bench", ", ".join(filter(None, named)), work.options, steps=work.instants)
 
 
 def _checked(options: BenchOptions, headset: Headset, source: Source) -> tuple[list[BenchCase], list[str]]:
@@ -289,7 +269,7 @@ _KEY = (
 )
 # Of the picture, not of the machine that made it.
 _QUALITY = ("quality", "measured", "at_instants", "regions", "mismatch", "blocks", "frames", "jod", "where_seen")
-_MACHINE = ("machine", "clock", "clocks", "copy_gb_s")
+_MACHINE = ("machine", "clock", "clocks")
 Row = dict[str, Any]
 
 
@@ -298,7 +278,7 @@ def merge(options: MergeOptions) -> ExperimentResult:
 
     Rows of one combination in one case are one picture: their quality is that of the first bench
     that has it, and each machine has a row with its own times. Of several rows of one machine the
-    first counts. The displacement grid and fused warps are those of the first bench that has them.
+    first counts.
     Errors: InputError for a folder without a bench, and for benches of different programs or
     instants; MachineError where two machines showed different pictures.
     """
@@ -325,7 +305,6 @@ def _merged(options: MergeOptions, benches: Sequence[dict[str, Any]]) -> Experim
         "command": options.command,
         "notes": [*dict.fromkeys(note for bench in benches for note in bench["notes"]), *_about(machines)],
         "rows": rows,
-        **{name: next((b[name] for b in benches if b.get(name)), missing) for name, missing in SECTIONS.items()},
         "choice": None,
         "seconds": sum(bench["seconds"] for bench in benches),
     }
@@ -419,6 +398,6 @@ def _about(machines: Mapping[str, Mapping[str, Any]]) -> list[str]:
         return []
     return [
         f"{host}: {about['machine']['gl_renderer']}, {about['machine']['cpu_count']} cores, timed by the "
-        f"{about['clock']} clock, copies {about['copy_gb_s']:.1f} GB/s."
+        f"{about['clock']} clock."
         for host, about in machines.items()
     ]

@@ -5,39 +5,28 @@ from __future__ import annotations
 import functools
 import itertools
 import platform
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import attrs
 
 from ...client.classes import load_client
-from ...client.plan import build_plan, needs_of
+from ...client.plan import needs_of
 from ...gpu.context import Gpu
-from ...gpu.memory_bandwidth import check_clocks, copy_bandwidth
+from ...gpu.timers import check_clocks
 from ...metrics import MeasuringProcesses, QualityPool, clip_length, worker_count
 from ...pipeline.sizes import check_held, eye_sizes
 from ...platforms import memory_bytes
 from ...run.combinations import GPU_BATCH_BYTES, MEMORY_PART, Combination
 from ...run.replay_setup import set_up_replay
-from ...run.run_summary import machine_of, summary_of_rows
+from ...run.run_summary import machine_of
 from ...run.side_by_side import Comparison, rate_clips
 from ..sweep import Result, SweepCase
 from .bench_rows import row_of
 from .cases import BenchCase, prepared
-from .options import BenchOptions
-from .sections import GRID_SIZE, GRID_STEPS, fused_rows, fused_steps, grid_rows
 
-ROWS, GRID, FUSED = "rows", "grid", "fused"
-
-
-@attrs.frozen
-class BenchPart:
-    """What one case runs: the rows of a case, or a section that is measured once."""
-
-    part: str
-    # Of this case alone: one recording, latency, scene and size.
-    options: BenchOptions
+ROWS = "rows"
 
 
 @attrs.frozen
@@ -49,7 +38,7 @@ class BenchWork:
 
     @contextmanager
     def opened(self) -> Iterator[Callable[[SweepCase, Callable[[float], None]], Result]]:
-        """Open what cases share: the machine's bandwidth, and the measuring processes."""
+        """Open what cases share: the measuring processes."""
         with MeasuringProcesses(worker_count(self.workers)) as processes:
             yield _Runner(processes)
 
@@ -60,7 +49,6 @@ class _Machine:
 
     # The keys of bench.json.
     about: dict[str, Any]
-    bytes_per_s: float
     # For the compensators of one batch.
     most_bytes: float
 
@@ -69,14 +57,13 @@ class _Machine:
 def _examined() -> _Machine:
     """Return what this machine is, measured once in each process."""
     with Gpu() as gpu:
-        rate, clocks = copy_bandwidth(gpu).bytes_per_s, check_clocks(gpu)
+        clocks = check_clocks(gpu.gl, gpu.timer.clock)
         about = {
             "machine": {**machine_of(gpu), "host": platform.node()},
             "clock": clocks.clock,
             "clocks": {"wall_ms": clocks.wall_ms, "gpu_ms": clocks.gpu_ms, "note": clocks.note},
-            "copy_gb_s": rate * 1e-9,
         }
-        return _Machine(about, rate, most_bytes(gpu))
+        return _Machine(about, most_bytes(gpu))
 
 
 def most_bytes(gpu: Gpu) -> float:
@@ -102,13 +89,12 @@ class _Runner:
         self._processes = processes
 
     def __call__(self, case: SweepCase, step: Callable[[float], None]) -> Result:
-        part: BenchPart = case.what
         try:
-            found = _SECTIONS[part.part](self, prepared(part.options), step)
+            rows = self.rows(prepared(case.what), step)
         except BaseException:
             self._processes.close()  # what failed is not measured any further
             raise
-        return Result({**_examined().about, part.part: found})
+        return Result({**_examined().about, ROWS: rows})
 
     def rows(self, work: BenchCase, step: Callable[[float], None]) -> list[dict[str, Any]]:
         """Return the rows of a case."""
@@ -123,7 +109,7 @@ class _Runner:
                 comparison.run(options.instants, steps)
                 pool.wait()
                 for each in comparison.measured:
-                    row = row_of(setup, work.case, each, pool, machine.bytes_per_s, client)
+                    row = row_of(setup, work.case, each, pool, client)
                     rows.append((each.combination, row))
         ratings: dict[tuple[str, ...], dict[str, Any]] = {}
         for batch in rated:  # after all times: no timed run has these refreshes between its own
@@ -131,34 +117,6 @@ class _Runner:
                 found = rate_clips(setup, batch, options.instants, steps)
             ratings |= {_named(c): each for c, each in zip(batch, found, strict=True)}
         return [{**row, **ratings.get(_named(c), {}), "machine": machine.about["machine"]} for c, row in rows]
-
-    def grid(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
-        """Return the rows of the displacement grid, and where they were measured."""
-        done = {c.warp: c.plan.effects for c in work.warped}
-        unfilled = [
-            Combination(warp, "none", build_plan(effects, warp, "none", "none", client_geometry=True, named=effects))
-            for warp, effects in done.items()
-        ]
-        pool = QualityPool(self._processes)
-        # The run at another size, with the same field of view.
-        shown = work.case.size
-        guard = work.run.guard_band.factors(shown)
-        run = attrs.evolve(work.run, size=GRID_SIZE, guard=(guard.x, guard.y), rendered_size=None)
-        with set_up_replay(run, needs_of(c.plan for c in unfilled)) as setup:
-            rows = grid_rows(setup, unfilled, pool, _steps(GRID_STEPS, step))
-            at = {"scene": setup.scene.name, "size": list(GRID_SIZE), "eye": "left"}
-        return {"grid": rows, "grid_at": at}
-
-    def fused(self, work: BenchCase, step: Callable[[float], None]) -> dict[str, Any]:
-        """Return the rows of warps that look through the lens, and where they were measured."""
-        options, pool = work.options, QualityPool(self._processes)
-        lens = options.lens if options.lens != "none" else "radial"
-        warps, steps = list(dict.fromkeys(c.warp for c in work.warped)), _steps(fused_steps(work.instants), step)
-        with set_up_replay(work.run, needs_of(c.plan for c in work.warped)) as setup:
-            rows = fused_rows(setup, options, warps, lens, pool, work.instants, options.rounds, steps)
-            where = summary_of_rows(setup, ("none", "none", lens), [])
-        keys = ("scene", "trace", "latency_ms", "size")
-        return {"fused": rows, "fused_at": {**{key: where[key] for key in keys}, "lens": lens, "eye": "left"}}
 
 
 def _named(combination: Combination) -> tuple[str, ...]:
@@ -169,9 +127,6 @@ def _rated_batches(work: BenchCase, machine: _Machine) -> list[list[Combination]
     """Return the combinations whose clips fit in the machine together; none if none are rated."""
     seconds, rate_hz = work.options.jod_s, work.options.rate_hz or work.headset.refresh_hz
     return work.batched(machine.most_bytes, clip_length(seconds, rate_hz)) if seconds else []
-
-
-_SECTIONS: Mapping[str, Callable[..., Any]] = {ROWS: _Runner.rows, GRID: _Runner.grid, FUSED: _Runner.fused}
 
 
 def _steps(total: int, step: Callable[[float], None]) -> Callable[[], None]:

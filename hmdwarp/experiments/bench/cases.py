@@ -181,7 +181,6 @@ def plan_of(
     fill: str,
     lens: str,
     *,
-    fused: bool = False,
     effect_names: str = "",
     indirect: str = CONVERGED,
 ) -> Plan:
@@ -194,8 +193,8 @@ def plan_of(
     check_suited(scene, parse_warp(warp), indirect)
     recorded = options.frames is not None
     more: dict[str, Any] = {"brings": (*PICTURE, OTHERS) if recorded else None, "named": effects.forced(wanted)}
-    more["fovea"] = None if options.fovea_deg is None else Fovea(options.fovea_deg, options.rim, options.inset)
-    return build_plan(selected, warp, fill, lens, client_geometry=not recorded, fused=fused, indirect=indirect, **more)
+    more["fovea"] = None if options.fovea_deg is None else Fovea(options.fovea_deg, options.rim)
+    return build_plan(selected, warp, fill, lens, client_geometry=not recorded, indirect=indirect, **more)
 
 
 def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions:
@@ -207,7 +206,6 @@ def run_options(options: BenchOptions, case: Case, **changes: Any) -> RunOptions
         "effects",
         "fovea_deg",
         "rim",
-        "inset",
         "gaze",
         "start_s",
         "rendered_size",
@@ -276,11 +274,6 @@ class BenchCase:
     combinations: tuple[Combination, ...]
     instants: int
 
-    @property
-    def warped(self) -> list[Combination]:
-        """The combinations that compare warps with each other."""
-        return [c for c in self.combinations if not c.is_outside and not c.strategy and not c.has_own_frames]
-
     def run_of(self, batch: Sequence[Combination]) -> RunOptions:
         """Return the run that draws the late frames of a batch: its own, or the shared one."""
         if not any(c.has_own_frames for c in batch):
@@ -308,8 +301,6 @@ def options_of_case(options: BenchOptions, case: Case, start_s: float) -> BenchO
         server_rates_hz=() if case.server_rate_hz is None else (case.server_rate_hz,),
         start_s=start_s,
         budget_ms=None,
-        grid=False,
-        fused=False,
         parquet=False,
     )
 

@@ -110,7 +110,6 @@ class BenchOptions(RecordedOptions):
     sizes: tuple[Size, ...] = several(_RUN.size, DEFAULT_SIZES, "Pixels of one eye", each=_size)
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
-    inset: bool = same_as(_RUN.inset)
     gaze: str = same_as(_RUN.gaze)
     lens: str = same_as(_RUN.lens, "none", help="Lens correction, timed too; figures are of the picture before it.")
     # Empty for the display's.
@@ -144,8 +143,6 @@ class BenchOptions(RecordedOptions):
     budget_ms: float | None = same_as(
         _RUN.budget_ms, help="Milliseconds for one eye: name the most accurate combination within them."
     )
-    grid: bool = option(True, "Sweep head displacements in the first scene.", off="--no-grid")
-    fused: bool = option(True, "Compare warps that look through the lens themselves.", off="--no-fused")
     out: Path = out_field(Path("out/bench"), "Folder for bench.csv, bench.json and bench.html.")
     parquet: bool = parquet_field()
     paper: PaperOptions = group(PaperOptions)
@@ -156,8 +153,7 @@ class BenchOptions(RecordedOptions):
         said = with_suite(said, {declared.name: declared.default for declared in options_of(cls)})
         check_one_guard(said)
         values = super().values_of(said)
-        recorded = {"predict": "none", "grid": False, "fused": False}
-        return values if said.get("frames") is None else {"guard": 1.0, **values, **recorded}
+        return values if said.get("frames") is None else {"guard": 1.0, **values, "predict": "none"}
 
 
 def _folders(texts: Iterable[str]) -> tuple[Path, ...]:
@@ -223,7 +219,6 @@ class CompareOptions(RecordedOptions):
     metrics_every: int = same_as(_RUN.metrics_every)
     fovea_deg: float | None = same_as(_RUN.fovea_deg)
     rim: int = same_as(_RUN.rim)
-    inset: bool = same_as(_RUN.inset)
     gaze: str = same_as(_RUN.gaze)
     network: LinkOptions = group(LinkOptions)
     coding: Coding = group(_Coding)

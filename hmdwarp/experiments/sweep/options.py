@@ -23,7 +23,7 @@ EACH, ONE = "each", "one"
 # In place of a recording: the head of the camera whose frames are used.
 OWN_HEAD = ""
 _OF_EVERY_RUN = (
-    *("scene_options", "sequence_options", "trace_options", "samples", "sample_depth", "client_motion", "input"),
+    *("scene_options", "sequence_options", "trace_options", "samples", "client_motion", "input"),
     *("headset", "rate_hz", "seconds", "jod_s"),
 )
 _RUN = attrs.fields(RunOptions)
@@ -112,7 +112,6 @@ class RecordedOptions(ExperimentOptions):
     start_s: float = same_as(_RUN.start_s)
     seconds: float | None = same_as(_RUN.seconds)
     samples: int = same_as(_RUN.samples)
-    sample_depth: str = same_as(_RUN.sample_depth)
     client_motion: str = same_as(_RUN.client_motion)
     input: str = same_as(_RUN.input)
     jod_s: float = same_as(_RUN.jod_s)
@@ -127,7 +126,7 @@ class RecordedOptions(ExperimentOptions):
         values = super().values_of(said)
         if values.get("frames") is None:
             return values
-        taken = (*cls.with_frames, "samples", "sample_depth")
+        taken = (*cls.with_frames, "samples")
         for decided in (option_of(field) for field in attrs.fields(cls) if field.name in taken):
             if said.get(decided.name) not in (None, decided.default):
                 raise InputError(f"{decided.flag} with --frames: {cls.why_not}; leave it out")

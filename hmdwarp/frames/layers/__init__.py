@@ -51,9 +51,6 @@ class EyeSizes:
     shown: Size
     # The shown fields of view, one for each eye; the size of some layers follows from them.
     fovs: tuple[Fov, ...] = ()
-    # The left eye's field of view and the size in which it is drawn, without the guard band; None
-    # for those in which it is shown.
-    drawn: tuple[Fov, Size] | None = None
 
 
 @attrs.frozen(eq=False)

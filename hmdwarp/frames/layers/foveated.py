@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import attrs
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry import Fovea, Grid, grid_of
+from ...geometry import Fovea, FoveaGrid, grid_of
 from . import OWN, PIXEL_BYTES, EyeSizes, Layer, layers
 
 if TYPE_CHECKING:
     import moderngl
+
 
 # What comes in place of colour and of inverse depth.
 FOVEATED = ("foveated", "foveated_depth")
@@ -25,13 +26,7 @@ class FoveatedPicture:
 
     # Of the layer's format, and of the grid's small size.
     texture: moderngl.Texture
-    grid: Grid
-
-
-def drawn_with_picture(needs: Mapping[str, Any]) -> list[str]:
-    """Return the layers that are drawn with an eye's whole picture, and so not with an inset."""
-    known = ((name, layers.get(name)) for name in needs if name not in FOVEATED)
-    return [name for name, layer in known if not (layer.per_frame or layer.of_client)]
+    grid: FoveaGrid
 
 
 class FoveatedLayer(Layer):
@@ -77,8 +72,7 @@ class FoveatedLayer(Layer):
 
 
 def _small(fovea: Fovea, sizes: EyeSizes) -> tuple[int, int]:
-    fov, drawn = sizes.drawn or (sizes.fovs[0], sizes.shown)
-    return fovea.small(fov, drawn, sizes.rendered)
+    return fovea.small(sizes.fovs[0], sizes.shown, sizes.rendered)
 
 
 @layers.register

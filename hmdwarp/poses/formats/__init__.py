@@ -132,7 +132,9 @@ def _of_table(name: str, table: dict[str, Any]) -> TraceFormat:
     return made
 
 
-formats: Registry[TraceFormat] = Registry("trace format", __package__, of_table=_of_table, holds_objects=True)
+formats: Registry[TraceFormat] = Registry(
+    "trace format", __package__, of_table=_of_table, holds_objects=True, columns="can_write=writes"
+)
 
 
 def axes_stated(head: Head) -> str | None:

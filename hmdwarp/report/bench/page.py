@@ -14,7 +14,6 @@ from ..page import (
     Chart,
     Choice,
     Fold,
-    Group,
     Page,
     Section,
     Text,
@@ -30,19 +29,11 @@ from ..run_texts import axes_of_traces
 from ..style import markers_of
 from ..words import Cell, Line, Table, counted, listed, plain
 from .charts import (
-    axes_of,
-    axis_heading,
-    curves,
-    displacement_chart,
-    displacement_text,
-    is_turn,
     pareto_chart,
     pareto_text,
     region_parts,
     regions_chart,
     row_name,
-    traffic,
-    traffic_chart,
 )
 from .rows import COLUMNS, Case, Row, cases, choice_terms, common, decision, marked_how, measure_label
 
@@ -60,7 +51,7 @@ _REFERENCE_HEADS = (
 def bench_page(data: Mapping[str, Any]) -> Page:
     """Return the page from the content of bench.json.
 
-    The same content gives the same page. Sections without data (no grid, no fused rows, no budget)
+    The same content gives the same page. Sections without data (no regions, no budget)
     are left out.
     """
     rows: list[Row] = list(data["rows"])
@@ -83,10 +74,7 @@ def bench_page(data: Mapping[str, Any]) -> Page:
             suite_section(data.get("suite")),
             _tables(rows, groups),
             _fronts(groups, rows),
-            _displacement(list(data.get("grid") or ()), data.get("grid_at")),
             _regions(groups),
-            _fused(list(data.get("fused") or ()), data.get("fused_at")),
-            _traffic(rows),
             reading_section("bench", *explained, *rated),
         ),
         made_with=machine_pairs(data.get("hmdwarp") or "–", data.get("machine") or {}, data.get("clock")),
@@ -185,15 +173,11 @@ def _tiles(data: Mapping[str, Any], rows: Sequence[Row]) -> list[Tile]:
     both = " / ".join("–" if value is None else f"{value:.3g}" for value in (gpu, wall))
     seconds, clock = data.get("seconds"), data.get("clock", "")
     ran = f"run in {minutes(seconds)}" if seconds else "warp, fill, recording, latency"
-    tiles = [
+    return [
         Tile("Combinations", "", str(len(rows)), ran),
         Tile("Clock", "", {"gpu": "GPU", "wall": "wall"}.get(clock, "?"), CLOCK_NAMES.get(clock, "")),
         Tile("One pass, two clocks", "ms", both, "GPU timer / wall clock; where they agree, the timer is real"),
     ]
-    if data.get("copy_gb_s"):
-        note = "measured on this device; the bounds below follow from it"
-        tiles.append(Tile("Copy bandwidth", "GB/s", f"{data['copy_gb_s']:.1f}", note))
-    return tiles
 
 
 def _notes(data: Mapping[str, Any], rows: Sequence[Row]) -> list[str]:
@@ -318,42 +302,6 @@ def _measures(section: str, names: Sequence[str] = MEASURES) -> Choice:
     return Choice(f"measure-{section}", [(name, measure_label(name).partition(",")[0]) for name in names])
 
 
-def _displacement(grid: Sequence[Mapping[str, Any]], at: Mapping[str, Any] | None) -> Section:
-    charts = [
-        Chart(
-            axis_heading(axis),
-            tuple((m, displacement_chart(grid, axis, m), displacement_text(grid, axis, m)) for m in MEASURES),
-            "",
-        )
-        for axis in axes_of(grid)
-    ]
-    blocks = [
-        Text(texts("bench")["notes"]["displacement"] + _taken_at(at)),
-        _measures("displacement"),
-        Group("charts", charts),
-        Fold("As a table", [_displacement_table(grid)]),
-    ]
-    heading = "Error against displacement of the head"
-    return Section(heading, blocks if charts else [], id="displacement", link="Displacement")
-
-
-def _displacement_table(grid: Sequence[Mapping[str, Any]]) -> Table:
-    """Return FLIP at the worse end of each axis, warp by warp."""
-    lines_of = {axis: curves(grid, axis) for axis in axes_of(grid)}
-
-    def worse_end(axis: str, warp: str) -> str:
-        points = lines_of[axis].get(warp)
-        return "–" if points is None or not len(points) else f"{max(points[0, 1], points[-1, 1]):.3f}"
-
-    def reach(axis: str) -> str:
-        return f"±{max(abs(row['offset']) for row in grid if row['axis'] == axis):g} {'°' if is_turn(axis) else 'm'}"
-
-    heads = [("warp", ""), *((axis, reach(axis)) for axis in lines_of)]
-    warps = dict.fromkeys(row["warp"] for row in grid)
-    lines = [[warp, *(worse_end(axis, warp) for axis in lines_of)] for warp in warps]
-    return Table.of("FLIP at the worse end of each axis", heads, lines)
-
-
 def _regions(groups: Sequence[Case]) -> Section:
     folds: list[Fold] = []
     for group in groups:
@@ -372,53 +320,3 @@ def _regions_table(case: Case) -> Table:
     heads = [c.head for c in columns]
     lines = [[c.text(row) for c in columns] for row in case.ordered() if region_parts(row)]
     return Table.of(f"Error by region, {case.label}", heads, lines, words=2)
-
-
-def _fused(rows: Sequence[Mapping[str, Any]], at: Mapping[str, Any] | None) -> Section:
-    named = (metrics.get(name).short_figure for name in ("psnr_db", "flip"))
-    figures = [*named, Figure("sharpness", "sharpness", "", 2)]
-    forms = ("fused", "separate")
-    heads = [("warp", ""), ("fused", "ms"), ("separate", "ms"), ("speed-up", "×")]
-    heads += [(f"{figure.label} {form}", figure.unit) for figure in figures for form in forms]
-    lines = [
-        [
-            str(row["warp"]),
-            *(plain(row.get(name)) for name in ("fused_ms", "separate_ms", "speedup")),
-            *(figure.text((row.get(figure.name) or {}).get(form)) for figure in figures for form in forms),
-        ]
-        for row in rows
-    ]
-    table = Table.of("Warp and lens in one resample, against two", heads, lines)
-    heading, note = "Fused with the lens", Text(texts("bench")["notes"]["fused"] + _taken_at(at))
-    return Section(heading, [note, table] if lines else [], id="fused", link=heading)
-
-
-def _taken_at(at: Mapping[str, Any] | None) -> str:
-    """Return where a section was measured: ' Measured once: scene room, 400x400, left eye.'."""
-    if not at:
-        return ""
-    parts = [f"scene {at['scene']}"]
-    if "trace" in at:
-        parts.append(f"{at['trace']}, {at['latency_ms']:g} ms")
-    parts.append("x".join(map(str, at["size"])))
-    parts += [*([f"lens {at['lens']}"] if "lens" in at else []), f"{at['eye']} eye"]
-    return f" Measured once: {', '.join(parts)}."
-
-
-def _traffic(rows: Sequence[Row]) -> Section:
-    passes, heading = traffic(rows), "Time against memory traffic"
-    if not passes:
-        return Section(heading, ())
-    heads = [("pass", ""), ("size", ""), ("moves", "MB"), ("bound", "ms"), ("takes", "ms"), ("times the bound", "")]
-    lines = [
-        [p.label, p.size, *map(plain, (p.bytes / 1e6, p.bound_ms, p.median_ms)), plain(p.times_bound, 1)]
-        for p in passes
-    ]
-    words = "Time of each pass and its bound: " + ", ".join(f"{p.label} {p.times_bound:.1f} times" for p in passes)
-    table = Table.of("Traffic and time of each pass", heads, lines, words=2)
-    blocks = [
-        Text(texts("bench")["notes"]["traffic"]),
-        Chart.of("", traffic_chart(passes), words),
-        Fold("As a table", [table]),
-    ]
-    return Section(heading, blocks, id="traffic", link="Memory traffic")

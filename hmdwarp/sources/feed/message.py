@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...colour import linear_from_srgb
 from ...errors import InputError
-from ...geometry import AHEAD, Fovea, Grid, Pose, View, looking
+from ...geometry import AHEAD, Fovea, FoveaGrid, Pose, View, looking
 from ...scenes import ACTIONS, InputEvent
 from . import bounds, options, parts, seen_columns
 from .parts import Layers, Part, Wanted
@@ -47,7 +47,7 @@ _ASK = struct.Struct("<QqqqQ32sIIBBBBBBxB3d")
 # number of parts of further layers, what requests may have, where the session began.
 _FRAME = struct.Struct("<QqqqqqIIBBBBIBBH")
 # Bits of what requests have, and of what frames say that they may have.
-_HIDES, _SESSION, _FOVEA, _INPUTS, _INSET = 1, 2, 4, 8, 16
+_HIDES, _SESSION, _FOVEA, _INPUTS = 1, 2, 4, 8
 # Number of the session, age of a frame when it is seen, whether to leave out what has not changed,
 # number of frames whose fate is told.
 _SESSION_HEAD = struct.Struct("<IqBxH")
@@ -234,11 +234,9 @@ class FrameMessage:
     began: int = 0
     # Whether requests may have a fovea; the client's: the grid of each eye's foveated pictures.
     takes_fovea: bool = False
-    grids: tuple[Grid, ...] = ()
+    grids: tuple[FoveaGrid, ...] = ()
     # Whether requests may have inputs: what is drawn reacts to them.
     takes_inputs: bool = False
-    # Whether a fovea may be an inset.
-    takes_inset: bool = False
 
     @property
     def is_coded(self) -> bool:
@@ -388,7 +386,7 @@ def pieces_of(message: Message) -> list[Piece]:
         colour, depth = _format_of(it.colours[0], it.colour), _format_of(it.inverse_depths[0], it.depth)
         heads, contents = parts.packed_layers(it.layers)
         takes = _HIDES * it.takes_hidden + _SESSION * it.takes_session
-        takes += _FOVEA * it.takes_fovea + _INPUTS * it.takes_inputs + _INSET * it.takes_inset
+        takes += _FOVEA * it.takes_fovea + _INPUTS * it.takes_inputs
         form = (*it.size, len(it.views), colour, depth, it.begins, it.place, len(heads), takes, it.began)
         start = _FRAME.pack(*numbers, *form)
         pairs = list(zip(it.colours, it.inverse_depths, strict=True))
@@ -408,7 +406,6 @@ def _packed_wish(ask: Ask) -> tuple[float, ...]:
     layers = 0 if ask.wanted is None else len(ask.wanted.layers)
     has = _HIDES * _hides(ask.views) + _SESSION * (ask.session is not None)
     has += _FOVEA * (ask.fovea is not None) + _INPUTS * bool(ask.inputs)
-    has += _INSET * (ask.fovea is not None and ask.fovea.inset)
     bytes_ = (wish.colour, wish.depth, quality, ask.anew, layers, has)
     return *bytes_, wish.rate_hz, wish.bitrate_mbit, wish.depth_step
 
@@ -422,10 +419,10 @@ def _packed_look(view: View, fovea: Fovea) -> bytes:
     return _LOOK.pack(*(AHEAD if view.gaze is None else view.gaze), fovea.degrees, fovea.rim)
 
 
-def _look(data: Data, at: int, inset: bool) -> tuple[tuple[float, float, float], Fovea, int]:
+def _look(data: Data, at: int) -> tuple[tuple[float, float, float], Fovea, int]:
     x, y, z, degrees, rim = _LOOK.unpack_from(data, at)
     bounds.GAZE.check(math.hypot(x, y, z))
-    return (x, y, z), Fovea(degrees, rim, inset), at + _LOOK.size
+    return (x, y, z), Fovea(degrees, rim), at + _LOOK.size
 
 
 def _session(data: Data, at: int) -> tuple[Session, int]:
@@ -527,7 +524,7 @@ def _ask(data: Data) -> Ask:
     hides = has & _HIDES
     end = hidden_at + (eyes * seen_columns.BYTES if hides else 0)
     session, end = _session(data, end) if has & _SESSION else (None, end)
-    gaze, fovea, end = _look(data, end, has & _INSET != 0) if has & _FOVEA else (None, None, end)
+    gaze, fovea, end = _look(data, end) if has & _FOVEA else (None, None, end)
     inputs, end = _inputs(data, end) if has & _INPUTS else ((), end)
     _check_length(data, end)
     head, views = _pose(_POSE.unpack_from(data, at)), _views(data, at + _POSE.size, eyes)
@@ -581,8 +578,7 @@ def _frame(data: Data) -> FrameMessage:
     times = (number, asked_ns, received_ns, sent_ns, render_ns, time_ns)
     rest = (colour, depth, (width, height), begins != 0, place, layers if count else ())
     says = takes & _HIDES != 0, takes & _SESSION != 0, began, takes & _FOVEA != 0, ()
-    acts = takes & _INPUTS != 0, takes & _INSET != 0
-    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says, *acts)
+    return FrameMessage(*times, views, tuple(colours), tuple(depths), *rest, *says, takes & _INPUTS != 0)
 
 
 def _picture(data: Data, at: int, length: int, kind: np.dtype | None, shape: tuple[int, ...]) -> NDArray[Any] | bytes:

@@ -11,13 +11,11 @@ import moderngl
 from ...errors import InputError, unknown_name
 from ...frames import EyeImage, Frame, Needs
 from ...frames.layers import PICTURE, layers
-from ...frames.layers.foveated import FOVEATED, drawn_with_picture
 from ...geometry import Fov, Guard, View, guarded_eyes
 from ...gpu.context import Gpu
-from ...gpu.textures import SCALAR
 from ...scenes import Scene
 from .parts import DrawContext, Drawing, Part, parts
-from .passes import SAME_SURFACE, Lighting, ScenePasses, Viewport
+from .passes import Lighting, ScenePasses
 from .targets import Framebuffers, Multisampled, Renderer, Target
 from .upload import SceneBuffers, SceneTextures, moving_parts
 
@@ -37,11 +35,10 @@ class Server(Renderer):
     (rays marched through the picture itself, which lacks what is outside the picture). draw(),
     which is the truth, always uses "geometry". Errors: UnknownNameError for any other value.
     lighting: of a scene with lamps, in place of what its own meshes make; it belongs to the caller.
-    samples: of each pixel of plain surfaces; colour is their mean in linear light. nearest: whether
-    depth, and with it a body's number or velocity, is that of the nearest surface with a sample;
-    else that of the pixel's centre. Mirrors, sheets and overlays are added with one sample, as are
-    layers of surfaces. changes: whether the scene's textures will. Errors: MachineError for more
-    samples than the GPU has.
+    samples: of each pixel of plain surfaces; colour is their mean in linear light, depth that of
+    the pixel's centre. Mirrors, sheets and overlays are added with one sample, as are layers of
+    surfaces. changes: whether the scene's textures will. Errors: MachineError for more samples than
+    the GPU has.
     """
 
     def __init__(
@@ -52,12 +49,10 @@ class Server(Renderer):
         *,
         lighting: Lighting | None = None,
         samples: int = 1,
-        nearest: bool = False,
         changes: bool = False,
     ) -> None:
         self.samples = samples
-        self._several = Multisampled(gpu, samples, numbers=nearest) if samples > 1 else None
-        self._nearest = nearest
+        self._several = Multisampled(gpu, samples) if samples > 1 else None
         self._framebuffers = Framebuffers(gpu.gl)
         super().__init__(gpu, scene, self._framebuffers.forget)
         self._marched = _is_marched(mirrors)
@@ -78,16 +73,14 @@ class Server(Renderer):
             self._colour,
             self.acquire,
             self._draw,
-            lambda eye: self.pool(eye.size).release(eye.colour),
             self._passes_for,
             self._draw_colour,
             self.of_another,
-            self._several if nearest else None,
         )
 
     def of_another(self, scene: Scene, lighting: Lighting | None = None, *, changes: bool = False) -> Server:
         """Return a server of another scene that draws as this one does; who makes it closes it."""
-        return Server(self.gpu, scene, lighting=lighting, samples=self.samples, nearest=self._nearest, changes=changes)
+        return Server(self.gpu, scene, lighting=lighting, samples=self.samples, changes=changes)
 
     def draw(self, view: View, size: Size, into: Target | None = None, time_ns: int = 0) -> EyeImage:
         """Draw the whole picture of `view` in (w, h) pixels at `time_ns`, colour and inverse depth.
@@ -100,26 +93,19 @@ class Server(Renderer):
     def _draw(self, view: View, size: Size, drawing: Drawing, into: Target | None = None) -> EyeImage:
         target = into if into is not None else self.acquire(size)
         _check_same_size(target.size, size)
-        whole, viewport = drawing.part_of or (view, None)
-        self._draw_surfaces(self._passes_for(drawing), whole, target, drawing.time_ns, viewport)
+        self._draw_surfaces(self._passes_for(drawing), view, target, drawing.time_ns)
         eye = EyeImage(view, target.colour, target.inverse_depth, drawn_ns=drawing.time_ns)
         for part in self._parts_for(drawing):
             eye = part.add(eye, drawing)
         return eye
 
-    def _draw_surfaces(
-        self, passes: ScenePasses, view: View, target: Target, time_ns: int, viewport: Viewport | None
-    ) -> None:
+    def _draw_surfaces(self, passes: ScenePasses, view: View, target: Target, time_ns: int) -> None:
         if self._several is None:
-            passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns, viewport)
+            passes.draw(view, self._framebuffers.over(target.colour, target.inverse_depth), time_ns)
             return
-        self._several.draw(passes, view, target.colour, time_ns, viewport)
+        self._several.draw(passes, view, target.colour, time_ns)
         # Parts of the picture compare depth at the centres of pixels, and test against its buffer.
-        self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns, viewport)
-        if self._nearest:
-            near = self._several.over(target.size, SCALAR)
-            self._depth_passes().draw(view, near, time_ns, viewport)
-            self._several.one(near, target.inverse_depth, same=SAME_SURFACE)
+        self._depth_passes().draw(view, self._framebuffers.over(target.inverse_depth), time_ns)
 
     def _draw_colour(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
         if self._several is None:
@@ -225,11 +211,7 @@ class Server(Renderer):
         shared: dict[str, Any] = {}
         for part in self._parts_for(drawings[0]):
             shared |= part.of_frame(views, drawings[0])
-        if pictures and _has_inset(drawings[0].needs):
-            part = self._parts[None, "foveated"]
-            empty = [self._empty(view, size, drawn_ns, clear=False) for view in views]
-            eyes = [part.add(eye, drawing) for eye, drawing in zip(empty, drawings, strict=True)]
-        elif pictures:
+        if pictures:
             eyes = [self._draw(view, size, drawing) for view, drawing in zip(views, drawings, strict=True)]
         else:
             eyes = [self._empty(view, size, drawn_ns, clear=pictures is not None) for view in views]
@@ -294,15 +276,6 @@ class Server(Renderer):
         for moving in self._moving:
             moving.close()
         self._textures.close()
-
-
-def _has_inset(needs: Needs) -> bool:
-    """Return whether pictures are drawn as a coarse one and an inset. Errors: InputError."""
-    if not any(name in needs and needs[name].inset for name in FOVEATED):
-        return False
-    if beside := drawn_with_picture(needs):
-        raise InputError(f"an inset beside layers {', '.join(beside)}: they are drawn with the whole picture")
-    return True
 
 
 def _is_marched(mirrors: str) -> bool:

@@ -241,17 +241,13 @@ class ScenePasses:
         view: View,
         framebuffer: moderngl.Framebuffer,
         time_ns: int = 0,
-        viewport: Viewport | None = None,
         **uniforms: object,
     ) -> None:
-        """Draw the whole picture at that instant over the previous content.
-
-        viewport: of the view, where the framebuffer holds a part of that; without a hidden area.
-        """
+        """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
         if view.hidden is not None:
             self._hide(view, framebuffer)
-        self.draw_into(view, framebuffer, viewport, time_ns, **uniforms)
+        self.draw_into(view, framebuffer, None, time_ns, **uniforms)
 
     def _hide(self, view: View, framebuffer: moderngl.Framebuffer) -> None:
         """Draw the hidden area in front of everything."""

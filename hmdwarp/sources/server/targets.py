@@ -15,10 +15,10 @@ from ...errors import MachineError
 from ...frames import EyeImage, Frame, Needs
 from ...geometry import Guard, Pose, View
 from ...gpu.context import Gpu
-from ...gpu.textures import COLOUR, NUMBER, SCALAR, allocate, check_size, release_all, texture_bytes
+from ...gpu.textures import COLOUR, SCALAR, allocate, check_size, release_all, texture_bytes
 from ...scenes import Scene
 from ..array_passes import Arrays, GiveCodes, Upload
-from .passes import ScenePasses, Viewport
+from .passes import ScenePasses
 
 # Settings of a layer for which something is kept, of all clients: those of one request, at most.
 MOST_SETTINGS = 8
@@ -392,9 +392,8 @@ class Multisampled:
     numbers: whether integers are drawn too. Errors: MachineError for more samples than the GPU has.
     """
 
-    def __init__(self, gpu: Gpu, count: int, *, numbers: bool = True) -> None:
-        kinds = ("", "COLOR_TEXTURE_", "INTEGER_") if numbers else ("", "COLOR_TEXTURE_")
-        most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in kinds)
+    def __init__(self, gpu: Gpu, count: int) -> None:
+        most = min(gpu.gl.info[f"GL_MAX_{kind}SAMPLES"] for kind in ("", "COLOR_TEXTURE_"))
         if count > most:
             raise MachineError(f"--samples {count}: {gpu.renderer} draws at most {most} a pixel; use as many or fewer")
         self._gpu, self.count = gpu, count
@@ -410,33 +409,18 @@ class Multisampled:
         textures = [gl.texture(size, components, dtype=dtype, samples=self.count) for components, dtype in kinds]
         return gl.framebuffer(textures, gl.depth_renderbuffer(size, samples=self.count))
 
-    def draw(
-        self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int, viewport: Viewport | None = None
-    ) -> None:
+    def draw(self, passes: ScenePasses, view: View, into: moderngl.Texture, time_ns: int) -> None:
         """Draw the colour of the whole picture: the mean of each pixel's samples."""
         drawn = self.over(into.size, COLOUR)
-        passes.draw(view, drawn, time_ns, viewport)
+        passes.draw(view, drawn, time_ns)
         self.mean(drawn, into)
 
     def mean(self, drawn: moderngl.Framebuffer, into: moderngl.Texture) -> None:
         """Write the mean of each pixel's samples; llvmpipe's own takes twice the time."""
-        self._resolve(drawn, into, {"MEAN": 1})
-
-    def one(self, drawn: moderngl.Framebuffer, into: moderngl.Texture, **uniforms: object) -> None:
-        """Write one sample of each pixel, see shaders/server/resolve.comp.
-
-        into: inverse depth of the pixels' centres, or numbers or velocities, which are overwritten.
-        """
-        kind = (into.components, into.dtype)
-        self._resolve(drawn, into, {NUMBER: {"NUMBER": 1}, COLOUR: {"VELOCITY": 1}}.get(kind, {}), **uniforms)
-
-    def _resolve(
-        self, drawn: moderngl.Framebuffer, into: moderngl.Texture, define: Mapping[str, int], **uniforms: object
-    ) -> None:
-        program = self._gpu.shaders.compute("server/resolve.comp", **define)
+        program = self._gpu.shaders.compute("server/resolve.comp")
         _textures_of(drawn)[0].use(0)
-        into.bind_to_image(0, read=not define, write=True)
-        program.uniforms.set(samples=0, resolved=0, count=self.count, **uniforms)
+        into.bind_to_image(0, read=False, write=True)
+        program.uniforms.set(samples=0, resolved=0, count=self.count)
         self._gpu.barrier()
         program.run(*into.size)
         self._gpu.barrier()

@@ -7,7 +7,7 @@ import pytest
 
 @pytest.fixture(scope="module", autouse=True)
 def small_copies():
-    """The copies that measure the memory are of 1 MiB."""
+    """The copy that both clocks time is of 1 MiB."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.gpu.memory_bandwidth.suitable_bytes", lambda gpu: 1 << 20)
+        patch.setattr("hmdwarp.gpu.timers._CHECK_BYTES", 1 << 20)
         yield

@@ -10,15 +10,11 @@ import json
 import math
 
 import attrs
-import numpy as np
 import pytest
 from replays import contents, run
 
-from hmdwarp.client import build_plan
 from hmdwarp.experiments.bench import BenchOptions, bench
-from hmdwarp.experiments.bench.bench_rows import COLUMNS, answer, passes_of
-from hmdwarp.experiments.bench.sections import AXES, displaced
-from hmdwarp.geometry import Pose
+from hmdwarp.experiments.bench.bench_rows import COLUMNS, answer
 from hmdwarp.link import LinkOptions
 from hmdwarp.metrics import QUALITY, STAGES
 from hmdwarp.report import OutputFolder, validate_summary
@@ -40,24 +36,15 @@ SMALL = BenchOptions(
     budget_ms=1e4,
     command="hmdwarp bench",
 )
-TIMES = ("time_ms", "passes")
 KEYS = {
-    *("schema", "hmdwarp", "program", "notes", "command", "machine", "clock", "clocks", "copy_gb_s", "client"),
-    *("rows", "grid", "grid_at", "fused", "fused_at", "choice", "seconds"),
+    *("schema", "hmdwarp", "program", "notes", "command", "machine", "clock", "clocks", "client"),
+    *("rows", "choice", "seconds"),
 }
 
 
-@pytest.fixture(scope="module", autouse=True)
-def small_grid():
-    """A sixteenth of the grid's pixels."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("hmdwarp.experiments.bench.bench_work.GRID_SIZE", (100, 100))
-        yield
-
-
 @pytest.fixture(scope="module")
-def full(small_grid, tmp_path_factory):
-    """Every section; and the steps it told of."""
+def full(tmp_path_factory):
+    """The whole bench; and the steps it told of."""
     out, steps = tmp_path_factory.mktemp("bench") / "made", []
     result = bench(attrs.evolve(SMALL, out=out), lambda done, total: steps.append((done, total)))
     return out, result, steps
@@ -77,7 +64,7 @@ def test_json_has_every_key_and_no_number_that_is_none(full):
     text = (out / "bench.json").read_text(encoding="utf-8")
     data = json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} in bench.json"))
     assert set(data) == KEYS and data == json.loads(json.dumps({**result.data, "rows": [*result.data["rows"]]}))
-    assert data["clock"] in ("gpu", "wall") and data["copy_gb_s"] > 0 and data["seconds"] > 0
+    assert data["clock"] in ("gpu", "wall") and data["seconds"] > 0
     assert set(data["clocks"]) == {"wall_ms", "gpu_ms", "note"} and data["clocks"]["wall_ms"] > 0
     cases = {(row["latency_ms"], row["warp"], row["fill"]) for row in data["rows"]}
     assert len(data["rows"]) == len(cases) == 2 * 3 * 2
@@ -92,10 +79,6 @@ def test_rows_are_summaries_and_more(full):
         assert holes == pytest.approx(row["quality"]["hole_share"]["mean"])
         assert row["mismatch"] is not None and 0 <= row["mismatch"] <= 1
         assert all(row["time_ms"]["warp"][figure] > 0 for figure in ("median", "p95"))
-        wanted = ["client_depth"] * (row["warp"] == "backward") + ["warp"] + ["fill"] * (row["fill"] == "interpolate")
-        assert [entry["name"] for entry in row["passes"]] == wanted
-        for entry in row["passes"]:
-            assert entry["times_bound"] == pytest.approx(entry["median_ms"] / entry["bound_ms"])
 
 
 def test_csv_says_the_same(full):
@@ -111,13 +94,11 @@ def test_csv_says_the_same(full):
         for stage in STAGES:
             assert float(written[f"{stage}_ms"]) == row["time_ms"][stage]["median"]
         assert float(written["silhouettes_flip"]) == row["regions"]["silhouettes"]["flip"]
-        assert (written["fill_pass_bytes"] == "") == (row["fill"] == "none")
 
 
 def test_progress_counts_to_the_end(full):
     steps = full[2]
-    # Two latencies, two instants; the grid; the fused pairs at as many instants.
-    total = 2 * 2 + 37 + 2
+    total = 2 * 2  # two latencies, two instants
     assert steps == [(done, total) for done in range(total + 1)]
 
 
@@ -145,13 +126,8 @@ def test_figures_are_those_of_a_replay(full, warp, fill, tmp_path):
         assert row["quality"][name]["mean"] == math.fsum(picture[name] for picture in wanted) / 2, name
 
 
-def without_times(data: dict) -> dict:
-    rows = [{key: value for key, value in row.items() if key not in TIMES} for row in data["rows"]]
-    fused = [
-        {key: value for key, value in row.items() if key in ("warp", "psnr_db", "flip", "sharpness")}
-        for row in data["fused"]
-    ]
-    return {"rows": rows, "grid": data["grid"], "fused": fused}
+def without_times(data: dict) -> list[dict]:
+    return [{key: value for key, value in row.items() if key != "time_ms"} for row in data["rows"]]
 
 
 def test_only_times_change(full, tmp_path, monkeypatch):
@@ -162,54 +138,12 @@ def test_only_times_change(full, tmp_path, monkeypatch):
     assert without_times(again.data) == without_times(full[1].data)
 
 
-def test_the_grid_knows_no_error_at_rest(full):
-    grid = full[1].data["grid"]
-    assert full[1].data["grid_at"] == {"scene": "planes", "size": [100, 100], "eye": "left"}
-    assert len(grid) == 3 * len(AXES) * 7
-    for row in grid:
-        assert set(row) == {"warp", "axis", "offset", "psnr_db", "flip", "hole_share"}
-        if row["offset"] == 0:
-            # A guarded frame is drawn with another raster than the truth: a last bit of a byte here
-            # and there (48 dB if everywhere).
-            assert row["psnr_db"] > 48 and row["flip"] < 0.02 and row["hole_share"] == 0
-        else:
-            assert row["flip"] > 0
-    turned = {row["warp"]: row["flip"] for row in grid if (row["axis"], row["offset"]) == ("yaw", 10.0)}
-    moved = {row["warp"]: row["flip"] for row in grid if (row["axis"], row["offset"]) == ("x", 0.3)}
-    assert moved["backward"] < moved["rotation"] and turned["rotation"] < moved["rotation"]
-
-
-def test_displacements_are_in_the_heads_own_frame():
-    turned = Pose(
-        (1, 2, 3), (0, math.sin(math.pi / 4), 0, math.cos(math.pi / 4))
-    )  # a quarter to the left: its right is away from us
-    assert displaced(turned, "x", 0.3).position_m == pytest.approx((1, 2, 2.7))
-    assert displaced(turned, "z", 0.3).position_m == pytest.approx((1.3, 2, 3))
-    ahead = np.array([0.0, 0, -1])
-    assert displaced(Pose(), "yaw", 30).rotation.apply(ahead) == pytest.approx((-0.5, 0, -math.sqrt(0.75)))
-    assert displaced(Pose(), "pitch", 30).rotation.apply(ahead) == pytest.approx((0, 0.5, -math.sqrt(0.75)))
-    assert displaced(Pose(), "roll", 90).rotation.apply([0, 1, 0]) == pytest.approx((-1, 0, 0))
-
-
-def test_fused_rows(full):
-    fused = {row["warp"]: row for row in full[1].data["fused"]}
-    assert set(fused) == {"rotation", "backward"}
-    at = {"scene": "planes", "trace": "look-around", "latency_ms": 100.0, "size": [96, 80]}
-    assert full[1].data["fused_at"] == {**at, "lens": "radial", "eye": "left"}
-    for row in fused.values():
-        assert row["speedup"] == pytest.approx(row["separate_ms"] / row["fused_ms"])
-        for figure in ("psnr_db", "flip", "sharpness"):
-            assert set(row[figure]) == {"fused", "separate"}
-    # One resample keeps more of the detail than two.
-    assert fused["backward"]["sharpness"]["fused"] > fused["backward"]["sharpness"]["separate"] > 0
-
-
 def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
     """Without latency every one of them shows the picture itself, to what bytes can tell."""
     pytest.importorskip("cv2")
     options = attrs.evolve(
         SMALL, warps=("forward", "rotation:edge=clamp", "mesh:grid=64", "cv2.warpFrame"), latencies_ms=(0.0, 100.0),
-        budget_ms=1e4, grid=False, fused=False, out=tmp_path,
+        budget_ms=1e4, out=tmp_path,
     )  # fmt: skip
     data = bench(options).data
     still, late = ([row for row in data["rows"] if row["latency_ms"] == latency] for latency in (0.0, 100.0))
@@ -221,7 +155,7 @@ def test_baselines_are_named_and_another_librarys_warp_is_a_row(tmp_path):
     }
     assert all(row["quality"]["psnr_db"]["mean"] > 48 for row in still)
     (outside,) = (row for row in late if row["warp"] == "cv2.warpFrame")
-    assert outside["fill"] == "none" and outside["passes"] == [] and outside["time_ms"]["warp"]["median"] > 0
+    assert outside["fill"] == "none" and outside["time_ms"]["warp"]["median"] > 0
     assert outside["lacks"] and data["choice"]["warp"] != "cv2.warpFrame"
     # It moves each pixel to the nearest by its depth, as forward does: only bytes tell them apart.
     forward = next(row for row in late if (row["warp"], row["fill"]) == ("forward", "none"))
@@ -234,36 +168,25 @@ def test_memory_has_seen_the_seconds_before_an_instant(tmp_path):
     """A head that looks around sees again what it saw: memory knows it after the run-in alone."""
     options = attrs.evolve(
         SMALL, warps=("rotation",), fills=("pyramid", "memory+pyramid"), latencies_ms=(400.0,), seconds=None,
-        start_s=6.0, guard=1.0, instants=2, rounds=1, grid=False, fused=False, out=tmp_path,
+        start_s=6.0, guard=1.0, instants=2, rounds=1, out=tmp_path,
     )  # fmt: skip
     alone, after_memory = bench(options).data["rows"]
     assert after_memory["quality"]["flip"]["mean"] < alone["quality"]["flip"]["mean"]
 
 
-def test_without_latency_and_warp_the_panel_is_nearly_the_truth(tmp_path):
-    """What is left is resampling: the truth of the fused rows is the same picture, only finer."""
-    options = attrs.evolve(
-        SMALL, warps=("rotation",), fills=("none",), latencies_ms=(0.0,), sizes=((192, 240),), grid=False, out=tmp_path
-    )
-    row = bench(options).data["fused"][0]
-    assert row["psnr_db"]["fused"] >= row["psnr_db"]["separate"] - 0.5 > 20
-    assert 0.5 < row["sharpness"]["separate"] <= 1.2
-
-
 @pytest.mark.parametrize(("budget_ms", "chosen"), [(1e4, "rotation"), (1e-6, None)])
-def test_a_headset_without_a_lens_fuses_nothing_and_no_budget_costs_results(budget_ms, chosen, tmp_path):
+def test_no_budget_costs_results(budget_ms, chosen, tmp_path):
     options = attrs.evolve(
-        SMALL, headset="flat-90", warps=("rotation",), fills=("none",), latencies_ms=(0.0,), grid=False,
+        SMALL, headset="flat-90", warps=("rotation",), fills=("none",), latencies_ms=(0.0,),
         budget_ms=budget_ms, out=tmp_path,
     )  # fmt: skip
     result = bench(options)
     data = result.data
-    assert data["fused"] == [] and data["grid"] == [] and data["fused_at"] is data["grid_at"] is None
     assert (data["choice"] or {}).get("warp") == chosen and (tmp_path / "bench.json").exists()
     assert (result.refused == "") == (chosen is not None) and ("nothing is that fast" in result.refused) == (not chosen)
 
 
-@pytest.mark.parametrize("at", [0, 1, 3, 20])
+@pytest.mark.parametrize("at", [0, 1, 3])
 def test_an_interruption_leaves_earlier_files(at, tmp_path):
     before = {"bench.json": b'{"hmdwarp": "0"}', "bench.csv": b"warp\n", "mine.txt": b"mine"}
     for name, data in before.items():
@@ -277,9 +200,9 @@ def test_an_interruption_leaves_earlier_files(at, tmp_path):
         bench(attrs.evolve(SMALL, warps=("rotation",), out=tmp_path, workers=1), interrupt)
     left = contents(tmp_path)
     assert {name: left[name] for name in before} == before
-    # Two latencies and the grid were done, in that order; what was begun left nothing.
+    # What was begun left nothing.
     done = [name for name in left if name not in before]
-    assert all(name.startswith("cases/") for name in done) and len(done) == {0: 0, 1: 0, 3: 1, 20: 2}[at]
+    assert all(name.startswith("cases/") for name in done) and len(done) == {0: 0, 1: 0, 3: 1}[at]
 
 
 def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monkeypatch):
@@ -288,24 +211,6 @@ def test_an_output_folder_that_cannot_be_is_found_before_the_run(tmp_path, monke
     with pytest.raises(Exception, match="file"):
         bench(attrs.evolve(SMALL, out=tmp_path / "file"))
     OutputFolder(tmp_path / "fine").discard()
-
-
-def test_passes_are_compared_with_their_memory_traffic():
-    plan = build_plan((), "rotation", "interpolate", "radial", client_geometry=True)
-    stages = {"warp": [3.0, 1.0, 2.0], "fill": [4.0], "lens": [8.0, 8.0], "client_depth": [100.0]}
-    warp, fill, lens = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
-    assert (warp["name"], warp["bytes"], warp["median_ms"]) == (
-        "warp",
-        plan.warp.bytes_moved(200, 100, plan.choice.settings),
-        2.0,
-    )
-    assert warp["bound_ms"] == pytest.approx(warp["bytes"] * 1e-3)
-    assert (fill["name"], fill["bytes"], fill["times_bound"]) == ("fill", 1600, pytest.approx(4.0 / 1.6))
-    assert (lens["name"], lens["bytes"]) == ("lens", 1600)
-    plan = build_plan((), "backward", "none", "none", client_geometry=True)
-    drawn, _ = passes_of(plan, 200, 100, stages, bytes_per_s=1e6)
-    # R32f, written once.
-    assert (drawn["name"], drawn["bytes"], drawn["median_ms"]) == ("client_depth", 400, 100.0)
 
 
 def test_the_answer_names_the_command_and_the_next_step():
@@ -346,9 +251,7 @@ def test_a_picture_that_two_fills_left_the_same_is_measured_once(tmp_path, monke
     monkeypatch.setattr(
         QualityPool, "submit", lambda pool, key, job, **how: (submitted.append(key), submit(pool, key, job, **how))
     )
-    options = attrs.evolve(
-        SMALL, warps=("none", "forward"), grid=False, fused=False, latencies_ms=(200.0,), out=tmp_path
-    )
+    options = attrs.evolve(SMALL, warps=("none", "forward"), latencies_ms=(200.0,), out=tmp_path)
     rows = bench(options).data["rows"]
     assert sorted(key[1:3] for key in submitted) == 2 * [("forward", "interpolate")] + 2 * [("forward", "none")] + 2 * [
         ("none", "none")
@@ -366,8 +269,6 @@ def test_servers_of_other_rates_are_cases_of_their_own_with_the_errors_of_their_
         fills=("none",),
         latencies_ms=(100.0,),
         server_rates_hz=(10.0, 25.0, 60.0),
-        grid=False,
-        fused=False,
         budget_ms=None,
         out=tmp_path / "bench",
     )

@@ -25,8 +25,6 @@ TINY = BenchOptions(
     instants=1,
     rounds=1,
     workers=0,
-    grid=False,
-    fused=False,
 )
 AGAIN = SweepOptions(resume=True)
 
@@ -42,7 +40,7 @@ def heads(tmp_path) -> list[Path]:
 
 
 def untimed(rows: list[dict]) -> list[dict]:
-    return [{key: value for key, value in row.items() if key not in ("time_ms", "passes")} for row in rows]
+    return [{key: value for key, value in row.items() if key != "time_ms"} for row in rows]
 
 
 def written(out: Path) -> dict[str, int]:

@@ -81,7 +81,7 @@ def test_all_stand_beside_each_other_as_one_case(rows):
     for row in rows.values():
         assert row["latency_ms"] == LATENCY_MS and row["frames"] == len(MEASURED)
         assert list(row["at_instants"]["flip"]) == [str(number) for number, _ in MEASURED]
-        assert row["client"] and row["passes"] and row["time_ms"]["total"]["median"] > 0
+        assert row["client"] and row["time_ms"]["total"]["median"] > 0
     # The light alone is warped by the default chain: other pictures, of the same warp and fill.
     light, usual = rows["light"], rows["depth_image"]
     assert (light["warp"], light["fill"]) == (usual["warp"], usual["fill"]) == (DEFAULT_WARP, DEFAULT_FILL)

@@ -23,7 +23,7 @@ def test_the_standard_suite_is_wide_and_both_run_people_antialiased():
     assert {"quick", "standard"} <= set(found)
     for name in found:
         options = BenchOptions.of({"suite": name})
-        assert options.samples == 4 and not options.grid and not options.fused
+        assert options.samples == 4
         assert set(options.recordings) <= set(recording_names()) - set(KINDS)
     standard = BenchOptions.of({"suite": "standard"})
     assert len(standard.scenes) >= 6 and len(standard.recordings) >= 8

@@ -267,11 +267,6 @@ def test_a_fovea_at_a_server_that_takes_none_is_refused_in_a_line(tmp_path):
     known = {"scene": "server", "fovea_deg": 30.0}
     with feeder() as address, pytest.raises(InputError, match="that server sends whole frames alone; leave it out"):
         replay(small(tmp_path / "out", feed=FeedOptions(connect=address), **known))
-    with (
-        feeder(as_sent=lambda frame: attrs.evolve(frame, takes_fovea=True)) as address,
-        pytest.raises(InputError, match="--inset: that server draws none; leave it out"),
-    ):
-        replay(small(tmp_path / "out", feed=FeedOptions(connect=address), inset=True, **known))
 
 
 def test_the_latency_is_measured_and_the_clocks_are_compared(serving, tmp_path, monkeypatch):

@@ -67,7 +67,9 @@ def require(what: str, name: str, mode: Literal["r", "w"]) -> None:
         ) from error
 
 
-codecs: Registry[Codec] = Registry("codec", __name__, of_table=lambda name, table: Codec(name, **table))
+codecs: Registry[Codec] = Registry(
+    "codec", __name__, of_table=lambda name, table: Codec(name, **table), columns="encoder"
+)
 
 
 def check_codec(name: str) -> Codec:

@@ -16,8 +16,8 @@ from ....gpu.context import Gpu
 from ....gpu.textures import COLOUR, SCALAR, allocate
 from ....registry import Registry
 from ....scenes import Scene
-from ..passes import ScenePasses, Viewport
-from ..targets import Framebuffers, LastUsed, Multisampled, Target
+from ..passes import ScenePasses
+from ..targets import Framebuffers, LastUsed, Target
 from ..upload import SceneTextures
 
 parts: Registry[type[Part]] = Registry("part", __name__)
@@ -42,8 +42,6 @@ class Drawing:
     age_ns: int = 0
     # For whom it is drawn, where that matters; None for the one that there is.
     client: Hashable = None
-    # The view that it is a part of, as seen everywhere, and the viewport of that.
-    part_of: tuple[View, Viewport] | None = None
 
     def of_light(self, view: View, size: tuple[int, int]) -> Drawing:
         """Return another picture at the same instant, lit in the same way, without layers.
@@ -81,16 +79,12 @@ class DrawContext:
     acquire: Callable[..., Target]
     # draw(view, size, drawing): draws a whole picture of another view.
     draw: Callable[[View, tuple[int, int], Drawing], EyeImage]
-    # give_back(eye): returns such a picture to its pool.
-    give_back: Callable[[EyeImage], None]
     # passes_for(drawing): the passes of the plain surfaces, lit as its layers say.
     passes_for: Callable[[Drawing], ScenePasses]
     # draw_colour(passes, view, into, time_ns): with as many samples a pixel as the picture has.
     draw_colour: Callable[[ScenePasses, View, moderngl.Texture, int], None]
     # renderer(scene): a server of another scene; who makes it closes it.
     renderer: Callable[[Scene], Renderer]
-    # Where depth is that of the nearest of several samples; None where it is of the pixel's centre.
-    samples: Multisampled | None = None
 
 
 class Part(ABC):

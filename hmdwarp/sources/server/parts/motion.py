@@ -62,14 +62,12 @@ class _Numbers:
         """Return the numbers: r16ui of the eye's size."""
         gl = self._context.gpu.gl
         into = self._context.acquire(eye.size, NUMBER, depth=False).colour
-        framebuffer = _over(self._context, into)
+        framebuffer = self._context.framebuffers.over(into)
         with drawing_into(framebuffer, moderngl.NOTHING):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
             for one, vertices in zip(self._bodies, self._vertices, strict=True):
                 self._draw.uniforms.set(body=one.number)
                 _draw_where_shown(gl, self._draw, one, vertices, eye)
-        if self._context.samples is not None:
-            self._context.samples.one(framebuffer, into)
         return into
 
     def close(self) -> None:
@@ -95,15 +93,13 @@ class _Velocities:
         """Return the velocities: rgba16f of the eye's size."""
         gl = self._context.gpu.gl
         into = self._context.acquire(eye.size, COLOUR, depth=False).colour
-        framebuffer = _over(self._context, into)
+        framebuffer = self._context.framebuffers.over(into)
         self._write(eye.drawn_ns)
         self._draw.uniforms.set(eye_from_world=eye.view.pose.rotation_matrix.T)
         with drawing_into(framebuffer, moderngl.NOTHING):
             framebuffer.clear()
             for one, vertices in zip(self._deforming, self._vertices, strict=True):
                 _draw_where_shown(gl, self._draw, one, vertices, eye)
-        if self._context.samples is not None:
-            self._context.samples.one(framebuffer, into)
         return into
 
     def _write(self, time_ns: int) -> None:
@@ -117,13 +113,6 @@ class _Velocities:
         for vertices, buffer in zip(self._vertices, self._velocities, strict=True):
             vertices.release()
             buffer.release()
-
-
-def _over(context: DrawContext, into: moderngl.Texture) -> moderngl.Framebuffer:
-    """Return what motion is drawn into, with as many samples as the picture's depth comes from."""
-    if context.samples is None:
-        return context.framebuffers.over(into)
-    return context.samples.over(into.size, (into.components, into.dtype))
 
 
 def _draw_where_shown(
