@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo, SessionSummary
+from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo
 from hmdwarp.study.design import Design
 from hmdwarp.study.respondents import Cohort, Model, Population
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
@@ -51,21 +51,21 @@ def simulate_study(design: Design, model: Model, n: int, seed: int, study: int =
     The same numbers give the same ratings; study: another one of the same seed.
     Errors: InputError where the model lacks a scale or a condition of the study.
     """
-    rows: list[Rating] = []
-    sessions: list[SessionSummary] = []
+    rows: list[dict] = []
+    sessions: list[dict] = []
     for part in design.parts:
         cohort = Population(model, design, part.name).of(range(n), seed, study)
         for person in range(n):
             rows += _rows(design, cohort, person)
             sessions.append(_session(cohort, person))
     return Ratings(
-        rows=tuple(rows),
+        rows=rows,
         scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales},
         families=design.families,
         origin=SIMULATED,
         source=f"simulated people ({model.title}), seed {seed}, study {study}",
         title=design.title,
-        sessions=tuple(sessions),
+        sessions=sessions,
     )
 
 
@@ -73,14 +73,14 @@ def _name(cohort: Cohort, person: int) -> str:
     return f"{cohort.part.name}-{person + 1}"
 
 
-def _rows(design: Design, cohort: Cohort, person: int) -> list[Rating]:
+def _rows(design: Design, cohort: Cohort, person: int) -> list[dict]:
     names = [cohort.part.conditions[number] for number in cohort.order[person]]
     rows = []
     for trial, condition in enumerate(names):
         for scale in design.scales:
             value = cohort.answers[scale.name][person, trial]
             rows.append(
-                Rating(
+                dict(
                     participant=_name(cohort, person),
                     part=cohort.part.name,
                     condition=condition.name,
@@ -106,9 +106,8 @@ def _why(cohort: Cohort, person: int, trial: int) -> str:
     )
 
 
-def _session(cohort: Cohort, person: int) -> SessionSummary:
+def _session(cohort: Cohort, person: int) -> dict:
     why = cohort.why[person]
     trials = int(cohort.trials[person])
-    return SessionSummary(
-        _name(cohort, person), cohort.part.name, 1, why, "" if why == COMPLETE else why, trials, cohort.order.shape[1]
-    )
+    about = {"participant": _name(cohort, person), "part": cohort.part.name, "session": 1, "status": why}
+    return {**about, "why": "" if why == COMPLETE else why, "rated": trials, "planned": cohort.order.shape[1]}

@@ -22,7 +22,7 @@ from hmdwarp.cli.study.plan import power as command
 from hmdwarp.errors import InputError
 from hmdwarp.experiments.sweep import KeptOptions
 from hmdwarp.report.study import comparison_lines
-from hmdwarp.study.analysis.comparisons import Resampling, compared
+from hmdwarp.study.analysis.findings import Resampling, compared
 from hmdwarp.study.design import Comparison, Family, load_design
 from hmdwarp.study.power import Simulation, sentences, simulate
 from hmdwarp.study.power.planned_models import planned_model, with_effect

@@ -14,8 +14,7 @@ from commands import hmdwarp
 from scipy.stats import binom, binomtest, multinomial, norm
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.comparisons import Resampling
-from hmdwarp.study.analysis.preferences import preference_results
+from hmdwarp.study.analysis.findings import Resampling, preference_results
 from hmdwarp.study.power import Simulation, sentences
 from hmdwarp.study.power.planned_models import choice_differences, expected_jod, pairs_model
 from hmdwarp.study.power.simulation import differences, power_from, significant, tally_of

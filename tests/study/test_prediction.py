@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.prediction import LEAST_PEOPLE, MEASURES, pooled, predict, sentences
+from hmdwarp.study.analysis.predict import LEAST_PEOPLE, MEASURES, pooled, predict, sentences
 
 FLIP, PSNR, FLICKER, HOLES, AGE = (
     "measured_flip", "measured_psnr_db", "measured_flicker", "measured_hole_share", "actual_latency_ms_median"

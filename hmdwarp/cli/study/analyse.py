@@ -65,11 +65,10 @@ def analyse(said: Said) -> None:
     Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
     name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
-    from ...study.analysis.comparisons import Resampling
+    from ...study.analysis.findings import Resampling, claims_for
     from ...study.analysis.full_analysis import analyse as run
     from ...study.analysis.full_analysis import analysis_folder, write_analysis
-    from ...study.analysis.sources import claims_for, ratings_from
-    from ...study.analysis.table_ratings import SourceOptions
+    from ...study.analysis.long_table import SourceOptions, ratings_from
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
@@ -231,16 +230,15 @@ def predict(said: Said) -> None:
     people who took no part in it.
     """
     from ...errors import InputError
-    from ...study.analysis.sources import ratings_from
-    from ...study.analysis.table_ratings import SourceOptions
-    from ...study.prediction import pooled, prediction_data
+    from ...study.analysis.long_table import SourceOptions, ratings_from
+    from ...study.analysis.predict import pooled, prediction_data
 
     options = PredictOptions.of(said)
     places = [Path(name).resolve() for name in options.studies]
     if doubled := [name for name, place in zip(options.studies, places, strict=True) if places.count(place) > 1]:
         raise InputError(f"{doubled[0]} is given twice: its people would count twice")
     source = SourceOptions({}, "", None, origin_of(options.pilot, options.simulated))
-    found = {name: ratings_from(name, None, source).long for name in options.studies}
+    found = {name: ratings_from(name, None, source).rows for name in options.studies}
     scale, rows = pooled(found, options.scale)
     data = prediction_data(rows, scale)
     if data is None:

@@ -216,14 +216,16 @@ def long_rows(contents: Contents, design: Design) -> list[Row]:
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
     """Return rows as long_rows, for every question of a session, with its `phase` and `kind`."""
     return [
-        _row(design, data, ask, data.last(ask)) for data in sessions_of(contents, design) for ask in data.asks.values()
+        answer_row(design, data, ask, data.last(ask))
+        for data in sessions_of(contents, design)
+        for ask in data.asks.values()
     ]
 
 
 def revision_rows(contents: Contents, design: Design) -> list[Row]:
     """Return one row per confirmed answer, revised ones too, in the order of the questions."""
     return [
-        _row(design, data, ask, answer)
+        answer_row(design, data, ask, answer)
         for data in sessions_of(contents, design)
         for ask in data.asks.values()
         for answer in data.answers.get(ask.key, ())
@@ -237,7 +239,7 @@ def pair_rows(contents: Contents, design: Design) -> list[tuple[Row, Show, Show]
         for ask in data.asks.values():
             if ask.scale.kind == PREFERENCE:
                 second = data.shows[ask.about]
-                found.append((_row(design, data, ask, data.last(ask)), data.shows[second.after], second))
+                found.append((answer_row(design, data, ask, data.last(ask)), data.shows[second.after], second))
     return found
 
 
@@ -250,7 +252,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
                 asked = [ask for ask in data.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
                 last = [(ask, data.last(ask)) for ask in asked]
                 values = {ask.item.key: None if answer is None else answer.value for ask, answer in last}
-                base = _row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
+                base = answer_row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
                 for name, value in scored(scale, values).items():
                     why = None if value is not None else NOT_ALL
                     rows.append(base | {"item": name, "value": value, "kind": "score", "why_missing": why})
@@ -282,7 +284,7 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
     )
 
 
-def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
+def answer_row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
     session = data.session
     show = data.shows.get(ask.about)
     showing = _showing(data, ask, answer)

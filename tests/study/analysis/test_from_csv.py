@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.comparisons import families_for
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
+from hmdwarp.study.analysis.findings import families_for
+from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 
 from .tables import PUBLISHED, written
 
@@ -28,13 +28,14 @@ ROWS = [
 @pytest.mark.parametrize("bom", [False, True])
 def test_columns_are_found_by_name_whatever_is_between_them(tmp_path, delimiter, bom):
     found = from_csv(written(tmp_path / "table.csv", ROWS, delimiter, bom))
-    assert [(r.participant, r.condition, r.value, r.place, r.previous) for r in found.rows] == [
-        ("7", "late", 4.5, 1, ""),
-        ("7", "warped", 3.25, 2, "late"),
-        ("x", "warped", None, 1, ""),
-        ("x", "late", 6.0, 2, "warped"),
+    columns = ["participant", "condition", "value", "place", "previous"]
+    assert found.rows[columns].fillna(-1).to_numpy().tolist() == [
+        ["7", "late", 4.5, 1, ""],
+        ["7", "warped", 3.25, 2, "late"],
+        ["x", "warped", -1, 1, ""],
+        ["x", "late", 6.0, 2, "warped"],
     ]
-    assert found.rows[2].why_missing == "empty in line 4"
+    assert found.rows["why_missing"].iloc[2] == "empty in line 4"
 
 
 @pytest.mark.parametrize("named", ["acr", "stars"])
@@ -43,13 +44,13 @@ def test_rows_without_the_name_of_a_scale_are_not_lost(tmp_path, named):
         {"participant": str(k), "condition": "late", "scale": named if k % 2 else "", "rating": "3"} for k in range(6)
     ]
     found = from_csv(written(tmp_path / "table.csv", rows), SourceOptions(low_is_good=True))
-    assert len(found.rows) == 6 and found.rated_scales() == ("rating", named) and not found.survey
+    assert len(found.rows) == 6 and found.rated_scales() == ["rating", named] and found.survey.empty
 
 
 def test_a_decimal_comma_is_understood_and_noted(tmp_path):
     rows = [row | {"Score": row["Score"].replace(".", ",")} for row in ROWS]
     found = from_csv(written(tmp_path / "german.csv", rows, ";"))
-    assert [row.value for row in found.rows] == [4.5, 3.25, None, 6.0]
+    assert found.rows["value"].fillna(-1).tolist() == [4.5, 3.25, -1, 6.0]
     assert any("3,25 was read as 3.25" in note for note in found.notes)
 
 
@@ -62,12 +63,12 @@ def test_commas_and_points_together_are_not_guessed_at(tmp_path):
 @pytest.mark.parametrize("missing", ["", "n/a", "NA", "nan", "-", ".", "None"])
 def test_missing_has_many_names(tmp_path, missing):
     found = from_csv(written(tmp_path / "table.csv", [*ROWS[:1], {**ROWS[1], "Score": missing}, ROWS[3]]))
-    assert [row.value for row in found.rows] == [4.5, None, 6.0]
+    assert found.rows["value"].fillna(-1).tolist() == [4.5, -1, 6.0]
 
 
 def test_repeats_are_averaged_and_noted(tmp_path):
     found = from_csv(written(tmp_path / "table.csv", [ROWS[0], {**ROWS[0], "Score": "5.5", "Trial": "2"}]))
-    assert found.table("", "grade").values.tolist() == [[5.0]]
+    assert found.table("", "grade").to_numpy().tolist() == [[5.0]]
     assert any("more than once" in note for note in found.notes)
 
 
@@ -91,7 +92,7 @@ def test_columns_may_be_named(tmp_path):
     ):
         from_csv(path)
     found = from_csv(path, SourceOptions({"participant": "who", "condition": "what", "rating": "how"}))
-    assert found.rows[0].condition == "late"
+    assert found.rows["condition"].iloc[0] == "late"
 
 
 WRONG = [
@@ -126,9 +127,9 @@ def test_a_value_outside_of_the_scale_is_a_typing_error(tmp_path):
 def test_pilots_and_programs_never_count_with_people(tmp_path):
     rows = [{**ROWS[0], "origin": "person"}, {**ROWS[3], "origin": "simulated"}, {**ROWS[3], "origin": "pilot"}]
     path = written(tmp_path / "table.csv", rows)
-    assert [row.participant for row in from_csv(path, SourceOptions(low_is_good=True)).rows] == ["7"]
+    assert from_csv(path, SourceOptions(low_is_good=True)).rows["participant"].tolist() == ["7"]
     pilots = from_csv(path, SourceOptions(low_is_good=True, origin="pilot"))
-    assert [row.participant for row in pilots.rows] == ["x"] and any("not of people" in note for note in pilots.notes)
+    assert pilots.rows["participant"].tolist() == ["x"] and any("not of people" in note for note in pilots.notes)
 
 
 @given(st.binary(max_size=300))

@@ -9,7 +9,7 @@ import pytest
 
 from hmdwarp.display import Command
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.long_table import from_contents
 from hmdwarp.study.design import load_design
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel, QuestionPanel
 from hmdwarp.study.export.write import export

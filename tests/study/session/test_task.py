@@ -18,7 +18,7 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import inputs_beside, load_scene, read_inputs, with_targets
 from hmdwarp.study import MeasureOptions
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.long_table import from_contents
 from hmdwarp.study.design import design_as_json, load_design
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel
 from hmdwarp.study.export.export_rows import long_rows
