@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo
-from hmdwarp.study.design import Design
+from hmdwarp.study.design import Comparison, Design
 from hmdwarp.study.respondents import Cohort, Model, Population
+from hmdwarp.study.scales import Scale
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
 
 LATE_OR_WARPED = """
@@ -111,3 +113,26 @@ def _session(cohort: Cohort, person: int) -> dict:
     trials = int(cohort.trials[person])
     about = {"participant": _name(cohort, person), "part": cohort.part.name, "session": 1, "status": why}
     return {**about, "why": "" if why == COMPLETE else why, "rated": trials, "planned": cohort.order.shape[1]}
+
+
+def unlimited(design: Design) -> Design:
+    """The study on scales without ends or steps worth the name: people answer what they feel."""
+    scales = (attrs.evolve(scale, least=-1000.0, most=1000.0, step=1e-6) for scale in design.scales)
+    return attrs.evolve(design, scales=tuple(scales))
+
+
+def per_condition(cohort: Cohort, scale: str) -> np.ndarray:
+    """(n, conditions) means of each person's answers over the repeats."""
+    values = cohort.answers[scale]
+    found = [np.where(cohort.order == k, values, np.nan) for k in range(len(cohort.part.conditions))]
+    with np.errstate(invalid="ignore"):
+        sums, counts = np.nansum(found, axis=2), (~np.isnan(found)).sum(axis=2)
+        return np.where(counts, sums / counts, np.nan).T
+
+
+def differences(cohort: Cohort, scale: Scale, comparison: Comparison) -> np.ndarray:
+    """How much better `better` was rated than the baseline, by each who rated both."""
+    names = [condition.name for condition in cohort.part.conditions]
+    rated = per_condition(cohort, scale.name)
+    out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
+    return (out if scale.low_is_good else -out)[~np.isnan(out)]

@@ -1,4 +1,4 @@
-"""Commands on the ratings of a study: tests, intervals and plots; what predicts them."""
+"""Analysis of the ratings of a study: tests, intervals and plots."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import typer
 
 from ...errors import InputError
 from ...options import Declared, Number, PaperOptions, force_field, group, option, out_field
-from .._options import JSON, QUIET, Said, as_json, command_line, takes
-from ._options import origin_of, pilot_field, simulated_field, store_field
+from .._options import QUIET, Said, command_line, takes
+from ._options import pilot_field, simulated_field, store_field
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -203,61 +203,3 @@ def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:
         folded = zip(names[1:], cells[1:], strict=True)
         names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
     return terminal_table(names, lines, title=title, title_style="bold")
-
-
-@attrs.frozen
-class PredictOptions(Declared):
-    """Whose ratings to predict."""
-
-    studies: tuple[str, ...] = option(
-        attrs.NOTHING,
-        "Studies: .toml files with their data beside them, or names of shipped ones.",
-        kind=list,
-        positional=True,
-        metavar="STUDY",
-        names_files=True,
-    )
-    scale: str = option("", "Scale of the ratings; by default the first that all studies have.")
-    pilot: bool = pilot_field()
-    simulated: bool = simulated_field()
-
-
-@takes(PredictOptions, JSON)
-def predict(said: Said) -> None:
-    """Say which picture measure follows the ratings best, over all studies given, and how surely.
-
-    Pictures must have been measured (`study measure`). The choice of the measure is tested on
-    people who took no part in it.
-    """
-    from ...errors import InputError
-    from ...study.analysis.long_table import SourceOptions, ratings_from
-    from ...study.analysis.predict import pooled, prediction_data
-
-    options = PredictOptions.of(said)
-    places = [Path(name).resolve() for name in options.studies]
-    if doubled := [name for name, place in zip(options.studies, places, strict=True) if places.count(place) > 1]:
-        raise InputError(f"{doubled[0]} is given twice: its people would count twice")
-    source = SourceOptions({}, "", None, origin_of(options.pilot, options.simulated))
-    found = {name: ratings_from(name, None, source).rows for name in options.studies}
-    scale, rows = pooled(found, options.scale)
-    data = prediction_data(rows, scale)
-    if data is None:
-        raise InputError("no picture of these studies was measured: 'hmdwarp study measure STUDY' first")
-    if said["json"]:
-        typer.echo(as_json({"scale": scale, "studies": list(options.studies), **data}))
-    else:
-        _print_prediction(data, scale, options.studies)
-
-
-def _print_prediction(data: dict[str, Any], scale: str, studies: tuple[str, ...]) -> None:
-    from ...report import listed
-    from ...report.study import prediction_lines
-    from .._show import console, paragraph
-
-    paragraph(f"Ratings on {scale} of {listed(studies)}.")
-    if data["measures"]:
-        typer.echo()
-        console().print(lines_as_table("What goes with the ratings", *prediction_lines(data["measures"])))
-    for sentence in data["sentences"]:
-        typer.echo()
-        paragraph(sentence)

@@ -16,9 +16,9 @@ from ...report.study import csv_tables, study_page
 from ...resources import __version__, made_with
 from ..design import SHIPPED, Family
 from . import findings, sentences
+from .correlation import correlation_data
 from .findings import Claims, Resampling, families_for, load_claims
 from .long_table import TASK_MEASURES, Ratings, SourceOptions, from_csv
-from .predict import prediction_data
 
 SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
@@ -107,7 +107,7 @@ def _on_scale(
         ],
         "why_step": "" if claims is None else claims.why_step,
         "missing": findings.missing_rows(ratings, scale),
-        "prediction": prediction_data(ratings.rows, scale),
+        "prediction": correlation_data(ratings.rows, scale),
     }
 
 

@@ -8,8 +8,8 @@ from scipy import stats
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.findings import condition_rows
+from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import frame, from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.design.outline import session_phases

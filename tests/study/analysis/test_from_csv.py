@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.findings import families_for
+from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 
 from .tables import PUBLISHED, written

@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.findings import Resampling, preference_results
+from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import Ratings, from_contents
 from hmdwarp.study.analysis.sentences import said_of_preferences
 from hmdwarp.study.design import Ask, Show, design_from_text, pair_of, steps_of

@@ -12,8 +12,8 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.report import p_text, signed
-from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.findings import Resampling, claims_for, load_claims
+from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import SourceOptions, from_csv, ratings_from
 from hmdwarp.study.design import SHIPPED
 

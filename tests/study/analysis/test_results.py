@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import comparison_lines, render_study_report
-from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.findings import copied_rows, load_claims, order_effects
+from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
 from hmdwarp.study.analysis.sentences import sentence_of_copied, sentence_of_reference, sentences_of_order
 from hmdwarp.study.design import Comparison, Family
