@@ -36,9 +36,7 @@ class AnalyseOptions(Declared):
     low_is_good: bool | None = option(
         None, "Direction of a table's ratings, if it does not give it.", off="--high-is-good"
     )
-    column: _Texts = option(
-        None, "Column for a role: rating=mos, participant=who; may be repeated.", kind=list, metavar="ROLE=NAME"
-    )
+    columns: str = option("", "Columns of a table by their roles, where they have other names.", metavar="ROLE=NAME,..")
     family: _Texts = option(
         None,
         "Compare these pairs instead of the planned ones, as one family; may be repeated.",
@@ -72,7 +70,7 @@ def analyse(said: Said) -> None:
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
-    columns = SourceOptions(_columns(options.column), options.scale, options.low_is_good, origin)
+    columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin)
     with analysis_folder(options.out, force=options.force) as out:
         ratings = ratings_from(options.source, options.store, columns)
         published, note = claims_for(options.claims, ratings, columns)
@@ -85,11 +83,10 @@ def analyse(said: Said) -> None:
         typer.echo(f"report: {page}")
 
 
-def _columns(texts: _Texts) -> dict[str, str]:
-    pairs = [text.partition("=") for text in texts or ()]
-    for text, (role, _, name) in zip(texts or (), pairs, strict=True):
-        if not role or not name:
-            raise InputError(f"--column '{text}': expected ROLE=NAME, like rating=mos")
+def _columns(text: str) -> dict[str, str]:
+    pairs = [pair.partition("=") for pair in filter(None, text.split(","))]
+    if not all(role and name for role, _, name in pairs):
+        raise InputError(f"--columns '{text}': expected ROLE=NAME,.., like participant=who,rating=mos")
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 

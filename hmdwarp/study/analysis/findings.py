@@ -311,7 +311,10 @@ def _requested(text: str, name: str, ratings: Ratings) -> list[Family]:
 def _default_pairs(ratings: Ratings, part: str) -> tuple[list[tuple[str, str]], str]:
     names = ratings.conditions(part)
     settings = {name: ratings.settings(part, name) for name in names}
-    alike = {name: (own.get("latency_ms"), own.get("scene")) for name, own in settings.items()}
+    alike = {
+        name: {key: str(value) for key, value in own.items() if key not in ("warp", "fill")}
+        for name, own in settings.items()
+    }
     bare = [name for name in names if settings[name].get("warp") == "none" and "latency_ms" in settings[name]]
     pairs = [(a, b) for a in bare for b in names if settings[b].get("warp", "none") != "none" and alike[a] == alike[b]]
     if pairs:

@@ -10,7 +10,6 @@ import csv
 import functools
 import io
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,9 +19,9 @@ import pandas as pd
 
 from ...errors import InputError
 from ...options import RATINGS, text_in
-from ...report import counted, raw_text
+from ...report import counted, listed, raw_text
 from .. import store as stored
-from ..design import ONLY_PART, SHIPPED, Design, Family, every_scale, load_design
+from ..design import ONLY_PART, SHIPPED, Design, Family, Show, every_scale, load_design
 from ..export.export_rows import SessionData, answer_row, declined, of_origin, sessions_of, unconsented
 from ..export.table_columns import CANNOT_SAY, NOT_ASKED
 from ..export.write import no_sessions
@@ -135,15 +134,17 @@ class Ratings:
 
     @functools.cached_property
     def _known(self) -> dict[tuple[str, str], dict[str, Any]]:
-        """What is known of each condition's SETTINGS, by part and name."""
+        """What is known of each condition, by part and name: its plan's settings, or SETTINGS."""
         rows = self.rows.drop_duplicates(["part", "condition"]).to_dict("records")
         return {
-            (row["part"], row["condition"]): {n: row[n] for n in SETTINGS if n in row and pd.notna(row[n])}
+            (row["part"], row["condition"]): row["settings"]
+            if "settings" in row
+            else {n: row[n] for n in SETTINGS if n in row and pd.notna(row[n])}
             for row in rows
         }
 
     def settings(self, part: str, condition: str) -> dict[str, Any]:
-        """Return what is known of a condition's SETTINGS."""
+        """Return what is known of a condition's settings."""
         return self._known.get((part, condition), {})
 
     def references(self, part: str) -> list[str]:
@@ -192,7 +193,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
                     row | _pair(data, ask.about) | {"answer": row["value"], "allows_ties": ask.scale.allows_ties}
                 )
             elif ask.scale.kind == RATING:
-                rows["rows"].append(row)
+                rows["rows"].append(row | _planned(data.shows[ask.about]))
             elif row["value"] is not None:
                 rows["survey"].append(row)
             if ask.scale.kind in (RATING, PREFERENCE) and row["value"] is not None:
@@ -216,6 +217,11 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
     return _without_part(found) if [*found.planned] == [ONLY_PART] else found
 
 
+def _planned(show: Show) -> dict[str, Any]:
+    settings = show.condition.settings
+    return {"settings": {"latency_ms" if name == "latency" else name: value for name, value in settings.items()}}
+
+
 def _pair(data: SessionData, about: str) -> dict[str, Any]:
     """Return what was shown first and second, and the hidden reference."""
     second = data.shows[about]
@@ -230,7 +236,8 @@ def _task_rows(design: Design, data: SessionData) -> list[dict[str, Any]]:
     asks = {ask.about: ask for ask in data.asks.values()}
     found = []
     for show in (show for show in data.judged.values() if show.task is not None):
-        row = answer_row(design, data, asks[show.key], None) | {"place": show.trial, "low_is_good": True}
+        row = answer_row(design, data, asks[show.key], None) | _planned(show)
+        row |= {"place": show.trial, "low_is_good": True}
         row = {name: value for name, value in row.items() if not name.startswith(("actual_", "measured_"))}
         why = "no target was found" if show.key in seen else _WHY.get(f"session {data.session.status}", "not answered")
         for name in TASK_MEASURES:
@@ -271,24 +278,15 @@ def _notes(contents: Contents, kept: Contents, design: Design, origin: str) -> I
 
 # --- from a table, one rating in a line
 
-# Names of the columns for each role; the first name that the table has counts.
+# Columns of each role: those of an export, and of the ratings that the thesis published.
 ROLES: Mapping[str, tuple[str, ...]] = {
-    "participant": (
-        *("participant", "participant_id", "ppid", "sub", "subject", "subject_id", "person", "observer", "user"),
-        *("vp", "id"),
-    ),
-    "rating": ("rating", "value", "score", "grade", "response", "answer", "vote", "mos"),
-    "condition": ("condition", "cond", "treatment", "stimulus"),
-    "part": ("part", "run", "group", "experiment"),
-    "place": ("trial", "place", "position", "order", "trial_number"),
-    "repeat": ("repeat", "repetition", "rep"),
-    "session": ("session", "ses"),
-    "reference": ("reference", "hidden_reference"),
-    "latency_ms": ("latency_ms", "latency", "delay_ms", "delay"),
-    "warp": ("warp", "method"),
-    **{name: (name,) for name in ("previous", "scale", "item", "origin", "status", "low_is_good", "fill", "scene")},
+    "participant": ("participant",),
+    "rating": ("value", "rating"),
+    "part": ("part", "run"),
+    "place": ("trial",),
+    **{name: (name,) for name in ("condition", "repeat", "session", "reference", *SETTINGS)},
+    **{name: (name,) for name in ("previous", "scale", "item", "origin", "status", "low_is_good")},
 }
-_FALLBACK = "test"  # number of the test: the condition, where no other column gives it
 _MISSING = frozenset({"", "n/a", "na", "nan", "null", "none", ".", "-", "?", "missing"})
 _ORIGINS = ("person", "simulated", "pilot")
 
@@ -306,9 +304,9 @@ class SourceOptions:
 def from_csv(path: Path, options: SourceOptions = SourceOptions()) -> Ratings:  # noqa: B008  (frozen)
     """Read the ratings of a long table, one per row.
 
-    Columns are recognised by their names (ROLES), delimiters are , ; and tab. An empty field is a
-    missing rating. Several ratings of one participant of one condition are repeats. A decimal comma
-    is read as such where no value has a point.
+    Columns have the names of an export (ROLES) unless options name them; between is , ; or tab.
+    An empty field is a missing rating. Several ratings of one participant of one condition are
+    repeats. A decimal comma is read as such where no value has a point.
     Errors: InputError naming the file, the line, what was found and what was expected.
     """
     data, part_column = _lines(path, options.columns)
@@ -384,36 +382,27 @@ def _lines(path: Path, named: Mapping[str, str]) -> tuple[pd.DataFrame, str]:
 
 def _roles(header: Sequence[str], named: Mapping[str, str], path: str) -> dict[str, int]:
     """Return the column of each role. named: role to column name, from the user."""
-    plain = [_plain(name) for name in header]
     found: dict[str, int] = {}
     for role, name in named.items():
         if role not in ROLES:
-            raise InputError(f"--column {role}={name}: expected one of {', '.join(ROLES)} before the '='")
-        if _plain(name) not in plain:
-            raise InputError(f"{path}:1: no column '{name}' (--column {role}={name}); there are {', '.join(header)}")
-        found[role] = plain.index(_plain(name))
+            raise InputError(f"--columns {role}={name}: expected one of {', '.join(ROLES)} before the '='")
+        if name not in header:
+            raise InputError(f"{path}:1: no column '{name}' (--columns {role}={name}); there are {', '.join(header)}")
+        found[role] = header.index(name)
     for role, names in ROLES.items():
-        place = next((plain.index(name) for name in names if name in plain), None)
-        if role not in found and place is not None and place not in found.values():
-            found[role] = place
-    if _FALLBACK in plain and not {"condition", "latency_ms", "warp"} & set(found):
-        found["condition"] = plain.index(_FALLBACK)
-    for role in ("participant", "rating"):
-        if role not in found:
-            raise InputError(
-                f"{path}:1: no column for the {role} among {', '.join(header)}: "
-                f"expected one of {', '.join(ROLES[role])}; or name it: --column {role}=NAME"
-            )
-    if not {"condition", *SETTINGS} & set(found):
+        known = [name for name in names if name in header and header.index(name) not in found.values()]
+        if role not in found and known:
+            found[role] = header.index(known[0])
+    lacking = [role for role in ("participant", "rating") if role not in found]
+    lacking += [] if {"condition", *SETTINGS} & set(found) else ["condition"]
+    if lacking:
+        free = [name for name in header if header.index(name) not in found.values()] or header
+        example = ",".join(f"{role}={name}" for role, name in zip(lacking, free, strict=False))
         raise InputError(
-            f"{path}:1: no column gives the condition: expected 'condition', or latency_ms, warp and fill; "
-            "or name it: --column condition=NAME"
+            f"{path}:1: no column named {listed(lacking)} among {', '.join(header)}: name each, as in --columns "
+            f"'{example}'"
         )
     return found
-
-
-def _plain(name: str) -> str:
-    return re.sub(r"[\s\-]+", "_", name.strip().lower())
 
 
 def _lacks(texts: pd.Series, but: str | None = None) -> pd.Series:

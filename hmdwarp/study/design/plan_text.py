@@ -219,7 +219,7 @@ def power_as_json(design: Design, people: int) -> list[dict[str, Any]]:
 
 def power_rows(found: Mapping[str, Any]) -> Rows:
     """Describe one entry of power_as_json."""
-    strict = f" / {found['comparisons']}, the strictest step of Holm's" if found["comparisons"] > 1 else ""
+    strict = f" / {found['comparisons']} (Holm's strictest step)" if found["comparisons"] > 1 else ""
     rows = [
         (
             f"{row['effect']:g} {found['unit']}",

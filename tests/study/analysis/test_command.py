@@ -154,7 +154,7 @@ WRONG = [
     (("thezis",), "thesis"),
     (("quick",), "there are no data of 'quick' yet"),
     ((PUBLISHED, "--family", "a:b"), "no part has both 'a' and 'b'"),
-    ((PUBLISHED, "--column", "grade"), "expected ROLE=NAME"),
+    ((PUBLISHED, "--columns", "grade"), "expected ROLE=NAME,.."),
     ((PUBLISHED, "--scale", "acr"), "thesis_ratings.csv:46: rating 6"),
     ((PUBLISHED, "--pilot", "--simulated"), "never mixed"),
     ((PUBLISHED, "--claims", "none.toml"), "none.toml: no such file"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+import csv
 
 import numpy as np
 import pytest
@@ -193,10 +193,10 @@ def test_from_the_store_to_the_page(tmp_path, order):
     assert "What was preferred" in page
     assert "Every rating" not in page
     export(contents, design, tmp_path / "out", ExportOptions(origin=SIMULATED, parquet=False))
-    lines = (tmp_path / "out" / "preferences.csv").read_text().splitlines()
-    heads = lines[0].split(",")
-    rows = [SimpleNamespace(**dict(zip(heads, line.split(","), strict=True))) for line in lines[1:]]
+    with (tmp_path / "out" / "ratings.csv").open(encoding="utf-8", newline="") as table:
+        rows = list(csv.DictReader(table))
     assert len(rows) == len(ratings.preferences)
     for row, one in zip(rows, ratings.preferences.itertuples(), strict=True):
         said = {1.0: one.first, 2.0: one.second, NEITHER: "neither"}.get(one.answer, "n/a")
-        assert (row.participant, row.first, row.second, row.preferred) == (one.participant, one.first, one.second, said)
+        found = [row[name] for name in ("participant", "first", "condition", "preferred")]
+        assert found == [one.participant, one.first, one.second, said]

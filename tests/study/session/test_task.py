@@ -21,7 +21,7 @@ from hmdwarp.study.analysis.full_analysis import analyse
 from hmdwarp.study.analysis.long_table import from_contents
 from hmdwarp.study.design import design_as_json, load_design
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel
-from hmdwarp.study.export.export_rows import long_rows
+from hmdwarp.study.export.export_rows import answer_rows, long_rows
 from hmdwarp.study.measure import run_options
 from hmdwarp.study.session.wording import TaskScore
 from hmdwarp.study.store.signature import plan_signature
@@ -156,7 +156,7 @@ def test_the_score_is_exported_and_analysed_with_the_rating(monkeypatch, gpu, tm
     for code in ("P1", "P2"):
         run(monkeypatch, gpu, path, person=Selecting(), participant=code)
     stored, design = contents(path), load_design(str(path))
-    assert all(row["actual_task_targets"] == 2 for row in long_rows(stored, design))
+    assert all(row["actual_task_targets"] == 2 for row in long_rows(answer_rows(stored, design)))
     ratings = from_contents(stored, design)
     assert ratings.rated_scales() == ("grade", "task_target_s", "task_misses")
     misses = {(row.place, row.value) for row in ratings.rows if row.scale == "task_misses"}

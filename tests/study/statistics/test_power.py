@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,6 +23,8 @@ from hmdwarp.study.statistics import (
 )
 
 from ..analysis.test_preferences import design_of
+
+DOCS = (Path(__file__).parents[3] / "docs" / "study-analysis.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(
@@ -72,7 +75,9 @@ def test_more_people_than_enough_are_enough():
 
 
 def test_the_plan_says_the_power_of_its_test_and_what_it_assumes():
-    said = " ".join(hmdwarp("study", "plan", "quick", "--people", "24").stdout.split())
+    whole = hmdwarp("study", "plan", "quick", "--people", "24").stdout
+    assert "Power of one comparison" + DOCS.split("```text\nPower of one comparison")[1].split("```")[0] in whole
+    said = " ".join(whole.split())
     assert "exact signed-rank test, p below 0.05 / 2" in said
     assert "independent people" in said and "which is normal" in said
     (found,) = json.loads(hmdwarp("study", "plan", "quick", "--people", "24", "--json").stdout)["power"]
