@@ -42,7 +42,7 @@ class PlanOptions(Declared):
     study: str = study_field()
     json: bool = option(False, "Print the plan as one JSON object.")
     orders: bool = option(False, "Print every order as well.")
-    people: int = option(20, "Number of people whose power is printed, in each part.", valid=Number(least=1, most=200))
+    people: int = option(20, "Number of people whose power is printed, in each part.", valid=Number(least=2, most=100))
 
 
 @takes(PlanOptions)

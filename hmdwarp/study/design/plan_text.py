@@ -11,14 +11,7 @@ import attrs
 
 from ...report import counted, listed, pair_text
 from ..scales import Scale
-from ..statistics import (
-    JOD_SPREAD,
-    people_for_sign,
-    people_for_signed_rank,
-    sign_power,
-    signed_rank_power,
-    smallest_p,
-)
+from ..statistics import JOD_SPREAD, people_for_sign, people_for_signed_rank, sign_power, signed_rank_power, smallest_p
 from .definitions import (
     ADAPTIVE,
     BOTH,

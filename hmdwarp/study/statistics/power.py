@@ -54,7 +54,7 @@ def people_for_signed_rank(effect: float, alpha: float) -> int:
     """Return the fewest people who find an effect by TARGET: some pi / 3 of Student's number."""
     from scipy.special import ndtri
 
-    people = round(math.pi / 3 * ((ndtri(1 - alpha / 2) + ndtri(TARGET)) / effect) ** 2) + 2
+    people = int(math.pi / 3 * float((ndtri(1 - alpha / 2) + ndtri(TARGET)) / effect) ** 2) + 2
     while signed_rank_power(people, effect, alpha) < TARGET:
         people += 1
     while signed_rank_power(people - 1, effect, alpha) >= TARGET:
