@@ -158,11 +158,11 @@ def test_the_score_is_exported_and_analysed_with_the_rating(monkeypatch, gpu, tm
     stored, design = contents(path), load_design(str(path))
     assert all(row["actual_task_targets"] == 2 for row in long_rows(answer_rows(stored, design)))
     ratings = from_contents(stored, design)
-    assert ratings.rated_scales() == ("grade", "task_target_s", "task_misses")
-    misses = {(row.place, row.value) for row in ratings.rows if row.scale == "task_misses"}
+    assert ratings.rated_scales() == ["grade", "task_target_s", "task_misses"]
+    misses = {(row.place, row.value) for row in ratings.rows.itertuples() if row.scale == "task_misses"}
     assert misses == {(showing.trial, showing.actual["task_misses"]) for showing in stored.showings}
     found = analyse(ratings)
-    assert [scale["measure"]["name"] for scale in found["scales"]] == list(ratings.rated_scales())
+    assert [scale["measure"]["name"] for scale in found["scales"]] == ratings.rated_scales()
     assert found["ratings"] == 4
     assert found["scales"][2]["comparisons"][0]["n"] == 2
 
