@@ -124,7 +124,7 @@ def holds(interval: tuple[float, float], value: float) -> bool:
 
 def without_effect(design: Design, model: Model, n: int, studies: int, seed: int) -> False_:
     """How often something is found where there is nothing."""
-    means = {condition.name: 3.0 for condition in design.part(PART).conditions}
+    means = {condition.name: 3.5 for condition in design.part(PART).conditions}
     model = attrs.evolve(model, ratings={"grade": attrs.evolve(model.ratings["grade"], means=means)})
     population, scale = Population(model, design, PART), design.scales[0]
     ps, found = [], []
