@@ -185,6 +185,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
     rows: dict[str, list[dict[str, Any]]] = {"rows": [], "survey": [], "preferences": [], "sessions": []}
     for data in sessions_of(kept, design):
         session, judged = data.session, []
+        scored = {scale.name for scale in data.plan.scales if scale.kind == RATING}
         for ask in data.asks.values():
             row = answer_row(design, data, ask, data.last(ask)) | {"place": ask.trial}
             row["why_missing"] = _WHY.get(row["why_missing"] or "", "")
@@ -192,11 +193,13 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
                 rows["preferences"].append(
                     row | _pair(data, ask.about) | {"answer": row["value"], "allows_ties": ask.scale.allows_ties}
                 )
-            elif ask.scale.kind == RATING:
+            elif ask.scale.kind == RATING and ask.phase == "trial":
                 rows["rows"].append(row | _planned(data.shows[ask.about]))
-            elif row["value"] is not None:
-                rows["survey"].append(row)
-            if ask.scale.kind in (RATING, PREFERENCE) and row["value"] is not None:
+            else:  # a rating before or after the trials is of no condition
+                if row["value"] is not None and ask.scale.name not in scored:
+                    rows["survey"].append(row)
+                continue
+            if row["value"] is not None:
                 judged.append(ask.trial)
         rows["rows"] += _task_rows(design, data)
         about = {"participant": session.sub, "part": session.part, "session": session.number, "status": session.status}

@@ -93,7 +93,7 @@ def test_exactly_four_figures_of_the_thesis_do_not_follow(whole):
 
 def test_a_claim_about_conditions_without_common_raters_says_so(tmp_path):
     table, path = tmp_path / "ratings.csv", tmp_path / "claims.toml"
-    table.write_text("person,part,condition,rating\n1,run,late,5.5\n2,run,warped,2\n", encoding="utf-8")
+    table.write_text("participant,part,condition,rating\n1,run,late,5.5\n2,run,warped,2\n", encoding="utf-8")
     said = 'title = "the paper"\n[[claim]]\npart = "run"\nbaseline = "late"\nbetter = "warped"\ndifference = 0.4\n'
     path.write_text(said, encoding="utf-8")
     (claim,) = analyse(from_csv(table), claims=load_claims(path))["scales"][0]["claims"]

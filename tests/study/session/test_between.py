@@ -226,6 +226,7 @@ def test_without_the_consent_a_session_that_the_experimenter_ends_counts_nowhere
     run(monkeypatch, gpu, path, participant="P2")
     ratings = from_contents(contents(path), load_design(str(path)))
     assert ratings.sessions["status"].tolist() == [COMPLETE] and ratings.rows["participant"].nunique() == 1
+    assert (ratings.rows["place"] > 0).all()  # what was asked before the trials is of no condition
     assert any("counted nowhere else: 1." in note for note in ratings.notes)
 
 
