@@ -55,7 +55,6 @@ PRINTED: Mapping[str, tuple[str, bool]] = {
     "held out": ("tests/held_out.py", True),
     "sweeps": ("tests/sweep_scale.py", True),
     "coverage": ("-m tests.study.coverage", True),
-    "power": ("-m hmdwarp study power quick --effect 0.5 --out {folder}/power", False),
 }
 
 

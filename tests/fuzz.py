@@ -560,7 +560,7 @@ def _scenes() -> Iterator[tuple[str, Target]]:
 def _tables() -> Iterator[tuple[str, Target]]:
     from hmdwarp.client.classes import load_client
     from hmdwarp.headsets import load_headset
-    from hmdwarp.study.analysis.comparisons import load_claims
+    from hmdwarp.study.analysis.findings import load_claims
     from hmdwarp.study.design import load_design
     from hmdwarp.study.respondents import load_model
     from hmdwarp.study.scales import load_scale
@@ -586,7 +586,7 @@ def _tables() -> Iterator[tuple[str, Target]]:
 def _results() -> Iterator[tuple[str, Target]]:
     from hmdwarp.link.delays.trace import read_delays
     from hmdwarp.pipeline.levels import read_rows
-    from hmdwarp.study.analysis.table_ratings import from_csv
+    from hmdwarp.study.analysis.long_table import from_csv
 
     def bench(folder: Path) -> None:
         from bench_files import a_row

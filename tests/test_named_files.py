@@ -40,8 +40,8 @@ from hmdwarp.sources import sequences
 from hmdwarp.sources.feed.key_pairs import public_key
 from hmdwarp.sources.feed.options import secret_in
 from hmdwarp.sources.sequences import read_frame, read_view
-from hmdwarp.study.analysis.comparisons import load_claims
-from hmdwarp.study.analysis.table_ratings import lines_of
+from hmdwarp.study.analysis.findings import load_claims
+from hmdwarp.study.analysis.long_table import from_csv
 from hmdwarp.study.design import load_design
 from hmdwarp.study.design.definitions import resolve_paths
 from hmdwarp.study.respondents import load_model
@@ -58,7 +58,7 @@ READERS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "scale": ("mine.toml", lambda path: load_scale(str(path))),
     "respondents": ("mine.toml", lambda path: load_model(str(path))),
     "published figures": ("mine.toml", load_claims),
-    "ratings": ("mine.csv", lambda path: lines_of(path, {})),
+    "ratings": ("mine.csv", from_csv),
     "delays": ("delays.csv", read_delays),
     "token": ("token", secret_in),
     "server's key": ("server.key", public_key),

@@ -61,13 +61,12 @@ LEFT = {
     "headsets.md": ("out/viewer/report.html",),
     "live.md": ("out/offscreen/report.html", "rehearsal.csv"),
     "replay.md": ("out/turn/replay.mp4", "out/link/report.html", "mine.csv", "mine.tum"),
-    "response-models.md": ("out/power/power.json",),
     "frames.md": ("out/recorded/report.html", "out/recorded/summary.json", "out/recorded-bench/bench.json"),
     "rgbd.md": ("frame.npz", "warped.png"),
     "your-own-scene.md": ("shop.ply", "out/shop/report.html"),
     "thesis.md": ("out/thesis-again/thesis.html", "out/thesis-again/results.csv"),
     "study.md": ("tables/ratings.csv", "analysis/report.html"),
-    "study-analysis.md": ("out/thesis/report.html", "out/power/power.json"),
+    "study-analysis.md": ("out/thesis/report.html",),
 }
 
 

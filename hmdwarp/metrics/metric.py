@@ -71,7 +71,7 @@ class Metric:
     # --- what it is ---
     description: str  # one phrase, for the data dictionary of a study's export
     explanation: str = ""  # sentences for the readers of a report
-    # As a possible predictor of ratings, in the middle of a sentence.
+    # Beside ratings, in the middle of a sentence.
     study_title: str = attrs.field(default=attrs.Factory(lambda self: self.label, takes_self=True))
 
     def of_seen(self, value: float | None, share: float) -> float | None:

@@ -90,7 +90,6 @@ def test_a_folder_is_no_trace(command, quick, kept, tmp_path):
         ("plan", "--headset", "FOLDER"),
         ("plan", "--headset", "FOLDER.toml"),
         ("study", "plan", "FOLDER"),
-        ("study", "power", "quick", "--model", "FOLDER", "--out", "out"),
     ],
 )
 def test_a_folder_is_called_one(arguments, command, tmp_path, monkeypatch):

@@ -40,7 +40,6 @@ FOLDERS = {
         "frames.csv",
     ),
     "analyse": (["study", "analyse", "ratings.csv", "--scale", "acr", "--quiet"], "tables/missing.csv"),
-    "power": (["study", "power", "quick", "--n", "4", "--studies", "10", "--quiet"], "power.csv"),
 }
 FILES = {
     "synth": ["trace", "synth", "walk", "--seconds", "0.1", "--out"],

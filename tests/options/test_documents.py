@@ -23,7 +23,7 @@ from hmdwarp.poses import load_trace
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources import sequences
 from hmdwarp.sources.sequences import read_view
-from hmdwarp.study.analysis.comparisons import load_claims
+from hmdwarp.study.analysis.findings import load_claims
 from hmdwarp.study.design import load_design
 from hmdwarp.study.respondents import load_model
 from hmdwarp.study.scales import load_scale

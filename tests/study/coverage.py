@@ -18,11 +18,11 @@ import numpy as np
 from scipy.stats import binom, t
 
 from hmdwarp.study.design import Comparison, Design, load_design
-from hmdwarp.study.power.planned_models import with_effect
-from hmdwarp.study.power.simulation import differences, significant
 from hmdwarp.study.respondents import Model, Population, load_model
 from hmdwarp.study.respondents.response_model import SicknessModel
-from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, wilcoxon_exact
+from hmdwarp.study.statistics import attained_level, bca, hodges_lehmann, holm, wilcoxon_exact
+
+from .made_up import differences, unlimited
 
 PART, MANY, LEVEL = "run-1", 20_000, 0.95
 FAR = 1e-9  # an end of an interval and a true value that are equal but for the last digits
@@ -77,12 +77,12 @@ def everybody(model: Model) -> Model:
     return attrs.evolve(model, ratings={"grade": rating}, dropout=0.0, sickness=SicknessModel())
 
 
-def true_values(design: Design, model: Model, *, latent: bool = False) -> dict[Comparison, tuple[float, float]]:
+def true_values(design: Design, model: Model) -> dict[Comparison, tuple[float, float]]:
     """(mean, median of the means of all pairs) of the difference, by a large draw."""
     cohort = Population(everybody(model), design, PART).of(range(MANY), seed=999)
     out = {}
     for comparison in design.families[0].comparisons:
-        values = differences(cohort, design.scales[0], comparison, latent=latent)
+        values = differences(cohort, design.scales[0], comparison)
         out[comparison] = (float(values.mean()), pseudomedian(values))
     return out
 
@@ -99,17 +99,18 @@ def pseudomedian(values: np.ndarray) -> float:
 def coverage(design: Design, model: Model, n: int, studies: int, seed: int) -> Coverage:
     """Over so many studies of n people who begin."""
     comparisons = design.families[0].comparisons
-    true, latent_true = true_values(design, model), true_values(design, model, latent=True)
-    population, scale = Population(model, design, PART), design.scales[0]
+    felt = unlimited(design)
+    true, latent_true = true_values(design, model), true_values(felt, model)
+    population, feeling, scale = Population(model, design, PART), Population(model, felt, PART), design.scales[0]
     shape = (studies, len(comparisons))
     pairs, promised = np.zeros(shape, int), np.zeros(shape)
     shift, latent_shift, mean = (np.zeros(shape, bool) for _ in range(3))
     complete = 0
     for study in range(studies):
-        cohort = population.of(range(n), seed, study)
+        cohort, same = population.of(range(n), seed, study), feeling.of(range(n), seed, study)
         complete += cohort.why.count("complete")
         for k, one in enumerate(comparisons):
-            values, latent = differences(cohort, scale, one), differences(cohort, scale, one, latent=True)
+            values, latent = differences(cohort, scale, one), differences(same, scale, one)
             pairs[study, k], promised[study, k] = len(values), attained_level(len(values))
             shift[study, k] = holds(hodges_lehmann(values)[1:], true[one][1])
             latent_shift[study, k] = holds(hodges_lehmann(latent)[1:], latent_true[one][1])
@@ -123,14 +124,15 @@ def holds(interval: tuple[float, float], value: float) -> bool:
 
 def without_effect(design: Design, model: Model, n: int, studies: int, seed: int) -> False_:
     """How often something is found where there is nothing."""
-    model = with_effect(model, design, design.scales[0], 0.0)
+    means = {condition.name: 3.5 for condition in design.part(PART).conditions}
+    model = attrs.evolve(model, ratings={"grade": attrs.evolve(model.ratings["grade"], means=means)})
     population, scale = Population(model, design, PART), design.scales[0]
     ps, found = [], []
     for study in range(studies):
         cohort = population.of(range(n), seed, study)
-        given = {comparison: differences(cohort, scale, comparison) for comparison in design.families[0].comparisons}
-        ps.append([wilcoxon_exact(values).p for values in given.values()])
-        found.append(any(significant(design, given, 1 - LEVEL).values()))
+        one = [wilcoxon_exact(differences(cohort, scale, each)).p for each in design.families[0].comparisons]
+        ps.append(one)
+        found.append(min(holm(one)) <= 1 - LEVEL)
     return False_(n, np.array(ps), np.array(found))
 
 

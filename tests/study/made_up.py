@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 
-from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo, SessionSummary
-from hmdwarp.study.design import Design
+from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo
+from hmdwarp.study.design import Comparison, Design
 from hmdwarp.study.respondents import Cohort, Model, Population
+from hmdwarp.study.scales import Scale
 from hmdwarp.study.store import COMPLETE, SICK, SIMULATED
 
 LATE_OR_WARPED = """
@@ -51,21 +53,21 @@ def simulate_study(design: Design, model: Model, n: int, seed: int, study: int =
     The same numbers give the same ratings; study: another one of the same seed.
     Errors: InputError where the model lacks a scale or a condition of the study.
     """
-    rows: list[Rating] = []
-    sessions: list[SessionSummary] = []
+    rows: list[dict] = []
+    sessions: list[dict] = []
     for part in design.parts:
         cohort = Population(model, design, part.name).of(range(n), seed, study)
         for person in range(n):
             rows += _rows(design, cohort, person)
             sessions.append(_session(cohort, person))
     return Ratings(
-        rows=tuple(rows),
+        rows=rows,
         scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales},
         families=design.families,
         origin=SIMULATED,
         source=f"simulated people ({model.title}), seed {seed}, study {study}",
         title=design.title,
-        sessions=tuple(sessions),
+        sessions=sessions,
     )
 
 
@@ -73,25 +75,25 @@ def _name(cohort: Cohort, person: int) -> str:
     return f"{cohort.part.name}-{person + 1}"
 
 
-def _rows(design: Design, cohort: Cohort, person: int) -> list[Rating]:
+def _rows(design: Design, cohort: Cohort, person: int) -> list[dict]:
     names = [cohort.part.conditions[number] for number in cohort.order[person]]
     rows = []
     for trial, condition in enumerate(names):
         for scale in design.scales:
             value = cohort.answers[scale.name][person, trial]
             rows.append(
-                Rating(
-                    participant=_name(cohort, person),
-                    part=cohort.part.name,
-                    condition=condition.name,
-                    scale=scale.name,
-                    value=None if np.isnan(value) else float(value),
-                    why_missing=_why(cohort, person, trial) if np.isnan(value) else "",
-                    reference=condition.reference,
-                    repeat=trial // len(cohort.part.conditions) + 1,
-                    place=trial + 1,
-                    previous=names[trial - 1].name if trial else "",
-                )
+                {
+                    "participant": _name(cohort, person),
+                    "part": cohort.part.name,
+                    "condition": condition.name,
+                    "scale": scale.name,
+                    "value": None if np.isnan(value) else float(value),
+                    "why_missing": _why(cohort, person, trial) if np.isnan(value) else "",
+                    "reference": condition.reference,
+                    "repeat": trial // len(cohort.part.conditions) + 1,
+                    "place": trial + 1,
+                    "previous": names[trial - 1].name if trial else "",
+                }
             )
     return rows
 
@@ -106,9 +108,31 @@ def _why(cohort: Cohort, person: int, trial: int) -> str:
     )
 
 
-def _session(cohort: Cohort, person: int) -> SessionSummary:
+def _session(cohort: Cohort, person: int) -> dict:
     why = cohort.why[person]
     trials = int(cohort.trials[person])
-    return SessionSummary(
-        _name(cohort, person), cohort.part.name, 1, why, "" if why == COMPLETE else why, trials, cohort.order.shape[1]
-    )
+    about = {"participant": _name(cohort, person), "part": cohort.part.name, "session": 1, "status": why}
+    return {**about, "why": "" if why == COMPLETE else why, "rated": trials, "planned": cohort.order.shape[1]}
+
+
+def unlimited(design: Design) -> Design:
+    """The study on scales without ends or steps worth the name: people answer what they feel."""
+    scales = (attrs.evolve(scale, least=-1000.0, most=1000.0, step=1e-6) for scale in design.scales)
+    return attrs.evolve(design, scales=tuple(scales))
+
+
+def per_condition(cohort: Cohort, scale: str) -> np.ndarray:
+    """(n, conditions) means of each person's answers over the repeats."""
+    values = cohort.answers[scale]
+    found = [np.where(cohort.order == k, values, np.nan) for k in range(len(cohort.part.conditions))]
+    with np.errstate(invalid="ignore"):
+        sums, counts = np.nansum(found, axis=2), (~np.isnan(found)).sum(axis=2)
+        return np.where(counts, sums / counts, np.nan).T
+
+
+def differences(cohort: Cohort, scale: Scale, comparison: Comparison) -> np.ndarray:
+    """How much better `better` was rated than the baseline, by each who rated both."""
+    names = [condition.name for condition in cohort.part.conditions]
+    rated = per_condition(cohort, scale.name)
+    out = rated[:, names.index(comparison.baseline)] - rated[:, names.index(comparison.better)]
+    return (out if scale.low_is_good else -out)[~np.isnan(out)]

@@ -41,13 +41,14 @@ def test_questions_after_trials_are_stored_and_exported_and_are_no_ratings(study
     tiny.ran(*tiny.session(file, model, "P1", "--quiet"))
     tiny.ran("study", "export", file, "--out", folder / "made", "--simulated", "--quiet")
     tiny.ran("study", "analyse", file, "--out", folder / "analysis", "--simulated", "--quiet")
-    with (folder / "made" / "questionnaires.tsv").open(encoding="utf-8", newline="") as table:
+    (answers,) = (folder / "made").glob("bids/sub-*/ses-01/beh/*_beh.tsv")
+    with answers.open(encoding="utf-8", newline="") as table:
         rows = [row for row in csv.DictReader(table, delimiter="\t") if row["scale"] == "why"]
     assert [(row["trial"], row["item"]) for row in rows] == [
         (str(n), k) for n in range(1, 5) for k in ("worst", "words")
     ]
     assert all(row["text"] in ("nothing", "black borders", "shaking") for row in rows if row["item"] == "worst")
-    with (folder / "made" / "ratings_short.csv").open(encoding="utf-8", newline="") as table:
+    with (folder / "made" / "ratings.csv").open(encoding="utf-8", newline="") as table:
         assert [row["scale"] for row in csv.DictReader(table)] == ["grade"] * 4
 
 

@@ -15,8 +15,6 @@ for command in (
     stores.merge,
     stores.export,
     analyse.analyse,
-    analyse.predict,
-    plan.power,
     stores.withdraw,
     stores.recover,
 ):

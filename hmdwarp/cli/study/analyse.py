@@ -1,4 +1,4 @@
-"""Commands on the ratings of a study: tests, intervals and plots; what predicts them."""
+"""Analysis of the ratings of a study: tests, intervals and plots."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import typer
 
 from ...errors import InputError
 from ...options import Declared, Number, PaperOptions, force_field, group, option, out_field
-from .._options import JSON, QUIET, Said, as_json, command_line, takes
-from ._options import origin_of, pilot_field, simulated_field, store_field
+from .._options import QUIET, Said, command_line, takes
+from ._options import pilot_field, simulated_field, store_field
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -36,9 +36,7 @@ class AnalyseOptions(Declared):
     low_is_good: bool | None = option(
         None, "Direction of a table's ratings, if it does not give it.", off="--high-is-good"
     )
-    column: _Texts = option(
-        None, "Column for a role: rating=mos, participant=who; may be repeated.", kind=list, metavar="ROLE=NAME"
-    )
+    columns: str = option("", "Columns of a table by their roles, where they have other names.", metavar="ROLE=NAME,..")
     family: _Texts = option(
         None,
         "Compare these pairs instead of the planned ones, as one family; may be repeated.",
@@ -65,15 +63,14 @@ def analyse(said: Said) -> None:
     Only sessions with people count; --pilot and --simulated analyse the others by themselves. The
     name of a shipped study without sessions stands for the ratings published with it ('thesis').
     """
-    from ...study.analysis.comparisons import Resampling
+    from ...study.analysis.findings import Resampling, claims_for
     from ...study.analysis.full_analysis import analyse as run
     from ...study.analysis.full_analysis import analysis_folder, write_analysis
-    from ...study.analysis.sources import claims_for, ratings_from
-    from ...study.analysis.table_ratings import SourceOptions
+    from ...study.analysis.long_table import SourceOptions, ratings_from
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
-    columns = SourceOptions(_columns(options.column), options.scale, options.low_is_good, origin)
+    columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin)
     with analysis_folder(options.out, force=options.force) as out:
         ratings = ratings_from(options.source, options.store, columns)
         published, note = claims_for(options.claims, ratings, columns)
@@ -86,11 +83,10 @@ def analyse(said: Said) -> None:
         typer.echo(f"report: {page}")
 
 
-def _columns(texts: _Texts) -> dict[str, str]:
-    pairs = [text.partition("=") for text in texts or ()]
-    for text, (role, _, name) in zip(texts or (), pairs, strict=True):
-        if not role or not name:
-            raise InputError(f"--column '{text}': expected ROLE=NAME, like rating=mos")
+def _columns(text: str) -> dict[str, str]:
+    pairs = [pair.partition("=") for pair in filter(None, text.split(","))]
+    if not all(role and name for role, _, name in pairs):
+        raise InputError(f"--columns '{text}': expected ROLE=NAME,.., like participant=who,rating=mos")
     return {role.strip(): name.strip() for role, _, name in pairs}
 
 
@@ -204,62 +200,3 @@ def lines_as_table(title: str, heads: Any, lines: list[list[str]]) -> Table:
         folded = zip(names[1:], cells[1:], strict=True)
         names[1:] = [textwrap.fill(name, max(cell, 1), break_long_words=False) for name, cell in folded]
     return terminal_table(names, lines, title=title, title_style="bold")
-
-
-@attrs.frozen
-class PredictOptions(Declared):
-    """Whose ratings to predict."""
-
-    studies: tuple[str, ...] = option(
-        attrs.NOTHING,
-        "Studies: .toml files with their data beside them, or names of shipped ones.",
-        kind=list,
-        positional=True,
-        metavar="STUDY",
-        names_files=True,
-    )
-    scale: str = option("", "Scale of the ratings; by default the first that all studies have.")
-    pilot: bool = pilot_field()
-    simulated: bool = simulated_field()
-
-
-@takes(PredictOptions, JSON)
-def predict(said: Said) -> None:
-    """Say which picture measure follows the ratings best, over all studies given, and how surely.
-
-    Pictures must have been measured (`study measure`). The choice of the measure is tested on
-    people who took no part in it.
-    """
-    from ...errors import InputError
-    from ...study.analysis.sources import ratings_from
-    from ...study.analysis.table_ratings import SourceOptions
-    from ...study.prediction import pooled, prediction_data
-
-    options = PredictOptions.of(said)
-    places = [Path(name).resolve() for name in options.studies]
-    if doubled := [name for name, place in zip(options.studies, places, strict=True) if places.count(place) > 1]:
-        raise InputError(f"{doubled[0]} is given twice: its people would count twice")
-    source = SourceOptions({}, "", None, origin_of(options.pilot, options.simulated))
-    found = {name: ratings_from(name, None, source).long for name in options.studies}
-    scale, rows = pooled(found, options.scale)
-    data = prediction_data(rows, scale)
-    if data is None:
-        raise InputError("no picture of these studies was measured: 'hmdwarp study measure STUDY' first")
-    if said["json"]:
-        typer.echo(as_json({"scale": scale, "studies": list(options.studies), **data}))
-    else:
-        _print_prediction(data, scale, options.studies)
-
-
-def _print_prediction(data: dict[str, Any], scale: str, studies: tuple[str, ...]) -> None:
-    from ...report import listed
-    from ...report.study import prediction_lines
-    from .._show import console, paragraph
-
-    paragraph(f"Ratings on {scale} of {listed(studies)}.")
-    if data["measures"]:
-        typer.echo()
-        console().print(lines_as_table("What goes with the ratings", *prediction_lines(data["measures"])))
-    for sentence in data["sentences"]:
-        typer.echo()
-        paragraph(sentence)

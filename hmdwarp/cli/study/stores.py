@@ -53,11 +53,9 @@ class ExportCommand(Declared):
     """An export."""
 
     study: str = study_field()
-    out: Path = out_field(attrs.NOTHING, "A new folder for the tables and the BIDS data set.")
+    out: Path = out_field(attrs.NOTHING, "A new folder for the table and the BIDS data set.")
     force: bool = force_field()
     data: DataOptions = group(DataOptions)
-    remarks: bool = option(False, "Also remarks, which may name people.")
-    all_revisions: bool = option(False, "Also every answer that was corrected later.")
     parquet: bool | None = option(
         None, "Write ratings.parquet; by default where pyarrow is installed.", off="--no-parquet"
     )
@@ -65,7 +63,7 @@ class ExportCommand(Declared):
 
 @takes(ExportCommand, QUIET)
 def export(said: Said) -> None:
-    """Write the ratings as CSV, TSV and Parquet, and the study as BIDS with the head motion."""
+    """Write the ratings as CSV and Parquet, and the study as BIDS with the head motion."""
     from ...study.design import load_design
     from ...study.export.write import ExportOptions
     from ...study.export.write import export as run
@@ -77,13 +75,7 @@ def export(said: Said) -> None:
     design = load_design(wanted.study, checked=False)
     with Store(folder_to_read(design, wanted.data.store, origin), study=design.name) as data:
         contents = data.contents(pilot=wanted.data.pilot)
-    options = ExportOptions(
-        origin=origin,
-        remarks=wanted.remarks,
-        revisions=wanted.all_revisions,
-        parquet=wanted.parquet,
-        force=wanted.force,
-    )
+    options = ExportOptions(origin=origin, parquet=wanted.parquet, force=wanted.force)
     with steps("recordings", quiet=said["quiet"]) as (progress, _):
         made = run(contents, design, wanted.out, options, progress)
     if not said["quiet"]:

@@ -1,17 +1,15 @@
-"""The charts of a study: ratings, differences, scores, places of trials; power by people."""
+"""The charts of a study: ratings, differences, scores, places of trials."""
 
 from __future__ import annotations
 
 import textwrap
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import attrs
 import numpy as np
 
-from ..charts import Style, canvas, empty_figure, legend, mark, name_rows, svg_text
-from ..style import PAGE, PAPER, SERIES
+from ..charts import Style, canvas, legend, mark, name_rows, svg_text
+from ..style import PAGE, SERIES
 from .results import condition_text
 
 if TYPE_CHECKING:
@@ -100,16 +98,6 @@ def place_chart(part: Row, measure: Row) -> str:
         means = [rest[places == level].mean() for level in levels]
         axes.plot(levels, means, "D-", color=_WORSE, markersize=5, linewidth=1.2)
         axes.set_xticks(levels if len(levels) <= 20 else levels[:: len(levels) // 10])
-        if measure["low_is_good"]:
-            axes.invert_yaxis()
-        return svg_text(axes.get_figure())
-
-
-def scatter_chart(points: Sequence[Row], label: str, measure: Row) -> str:
-    """Draw ratings against a measure. points: x, y."""
-    x, y = np.array([point["x"] for point in points], float), np.array([point["y"] for point in points], float)
-    with canvas((label, x.tolist(), y.tolist()), (5.0, 2.6), x=label, y=measure["title"].lower()) as axes:
-        axes.plot(x, y, "o", color=_BETTER, alpha=0.55, markersize=4, markeredgewidth=0)
         if measure["low_is_good"]:
             axes.invert_yaxis()
         return svg_text(axes.get_figure())
@@ -210,51 +198,3 @@ def _comparison_label(row: Row) -> str:
 def _spread(count: int, width: float = 0.15) -> np.ndarray:
     """Return sideways places that look random and are always the same."""
     return width * (np.arange(count) * 0.618034 % 1 - 0.5)
-
-
-_QUIET = "#8a939c"
-# Okabe and Ito's colours without yellow and black: distinct with every kind of colour vision.
-# Dashes and markers differ as well.
-_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
-_MARKERS, _DASHES = "osD^vP", ("solid", (0, (5, 2)), (0, (2, 1.5)))
-
-
-@attrs.frozen
-class PowerLine:
-    """The power of one comparison, 0..1, one value for each n."""
-
-    name: str
-    power: Sequence[float]
-    low: Sequence[float]
-    high: Sequence[float]
-    # Without what a scale's answers lose of what is felt.
-    unlimited: Sequence[float]
-
-
-def power_chart(
-    path: Path,
-    ns: Sequence[int],
-    lines: Sequence[PowerLine],
-    target: float,
-    title: str,
-    unlimited: str = "without ends and steps of the scale",
-) -> None:
-    """Write the chart as a PNG; target: the power to reach. unlimited: what those values are."""
-    figure = empty_figure(7.2, 4.4, layout="constrained")
-    axes = figure.add_subplot()
-    axes.axhline(target, color=_QUIET, linewidth=1.2, label=f"{target:.0%}, the target")
-    for number, line in enumerate(lines):
-        colour = _COLOURS[number % len(_COLOURS)]
-        style = _DASHES[number // len(_COLOURS) % len(_DASHES)]
-        axes.fill_between(ns, line.low, line.high, color=colour, alpha=0.15, linewidth=0)
-        marker = _MARKERS[number % len(_MARKERS)]
-        axes.plot(ns, line.power, color=colour, linestyle=style, marker=marker, markersize=5, label=line.name)
-        axes.plot(ns, line.unlimited, color=colour, linestyle=(0, (1, 2)), linewidth=1)
-    axes.plot([], [], color=PAPER.ink, linestyle=(0, (1, 2)), linewidth=1, label=unlimited)
-    axes.set(xlabel="people who begin", ylabel="power (after Holm)", ylim=(-0.02, 1.02), title=title)
-    axes.set_xticks(ns)
-    axes.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
-    axes.grid(color=PAPER.grid, linewidth=0.8)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    figure.savefig(path, format="png", dpi=150)

@@ -21,13 +21,13 @@ from ..page import (
     texts,
 )
 from ..words import Table, counted, interval, p_text, pair_text, plain, signed
-from .charts import forest_chart, place_chart, ratings_chart, scatter_chart, score_chart
+from .charts import forest_chart, place_chart, ratings_chart, score_chart
 from .results import (
     comparison_lines,
     condition_lines,
+    correlation_lines,
     felt_lines,
     once_lines,
-    prediction_lines,
     preference_lines,
     score_lines,
 )
@@ -63,7 +63,7 @@ def study_page(data: Row, command: str) -> Page:
             Section("Every rating", _every_rating(scales), id="conditions", link="Every rating"),
             Section("Did the order matter?", _order(scales), id="order", link="Order"),
             _checked(scales),
-            _prediction(scales),
+            _correlations(scales),
             _people(data),
             reading_section("study"),
         ),
@@ -207,27 +207,15 @@ def _checked(scales: Sequence[Row]) -> Section:
     return Section("Checked against the data", blocks, id="held", link="Checked against the data")
 
 
-def _prediction(scales: Sequence[Row]) -> Section:
-    """Return the measures that predict the ratings."""
+def _correlations(scales: Sequence[Row]) -> Section:
     blocks: list[Any] = []
     for scale in scales:
-        data, measure = scale["prediction"], scale["measure"]
-        if data is None:
-            continue
-        titles = {measure["name"]: measure["title"] for measure in data["measures"]}
-        charts = [
-            Chart.of(
-                title, scatter_chart(data["points"][name], title, measure), f"{title} against {measure['title']}", ""
-            )
-            for name, title in titles.items()
-            if name in data["points"]
-        ]
-        blocks += [_titled(scales, scale), _said(data["sentences"])]
-        if titles:
-            blocks.append(Table.of("Metrics of the pictures against the ratings", *prediction_lines(data["measures"])))
-        blocks.append(Group("charts", charts) if charts else None)
-    heading, note = "What predicts ratings", Text(texts("study")["notes"]["prediction"])
-    return Section(heading, [*blocks, note] if blocks else [], id="prediction", link=heading)
+        if data := scale["prediction"]:
+            blocks += [_titled(scales, scale), _said(data["sentences"])]
+            if data["measures"]:
+                blocks.append(Table.of("What was measured against the ratings", *correlation_lines(data["measures"])))
+    heading, note = "What goes with the ratings", Text(texts("study")["notes"]["correlation"])
+    return Section(heading, [*blocks, note] if blocks else [], id="correlation", link=heading)
 
 
 def _people(data: Row) -> Section:

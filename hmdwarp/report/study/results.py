@@ -32,10 +32,6 @@ _CSV_COLUMNS = {
     "differences.csv": ("scale", "part", "condition", "baseline", "participant", "difference"),
     "missing.csv": ("scale", "part", "participant", "session", "condition", "why"),
 }  # fmt: skip
-_PREDICTION_HEADS = (
-    ("metric", ""), ("r", "within people"), ("95 %", ""), ("r of ranks", ""),
-    ("error removed", "%"), ("95 %", ""), ("best in", "%"),
-)  # fmt: skip
 
 
 def condition_lines(rows: Iterable[Row], mean_name: str) -> Lines:
@@ -162,24 +158,12 @@ def preference_lines(rows: Iterable[Row]) -> Lines:
     return _heads("compared", "answers +/0/-", "JOD", "95 %", "would choose it", "exact p", "Holm"), lines
 
 
-def prediction_lines(measures: Iterable[Row]) -> Lines:
-    """Return the heads and cells of the table of measures that predict ratings, the best first."""
-    return _PREDICTION_HEADS, [
-        [
-            measure["title"],
-            signed(measure["r"]),
-            interval(measure["low"], measure["high"]),
-            signed(measure["rank_r"]),
-            _percent(measure["skill"]),
-            f"{_percent(measure['skill_low'])} .. {_percent(measure['skill_high'])}",
-            _percent(measure["best"]),
-        ]
-        for measure in measures
+def correlation_lines(measures: Iterable[Row]) -> Lines:
+    """Return the heads and cells of the table of measures against the ratings."""
+    return _heads("metric", "r", "95 %", "p", "df", r="within people"), [
+        [row["title"], signed(row["r"]), interval(row["low"], row["high"]), p_text(row["p"]), str(row["dof"])]
+        for row in measures
     ]
-
-
-def _percent(share: float | None) -> str:
-    return plain(None if share is None else 100 * share, 0)
 
 
 def csv_tables(data: Row) -> dict[str, tuple[Sequence[str], list[dict[str, Any]]]]:

@@ -1,1 +1,1 @@
-"""Analysis of ratings: tests, intervals, order effects, copied rows, published figures."""
+"""Analysis of ratings: one long table, what it says, and its page and files."""

@@ -41,6 +41,8 @@ from .plan_text import design_as_json as design_as_json
 from .plan_text import family_text as family_text
 from .plan_text import head_rows as head_rows
 from .plan_text import order_rows as order_rows
+from .plan_text import power_as_json as power_as_json
+from .plan_text import power_rows as power_rows
 from .plan_text import scale_text as scale_text
 from .plan_text import session_rows as session_rows
 from .read import SHIPPED as SHIPPED

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from statistics import NormalDist
+from typing import Any
 
 import attrs
 
-from ...report import counted, pair_text
+from ...report import counted, listed, pair_text
 from ..scales import Scale
-from ..statistics import smallest_p
+from ..statistics import JOD_SPREAD, people_for_sign, people_for_signed_rank, sign_power, signed_rank_power, smallest_p
 from .definitions import (
     ADAPTIVE,
     BOTH,
@@ -179,6 +181,47 @@ def family_text(family: Family) -> str:
     need = least_participants(count)
     best = f"{count} x {smallest_p(need):.2g} at best with {need}"
     return f"{pairs}\np below 0.05 is out of reach with fewer than {need} people ({best})"
+
+
+_EFFECTS = {"sd": (0.5, 0.8, 1.2), "JOD": (0.5, 1.0, 1.5)}
+_TESTS = {"sd": "exact signed-rank test", "JOD": "exact sign test"}
+_ASSUMED = {
+    "sd": "independent people, each with both ratings; an effect is the mean difference over the standard deviation "
+    "of one person's difference, which is normal, without steps and ends of a scale",
+    "JOD": "independent people, each with one choice; of an effect of 1 JOD, 75% of all choices go to the better one",
+}
+
+
+def power_as_json(design: Design, people: int) -> list[dict[str, Any]]:
+    """Return the power of one comparison for so many people, for each size of a family."""
+    unit, found = "JOD" if design.shows == PAIR else "sd", []
+    for count in sorted({len(family.comparisons) for family in design.families}):
+        alpha, rows = 0.05 / count, []
+        for effect in _EFFECTS[unit]:
+            if unit == "sd":
+                power, least = signed_rank_power(people, effect, alpha), people_for_signed_rank(effect, alpha)
+            else:
+                share = NormalDist().cdf(effect / JOD_SPREAD)
+                power, least = sign_power(people, share, alpha), people_for_sign(share, alpha)
+            rows.append({"effect": effect, "power": power, "people_for_80_percent": least})
+        names = [family.name for family in design.families if len(family.comparisons) == count]
+        about = {"families": names, "comparisons": count, "alpha": alpha, "people": people, "effects": rows}
+        found.append({**about, "unit": unit, "test": _TESTS[unit], "assumed": _ASSUMED[unit]})
+    return found
+
+
+def power_rows(found: Mapping[str, Any]) -> Rows:
+    """Describe one entry of power_as_json."""
+    strict = f" / {found['comparisons']} (Holm's strictest step)" if found["comparisons"] > 1 else ""
+    rows = [
+        (
+            f"{row['effect']:g} {found['unit']}",
+            f"{row['power']:.0%} with {found['people']} people, 80% with {row['people_for_80_percent']}",
+        )
+        for row in found["effects"]
+    ]
+    test = f"{found['test']}, p below 0.05{strict}: {listed(found['families'])}"
+    return [("test", test), *rows, ("assumed", found["assumed"])]
 
 
 def design_as_json(design: Design) -> dict[str, object]:

@@ -1,4 +1,4 @@
-"""Export of a study: a long table, questionnaires, a BIDS data set with the motion of heads.
+"""Export of a study: a long table, and a BIDS data set with the motion of heads.
 
 Participants are random words, and no dates leave the machine.
 """

@@ -276,7 +276,7 @@ class _Tree:
     def behaviour(self, session: Session, rows: Sequence[Row]) -> list[Row]:
         """Write all answers of a session; return the rows for _scans.tsv."""
         name = f"beh/{self._stem(session)}_beh"
-        columns = columns_for(rows, ("phase", "kind"))
+        columns = columns_for(rows, ("phase", "kind", *(["text"] if any(row["text"] for row in rows) else [])))
         self._text(f"{self._folder(session)}/{name}.tsv", tsv_text(rows, columns))
         self._json(f"{self._folder(session)}/{name}.json", {**self._task(session), **sidecar(columns, self.scales)})
         return [{"filename": f"{name}.tsv", "acq_time": _shifted(session.started_utc, session.started_utc)}]

@@ -21,27 +21,6 @@ _DIGITS = 6  # of times in seconds: a clock of nanoseconds says more than anythi
 
 _ONSET = Column("onset", NUMBER, "From the start of the session to the first picture of the trial", "s")
 _DURATION = Column("duration", NUMBER, "From the first picture of the trial to its last one", "s")
-SHORT = (
-    Column("ppid", TEXT, "The same as participant, as UXF names it"),
-    *map(
-        column_of,
-        ("participant", "session", "part", "origin", "block", "trial", "repeat", "condition", "reference", "scale"),
-    ),
-    Column("rating", NUMBER, "The answer"),
-    *map(column_of, ("low_is_good", "why_missing")),
-    _ONSET,
-    _DURATION,
-    column_of("seconds_to_answer"),
-)
-PREFERENCES = (
-    *SHORT[:8],
-    Column("first", TEXT, "Condition shown first"),
-    Column("second", TEXT, "Condition shown second"),
-    column_of("scale"),
-    Column("preferred", TEXT, "Condition that was preferred; neither where no difference was seen"),
-    *SHORT[-4:],
-)
-NEITHER_WORD = "neither"
 EVENTS = (
     _ONSET,
     _DURATION,
@@ -69,21 +48,6 @@ def input_rows(done: Iterable[InputEvent], start_ns: int) -> list[Row]:
         | dict(zip(names, (each.action, each.target, *each.origin_m, *each.direction), strict=True))
         for each in sorted(done, key=lambda each: each.time_ns)
     ]
-
-
-def short_rows(ratings: Iterable[Row]) -> list[Row]:
-    """Return rows by SHORT. ratings: as export_rows.long_rows."""
-    return [{**row, "ppid": row["participant"], "rating": row["value"]} for row in ratings]
-
-
-def preference_rows(asked: Iterable[tuple[Row, Show, Show]]) -> list[Row]:
-    """Return rows by PREFERENCES. asked: rows as export_rows.answer_rows, with both showings."""
-    rows = []
-    for row, first, second in asked:
-        names = {FIRST: first.condition.name, SECOND: second.condition.name, NEITHER: NEITHER_WORD, None: None}
-        pair = {"first": names[FIRST], "second": names[SECOND], "preferred": names[row["value"]]}
-        rows.append({**row, **pair, "ppid": row["participant"]})
-    return rows
 
 
 def onset_s(session: Session, showing: Showing) -> float | None:
@@ -204,41 +168,22 @@ def _without_consent(contents: Contents, origin: str, *, declined: bool = False)
     return some - {session.sub for session in of_them if session.consented}
 
 
-def long_rows(contents: Contents, design: Design) -> list[Row]:
-    """Return one row per rating after a trial, by LONG_COLUMNS; None for a missing value.
-
-    A planned rating that is missing has a row with the reason. Of revised answers only the last
-    one counts. Errors: as sessions_of.
-    """
-    return [row for row in answer_rows(contents, design) if row["phase"] == "trial" and row["kind"] == RATING]
-
-
 def answer_rows(contents: Contents, design: Design) -> list[Row]:
-    """Return rows as long_rows, for every question of a session, with its `phase` and `kind`."""
-    return [
-        _row(design, data, ask, data.last(ask)) for data in sessions_of(contents, design) for ask in data.asks.values()
-    ]
+    """Return one row per planned question, with its `phase` and `kind`; None for a missing value.
 
-
-def revision_rows(contents: Contents, design: Design) -> list[Row]:
-    """Return one row per confirmed answer, revised ones too, in the order of the questions."""
+    A missing answer has a row with the reason. Of revised answers only the last one counts.
+    Errors: as sessions_of.
+    """
     return [
-        _row(design, data, ask, answer)
+        answer_row(design, data, ask, data.last(ask))
         for data in sessions_of(contents, design)
         for ask in data.asks.values()
-        for answer in data.answers.get(ask.key, ())
     ]
 
 
-def pair_rows(contents: Contents, design: Design) -> list[tuple[Row, Show, Show]]:
-    """Return each planned question about a pair, as answer_rows, with the two showings."""
-    found = []
-    for data in sessions_of(contents, design):
-        for ask in data.asks.values():
-            if ask.scale.kind == PREFERENCE:
-                second = data.shows[ask.about]
-                found.append((_row(design, data, ask, data.last(ask)), data.shows[second.after], second))
-    return found
+def long_rows(answers: Iterable[Row]) -> list[Row]:
+    """Return the ratings and choices after trials: the rows of the long table, by LONG_COLUMNS."""
+    return [row for row in answers if row["phase"] == "trial" and row["kind"] in (RATING, PREFERENCE)]
 
 
 def score_rows(contents: Contents, design: Design) -> list[Row]:
@@ -250,7 +195,7 @@ def score_rows(contents: Contents, design: Design) -> list[Row]:
                 asked = [ask for ask in data.asks.values() if ask.phase == phase and ask.scale.name == scale.name]
                 last = [(ask, data.last(ask)) for ask in asked]
                 values = {ask.item.key: None if answer is None else answer.value for ask, answer in last}
-                base = _row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
+                base = answer_row(design, data, asked[0], last[0][1]) | {"seconds_to_answer": None, "revision": None}
                 for name, value in scored(scale, values).items():
                     why = None if value is not None else NOT_ALL
                     rows.append(base | {"item": name, "value": value, "kind": "score", "why_missing": why})
@@ -282,7 +227,7 @@ def _session_data(contents: Contents, design: Design, session: Session, plan: De
     )
 
 
-def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
+def answer_row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> Row:
     session = data.session
     show = data.shows.get(ask.about)
     showing = _showing(data, ask, answer)
@@ -298,6 +243,7 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "status": session.status,
         "order": session.row,
         **_shown(data, show),
+        **(_chosen(data, show, value) if show is not None and ask.scale.kind == PREFERENCE else {}),
         "phase": ask.phase,
         "kind": ask.scale.kind,
         "scale": ask.scale.name,
@@ -309,12 +255,17 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
         "seconds_to_answer": None if answer is None else _measured("seconds_to_answer", answer.seconds),
         "revision": None if answer is None else answer.revision,
         "presentation": None if showing is None else showing.presentation,
-        "onset": None if showing is None else onset_s(session, showing),
-        "duration": None if showing is None else duration_s(showing),
         "answered_by": None if answer is None else answer.by,
         **({} if showing is None else _actual_row(showing.actual)),
         **({} if showing is None else {f"measured_{name}": value for name, value in showing.measured.items()}),
     }
+
+
+def _chosen(data: SessionData, second: Show, value: float | None) -> Row:
+    """Return what a pair showed first, and which of both was preferred."""
+    first = data.shows[second.after].condition.name
+    names = {FIRST: first, SECOND: second.condition.name, NEITHER: "neither", None: None}
+    return {"first": first, "preferred": names[value]}
 
 
 def _actual_row(actual: Mapping[str, Any]) -> Row:

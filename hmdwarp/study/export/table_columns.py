@@ -90,7 +90,8 @@ MEASURED_COLUMNS = (
     ),
     *columns_in("measured"),
 )
-RATED_COLUMNS, _SETTING_COLUMNS, (_SITE,) = columns_in("rated"), columns_in("settings"), columns_in("site")
+RATED_COLUMNS = (*columns_in("pair"), *columns_in("rated"))
+_SETTING_COLUMNS, (_SITE,) = columns_in("settings"), columns_in("site")
 SETTINGS = tuple(column.name for column in _SETTING_COLUMNS)
 COLUMNS = (
     *columns_in("who"),

@@ -11,32 +11,17 @@ from ...errors import InputError
 from ...report import OutputFolder, counted
 from ...resources import __version__, install_line, made_text
 from ..design import Design
-from ..scales import QUESTIONNAIRE, RATING, SICKNESS, Scale
+from ..scales import Scale
 from ..store import PERSON, PILOT, SIMULATED, Contents
 from .bids import sidecar, write_bids
-from .export_rows import (
-    PREFERENCES,
-    SHORT,
-    Row,
-    all_scales,
-    answer_rows,
-    declined,
-    of_origin,
-    pair_rows,
-    preference_rows,
-    revision_rows,
-    score_rows,
-    short_rows,
-    unconsented,
-)
-from .table_columns import Column, columns_for, columns_in, csv_text, has_parquet, tsv_text, write_parquet
+from .export_rows import Row, all_scales, answer_rows, declined, long_rows, of_origin, score_rows, unconsented
+from .table_columns import columns_for, csv_text, has_parquet, write_parquet
 
-EXTRA = ("phase", "kind", "text")
+# Older versions wrote some of them; a forced export removes what they hold of withdrawn people.
 OWNED = (
-    *("ratings.*", "sessions/*.csv", "preferences.csv", "sickness.tsv", "questionnaires.tsv", "revisions.tsv"),
-    *("remarks.csv", "columns.json", "bids/**/*"),
+    *("ratings.*", "ratings_short.csv", "sessions/*.csv", "preferences.csv", "sickness.tsv", "questionnaires.tsv"),
+    *("revisions.tsv", "remarks.csv", "columns.json", "bids/**/*"),
 )
-REMARKS = columns_in("remarks")
 
 
 _WHOSE = {
@@ -52,8 +37,6 @@ class ExportOptions:
     """What to export."""
 
     origin: str = PERSON  # one of store.ORIGINS
-    remarks: bool = False  # free text too, which may name people
-    revisions: bool = False  # also answers that were corrected later
     parquet: bool | None = None  # True: an error where it cannot be written; None: if possible
     force: bool = False  # into a folder that holds files; those of an older export go
 
@@ -88,7 +71,7 @@ def export(
     if not options.force:
         _refuse_full(out)
     answers = answer_rows(kept, design)
-    ratings = [row for row in answers if row["phase"] == "trial" and row["kind"] == RATING]
+    ratings = long_rows(answers)
     with OutputFolder(out, owned=OWNED, last="README", force=options.force, private=True) as folder:
         notes = [_counts(kept, ratings, options.origin)]
         if changed := sum(session.plan != design.text for session in kept.sessions):
@@ -100,7 +83,7 @@ def export(
             notes.append(f"{counted(count, 'person')} declined to take part: in no table")
         if count := unconsented(contents, options.origin):
             notes.append(f"{counted(count, 'person')} left before the consent was given: in no table")
-        notes += _tables(folder, kept, design, answers, ratings, options)
+        notes += _tables(folder, kept, design, answers, ratings, options.parquet)
         text = _readme(design, kept, ratings, options.origin)
         motion = write_bids(folder, kept, design, [*answers, *score_rows(kept, design)], text, progress)
         notes.append(
@@ -117,74 +100,19 @@ def _tables(
     design: Design,
     answers: Sequence[Row],
     ratings: Sequence[Row],
-    options: ExportOptions,
+    parquet: bool | None,
 ) -> list[str]:
     columns = columns_for(ratings)
     folder.write_bytes("ratings.csv", csv_text(ratings, columns).encode())
-    folder.write_text("ratings.tsv", tsv_text(ratings, columns))
-    notes = ["ratings.csv, ratings.tsv: one row for each rating"]
-    short = short_rows(ratings)
-    folder.write_text("ratings_short.csv", csv_text(short, SHORT))
-    for session in contents.sessions:
-        own = [row for row in short if (row["participant"], row["session"]) == (session.sub, session.number)]
-        folder.write_text(f"sessions/{session.sub}_ses-{session.number:02d}.csv", csv_text(own, SHORT))
-    notes.append(f"ratings_short.csv: the same in {len(SHORT)} columns; sessions/: the same, a file for each session")
-    notes.append(_parquet(folder, ratings, columns, design, options.parquet))
-    if pairs := preference_rows(pair_rows(contents, design)):
-        folder.write_text("preferences.csv", csv_text(pairs, PREFERENCES))
-        notes.append(f"preferences.csv: {counted(len(pairs), 'pair')} that were compared")
-    sickness = [row for row in answers if row["kind"] == SICKNESS]
-    questionnaires = [row for row in answers if row["kind"] == QUESTIONNAIRE] + score_rows(contents, design)
-    for name, rows in (("sickness", sickness), ("questionnaires", questionnaires)):
-        if rows:
-            folder.write_text(f"{name}.tsv", tsv_text(rows, _short(rows)))
-            notes.append(f"{name}.tsv: {counted(len(rows), 'row')}")
-    if options.revisions:
-        rows = revision_rows(contents, design)
-        folder.write_text("revisions.tsv", tsv_text(rows, _short(rows)))
-        notes.append(f"revisions.tsv: {counted(len(rows), 'answer')}, with those that were corrected later")
-    if options.remarks:
-        notes.append(_remarks(folder, contents))
-    folder.write_json(
-        "columns.json", sidecar((*columns_for(answers, EXTRA), *SHORT, *PREFERENCES), all_scales(contents, design))
-    )
-    return [text for text in notes if text]
-
-
-def _short(rows: Sequence[Row]) -> tuple[Column, ...]:
-    """Leave out the columns of what was shown: the ratings have them."""
-    return tuple(c for c in columns_for(rows, EXTRA) if not c.name.startswith(("actual_", "measured_")))
-
-
-def _parquet(
-    folder: OutputFolder, rows: Sequence[Row], columns: Sequence[Column], design: Design, wanted: bool | None
-) -> str:
-    if wanted is False:
-        return ""
-    if wanted is None and not has_parquet():
-        return f"no ratings.parquet: the package pyarrow is not installed ({install_line('study')})"
-    write_parquet(folder.path("ratings.parquet"), rows, columns, design.title)
-    return "ratings.parquet: the same with typed columns"
-
-
-def _remarks(folder: OutputFolder, contents: Contents) -> str:
-    people = {session.id: session for session in contents.sessions}
-    rows = [
-        {
-            "participant": people[e.session].sub,
-            "session": people[e.session].number,
-            "step": e.key,
-            "by": e.data.get("by"),
-            "text": e.data.get("text"),
-        }
-        for e in contents.events
-        if e.kind == "remark"
-    ]
-    # Only CSV: what people type may hold line ends, which TSV cannot represent.
-    folder.write_bytes("remarks.csv", csv_text(rows, REMARKS).encode())
-    return (
-        f"remarks.csv: {counted(len(rows), 'remark')}, as typed: they may name people; read them before passing them on"
-    )
+    described = columns_for(answers, ("phase", "kind", "text"))
+    folder.write_json("columns.json", sidecar(described, all_scales(contents, design)))
+    notes = ["ratings.csv: one row for each rating"]
+    if parquet is None and not has_parquet():
+        return [*notes, f"no ratings.parquet: the package pyarrow is not installed ({install_line('study')})"]
+    if parquet is not False:
+        write_parquet(folder.path("ratings.parquet"), ratings, columns, design.title)
+        notes.append("ratings.parquet: the same with typed columns")
+    return notes
 
 
 def _refuse_full(out: Path) -> None:
@@ -234,14 +162,10 @@ Asked after each trial: {scales}.
 Conditions, by part of the study:
 {conditions}
 
-ratings.csv, ratings.tsv, and ratings.parquet where pyarrow is installed: the same table with one
-row per rating, missing ones included, and what was shown. ratings_short.csv: the columns that an
-analysis needs first, with onset, duration and block of each trial; sessions/ has the same, one file
-for each session. ppid is the participant, as UXF and similar programs name the column. If the study
-has them: sickness.tsv, sickness between the trials, and questionnaires.tsv, answers and scores
-before and after the session; preferences.csv, which of two conditions was preferred.
-columns.json: meaning, units and values of each column. bids/: the same as a BIDS data set, with the
-motion of the heads.
+ratings.csv, and ratings.parquet where pyarrow is installed: the same table with one row per rating,
+missing ones included, and what was shown. columns.json: meaning, units and values of each column.
+bids/: a BIDS data set with all answers, those between the trials and to questionnaires included, and
+the motion of the heads.
 In bids/ authors, licence and institution are left for you to fill in.
 Missing values are n/a, in Parquet null. Numbers have decimal points. Of corrected answers the last
 one counts. A text that begins with = + - or @ (blanks, apostrophes, a tab or a line end before it

@@ -1,4 +1,4 @@
-"""Respondents: simulated participants, who answer in rehearsals, in tests and in power analyses.
+"""Respondents: simulated participants, who answer in rehearsals and in tests.
 
 Names are in __init__.pyi; each loads its module at first use.
 """

@@ -11,7 +11,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtri
 
 from ...errors import InputError, unknown_name
 from ...options import Table, parsed, text_of
@@ -103,17 +103,9 @@ class RatingModel:
         person, of the person and the condition, and of the trial.
         """
         spread = self.people_sd * normal(level) + self.condition_sd * normal(taste) + self.noise_sd * normal(noise)
-        return self.latent_mean(mean, before, place) + spread
-
-    def latent_mean(self, mean: ArrayLike, before: ArrayLike, place: ArrayLike) -> Floats:
-        """Compute the expected value of `latent` over all people and showings."""
         mean = np.asarray(mean, float)
-        return np.asarray(mean + self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean))
-
-    @property
-    def latent_sd(self) -> float:
-        """Standard deviation of `latent` over all people and showings."""
-        return float(np.sqrt(self.people_sd**2 + self.condition_sd**2 + self.noise_sd**2))
+        moved = self.drift * np.asarray(place) + self.carry_over * (np.asarray(before) - mean)
+        return np.asarray(mean + moved + spread)
 
 
 @attrs.frozen(kw_only=True)
@@ -223,20 +215,6 @@ def on_scale(latent: ArrayLike, scale: Scale) -> Floats:
     """Round to the nearest answer of the scale, within its ends."""
     steps = np.rint((np.asarray(latent, float) - scale.least) / scale.step)
     return np.clip(np.round(scale.least + steps * scale.step, 9), scale.least, scale.most)
-
-
-def mean_on_scale(mean: float, sd: float, scale: Scale) -> float:
-    """Compute the expected value of on_scale for normal latent ratings.
-
-    The lowest answer, and a step for each edge between two answers that lies below a rating.
-    """
-    if sd == 0:
-        return float(on_scale(mean, scale))
-    count = round((scale.most - scale.least) / scale.step)
-    # Ratings lie within nine standard deviations of the mean in all but 1e-18 of cases.
-    low, high = (min(max(round((mean + way * 9 * sd - scale.least) / scale.step), 0), count) for way in (-1, 1))
-    edges = scale.least + scale.step * (np.arange(low, high) + 0.5)
-    return float(scale.least + scale.step * (low + ndtr((mean - edges) / sd).sum()))
 
 
 def of_share(share: ArrayLike, scale: Scale) -> Floats:

@@ -13,7 +13,7 @@ from ...display import Command
 from ..design import PAIR, Ask, Design, Order, Part, Pause, Read, Show, Step, allot, pair_of, rows_for, trials_of
 from ..scales import FIRST, NEITHER, PREFERENCE, QUESTIONNAIRE, SECOND, WORDS, Scale
 from ..store import COMPLETE, SICK, STOPPED
-from .response_model import Floats, Model, draw_for, mean_on_scale, normal, of_share, on_scale, table_of
+from .response_model import Floats, Model, draw_for, normal, of_share, on_scale, table_of
 
 Ints = NDArray[np.intp]
 
@@ -28,52 +28,27 @@ class Cohort:
     trials: Ints  # (n) trials shown and rated before the end
     why: tuple[str, ...]  # (n) status of the session
     answers: dict[str, Floats]  # (n, T) by scale, rounded to the scale
-    latent: dict[str, Floats]  # (n, T) by scale, before steps and ends of the scale
     sickness: Floats  # (n, T + 1) answers after the practice and after each trial
     susceptible: Floats  # (n) uniform draws of how easily each gets sick
-
-    def per_condition(self, scale: str, *, latent: bool = False, people: slice = slice(None)) -> Floats:
-        """Compute (n, conditions) means of each person's answers over the repeats."""
-        values, order = (self.latent if latent else self.answers)[scale][people], self.order[people]
-        n, c = len(values), len(self.part.conditions)
-        there = ~np.isnan(values)
-        where = (np.arange(n)[:, None] * c + order)[there]
-        counts = np.bincount(where, minlength=n * c)
-        sums = np.bincount(where, weights=values[there], minlength=n * c)
-        return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan).reshape(n, c)
 
 
 class Population:
     """All that many simulated studies of one part have in common.
 
-    scales: the names of those to answer, all of the study's without it.
-    Errors: InputError where the model lacks one of them or a condition of the study.
+    Errors: InputError where the model lacks a scale or a condition of the study.
     """
 
-    def __init__(self, model: Model, design: Design, part: str, scales: Sequence[str] | None = None) -> None:
+    def __init__(self, model: Model, design: Design, part: str) -> None:
         self.model, self.design, self.part = model, design, design.part(part)
         self._rows = rows_for(design, part)
         self._names = {condition.name: number for number, condition in enumerate(self.part.conditions)}
         self._trials = trials_of(design, part)
         self._orders = np.array([self._flat(row) for row in self._rows])
-        self._ratings = {
-            scale.name: model.rating(scale)
-            for scale in design.scales
-            if scale.kind != QUESTIONNAIRE and (scales is None or scale.name in scales)
-        }
+        self._ratings = {scale.name: model.rating(scale) for scale in design.scales if scale.kind != QUESTIONNAIRE}
         self._means = {
             name: rating.means_of(self.part, f"{model.path}: [rating.{name}.means]")
             for name, rating in self._ratings.items()
         }
-
-    @property
-    def balanced(self) -> int:
-        """Number of people who together have each order once."""
-        return len(self._rows)
-
-    def means(self, scale: str) -> Floats:
-        """Return each condition's mean in the model, before anything else counts."""
-        return self._means[scale]
 
     def of(self, persons: Sequence[int], seed: int, study: int = 0, orders: Sequence[Order] | None = None) -> Cohort:
         """Simulate one study of these people, in the sequence they come.
@@ -87,34 +62,16 @@ class Population:
         )
         first, order = np.moveaxis(shown, -1, 0)
         over = np.arange(order.shape[1]) >= trials[:, None]
-        answers, latent = {}, {}
+        answers = {}
         for number, scale in enumerate(self.design.scales):
             if scale.name not in self._means:
                 continue
             is_choice = scale.kind == PREFERENCE
             felt = self._preferred(drawn, number, first, order) if is_choice else self._felt(drawn, number, order)
             none = over | (drawn.missing[:, number] < self._ratings[scale.name].missing)
-            latent[scale.name] = np.where(none, np.nan, felt)
             answered = self._choice(felt, scale) if is_choice else on_scale(felt, scale)
             answers[scale.name] = np.where(none, np.nan, answered)
-        return Cohort(self.part, order, first, trials, why, answers, latent, sickness, drawn.susceptible)
-
-    def expected(self, scale: str, *, latent: bool = False) -> Floats:
-        """Compute each condition's expected rating, exactly: over all people, showings and orders.
-
-        Drift and carry-over count as in a session without dropouts. latent: before steps and ends
-        of the scale.
-        """
-        orders = self._orders[..., 1]
-        rating, means = self._ratings[scale], self._means[scale][orders]
-        at = rating.latent_mean(means, _before(means), np.arange(means.shape[1]))
-        if not latent:
-            answers = next(asked for asked in self.design.scales if asked.name == scale)
-            values, where = np.unique(at, return_inverse=True)
-            on = np.array([mean_on_scale(float(value), rating.latent_sd, answers) for value in values])
-            at = on[where].reshape(at.shape)
-        numbers = orders.ravel()
-        return np.bincount(numbers, weights=at.ravel()) / np.bincount(numbers)
+        return Cohort(self.part, order, first, trials, why, answers, sickness, drawn.susceptible)
 
     def _flat(self, order: Order) -> list[tuple[int, int]]:
         """Return the numbers of the conditions, trial by trial, over all repeats.

@@ -1,3 +1,7 @@
+from .power import people_for_sign as people_for_sign
+from .power import people_for_signed_rank as people_for_signed_rank
+from .power import sign_power as sign_power
+from .power import signed_rank_power as signed_rank_power
 from .rank_tests import MOST_PAIRS as MOST_PAIRS
 from .rank_tests import RESAMPLES as RESAMPLES
 from .rank_tests import SEED as SEED

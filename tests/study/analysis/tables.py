@@ -7,8 +7,9 @@ import io
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
-from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo
+from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
 from hmdwarp.study.design import SHIPPED
 from hmdwarp.study.scales import load_scale
 
@@ -21,24 +22,24 @@ def ratings_of(
 ) -> Ratings:
     """values: by condition, a rating of each participant (called a, b, c, ..)."""
     rows = [
-        Rating(
-            chr(ord("a") + k),
-            part,
-            name,
-            measure.name,
-            value,
-            "" if value is not None else "not answered",
-            reference=name == reference,
-        )
+        {
+            "participant": chr(ord("a") + k),
+            "part": part,
+            "condition": name,
+            "scale": measure.name,
+            "value": value,
+            "why_missing": "" if value is not None else "not answered",
+            "reference": name == reference,
+        }
         for name, column in values.items()
         for k, value in enumerate(column)
     ]
-    return Ratings(tuple(rows), {measure.name: measure})
+    return Ratings(rows, {measure.name: measure})
 
 
 def in_order(
     effect: float = 0.0, carry: float = 0.0, people: int = 24, noise: float = 0.3, seed: int = 1
-) -> list[Rating]:
+) -> pd.DataFrame:
     """Ratings of four conditions in the orders of a Williams square.
 
     Effect per trial, carry times what the condition before is worth.
@@ -58,9 +59,12 @@ def in_order(
                 + random.normal(0, noise)
             )
             name = "" if before is None else f"c{before}"
-            rows.append(Rating(f"p{person}", "", f"c{condition}", "grade", float(value), place=place, previous=name))
+            rows.append(
+                {"participant": f"p{person}", "condition": f"c{condition}", "scale": "grade", "value": float(value)}
+                | {"place": place, "previous": name}
+            )
             before = condition
-    return rows
+    return frame(rows)
 
 
 def written(path: Path, rows: list[dict[str, object]], delimiter: str = ",", bom: bool = False) -> Path:

@@ -19,7 +19,7 @@ from commands import hmdwarp
 from hmdwarp.errors import MachineError
 from hmdwarp.resources import import_extra
 from hmdwarp.study.analysis.full_analysis import analyse, analysis_folder, write_analysis
-from hmdwarp.study.analysis.table_ratings import from_csv
+from hmdwarp.study.analysis.long_table import from_csv
 
 from .tables import GRADE, PUBLISHED, in_order, ratings_of
 
@@ -129,7 +129,7 @@ def test_the_same_input_gives_the_same_bytes(tmp_path):
 
 def test_names_are_text_and_nothing_else(tmp_path):
     ratings = ratings_of({f"late {NASTY}": [5, 4, 3.5], f"warped {NASTY}": [3, None, 3]}, part=NASTY)
-    rows = tuple(attrs.evolve(row, participant=f"{row.participant}{NASTY}") for row in ratings.rows)
+    rows = ratings.rows.assign(participant=ratings.rows["participant"] + NASTY).to_dict("records")
     ratings = attrs.evolve(ratings, title=NASTY, notes=(NASTY,), rows=rows)
     html = page_of(tmp_path / "out", analyse(ratings), NASTY)
     assert "<script" not in html and NASTY in " ".join(Page(html).text.split())
@@ -142,7 +142,9 @@ def test_a_page_of_hardly_anything_can_be_made(tmp_path):
 
 
 def test_the_order_has_its_chart_where_it_is_known(tmp_path):
-    ratings = attrs.evolve(ratings_of({"late": [3.0]}), rows=tuple(in_order(people=8)), scale_info={"grade": GRADE})
+    ratings = attrs.evolve(
+        ratings_of({"late": [3.0]}), rows=in_order(people=8).to_dict("records"), scale_info={"grade": GRADE}
+    )
     text = Page(page_of(tmp_path / "out", analyse(ratings))).text
     assert "The place of a trial: F(1, " in text and "Ratings less the person" in text
 
@@ -152,7 +154,7 @@ WRONG = [
     (("thezis",), "thesis"),
     (("quick",), "there are no data of 'quick' yet"),
     ((PUBLISHED, "--family", "a:b"), "no part has both 'a' and 'b'"),
-    ((PUBLISHED, "--column", "grade"), "expected ROLE=NAME"),
+    ((PUBLISHED, "--columns", "grade"), "expected ROLE=NAME,.."),
     ((PUBLISHED, "--scale", "acr"), "thesis_ratings.csv:46: rating 6"),
     ((PUBLISHED, "--pilot", "--simulated"), "never mixed"),
     ((PUBLISHED, "--claims", "none.toml"), "none.toml: no such file"),

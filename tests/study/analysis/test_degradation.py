@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from scipy import stats
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis.descriptives import condition_rows
+from hmdwarp.study.analysis.findings import condition_rows
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.long_table import frame, from_contents
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.design.outline import session_phases
-from hmdwarp.study.export.export_rows import long_rows
+from hmdwarp.study.export.export_rows import answer_rows, long_rows
 from hmdwarp.study.respondents import Simulated, load_model, person_of
 from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.store import COMPLETE, SIMULATED, Store
@@ -105,12 +104,14 @@ def test_from_the_store_to_the_page(tmp_path):
         contents = store.contents()
     ratings = from_contents(contents, design, SIMULATED)
     orders = {session.sub: session.order[0] for session in contents.sessions}
-    for row in ratings.rows:
+    for row in ratings.rows.itertuples():
         order = orders[row.participant]
         assert row.condition == order[row.place - 1]
         assert row.previous == (order[row.place - 2] if row.place > 1 else "")
-    table = [(row["participant"], row["condition"], row["value"]) for row in long_rows(contents, design)]
-    assert sorted(table) == sorted((row.participant, row.condition, row.value) for row in ratings.rows)
+    columns = ["participant", "condition", "value"]
+    tables = frame(long_rows(answer_rows(contents, design))), ratings.rows
+    exported, own = (table[columns].sort_values(columns) for table in tables)
+    assert exported.reset_index(drop=True).equals(own.reset_index(drop=True))
     data = analyse(ratings)
     assert data["scales"][0]["measure"]["mean_name"] == "DMOS"
     assert "DMOS" in render_study_report(data, "hmdwarp study analyse")
@@ -124,7 +125,7 @@ def test_intervals_hold_the_true_mean_at_the_nominal_rate():
     model = model_from_text(MODEL, "test")
     studies = 200
     many = simulate_study(design, model, 20_000, 1).table("main", "dcr")
-    truth = dict(zip(many.conditions, np.nanmean(many.values, axis=0), strict=True))
+    truth = many.mean().to_dict()
     held = dict.fromkeys(("late", "warped"), 0)
     for study in range(1, studies + 1):
         rows = condition_rows(simulate_study(design, model, 12, 2, study), "main", "dcr")

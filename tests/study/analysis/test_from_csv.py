@@ -10,31 +10,32 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
-from hmdwarp.study.analysis.comparisons import families_for
+from hmdwarp.study.analysis.findings import families_for
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
+from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
 
 from .tables import PUBLISHED, written
 
 ROWS = [
-    {"Subject ID": "7", "Cond": "late", "Score": "4.5", "Trial": "1"},
-    {"Subject ID": "7", "Cond": "warped", "Score": "3.25", "Trial": "2"},
-    {"Subject ID": "x", "Cond": "warped", "Score": "", "Trial": "1"},
-    {"Subject ID": "x", "Cond": "late", "Score": "6", "Trial": "2"},
+    {"participant": "7", "condition": "late", "rating": "4.5", "trial": "1"},
+    {"participant": "7", "condition": "warped", "rating": "3.25", "trial": "2"},
+    {"participant": "x", "condition": "warped", "rating": "", "trial": "1"},
+    {"participant": "x", "condition": "late", "rating": "6", "trial": "2"},
 ]
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
 @pytest.mark.parametrize("bom", [False, True])
-def test_columns_are_found_by_name_whatever_is_between_them(tmp_path, delimiter, bom):
+def test_a_table_is_read_whatever_is_between_its_columns(tmp_path, delimiter, bom):
     found = from_csv(written(tmp_path / "table.csv", ROWS, delimiter, bom))
-    assert [(r.participant, r.condition, r.value, r.place, r.previous) for r in found.rows] == [
-        ("7", "late", 4.5, 1, ""),
-        ("7", "warped", 3.25, 2, "late"),
-        ("x", "warped", None, 1, ""),
-        ("x", "late", 6.0, 2, "warped"),
+    columns = ["participant", "condition", "value", "place", "previous"]
+    assert found.rows[columns].fillna(-1).to_numpy().tolist() == [
+        ["7", "late", 4.5, 1, ""],
+        ["7", "warped", 3.25, 2, "late"],
+        ["x", "warped", -1, 1, ""],
+        ["x", "late", 6.0, 2, "warped"],
     ]
-    assert found.rows[2].why_missing == "empty in line 4"
+    assert found.rows["why_missing"].iloc[2] == "empty in line 4"
 
 
 @pytest.mark.parametrize("named", ["acr", "stars"])
@@ -43,36 +44,36 @@ def test_rows_without_the_name_of_a_scale_are_not_lost(tmp_path, named):
         {"participant": str(k), "condition": "late", "scale": named if k % 2 else "", "rating": "3"} for k in range(6)
     ]
     found = from_csv(written(tmp_path / "table.csv", rows), SourceOptions(low_is_good=True))
-    assert len(found.rows) == 6 and found.rated_scales() == ("rating", named) and not found.survey
+    assert len(found.rows) == 6 and found.rated_scales() == ["rating", named] and found.survey.empty
 
 
 def test_a_decimal_comma_is_understood_and_noted(tmp_path):
-    rows = [row | {"Score": row["Score"].replace(".", ",")} for row in ROWS]
+    rows = [row | {"rating": row["rating"].replace(".", ",")} for row in ROWS]
     found = from_csv(written(tmp_path / "german.csv", rows, ";"))
-    assert [row.value for row in found.rows] == [4.5, 3.25, None, 6.0]
+    assert found.rows["value"].fillna(-1).tolist() == [4.5, 3.25, -1, 6.0]
     assert any("3,25 was read as 3.25" in note for note in found.notes)
 
 
 def test_commas_and_points_together_are_not_guessed_at(tmp_path):
-    rows = [{**ROWS[0], "Score": "4.5"}, {**ROWS[1], "Score": "3,25"}]
+    rows = [{**ROWS[0], "rating": "4.5"}, {**ROWS[1], "rating": "3,25"}]
     with pytest.raises(InputError, match=r"both\.csv:3: rating '3,25': expected a number with a decimal point"):
         from_csv(written(tmp_path / "both.csv", rows, ";"))
 
 
 @pytest.mark.parametrize("missing", ["", "n/a", "NA", "nan", "-", ".", "None"])
 def test_missing_has_many_names(tmp_path, missing):
-    found = from_csv(written(tmp_path / "table.csv", [*ROWS[:1], {**ROWS[1], "Score": missing}, ROWS[3]]))
-    assert [row.value for row in found.rows] == [4.5, None, 6.0]
+    found = from_csv(written(tmp_path / "table.csv", [*ROWS[:1], {**ROWS[1], "rating": missing}, ROWS[3]]))
+    assert found.rows["value"].fillna(-1).tolist() == [4.5, -1, 6.0]
 
 
 def test_repeats_are_averaged_and_noted(tmp_path):
-    found = from_csv(written(tmp_path / "table.csv", [ROWS[0], {**ROWS[0], "Score": "5.5", "Trial": "2"}]))
-    assert found.table("", "grade").values.tolist() == [[5.0]]
+    found = from_csv(written(tmp_path / "table.csv", [ROWS[0], {**ROWS[0], "rating": "5.5", "trial": "2"}]))
+    assert found.table("", "grade").to_numpy().tolist() == [[5.0]]
     assert any("more than once" in note for note in found.notes)
 
 
 def test_an_ambiguous_direction_must_be_given(tmp_path):
-    path = written(tmp_path / "table.csv", [{**ROWS[0], "Score": "4"}, {**ROWS[1], "Score": "5"}])
+    path = written(tmp_path / "table.csv", [{**ROWS[0], "rating": "4"}, {**ROWS[1], "rating": "5"}])
     with pytest.raises(InputError, match="--low-is-good, --high-is-good, or --scale"):
         from_csv(path)
     assert from_csv(path, SourceOptions(low_is_good=False)).scale_info["rating"].sign == -1
@@ -83,29 +84,34 @@ def test_a_guessed_scale_is_noted():
     assert any("read on the scale 'grade'" in note for note in from_csv(PUBLISHED).notes)
 
 
-def test_columns_may_be_named(tmp_path):
+def test_other_names_of_columns_are_to_be_said(tmp_path):
     path = written(tmp_path / "table.csv", [{"who": "1", "what": "late", "how": "6"}])
     with pytest.raises(
         InputError,
-        match=r"table\.csv:1: no column for the participant among who, what, how: .*--column participant=NAME",
+        match=r"table\.csv:1: no column named participant, rating and condition among who, what, how: name each, "
+        r"as in --columns 'participant=who,rating=what,condition=how'",
     ):
         from_csv(path)
     found = from_csv(path, SourceOptions({"participant": "who", "condition": "what", "rating": "how"}))
-    assert found.rows[0].condition == "late"
+    assert found.rows["condition"].iloc[0] == "late"
+    with pytest.raises(InputError, match="no column 'How'"):
+        from_csv(path, SourceOptions({"rating": "How"}))
+    with pytest.raises(InputError, match="--columns mos=how: expected one of participant, rating"):
+        from_csv(path, SourceOptions({"mos": "how"}))
 
 
 WRONG = [
-    ("Subject,Cond,Score\n1,late,good\n", "wrong.csv:2: rating 'good'"),
-    ("Subject,Cond,Score\n1,late,1e999\n", "wrong.csv:2: rating '1e999'"),
-    ("Subject,Cond,Score\n,late,6\n", "wrong.csv:2: no participant"),
-    ("Subject,Cond,Score\n1,late\n", "wrong.csv:2: 2 fields, expected 3"),
-    ("Subject,Score\n1,6\n", "no column gives the condition"),
-    ("Subject,Cond,Score\n", "has no rows below its header"),
+    ("participant,condition,rating\n1,late,good\n", "wrong.csv:2: rating 'good'"),
+    ("participant,condition,rating\n1,late,1e999\n", "wrong.csv:2: rating '1e999'"),
+    ("participant,condition,rating\n,late,6\n", "wrong.csv:2: no participant"),
+    ("participant,condition,rating\n1,late\n", "wrong.csv:2: 2 fields, expected 3"),
+    ("participant,rating\n1,6\n", "no column named condition among participant, rating"),
+    ("participant,condition,rating\n", "has no rows below its header"),
     ("", "wrong.csv: is empty: expected a table of ratings"),
     ("\ufeff \n\n", "wrong.csv: is empty: expected a table of ratings"),
-    ("Subject,Cond,Score,Trial\n1,late,6,first\n", "wrong.csv:2: place 'first'"),
-    ("Subject,latency_ms,warp,Score\n1,soon,none,6\n", "wrong.csv:2: latency 'soon'"),
-    ('Subject,Cond,Score\n1,"late,6\n', "wrong.csv:"),
+    ("participant,condition,rating,trial\n1,late,6,first\n", "wrong.csv:2: place 'first'"),
+    ("participant,latency_ms,warp,rating\n1,soon,none,6\n", "wrong.csv:2: latency 'soon'"),
+    ('participant,condition,rating\n1,"late,6\n', "wrong.csv:"),
 ]
 
 
@@ -120,21 +126,21 @@ def test_wrong_input_is_refused_with_its_line(tmp_path, text, told):
 
 def test_a_value_outside_of_the_scale_is_a_typing_error(tmp_path):
     with pytest.raises(InputError, match=r"table\.csv:2: rating 45: the scale 'grade' goes from 1 to 6"):
-        from_csv(written(tmp_path / "table.csv", [{**ROWS[0], "Score": "45"}]), SourceOptions(scale="grade"))
+        from_csv(written(tmp_path / "table.csv", [{**ROWS[0], "rating": "45"}]), SourceOptions(scale="grade"))
 
 
 def test_pilots_and_programs_never_count_with_people(tmp_path):
     rows = [{**ROWS[0], "origin": "person"}, {**ROWS[3], "origin": "simulated"}, {**ROWS[3], "origin": "pilot"}]
     path = written(tmp_path / "table.csv", rows)
-    assert [row.participant for row in from_csv(path, SourceOptions(low_is_good=True)).rows] == ["7"]
+    assert from_csv(path, SourceOptions(low_is_good=True)).rows["participant"].tolist() == ["7"]
     pilots = from_csv(path, SourceOptions(low_is_good=True, origin="pilot"))
-    assert [row.participant for row in pilots.rows] == ["x"] and any("not of people" in note for note in pilots.notes)
+    assert pilots.rows["participant"].tolist() == ["x"] and any("not of people" in note for note in pilots.notes)
 
 
 @given(st.binary(max_size=300))
 def test_any_bytes_give_ratings_or_an_input_error(tmp_path_factory, data):
     path = tmp_path_factory.mktemp("bytes") / "any.csv"
-    path.write_bytes(b"subject,condition,rating\n" + data)
+    path.write_bytes(b"participant,condition,rating\n" + data)
     try:
         from_csv(path)
     except InputError as error:
@@ -151,7 +157,7 @@ def test_conditions_of_settings_are_named_and_compared_at_each_latency():
 
 def test_a_scale_with_two_directions_is_refused(tmp_path):
     path = tmp_path / "joined.csv"
-    path.write_text("person,condition,rating,low_is_good\n1,late,5,true\n2,late,1,false\n", encoding="utf-8")
+    path.write_text("participant,condition,rating,low_is_good\n1,late,5,true\n2,late,1,false\n", encoding="utf-8")
     with pytest.raises(InputError, match=r"joined.csv:3: low_is_good 'false'.*'true' in line 2"):
         from_csv(path)
     assert from_csv(path, SourceOptions(low_is_good=True)).scale_info["rating"].low_is_good

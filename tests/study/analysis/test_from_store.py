@@ -15,8 +15,7 @@ import pytest
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.sources import from_contents
-from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
+from hmdwarp.study.analysis.long_table import SourceOptions, from_contents, from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export.export_rows import declined
 from hmdwarp.study.export.write import ExportOptions, export
@@ -92,8 +91,8 @@ def contents(tmp_path_factory, design):
 def test_every_rating_has_its_place_and_what_came_before(contents, design):
     found = from_contents(contents, design)
     by_sub = {session.sub: session.order[0] for session in contents.sessions}
-    assert len({row.participant for row in found.rows}) == 9
-    for row in found.rows:
+    assert found.rows["participant"].nunique() == 9
+    for row in found.rows.itertuples():
         order = by_sub[row.participant]
         assert order[row.place - 1] == row.condition
         assert row.previous == (order[row.place - 2] if row.place > 1 else "")
@@ -101,7 +100,7 @@ def test_every_rating_has_its_place_and_what_came_before(contents, design):
 
 
 def test_the_last_revision_of_an_answer_counts(contents, design):
-    assert all(row.value != 6.0 for row in from_contents(contents, design).rows)
+    assert (from_contents(contents, design).rows["value"] != 6.0).all()
 
 
 def test_a_missing_rating_has_its_reason(contents, design):
@@ -125,12 +124,10 @@ def test_programs_and_pilots_never_count_with_people(contents, design):
     first, *rest = contents.sessions  # a store refuses to hold both; a table of several stores may
     mixed = attrs.evolve(contents, sessions=(attrs.evolve(first, origin=SIMULATED), *rest))
     people = from_contents(mixed, design)
-    assert first.sub not in {row.participant for row in people.rows}
+    assert first.sub not in set(people.rows["participant"])
     assert people.origin == PERSON and any("simulated" in note and "left out" in note for note in people.notes)
     programs = from_contents(mixed, design, SIMULATED)
-    assert {row.participant for row in programs.rows} == {first.sub} and any(
-        "not of people" in note for note in programs.notes
-    )
+    assert set(programs.rows["participant"]) == {first.sub} and any("not of people" in note for note in programs.notes)
     with pytest.raises(
         InputError, match="no session of a pilot to analyse: it holds sessions of people: leave out --pilot"
     ):
@@ -162,12 +159,12 @@ def test_simulated_sessions_count_only_on_request(contents, design, tmp_path):
 def test_conditions_stand_in_the_order_of_the_plan(contents, design):
     """Not in that of the latencies, and not in that in which somebody saw them first."""
     found = from_contents(contents, design)
-    assert found.conditions("") == ("late", "warped", "reference")
+    assert found.conditions("") == ["late", "warped", "reference"]
     (part,) = analyse(found)["scales"][0]["parts"]
     assert [row["condition"] for row in part["conditions"]] == ["late", "warped", "reference"]
     turned = attrs.evolve(found, planned={"": ("reference", "warped")})
-    assert turned.conditions("") == ("reference", "warped", "late")  # what the plan does not have (any more) comes last
-    assert attrs.evolve(found, planned={}).conditions("") == ("reference", "late", "warped")
+    assert turned.conditions("") == ["reference", "warped", "late"]  # what the plan does not have (any more) comes last
+    assert attrs.evolve(found, planned={}).conditions("") == ["reference", "late", "warped"]
 
 
 def test_one_person_is_one_person(contents, design):
@@ -256,15 +253,21 @@ def test_sickness_and_questionnaires_are_reported(contents, design):
 def test_a_change_counts_each_person_once_however_many_sessions_they_had(contents, design):
     """Five people with one change in each of two sessions are five, and their p is 2 / 2^5."""
     ratings = from_contents(contents, design)
-    ask = attrs.evolve(ratings.survey[0], scale="vrsq", trial=0)
     survey = [
-        attrs.evolve(ask, participant=f"p{who}", session=session, phase=phase, item=item.key, value=value)
+        {
+            "participant": f"p{who}",
+            "session": session,
+            "phase": phase,
+            "item": item.key,
+            "value": value,
+            "scale": "vrsq",
+        }
         for who in range(5)
         for session in (1, 2)
         for phase, value in (("before", 0.0), ("after", float(session)))
         for item in load_scale("vrsq").items
     ]
-    rows = analyse(attrs.evolve(ratings, survey=tuple(survey)))["questionnaires"]
+    rows = analyse(attrs.evolve(ratings, survey=survey))["questionnaires"]
     assert [(row["n"], row["p"]) for row in rows] == [(5, 2 / 2**5)] * 3
     assert [row["change"] for row in rows] == pytest.approx([50.0] * 3)
 
@@ -297,7 +300,7 @@ def test_a_session_is_read_by_the_plan_it_was_run_by(contents):
     changed = design_from_text(TEXT.replace('warp = "forward"', 'warp = "backward"'), "late.toml")
     found = from_contents(contents, changed)
     assert any("changed after 9 of 9" in note for note in found.notes)
-    assert all(row.settings["warp"] == "forward" for row in found.rows if row.condition == "warped")
+    assert (found.rows.loc[found.rows["condition"] == "warped", "warp"] == "forward").all()
 
 
 def test_the_exported_table_says_the_same(contents, design, tmp_path):

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
+import csv
 
 import numpy as np
 import pytest
 from scipy import stats
 
 from hmdwarp.report.study import render_study_report
-from hmdwarp.study.analysis.comparisons import Resampling
+from hmdwarp.study.analysis.findings import Resampling, preference_results
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.preferences import preference_results
-from hmdwarp.study.analysis.ratings import Preference, Ratings
-from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.long_table import Ratings, from_contents
+from hmdwarp.study.analysis.sentences import said_of_preferences
 from hmdwarp.study.design import Ask, Show, design_from_text, pair_of, steps_of
 from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.respondents import Population, Simulated, load_model, person_of
@@ -86,13 +85,12 @@ def simulated(design, model, study: int, people: int = PEOPLE) -> Ratings:
     orders = population._orders[population._allotted(cohort.why)]  # noqa: SLF001  (who saw what first)
     names = [condition.name for condition in cohort.part.conditions]
     said = [
-        Preference(
-            f"p{k}", "main", scale.name, names[first], names[second], float(answer), scale.allows_ties, "reference"
-        )
+        {"participant": f"p{k}", "part": "main", "scale": scale.name, "first": names[first], "second": names[second]}
+        | {"answer": float(answer), "allows_ties": scale.allows_ties, "reference": "reference"}
         for k in range(people)
         for (first, second), answer in zip(orders[k], cohort.answers[scale.name][k], strict=True)
     ]
-    return Ratings(rows=(), scale_info={}, preferences=tuple(said), families=design.families)
+    return Ratings(rows=(), scale_info={}, preferences=said, families=design.families)
 
 
 @pytest.mark.parametrize(("scale", "taste"), [("preference", 0.0), ("preference_or_tie", 0.6)])
@@ -123,16 +121,14 @@ def test_an_analysis_states_scores_and_votes():
     design = design_of("preference_or_tie")
     model = model_from_text(MODEL.format(scale="preference_or_tie", noise=1.0, taste=0.2, threshold=0.6), "test")
     ratings = simulated(design, model, 1, people=20)
-    (found,) = preference_results(ratings, design.families, Resampling())
+    (found,) = said_of_preferences(preference_results(ratings, design.families, Resampling()))
     assert (found["people"], found["answers"], found["missing"]) == (20, 120, 0)
-    assert found["ties"] == sum(preference.answer == NEITHER for preference in ratings.preferences) > 0
+    assert found["ties"] == (ratings.preferences["answer"] == NEITHER).sum() > 0
     assert found["threshold"] > 0
     reference = next(row for row in found["conditions"] if row["reference"])
     assert (reference["jod"], reference["low"]) == (0, None)
     row = found["comparisons"][0]
-    own = [
-        preference for preference in ratings.preferences if {preference.first, preference.second} == {"late", "warped"}
-    ]
+    own = [pair for pair in ratings.preferences.itertuples() if {pair.first, pair.second} == {"late", "warped"}]
     preferred = [{1: answer.first, 2: answer.second}.get(answer.answer, "") for answer in own]
     assert (row["for"], row["against"], row["neither"]) == tuple(map(preferred.count, ("warped", "late", "")))
     net = preferred.count("warped") + preferred.count("late")
@@ -148,11 +144,11 @@ def test_few_people_and_no_answers():
     model = model_from_text(MODEL.format(scale="preference", noise=1.0, taste=0.0, threshold=0.0), "test")
     for people in (5, 6):  # 126 and 462 resamples that differ; five who agree have p = 2 / 2^5
         some = simulated(design, model, 1, people=people)
-        (found,) = preference_results(some, design.families, Resampling())
+        (found,) = said_of_preferences(preference_results(some, design.families, Resampling()))
         row = found["comparisons"][0]
         assert (row["low"] is None) == ("who give no interval. 5 people" in row["sentence"]) == (people == 5)
-    none = Ratings(rows=(), scale_info={}, preferences=(Preference("a", "", "preference", "x", "y", None),))
-    (found,) = preference_results(none, (), Resampling())
+    pair = {"participant": "a", "scale": "preference", "first": "x", "second": "y", "answer": None}
+    (found,) = analyse(Ratings(rows=(), scale_info={}, preferences=[pair]))["preferences"]
     assert found["sentences"] == ["No pair was compared."]
 
 
@@ -188,10 +184,8 @@ def test_from_the_store_to_the_page(tmp_path, order):
         assert len({frozenset(map(frozenset, pictures)) for pictures in shown}) > 2
         assert [session.row for session in contents.sessions] == list(range(8))
     assert len(ratings.preferences) == sum(map(len, shown))
-    assert [session.rated for session in ratings.sessions] == [
-        sum(p.answer is not None for p in ratings.preferences if p.participant == session.participant)
-        for session in ratings.sessions
-    ]
+    given = ratings.preferences.groupby("participant")["answer"].count()
+    assert ratings.sessions["rated"].tolist() == given[ratings.sessions["participant"]].tolist()
     data = analyse(ratings)
     assert data["participants"] == 8
     assert data["questionnaires"] == data["sickness"] == []
@@ -199,10 +193,10 @@ def test_from_the_store_to_the_page(tmp_path, order):
     assert "What was preferred" in page
     assert "Every rating" not in page
     export(contents, design, tmp_path / "out", ExportOptions(origin=SIMULATED, parquet=False))
-    lines = (tmp_path / "out" / "preferences.csv").read_text().splitlines()
-    heads = lines[0].split(",")
-    rows = [SimpleNamespace(**dict(zip(heads, line.split(","), strict=True))) for line in lines[1:]]
+    with (tmp_path / "out" / "ratings.csv").open(encoding="utf-8", newline="") as table:
+        rows = list(csv.DictReader(table))
     assert len(rows) == len(ratings.preferences)
-    for row, one in zip(rows, ratings.preferences, strict=True):
-        said = {1.0: one.first, 2.0: one.second, NEITHER: "neither", None: "n/a"}[one.answer]
-        assert (row.participant, row.first, row.second, row.preferred) == (one.participant, one.first, one.second, said)
+    for row, one in zip(rows, ratings.preferences.itertuples(), strict=True):
+        said = {1.0: one.first, 2.0: one.second, NEITHER: "neither"}.get(one.answer, "n/a")
+        found = [row[name] for name in ("participant", "first", "condition", "preferred")]
+        assert found == [one.participant, one.first, one.second, said]

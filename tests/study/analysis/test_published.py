@@ -12,10 +12,9 @@ import pytest
 
 from hmdwarp.errors import InputError
 from hmdwarp.report import p_text, signed
-from hmdwarp.study.analysis.comparisons import Resampling, load_claims
+from hmdwarp.study.analysis.findings import Resampling, claims_for, load_claims
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.sources import claims_for, ratings_from
-from hmdwarp.study.analysis.table_ratings import SourceOptions, from_csv
+from hmdwarp.study.analysis.long_table import SourceOptions, from_csv, ratings_from
 from hmdwarp.study.design import SHIPPED
 
 from .tables import PUBLISHED
@@ -94,7 +93,7 @@ def test_exactly_four_figures_of_the_thesis_do_not_follow(whole):
 
 def test_a_claim_about_conditions_without_common_raters_says_so(tmp_path):
     table, path = tmp_path / "ratings.csv", tmp_path / "claims.toml"
-    table.write_text("person,part,condition,rating\n1,run,late,5.5\n2,run,warped,2\n", encoding="utf-8")
+    table.write_text("participant,part,condition,rating\n1,run,late,5.5\n2,run,warped,2\n", encoding="utf-8")
     said = 'title = "the paper"\n[[claim]]\npart = "run"\nbaseline = "late"\nbetter = "warped"\ndifference = 0.4\n'
     path.write_text(said, encoding="utf-8")
     (claim,) = analyse(from_csv(table), claims=load_claims(path))["scales"][0]["claims"]

@@ -16,10 +16,10 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError
 from hmdwarp.report.study import comparison_lines, render_study_report
-from hmdwarp.study.analysis.comparisons import load_claims
-from hmdwarp.study.analysis.descriptives import order_effects
-from hmdwarp.study.analysis.full_analysis import analyse, sentence_of_copied, sentence_of_reference, sentences_of_order
-from hmdwarp.study.analysis.ratings import Rating, Ratings, ScaleInfo, copied_rows
+from hmdwarp.study.analysis.findings import copied_rows, load_claims, order_effects
+from hmdwarp.study.analysis.full_analysis import analyse
+from hmdwarp.study.analysis.long_table import Ratings, ScaleInfo, frame
+from hmdwarp.study.analysis.sentences import sentence_of_copied, sentence_of_reference, sentences_of_order
 from hmdwarp.study.design import Comparison, Family
 
 from .tables import GRADE, in_order, ratings_of
@@ -68,8 +68,7 @@ def test_too_many_people_for_the_exact_test_are_refused():
 
 
 def compared_many(people: int) -> None:
-    rows = [Rating(f"p{k}", "", name, "grade", 3.0) for k in range(people) for name in ("late", "warped")]
-    analyse(Ratings(tuple(rows), {"grade": GRADE}, families=PAIR))
+    analyse(attrs.evolve(ratings_of({"late": [3.0] * people, "warped": [3.0] * people}), families=PAIR))
 
 
 def test_pairs_that_are_alike_are_not_too_few_people():
@@ -95,7 +94,7 @@ def test_a_pair_without_common_raters_is_stated():
 
 def test_unrated_parts_show_no_order_and_no_p():
     ratings = ratings_of({"late": [None, None], "warped": [None, None]})
-    data = analyse(attrs.evolve(ratings, rows=tuple(attrs.evolve(row, place=1) for row in ratings.rows)))
+    data = analyse(attrs.evolve(ratings, rows=ratings.rows.assign(place=1)))
     (part,) = data["scales"][0]["parts"]
     assert part["order_sentences"] == ["Effects of order cannot be estimated: nothing was rated."]
     assert comparison_lines(data["scales"][0]["comparisons"])[1][0].count("1.000") == 0
@@ -141,7 +140,7 @@ def test_an_unrated_planned_comparison_counts_in_its_family():
 
 def test_the_order_of_the_rows_changes_nothing():
     ratings = attrs.evolve(ratings_of({"late": LATE, "warped": WARPED, "other": LATE[::-1]}), families=PAIR)
-    shuffled = attrs.evolve(ratings, rows=tuple(np.random.default_rng(1).permutation(np.array(ratings.rows, object))))
+    shuffled = attrs.evolve(ratings, rows=ratings.rows.sample(frac=1, random_state=1))
     assert json.dumps(analyse(shuffled)["scales"][0]["comparisons"]) == json.dumps(
         analyse(ratings)["scales"][0]["comparisons"]
     )
@@ -186,19 +185,17 @@ def test_without_an_effect_p_is_uniform():
 
 
 def test_the_f_test_is_the_one_of_statsmodels_type_ii_table():
-    pandas = pytest.importorskip("pandas")
     from statsmodels.formula.api import ols
     from statsmodels.stats.anova import anova_lm
 
     rows = in_order(effect=0.05, carry=0.1)
-    names = {"y": "value", "who": "participant", "what": "condition", "place": "place", "before": "previous"}
-    frame = pandas.DataFrame({name: [getattr(row, own) for row in rows] for name, own in names.items()})
-    table = anova_lm(ols("y ~ C(who) + C(what) + place + C(before)", frame).fit(), typ=2)
+    formula = "value ~ C(participant) + C(condition) + place + C(previous)"
+    table = anova_lm(ols(formula, rows).fit(), typ=2)
     found = order_effects(rows)
     assert found["place"]["f"] == pytest.approx(table.loc["place", "F"], rel=1e-9)
     # What came before the first trial is nothing, which the place tells too: of five levels the
     # table counts four, as here.
-    assert found["previous"]["f"] == pytest.approx(table.loc["C(before)", "F"], rel=1e-9)
+    assert found["previous"]["f"] == pytest.approx(table.loc["C(previous)", "F"], rel=1e-9)
 
 
 def test_carry_over_is_no_slope_per_trial():
@@ -207,14 +204,14 @@ def test_carry_over_is_no_slope_per_trial():
     One column, but not of numbers.
     """
     rows = [row for k in range(6) for row in repeated(k)]
-    found = order_effects(rows)
+    found = order_effects(frame(rows))
     assert "slope" in found["place"] and found["previous"]["df"] == 1 and "slope" not in found["previous"]
 
 
-def repeated(person: int) -> list[Rating]:
+def repeated(person: int) -> list[dict]:
     grades = np.random.default_rng(person).integers(1, 7, 4).tolist()
     return [
-        Rating(f"p{person}", "", "c", "grade", float(v), place=k, previous="c" * (k > 1))
+        {"participant": f"p{person}", "condition": "c", "value": float(v), "place": k, "previous": "c" * (k > 1)}
         for k, v in enumerate(grades, 1)
     ]
 
@@ -227,9 +224,10 @@ def test_confounded_effects_are_named():
         for place, name in enumerate(order, 1):
             value = float(3 + place + random.normal(0, 0.3))
             rows.append(
-                Rating(f"p{person}", "", name, "grade", value, place=place, previous=order[0] if place == 2 else "")
+                {"participant": f"p{person}", "condition": name, "value": value, "place": place}
+                | {"previous": order[0] if place == 2 else ""}
             )
-    found = order_effects(rows)
+    found = order_effects(frame(rows))
     assert found["place"]["f"] == pytest.approx(found["previous"]["f"]) and found["place"]["p"] < 0.05
     said = sentences_of_order(found, GRADE)
     assert said[0].endswith("it changed the ratings; here it is confounded with the condition shown before.")
@@ -237,7 +235,8 @@ def test_confounded_effects_are_named():
 
 
 def test_one_order_for_all_is_confounded_with_the_conditions():
-    rows = [row for row in in_order() if row.participant in ("p0", "p4", "p8", "p12")]  # the square has four rows
+    rows = in_order()
+    rows = rows[rows["participant"].isin(("p0", "p4", "p8", "p12"))]  # the square has four rows
     found = order_effects(rows)
     assert "all participants saw them in the same order" in found["place"]["why_not"]
     assert "all participants saw them in the same order" in found["previous"]["why_not"]
@@ -247,12 +246,16 @@ def test_one_order_for_all_is_confounded_with_the_conditions():
 # ------------------------
 
 
+def joined(*made: Ratings) -> Ratings:
+    return Ratings([row for one in made for row in one.rows.to_dict("records")], {"grade": GRADE})
+
+
 def two_parts(second: list[list[float]]) -> Ratings:
     """A first part of eight people, and this second one."""
     random = np.random.default_rng(5)
     parts = {"one": random.integers(4, 24, (8, 3)) / 4, "two": np.array(second)}
     made = [ratings_of({f"c{k}": values[:, k].tolist() for k in range(3)}, part) for part, values in parts.items()]
-    return Ratings(tuple(row for ratings in made for row in ratings.rows), {"grade": GRADE})
+    return joined(*made)
 
 
 def test_a_rating_of_minus_one_is_not_a_missing_one():
@@ -261,7 +264,7 @@ def test_a_rating_of_minus_one_is_not_a_missing_one():
     def copies(*second: float | None) -> list[dict]:
         first = ratings_of({"late": [-1], "warped": [-1], "other": [2]}, part="1")
         again = ratings_of({"late": [second[0]], "warped": [second[1]], "other": [second[2]]}, part="2")
-        return copied_rows(Ratings((*first.rows, *again.rows), {"grade": GRADE}), "grade", 1)
+        return copied_rows(joined(first, again), "grade", 1)
 
     assert copies(None, None, 2) == []
     assert copies(-1, -1, 2)[0]["rows"][0]["ratings"] == [-1, -1, 2]
@@ -271,7 +274,7 @@ def test_copied_rows_are_found_and_others_are_not():
     free = (np.random.default_rng(6).integers(4, 24, (6, 3)) / 4).tolist()
     assert copied_rows(two_parts(free), "grade", 1) == []
     taken = two_parts(free)
-    source = taken.table("one", "grade").values[:3].tolist()
+    source = taken.table("one", "grade").to_numpy()[:3].tolist()
     (found,) = copied_rows(two_parts([*free[:3], *source]), "grade", 1)
     assert [(row["first"], row["second"]) for row in found["rows"]] == [("a", "d"), ("b", "e"), ("c", "f")]
     assert found["people"] == 3 and found["by_chance"] < 0.001
@@ -280,7 +283,7 @@ def test_copied_rows_are_found_and_others_are_not():
 def test_equal_rows_on_a_coarse_scale_are_called_likely():
     rows = [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0]] * 3
     made = [ratings_of({f"c{k}": [row[k] for row in rows] for k in range(3)}, part) for part in ("one", "two")]
-    (found,) = copied_rows(Ratings(tuple(r for table in made for r in table.rows), {"grade": GRADE}), "grade", 1)
+    (found,) = copied_rows(joined(*made), "grade", 1)
     assert found["by_chance"] > 0.5 and found["within"] > 0
     assert "no sign of copying" in sentence_of_copied(found) and "most likely" not in sentence_of_copied(found)
 
@@ -315,10 +318,10 @@ def test_a_wrong_file_of_claims_is_refused_with_its_line(tmp_path, text, told):
 def test_scales_come_as_the_plan_has_them_whatever_was_answered_first():
     on_acr, on_grade = ratings_of({"x": [4.0]}, measure=ACR), ratings_of({"x": [2.0]})
     both = Ratings(
-        on_acr.rows + on_grade.rows,
+        joined(on_acr, on_grade).rows.to_dict("records"),
         {"grade": GRADE, "acr": ACR, "slider": ScaleInfo("slider", "Other", low_is_good=False)},
     )
-    assert both.rated_scales() == ("grade", "acr")
+    assert both.rated_scales() == ["grade", "acr"]
 
 
 def test_an_unrated_reference_is_not_praised():

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.report import inert_text, raw_text
-from hmdwarp.study.analysis.table_ratings import from_csv
+from hmdwarp.study.analysis.long_table import from_csv
 from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
 from hmdwarp.study.export.export_rows import answer_rows, long_rows
 from hmdwarp.study.export.table_columns import (
@@ -33,7 +33,7 @@ from hmdwarp.study.export.write import ExportOptions, export
 from hmdwarp.study.store import PILOT, SIMULATED, Store
 
 from ..made_up import LATE_OR_WARPED as TEXT
-from .conftest import NASTY, Day, sit
+from .conftest import Day, sit
 from .reading import read_table
 
 VALUES = {
@@ -121,7 +121,7 @@ def test_points_are_points_whatever_the_locale():
 def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
     store.withdraw("Gamma-3")
     contents = store.contents()
-    rows = long_rows(contents, design)
+    rows = long_rows(answer_rows(contents, design))
     subs = {session.code: session.sub for session in contents.sessions}
     assert len(rows) == 2 * 3 and all(row["kind"] == "rating" for row in rows)
     of = {(row["participant"], row["trial"]): row for row in rows}
@@ -140,7 +140,7 @@ def test_one_row_for_each_rating_and_for_each_that_is_missing(store, design):
 
 def test_a_row_has_its_condition_and_the_one_before(store, design):
     for session in store.contents().sessions:
-        rows = [row for row in long_rows(store.contents(), design) if row["participant"] == session.sub]
+        rows = [row for row in long_rows(answer_rows(store.contents(), design)) if row["participant"] == session.sub]
         names = [row["condition"] for row in rows]
         assert names == list(session.order[0]) and [row["previous"] for row in rows] == [None, *names[:-1]]
         for row in rows:
@@ -161,27 +161,6 @@ def test_a_row_says_how_its_pictures_were_measured(store, design, tmp_path):
     assert (row["measured_flip"], row["measured_every"], row["measured_size"]) == ("0.25", "10", "48x60")
 
 
-def test_a_short_table_and_a_file_for_each_session_hold_the_same_ratings(store, design, tmp_path):
-    """As programs for experiments write them; the analysis reads them like the long table."""
-    out = export(store.contents(), design, tmp_path / "out").folder
-    short, long = read(out / "ratings_short.csv", ","), read(out / "ratings.csv", ",")
-    assert len(short[0]) == 17 and len(short) == len(long) == 9
-    for row, of in zip(short, long, strict=True):
-        assert row["ppid"] == row["participant"] and row["rating"] == of["value"]
-        shared = row.keys() & of.keys()
-        assert shared >= {"participant", "block", "trial", "condition", "scale"}
-        assert {name: row[name] for name in shared} == {name: of[name] for name in shared}
-    first = [row for row in short if row["trial"] == "1"]
-    assert all(float(row["onset"]) > 0 and row["duration"] == "1.5" for row in first)
-    names = sorted(f"{session.sub}_ses-01.csv" for session in store.contents().sessions)
-    assert sorted(path.name for path in (out / "sessions").iterdir()) == names
-    assert [row for name in names for row in read(out / "sessions" / name, ",")] == short
-    one, other = (from_csv(out / name).rows for name in ("ratings.csv", "ratings_short.csv"))
-    assert [(r.participant, r.condition, r.value, r.place) for r in one] == [
-        (r.participant, r.condition, r.value, r.place) for r in other
-    ]
-
-
 def test_the_block_of_a_trial_changes_at_each_planned_break(tmp_path):
     design = design_from_text(TEXT.replace("[practice]", "[breaks]\nevery = 2\nseconds = 1\n[practice]"), "late.toml")
     with Store(tmp_path / "data", create=True, clock=Day()) as store:
@@ -200,15 +179,19 @@ def test_only_the_name_of_a_file_is_exported(tmp_path):
     assert row["delay_trace"] == "delays.csv"
 
 
+def answers(out):
+    """The files of all answers of each session."""
+    return sorted(out.glob("bids/sub-*/ses-*/beh/*_beh.tsv"))
+
+
 def read(path, delimiter):
     return list(csv.DictReader(io.StringIO(path.read_bytes().decode(), newline=""), delimiter=delimiter))
 
 
-def test_the_three_tables_say_the_same(store, design, tmp_path):
+def test_both_tables_say_the_same(store, design, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow is not installed (pip install '.[study]')")
     out = export(store.contents(), design, tmp_path / "out").folder
-    comma, tab = read(out / "ratings.csv", ","), read(out / "ratings.tsv", "\t")
-    assert comma == tab
+    comma = read(out / "ratings.csv", ",")
     table = parquet.read_table(out / "ratings.parquet")
     assert [[field_text(v) for v in row.values()] for row in table.to_pylist()] == [list(row.values()) for row in comma]
     assert table.schema.field("value").type == "double" and table.schema.field("trial").type == "int64"
@@ -231,7 +214,8 @@ def test_without_pyarrow_the_rest_is_written_and_the_words_say_so(store, design,
 
 def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store, design, tmp_path):
     out = export(store.contents(), design, tmp_path / "out").folder
-    rows = read(out / "questionnaires.tsv", "\t")
+    rows = [row | {"participant": path.name[4:].split("_")[0]} for path in answers(out) for row in read(path, "\t")]
+    rows = [row for row in rows if row["kind"] in ("questionnaire", "score")]
     vrsq = design.before[0]
     for session in store.contents().sessions:
         for phase in ("before", "after"):
@@ -254,29 +238,18 @@ def test_scores_are_those_of_the_scale_and_empty_where_answers_are_missing(store
 def test_every_column_is_described(store, design, tmp_path):
     out = export(store.contents(), design, tmp_path / "out").folder
     told = json.loads((out / "columns.json").read_text(encoding="utf-8"))
-    for name in ("ratings.csv", "sickness.tsv", "questionnaires.tsv"):
-        for column in read(out / name, "," if name.endswith("csv") else "\t")[0]:
-            assert told[column]["Description"]
-    for row in read(out / "sickness.tsv", "\t"):
+    rows = [row for path in answers(out) for row in read(path, "\t")]
+    for column in (*read(out / "ratings.csv", ",")[0], *rows[0]):
+        assert told[column]["Description"]
+    for row in (row for row in rows if row["kind"] == "sickness"):
         assert row["scale"] in told["scale"]["Levels"] and row["item"] in told["item"]["Levels"]
         assert row["status"] in told["status"]["Levels"] and row["phase"] in told["phase"]["Levels"]
 
 
-def test_remarks_are_exported_on_request_as_typed(store, design, tmp_path):
-    plain = export(store.contents(), design, tmp_path / "plain").folder
-    assert all(b"Maria" not in path.read_bytes() for path in plain.rglob("*") if path.is_file())
-    told = export(store.contents(), design, tmp_path / "told", ExportOptions(remarks=True)).folder
-    assert {row["text"] for row in read(told / "remarks.csv", ",")} == {
-        f"{NASTY} {code}" for code in ("Alpha-1", "Beta-2", "Gamma-3")
-    }
-
-
-def test_revisions_are_a_table_of_their_own(store, design, tmp_path):
-    out = export(store.contents(), design, tmp_path / "out", ExportOptions(revisions=True)).folder
-    counted = [row for row in read(out / "ratings.csv", ",") if row["value"] != "n/a"]
-    rows = [row for row in read(out / "revisions.tsv", "\t") if row["kind"] == "rating"]
-    assert len(rows) == len(counted) + 3 + 1  # each of three revised the first, and one "cannot say" is an answer too
-    assert [row["revision"] for row in rows if row["trial"] == "1"] == ["1", "2"] * 3
+def test_no_remark_leaves_the_store(store, design, tmp_path):
+    assert any("Maria" in str(event.data) for event in store.contents().events)
+    made = export(store.contents(), design, tmp_path / "plain").folder
+    assert all(b"Maria" not in path.read_bytes() for path in made.rglob("*") if path.is_file())
 
 
 def test_people_pilots_and_programs_never_stand_in_one_table(store, design, tmp_path):
@@ -300,8 +273,12 @@ def test_an_older_export_is_not_written_over(store, design, tmp_path):
 
 
 def test_a_forced_export_removes_files_of_withdrawn_participants(store, design, tmp_path):
+    """Those of older versions too, which wrote more."""
     first = store.contents().sessions[0]
     out = export(store.contents(), design, tmp_path / "out").folder
+    (out / "sessions").mkdir()
+    for name in ("ratings.tsv", "ratings_short.csv", f"sessions/{first.sub}_ses-01.csv", "remarks.csv", "sickness.tsv"):
+        (out / name).write_text(first.sub, encoding="utf-8")
     store.withdraw(first.code)
     export(store.contents(), design, out, ExportOptions(force=True))
     files = [path for path in out.rglob("*") if path.is_file()]
@@ -319,26 +296,21 @@ def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(
     before = export(store.contents(), design, tmp_path / "before").folder
     text = TEXT.replace("latency = 400", "latency = 700").replace('"grade"', '"acr"').replace('"vrsq"', '"ssq"')
     made = export(store.contents(), design_from_text(text, "late.toml"), tmp_path / "after")
-    for name in ("ratings.csv", "sickness.tsv", "questionnaires.tsv"):
-        assert (before / name).read_bytes() == (made.folder / name).read_bytes()
+    assert (before / "ratings.csv").read_bytes() == (made.folder / "ratings.csv").read_bytes()
+    assert [path.read_bytes() for path in answers(before)] == [path.read_bytes() for path in answers(made.folder)]
     told = json.loads((made.folder / "columns.json").read_text(encoding="utf-8"))
     assert told["scale"]["Levels"]["grade"].startswith("School grade") and "changed after 3 sessions" in " ".join(
         made.notes
     )
 
 
-def test_each_table_of_ratings_says_whose_they_are(store, design, tmp_path):
+def test_the_table_says_whose_ratings_they_are(store, design, tmp_path):
     out = export(store.contents(pilot=True), design, tmp_path / "out", ExportOptions(origin=PILOT)).folder
     columns = json.loads((out / "columns.json").read_text(encoding="utf-8"))
     assert set(columns["origin"]["Levels"]) == {"person", "pilot", "simulated"}
-    tables = [out / "ratings.csv", out / "ratings.tsv", out / "ratings_short.csv", *out.glob("sessions/*.csv")]
-    assert len(tables) == 4
-    for table in tables:
-        found = from_csv(table)
-        assert (found.origin, found.notes[0]) == (
-            PILOT,
-            "These ratings are of origin 'pilot', not of people taking part in the study.",
-        ), table
+    found = from_csv(out / "ratings.csv")
+    said = "These ratings are of origin 'pilot', not of people taking part in the study."
+    assert (found.origin, found.notes[0]) == (PILOT, said)
     assert {row["origin"] for row in read(out / "bids" / "participants.tsv", "\t")} == {PILOT}
 
 
@@ -358,4 +330,3 @@ def test_times_are_written_to_the_nanosecond_that_was_measured(tmp_path, design)
     row = read(out / "ratings.csv", ",")[0]
     assert (row["seconds_to_answer"], row["actual_seconds"]) == ("1.650000033", "0.300000006")
     assert (row["actual_latency_ms_median"], row["actual_hole_share_mean"]) == ("66.666667", "0.3333333333333333")
-    assert read(out / "ratings_short.csv", ",")[0]["seconds_to_answer"] == "1.650000033"

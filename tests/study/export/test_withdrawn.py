@@ -5,7 +5,7 @@ import pytest
 
 from hmdwarp.poses import load_trace
 from hmdwarp.study.export.table_columns import field_text
-from hmdwarp.study.export.write import ExportOptions, export
+from hmdwarp.study.export.write import export
 
 
 def bytes_of(folder):
@@ -13,7 +13,6 @@ def bytes_of(folder):
 
 
 def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
-    everything = ExportOptions(remarks=True, revisions=True)
     contents = store.contents()
     session = next(session for session in contents.sessions if session.code == "Gamma-3")
     traces = [
@@ -21,12 +20,12 @@ def test_no_byte_of_a_withdrawn_participant_remains(store, design, tmp_path):
     ]
     numbers = {field_text(float(value)).encode() for track in traces for value in track.position_m.ravel()}
     assert len(numbers) == 4 * 40 * 3
-    marks = {b"Gamma-3", session.sub.encode(), *numbers}
-    before = b"".join(bytes_of(export(contents, design, tmp_path / "before", everything).folder).values())
-    assert all(mark in before for mark in marks)  # the code by the remark, which the test put it in
+    marks = {session.sub.encode(), *numbers}
+    before = b"".join(bytes_of(export(contents, design, tmp_path / "before").folder).values())
+    assert all(mark in before for mark in marks)
 
     store.withdraw("Gamma-3")
-    after = bytes_of(export(store.contents(), design, tmp_path / "after", everything).folder)
+    after = bytes_of(export(store.contents(), design, tmp_path / "after").folder)
     for name, data in after.items():
         assert session.sub not in name
         assert [mark for mark in marks if mark in data] == [], name
@@ -48,20 +47,9 @@ def test_the_rest_is_as_without_the_withdrawn(store, design, tmp_path):
         "bids/participants.json",
         "bids/participants.tsv",
         "ratings.csv",
-        "ratings_short.csv",
-        "ratings.tsv",
         "ratings.parquet",
-        "sickness.tsv",
-        "questionnaires.tsv",
     }
-    for name in (
-        "ratings.csv",
-        "ratings_short.csv",
-        "ratings.tsv",
-        "sickness.tsv",
-        "questionnaires.tsv",
-        "bids/participants.tsv",
-    ):
+    for name in ("ratings.csv", "bids/participants.tsv"):
         assert after[name].splitlines() == [line for line in before[name].splitlines() if gone.sub.encode() not in line]
 
 

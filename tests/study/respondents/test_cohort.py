@@ -17,7 +17,7 @@ from hmdwarp.study.scales import load_scale
 from hmdwarp.study.session.runner import why_sick
 from hmdwarp.study.store import Answer
 
-from ..made_up import simulate_study
+from ..made_up import per_condition, simulate_study, unlimited
 
 DESIGN, MODEL = load_design("quick"), load_model("quick")
 PART = DESIGN.parts[0].name
@@ -45,13 +45,13 @@ def test_the_parts_of_the_spread_are_those_of_the_model():
     Each variance by its own mean squares. The standard error of a standard deviation is sd / sqrt(2
     x degrees of freedom), below 0.012 sd for all of them; 4 of those.
     """
-    design = attrs.evolve(DESIGN, repeats=3, sickness=None)
+    design = unlimited(attrs.evolve(DESIGN, repeats=3, sickness=None))
     values = {"people_sd": 0.5, "condition_sd": 0.4, "noise_sd": 0.6, "drift": 0.0, "carry_over": 0.0, "missing": 0.0}
     made = cohort(4000, design=design, ratings=rating(**values), dropout=0.0)
     cube = np.empty((4000, 4, 3))
     for person in range(4000):
         for condition in range(4):
-            cube[person, condition] = made.latent["grade"][person][made.order[person] == condition]
+            cube[person, condition] = made.answers["grade"][person][made.order[person] == condition]
     means = np.array([GRADE.means[condition.name] for condition in DESIGN.parts[0].conditions])
     noise = cube.var(axis=2, ddof=1).mean()
     of_cell = (cube.mean(axis=2) - means) - (cube.mean(axis=2) - means).mean(axis=1, keepdims=True)
@@ -64,10 +64,11 @@ def test_the_parts_of_the_spread_are_those_of_the_model():
 
 def test_drift_and_what_was_before_are_in_the_ratings():
     still = {"people_sd": 0.0, "condition_sd": 0.0, "noise_sd": 0.0, "missing": 0.0}
-    made = cohort(8, ratings=rating(**still, drift=0.125, carry_over=0.25), dropout=0.0)
+    made = cohort(8, design=unlimited(DESIGN), ratings=rating(**still, drift=0.125, carry_over=0.25), dropout=0.0)
     means = np.array([GRADE.means[condition.name] for condition in DESIGN.parts[0].conditions])[made.order]
     before = np.concatenate([means[:, :1], means[:, :-1]], axis=1)
-    np.testing.assert_allclose(made.latent["grade"], 0.75 * means + 0.25 * before + 0.125 * np.arange(4))
+    wanted = 0.75 * means + 0.25 * before + 0.125 * np.arange(4)
+    np.testing.assert_allclose(made.answers["grade"], wanted, atol=1e-6)
 
 
 def test_shares_of_missing_ratings_and_dropouts():
@@ -128,12 +129,12 @@ def test_made_up_ratings_are_those_of_the_cohort():
     made, found = cohort(9, seed=4), simulate_study(DESIGN, MODEL, 9, 4)
     assert len(found.rows) == 9 * 4 and found.origin == "simulated" and len(found.sessions) == 9
     table = found.table(PART, "grade")
-    wanted = made.per_condition("grade")[
-        :, [[condition.name for condition in DESIGN.parts[0].conditions].index(name) for name in table.conditions]
+    wanted = per_condition(made, "grade")[
+        :, [[condition.name for condition in DESIGN.parts[0].conditions].index(name) for name in table.columns]
     ]
-    np.testing.assert_array_equal(table.values, wanted)
-    assert all((row.value is None) == bool(row.why_missing) for row in found.rows)
-    assert all(row.previous == "" for row in found.rows if row.place == 1)
+    np.testing.assert_array_equal(table.to_numpy(), wanted)
+    assert (found.rows["value"].isna() == (found.rows["why_missing"] != "")).all()
+    assert (found.rows.loc[found.rows["place"] == 1, "previous"] == "").all()
 
 
 def test_a_simulated_session_answers_as_a_simulated_study():

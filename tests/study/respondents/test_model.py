@@ -25,6 +25,8 @@ from hmdwarp.study.respondents.response_model import (
 )
 from hmdwarp.study.scales import RATING, load_scale, scale_names
 
+from ..made_up import per_condition
+
 TEXT = """schema = 1
 title = "two"
 [rating.grade]
@@ -168,7 +170,7 @@ def test_the_model_quick_rehearses_a_new_plan_on_every_rating_scale(tmp_path, na
     plan.write_text(plan.read_text(encoding="utf-8").replace('["acr"]', asked), encoding="utf-8")
     design = load_design(str(plan))
     cohort = Population(load_model("quick"), design, design.parts[0].name).of(range(100), seed=1)
-    means = np.nanmean(cohort.per_condition(name), axis=0)
+    means = np.nanmean(per_condition(cohort, name), axis=0)
     badness = [scale.badness(mean) for mean in means]
     assert design.parts[0].conditions[-1].reference
     assert max(badness[:-1]) - min(badness[:-1]) < 0.1 * (scale.most - scale.least)

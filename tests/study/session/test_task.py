@@ -18,10 +18,10 @@ from hmdwarp.poses import Origin, PoseSample
 from hmdwarp.scenes import inputs_beside, load_scene, read_inputs, with_targets
 from hmdwarp.study import MeasureOptions
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.sources import from_contents
+from hmdwarp.study.analysis.long_table import from_contents
 from hmdwarp.study.design import design_as_json, load_design
 from hmdwarp.study.dialogs.dialog_panels import MessagePanel
-from hmdwarp.study.export.export_rows import long_rows
+from hmdwarp.study.export.export_rows import answer_rows, long_rows
 from hmdwarp.study.measure import run_options
 from hmdwarp.study.session.wording import TaskScore
 from hmdwarp.study.store.signature import plan_signature
@@ -156,13 +156,13 @@ def test_the_score_is_exported_and_analysed_with_the_rating(monkeypatch, gpu, tm
     for code in ("P1", "P2"):
         run(monkeypatch, gpu, path, person=Selecting(), participant=code)
     stored, design = contents(path), load_design(str(path))
-    assert all(row["actual_task_targets"] == 2 for row in long_rows(stored, design))
+    assert all(row["actual_task_targets"] == 2 for row in long_rows(answer_rows(stored, design)))
     ratings = from_contents(stored, design)
-    assert ratings.rated_scales() == ("grade", "task_target_s", "task_misses")
-    misses = {(row.place, row.value) for row in ratings.rows if row.scale == "task_misses"}
+    assert ratings.rated_scales() == ["grade", "task_target_s", "task_misses"]
+    misses = {(row.place, row.value) for row in ratings.rows.itertuples() if row.scale == "task_misses"}
     assert misses == {(showing.trial, showing.actual["task_misses"]) for showing in stored.showings}
     found = analyse(ratings)
-    assert [scale["measure"]["name"] for scale in found["scales"]] == list(ratings.rated_scales())
+    assert [scale["measure"]["name"] for scale in found["scales"]] == ratings.rated_scales()
     assert found["ratings"] == 4
     assert found["scales"][2]["comparisons"][0]["n"] == 2
 

@@ -1,0 +1,691 @@
+"""What ratings say: conditions, comparisons, order, references, pairs, claims; plain data."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import tomllib
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+import pandas as pd
+from scipy.special import ndtr, stdtrit
+
+from ...errors import InputError
+from ...options import Table as Keys
+from ...options import parsed, text_of
+from ...report import counted
+from ...resources import import_extra
+from .. import statistics as st
+from ..design import SHIPPED, Comparison, Family, tables_of
+from ..scales import FIRST, NEITHER, QUESTIONNAIRE, Scale, load_scale, score_ranges, scored
+from .long_table import Ratings, ScaleInfo, SourceOptions, from_csv
+
+Row = dict[str, Any]
+_LEVEL = 0.95
+_EQUAL = 1e-9  # means of equal ratings may differ by rounding
+_LEAST_LEVEL = 0.5  # of an exact interval: one difference gives 0 %, two give 50 %
+_MOST_PAIRED = 45  # comparisons of a part without a plan: ten conditions, each against each
+_LEAST_REST = 5  # degrees of freedom that must be left for the noise
+RESAMPLES = 2000  # of people, for scores: the ends are then known to a tenth of the interval's width
+LEAST_PEOPLE = 6  # fewer have no interval: their resamples are too alike for 95 %
+
+
+@attrs.frozen
+class Resampling:
+    """Options of random draws: BCa intervals where not all resamples count, and copied rows."""
+
+    seed: int = st.SEED
+    resamples: int = st.RESAMPLES
+
+
+# --- conditions
+
+
+def condition_rows(ratings: Ratings, part: str, scale: str) -> list[Row]:
+    """Return a row per condition: n, median, mean, spread, and each participant's rating.
+
+    "low" to "high" is Student's 95 % interval of the mean over people, cut at the ends of the scale
+    (ITU-T P.910, 10/2023); None where n is too small, as the spread, or all rated alike.
+    """
+    table, info, references = ratings.table(part, scale), ratings.scale_info[scale], ratings.references(part)
+    return [
+        {
+            "condition": name,
+            "settings": ratings.settings(part, name),
+            "reference": name in references,
+            "n": int(column.count()),
+            "missing": int(column.isna().sum()),
+            "ratings": column.dropna().round(9).to_dict(),
+            **_spread(column.dropna(), info),
+        }
+        for name, column in table.items()
+    ]
+
+
+def _spread(rated: pd.Series, info: ScaleInfo) -> Row:
+    names = ("q1", "median", "q3", "mean", "sd", "least", "most", "low", "high")
+    if rated.empty:
+        return dict.fromkeys(names)
+    mean, sd = float(rated.mean()), float(rated.std()) if len(rated) > 1 else None
+    ends: tuple[float | None, float | None] = (None, None)
+    if sd:
+        half = float(stdtrit(len(rated) - 1, 0.5 + _LEVEL / 2)) * sd / math.sqrt(len(rated))
+        least, most = (-math.inf, math.inf) if info.least is None or info.most is None else (info.least, info.most)
+        ends = max(mean - half, least), min(mean + half, most)
+    figures = (*rated.quantile([0.25, 0.5, 0.75]).tolist(), mean, sd, float(rated.min()), float(rated.max()), *ends)
+    return dict(zip(names, figures, strict=True))
+
+
+def friedman_row(table: pd.DataFrame) -> Row | None:
+    """Return Friedman's test over those who rated everything; None where they are too few."""
+    found = st.friedman(table.to_numpy())
+    return found and found._asdict() | {"conditions": table.shape[1], "w": st.kendalls_w(found)}
+
+
+def reference_votes(table: pd.DataFrame, references: Sequence[str], info: ScaleInfo) -> Row | None:
+    """Return how each participant rated the hidden reference against the median of their others.
+
+    "better" and "same" are counts, "missed" the participants who rated it worse; "flat" counts
+    those of "same" who gave everything the same rating. None without a reference.
+    """
+    if not references:
+        return None
+    own, others = table[list(references)].mean(axis=1), table.drop(columns=references).median(axis=1)
+    worse_by = (info.sign * (own - others)).dropna()
+    same = worse_by.abs() <= _EQUAL
+    flat = (table.max(axis=1) - table.min(axis=1))[same[same].index] <= _EQUAL
+    missed = worse_by[worse_by > _EQUAL].index.tolist()
+    counts = {"rated": len(worse_by), "better": int((worse_by < -_EQUAL).sum()), "same": int(same.sum())}
+    return {**counts, "flat": int(flat.sum()), "missed": missed, "references": list(references)}
+
+
+def place_residuals(rows: pd.DataFrame) -> list[Row]:
+    """Return each rating less its participant's and its condition's mean, by place of its trial."""
+    rated = rows[rows["value"].notna() & (rows["place"] > 0)]
+    means = [rated.groupby(name)["value"].transform("mean") for name in ("participant", "condition")]
+    rest = rated["value"] - means[0] - means[1] + rated["value"].mean()
+    return [{"place": int(place), "rest": float(own)} for place, own in zip(rated["place"], rest, strict=True)]
+
+
+def missing_rows(ratings: Ratings, scale: str) -> list[Row]:
+    """Return every missing rating with its reason."""
+    lacking = ratings.rows[(ratings.rows["scale"] == scale) & ratings.rows["value"].isna()]
+    found = lacking[["participant", "part", "condition", "session", "why_missing"]]
+    return list(found.rename(columns={"why_missing": "why"}).to_dict("records"))
+
+
+def session_counts(ratings: Ratings) -> Row:
+    """Return how sessions ended: counts, and the sessions that are not complete."""
+    cut = ratings.sessions[ratings.sessions["status"] != "complete"].rename(columns={"planned": "of"})
+    return {"counts": ratings.sessions["status"].value_counts().sort_index().to_dict(), "cut": cut.to_dict("records")}
+
+
+def order_effects(rows: pd.DataFrame) -> Row:
+    """Estimate the effect of a trial's place (a slope per trial) and of the condition before it.
+
+    Type II F tests by ordinary least squares, with participants and conditions. rows: of one part
+    on one scale. Where the two effects are confounded, each is estimated without the other and
+    names it ("or"). An effect that cannot be estimated is {"why_not": sentence}.
+    """
+    rated = rows[rows["value"].notna()]
+    if rated.empty or not rated["place"].all():
+        unknown = "the order in which the conditions were shown is not recorded"
+        why = "nothing was rated" if rated.empty else unknown
+        if rated["place"].any():
+            why = "the place of some trials is not recorded"
+        return {name: {"why_not": why} for name in ("place", "previous")}
+    blocks = {
+        "base": np.hstack([_dummies(rated["participant"]), _dummies(rated["condition"])[:, 1:]]),
+        "place": rated[["place"]].to_numpy(float),
+        "previous": _dummies(rated["previous"])[:, 1:],
+    }
+    values = rated["value"].to_numpy(float)
+    others = {"place": "previous", "previous": "place"}
+    return {name: _effect(values, blocks, name, other) for name, other in others.items()}
+
+
+def _dummies(names: pd.Series) -> np.ndarray:
+    return np.asarray(pd.get_dummies(names), float)
+
+
+def _effect(values: np.ndarray, blocks: Mapping[str, np.ndarray], name: str, other: str) -> Row:
+    """Estimate one effect; the other one leaves the model where the two are confounded."""
+    base, effect = blocks["base"], blocks[name]
+    rest = np.hstack([base, blocks[other]]) if _rank(base, blocks[other]) > _rank(base) else base
+    df = _rank(rest, effect) - _rank(rest)
+    if df == 0:
+        if _rank(base, effect) == _rank(base):
+            return {"why_not": "it is confounded with the conditions: all participants saw them in the same order"}
+        alone = _effect(values, {**blocks, other: np.zeros((len(values), 0))}, name, other)
+        return alone if "why_not" in alone else alone | {"or": other}
+    if len(values) - _rank(rest, effect) < _LEAST_REST:
+        return {"why_not": f"{counted(len(values), 'rating')} {'is' if len(values) == 1 else 'are'} too few for it"}
+    ols = import_extra("statsmodels.api", "statsmodels", "study").OLS
+    with warnings.catch_warnings():
+        # Sums of squares, ranks and the slope are the same for every solution of least squares.
+        warnings.filterwarnings("ignore", "The design matrix is rank-deficient")
+        full, reduced = ols(values, np.hstack([rest, effect])).fit(), ols(values, rest).fit()
+    if full.ssr <= 1e-20 * max(float((values**2).sum()), 1e-300):
+        return {"why_not": "the ratings leave no noise to compare it with"}
+    f, p, _ = full.compare_f_test(reduced)
+    found: Row = {"f": float(f), "df": df, "df_rest": int(full.df_resid), "p": float(p)}
+    if name == "place":
+        found |= dict(zip(("slope", "low", "high"), map(float, (full.params[-1], *full.conf_int()[-1])), strict=True))
+    return found
+
+
+def _rank(*blocks: np.ndarray) -> int:
+    matrix = np.hstack(blocks)
+    return int(np.linalg.matrix_rank(matrix)) if matrix.shape[1] else 0
+
+
+# --- what was asked beside the ratings
+
+
+def scale_or_none(name: str) -> Scale | None:
+    """Return a shipped scale, or None for a name that is none."""
+    try:
+        return load_scale(name)
+    except InputError:
+        return None
+
+
+def _asked(ratings: Ratings, *, questionnaires: bool) -> Iterator[tuple[Scale, pd.DataFrame]]:
+    """Yield each scale of the survey, known by the plan or shipped, with its answers."""
+    for name, answers in ratings.survey.groupby("scale", sort=False):
+        scale = ratings.scales.get(name) or scale_or_none(name)
+        if scale is not None and (scale.kind == QUESTIONNAIRE) == questionnaires:
+            yield scale, answers
+
+
+def sickness_rows(ratings: Ratings) -> list[Row]:
+    """Return for each sickness scale and trial the number, median and worst of the answers."""
+    out = []
+    for scale, answers in _asked(ratings, questionnaires=False):
+        worst = "max" if scale.low_is_good else "min"
+        by_trial = answers.groupby("trial")["value"].agg(n="count", median="median", worst=worst).reset_index()
+        about = {"scale": scale.name, "title": scale.title, "least": scale.least, "most": scale.most}
+        out.append({**about, "trials": by_trial.to_dict("records")})
+    return out
+
+
+def questionnaire_rows(ratings: Ratings) -> tuple[list[Row], list[Row]]:
+    """Return a row for each score of questionnaires answered before and after, and answered once.
+
+    The change is over those who answered both times, each of them once: a person's sessions are
+    averaged, as ratings are. p is of the exact Wilcoxon test of the change, uncorrected: these
+    comparisons are not planned.
+    """
+    twice, once = list[Row](), list[Row]()
+    for scale, answers in _asked(ratings, questionnaires=True):
+        sheets = {phase: _scores(scale, own) for phase, own in answers.groupby("phase") if phase in ("before", "after")}
+        about = {"scale": scale.name, "title": scale.title}
+        if len(sheets) == 1:
+            ((phase, scores),) = sheets.items()
+            least, most = score_ranges(scale)
+            for score in scale.scores:
+                ends = {"least": least[score.name], "most": most[score.name], "n": int(scores[score.name].count())}
+                row = {**about, "score": score.name, "when": phase, "score_title": score.title or score.name, **ends}
+                quartiles = scores[score.name].quantile([0.25, 0.5, 0.75])
+                names = ("low_quartile", "median", "high_quartile")
+                once.append(row | {name: _or_none(q) for name, q in zip(names, quartiles, strict=True)})
+        elif sheets:
+            for score in sheets["before"]:
+                medians = {phase: _or_none(sheets[phase][score].median()) for phase in ("before", "after")}
+                changes = (sheets["after"][score] - sheets["before"][score]).dropna().groupby(level=0).mean().to_numpy()
+                row = {**about, "score": score, "n": len(changes), **medians}
+                if len(changes):
+                    row |= dict(zip(("change", "low", "high", "level"), shift_of(changes), strict=True))
+                    row["p"] = st.wilcoxon_exact(changes).p
+                twice.append(row)
+    return twice, once
+
+
+def _scores(scale: Scale, answers: pd.DataFrame) -> pd.DataFrame:
+    """Return the scores (columns) of each participant's session."""
+    sheets = answers.groupby(["participant", "session"], sort=False)
+    found = {who: scored(scale, dict(zip(own["item"], own["value"], strict=True))) for who, own in sheets}
+    return pd.DataFrame.from_dict(found, orient="index", columns=[s.name for s in scale.scores], dtype=float)
+
+
+def _or_none(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
+# --- comparisons
+
+
+def families_for(ratings: Ratings, requested: Sequence[str] = ()) -> tuple[tuple[Family, ...], str]:
+    """Return the families of comparisons, and a sentence on where they come from.
+
+    requested: from the command line, "A:B;C:D" or "PART/A:B", each text a family. Without it the
+    plan's families. Without a plan, in each part: at each latency no warp against each warp; else
+    each condition against the hidden reference; else all pairs.
+    Errors: InputError for names without ratings.
+    """
+    if requested:
+        names = ["as requested"] if len(requested) == 1 else [f"as requested, {k + 1}" for k in range(len(requested))]
+        asked = zip(requested, names, strict=True)
+        return tuple(
+            f for text, name in asked for f in _requested(text, name, ratings)
+        ), "Compared: the pairs of --family."
+    if ratings.families:
+        return ratings.families, "Compared: what the study's file plans."
+    found = {part: _default_pairs(ratings, part) for part in ratings.parts()}
+    families = tuple(
+        Family(f"{part}: {rule}" if part else rule, tuple(Comparison(part, a, b) for a, b in pairs))
+        for part, (pairs, rule) in found.items()
+        if pairs
+    )
+    rules = dict.fromkeys(rule for pairs, rule in found.values() if pairs)
+    which = "; ".join(rules) or "nothing, as there is only one condition"
+    return families, f"Compared: {which}. The data come without a plan; --family chooses other pairs."
+
+
+def _requested(text: str, name: str, ratings: Ratings) -> list[Family]:
+    head, slash, rest = text.partition("/")
+    parts, pairs_text = ([head], rest) if slash and head in ratings.parts() else (ratings.parts(), text)
+    pairs = [tuple(name.strip() for name in pair.split(":")) for pair in pairs_text.split(";")]
+    if any(len(pair) != 2 or not all(pair) for pair in pairs):
+        raise InputError(
+            f"--family '{text}': expected pairs of conditions, like 'late-200:warped-200;late-400:warped-400'"
+        )
+    here = {part: [pair for pair in pairs if set(pair) <= set(ratings.conditions(part))] for part in parts}
+    for a, b in pairs:
+        if not any((a, b) in found for found in here.values()):
+            names = "; ".join(dict.fromkeys(name for part in parts for name in ratings.conditions(part)))
+            raise InputError(f"--family '{text}': no part has both '{a}' and '{b}': the conditions are {names}")
+    return [
+        Family(f"{part}: {name}" if part else name, tuple(Comparison(part, a, b) for a, b in found))
+        for part, found in here.items()
+        if found
+    ]
+
+
+def _default_pairs(ratings: Ratings, part: str) -> tuple[list[tuple[str, str]], str]:
+    names = ratings.conditions(part)
+    settings = {name: ratings.settings(part, name) for name in names}
+    alike = {
+        name: {key: str(value) for key, value in own.items() if key not in ("warp", "fill")}
+        for name, own in settings.items()
+    }
+    bare = [name for name in names if settings[name].get("warp") == "none" and "latency_ms" in settings[name]]
+    pairs = [(a, b) for a in bare for b in names if settings[b].get("warp", "none") != "none" and alike[a] == alike[b]]
+    if pairs:
+        return pairs, "at each latency no warp against each warp"
+    if references := ratings.references(part):
+        against = [(name, references[0]) for name in names if name not in references]
+        return against, "each condition against the hidden reference"
+    pairs = list(itertools.combinations(names, 2))
+    if len(pairs) > _MOST_PAIRED:
+        raise InputError(
+            f"{len(names)} conditions and no plan: choose with --family which of the {len(pairs)} pairs to compare"
+        )
+    return pairs, "each condition against each"
+
+
+def compared(
+    ratings: Ratings,
+    scale: str,
+    families: Sequence[Family],
+    resampling: Resampling,
+    without: Mapping[str, list[str]] = {},
+) -> list[Row]:
+    """Return all comparisons on a scale.
+
+    "holm" is p after Holm's correction within the family, "holm_all" over all comparisons. without:
+    by part, participants to leave out.
+    """
+    rows = []
+    for family, comparison in ((f, one) for f in families for one in f.comparisons):
+        table = ratings.table(comparison.part, scale).drop(index=without.get(comparison.part, []), errors="ignore")
+        if {comparison.baseline, comparison.better} <= set(table.columns):
+            rows.append(_compared(table, ratings.scale_info[scale], family.name, comparison, resampling))
+    correct(rows, over_all=True)
+    return rows
+
+
+def _compared(table: pd.DataFrame, info: ScaleInfo, family: str, of: Comparison, resampling: Resampling) -> Row:
+    found = (info.sign * (table[of.baseline] - table[of.better])).round(9).dropna()
+    row = {
+        "part": of.part,
+        "scale": info.name,
+        "family": family,
+        "condition": of.better,
+        "baseline": of.baseline,
+        "n": len(found),
+        "better": int((found > 0).sum()),
+        "equal": int((found == 0).sum()),
+        "worse": int((found < 0).sum()),
+        "differences": found.to_dict(),
+        "left_out": table.index.difference(found.index, sort=False).tolist(),
+    }
+    return row | _statistics(found.to_numpy(), resampling)
+
+
+def _statistics(values: np.ndarray, resampling: Resampling) -> Row:
+    if len(values) > st.MOST_PAIRS:
+        raise InputError(
+            f"{len(values)} participants rated both of two conditions: the exact test takes {st.MOST_PAIRS} at most"
+        )
+    names = ["mean", "sd", "median", "w_plus", "w_minus", "p", "smallest_p", "rank_biserial"]
+    names += ["shift", "shift_low", "shift_high", "shift_level", "low", "high"]
+    if not len(values):
+        return dict.fromkeys(names)
+    test = st.wilcoxon_exact(values)
+    # One difference, or equal ones, have no spread to resample: a point is no interval.
+    ends = (None, None) if st.is_degenerate(values) else st.bca(values, resampling.seed, resampling.resamples)
+    found = (
+        float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None, float(np.median(values)),
+        test.w_plus, test.w_minus, test.p, st.smallest_p(test.n), st.rank_biserial(values), *shift_of(values), *ends,
+    )  # fmt: skip
+    return dict(zip(names, found, strict=True))
+
+
+def shift_of(values: np.ndarray) -> tuple[float, float | None, float | None, float | None]:
+    """Return the Hodges-Lehmann shift, its interval and the level of that.
+
+    The last three are None where the level is too low for an interval.
+    """
+    shift, level = st.hodges_lehmann(values), st.attained_level(len(values))
+    return (*shift, level) if level >= _LEAST_LEVEL else (shift.shift, None, None, None)
+
+
+def correct(rows: list[Row], *, over_all: bool = False) -> None:
+    """Put Holm's p into each row, corrected within its family; over_all: over all rows as well.
+
+    A planned comparison without ratings has none, and counts with p = 1: leaving it out would
+    favour the rest.
+    """
+    families = [[row for row in rows if row["family"] == name] for name in dict.fromkeys(row["family"] for row in rows)]
+    for group, key in [*((group, "holm") for group in families), *([(rows, "holm_all")] if over_all else [])]:
+        for row, p in zip(group, st.holm([1.0 if row["p"] is None else row["p"] for row in group]), strict=True):
+            row |= {key: None if row["p"] is None else p, f"{key}_of": len(group)}
+
+
+# --- pairs that were compared
+
+
+def preference_results(ratings: Ratings, families: Sequence[Family], resampling: Resampling) -> list[Row]:
+    """Return the results of each part with paired comparisons.
+
+    Scores are in JOD: the hidden reference has 0, or without one the mean of all conditions. A
+    comparison's "p" is of the exact Wilcoxon test of each person's choices for less those against
+    it, where the two were shown together.
+    """
+    parts = ratings.preferences.groupby(["part", "scale"], sort=False)
+    return [_preferred(ratings, planned, families, resampling) for _, planned in parts]
+
+
+def _preferred(ratings: Ratings, planned: pd.DataFrame, families: Sequence[Family], resampling: Resampling) -> Row:
+    first, given = planned.iloc[0], planned[planned["answer"].notna()]
+    found: Row = {
+        "part": first["part"],
+        "scale": first["scale"],
+        "people": given["participant"].nunique(),
+        "answers": len(given),
+        "ties": int((given["answer"] == NEITHER).sum()),
+        "first": int((given["answer"] == FIRST).sum()),
+        "missing": len(planned) - len(given),
+        "threshold": None,
+        "conditions": [],
+        "comparisons": [],
+    }
+    if given.empty:
+        return found
+    names = ratings.conditions(first["part"])
+    pairs = given.groupby("participant", sort=False)[["first", "second", "answer"]]
+    tables = [
+        tables_of(names, [((a, b), answer) for a, b, answer in own.itertuples(index=False)], allows_ties=True)
+        for _, own in pairs
+    ]
+    wins, ties = (np.array([table[k] for table in tables]) for k in (0, 1))
+    tied = ties if first["allows_ties"] or ties.any() else None
+    scores = st.jod_scores(wins.sum(axis=0), None if tied is None else tied.sum(axis=0))
+    resampled = left_out = None
+    if len(wins) >= LEAST_PEOPLE:
+        count = min(RESAMPLES, resampling.resamples)
+        resampled = st.resampled_scores(wins, tied, count, resampling.seed).jod
+        left_out = st.left_out_scores(wins, tied).jod
+
+    def score(weights: np.ndarray) -> Row:
+        """Return a weighted sum of scores, "jod", with its interval, "low" to "high"."""
+        jod, ends = float(scores.jod @ weights), tuple[Any, ...]((None, None))
+        if resampled is not None and left_out is not None and weights.any():
+            ends = st.resampled_interval(jod, resampled @ weights, left_out @ weights)
+        return dict(zip(("jod", "low", "high"), (jod, *ends), strict=True))
+
+    places, zero = np.eye(len(names)), first["reference"]
+    total = pd.DataFrame(wins.sum(axis=0), names, names)
+    neither = pd.DataFrame(ties.sum(axis=0), names, names)
+    found["threshold"] = None if tied is None else float(scores.threshold)
+    found["conditions"] = [
+        {
+            "condition": name,
+            "reference": name == zero,
+            **score(places[k] - (places[names.index(zero)] if zero in names else 0)),
+            "preferred": int(total.loc[name].sum()),
+            "other_preferred": int(total[name].sum()),
+            "neither": int(neither.loc[name].sum()),
+        }
+        for k, name in enumerate(names)
+    ]
+    for family, one in ((f, one) for f in families for one in f.comparisons):
+        if one.part == first["part"] and {one.baseline, one.better} <= set(names):
+            a, b = names.index(one.better), names.index(one.baseline)
+            together = wins[:, a, b] + wins[:, b, a] + ties[:, a, b] > 0
+            net = (wins[:, a, b] - wins[:, b, a])[together]
+            row: Row = {"part": one.part, "family": family.name, "condition": one.better, "baseline": one.baseline}
+            row |= {"people": len(net), "for": int(total.loc[one.better, one.baseline])}
+            row |= {"against": int(total.loc[one.baseline, one.better]), "neither": int(neither.iloc[a, b])}
+            row |= score(places[a] - places[b])
+            shares = {"share": "jod", "share_low": "low", "share_high": "high"}  # of forced choices
+            row |= {
+                key: None if row[of] is None else float(ndtr(row[of] / st.JOD_SPREAD)) for key, of in shares.items()
+            }
+            found["comparisons"].append(row | {"p": st.wilcoxon_exact(net).p if len(net) else None})
+    correct(found["comparisons"])
+    return found
+
+
+# --- rows that two parts share
+
+_DRAWS = 20_000
+
+
+def copied_rows(ratings: Ratings, scale: str, seed: int) -> list[Row]:
+    """Return, for every two parts with conditions in common, the rows that are equal there.
+
+    Conditions are common by name or by settings; missing ratings count as equal. "by_chance": how
+    often as many people of the second part would have an equal row in the first if every rating
+    were drawn by itself from all ratings of its condition (seeded draws). "within": equal rows
+    among the people of one part, of all pairs: how common they are without copying.
+    """
+    found = []
+    for parts in itertools.combinations(ratings.parts(), 2):
+        shared = _shared(ratings, *parts)
+        if len(shared) < 2:  # equal ratings of one condition say nothing
+            continue
+        tables = [
+            ratings.table(part, scale)[list(names)].round(6)
+            for part, names in zip(parts, zip(*shared, strict=True), strict=True)
+        ]
+        first, second = (table.fillna(-np.inf).to_numpy() for table in tables)  # equal to itself, and no rating
+        pairs = _equal(first, second)
+        if not len(pairs):
+            continue
+        people = len({b for _, b in pairs})
+        rows = [
+            {
+                "first": tables[0].index[a],
+                "second": tables[1].index[b],
+                "ratings": tables[0].iloc[a].astype(object).where(tables[0].iloc[a].notna(), None).tolist(),
+            }
+            for a, b in pairs
+        ]
+        found.append({
+            "parts": list(parts), "conditions": [a for a, _ in shared], "rows": rows, "people": people,
+            "of": len(second), "by_chance": _by_chance(first, second, people, seed), "draws": _DRAWS,
+            "within": sum(int((a < b).sum()) for a, b in (_equal(t, t).T for t in (first, second))),
+            "within_of": sum(math.comb(len(table), 2) for table in (first, second)),
+        })  # fmt: skip
+    return found
+
+
+def _shared(ratings: Ratings, first: str, second: str) -> list[tuple[str, str]]:
+    """Return the conditions of both, as (name in the first, name in the second)."""
+
+    def alike(a: str, b: str) -> bool:
+        own, other = ratings.settings(first, a), ratings.settings(second, b)
+        return own == other if own and other else a == b
+
+    found = ((a, next((b for b in ratings.conditions(second) if alike(a, b)), None)) for a in ratings.conditions(first))
+    return [(a, b) for a, b in found if b is not None]
+
+
+def _equal(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    same = (first[..., :, None, :] == second[..., None, :, :]).all(axis=-1)
+    return np.argwhere(same & np.isfinite(first).any(axis=-1)[..., None])
+
+
+def _by_chance(first: np.ndarray, second: np.ndarray, people: int, seed: int) -> float:
+    """Return the share of draws with as many equal rows; the data count as one draw."""
+    random, pool, hits = np.random.default_rng(seed), np.concatenate([first, second]), 1
+    n, columns = len(pool), np.arange(pool.shape[1])
+    for _ in range(0, _DRAWS, 2000):  # little memory at a time
+        drawn = pool[random.integers(0, n, (2000, n, pool.shape[1])), columns]
+        found = _equal(drawn[:, : len(first)], drawn[:, len(first) :])
+        draws, each = np.unique(found[:, [0, 2]], axis=0)[:, 0], np.zeros(2000, int)
+        np.add.at(each, draws, 1)
+        hits += int((each >= people).sum())
+    return hits / (_DRAWS + 1)
+
+
+# --- published figures
+
+_EXAMPLE = "the example of docs/study-analysis.md"
+_PUBLISHED = (
+    "These published ratings ship with hmdwarp; so do the figures published with them, which are compared with them."
+)
+
+
+@attrs.frozen
+class Claim:
+    """One published figure."""
+
+    part: str
+    step: float  # what it was rounded to
+    difference: float | None = None  # mean, positive where `better` was rated better; None: a mere mention
+    latency_ms: float | None = None  # means the comparison at that latency, instead of a pair
+    baseline: str = ""
+    better: str = ""
+    where: str = ""  # in the text
+
+
+@attrs.frozen
+class Claims:
+    """Figures of one publication."""
+
+    title: str  # of the publication, for sentences
+    claims: tuple[Claim, ...]
+    why_step: str = ""  # how the step is known
+
+
+def load_claims(path: Path) -> Claims:
+    """Load a .toml file of claims. Without `step` a figure counts as rounded to its last digit.
+
+    Errors: InputError naming file, line and value.
+    """
+    text = text_of(path, f"a .toml file of published figures: {_EXAMPLE} shows one")
+
+    def made(data: Keys) -> Claims:
+        step, exact = data.number("step", None), tomllib.loads(text, parse_float=Decimal).get("claim", [])
+        claims = [_claim(table, raw, step) for table, raw in zip(data.tables("claim"), exact, strict=True)]
+        return Claims(data.text("title"), tuple(claims), data.text("why_step", ""))
+
+    return parsed(text, path, made, _EXAMPLE)
+
+
+def _claim(table: Keys, raw: Mapping[str, Any], step: float | None) -> Claim:
+    names: Row = {name: table.text(name, "") for name in ("baseline", "better", "where")}
+    numbers: Row = {name: table.number(name, None) for name in ("difference", "latency_ms")}
+    if numbers["latency_ms"] is None and not (names["baseline"] and names["better"]):
+        raise table.fault("difference", "lacks its comparison: expected latency_ms, or baseline and better")
+    last = float(Decimal(1).scaleb(Decimal(str(raw.get("difference", 1))).as_tuple().exponent))  # type: ignore[arg-type]
+    return Claim(table.text("part"), last if step is None else step, **numbers, **names)
+
+
+def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:
+    """Return the published figures to compare with, and a note if the user did not name them.
+
+    They are those of the file, else those shipped for exactly these ratings, if any.
+    """
+    if path is not None:
+        return load_claims(path), ""
+    key = ["part", "participant", "condition"]
+    for table in sorted(SHIPPED.glob("*_ratings.csv")):
+        claims = table.with_name(table.name.replace("_ratings.csv", "_claims.toml"))
+        known = from_csv(table, attrs.evolve(options, columns={}, origin="", scale="grade")).rows
+        own = ratings.rows.set_index(key)["value"].sort_index()
+        if claims.is_file() and known.set_index(key)["value"].sort_index().equals(own):
+            return load_claims(claims), _PUBLISHED
+    return None, ""
+
+
+def checked(claims: Claims, rows: Iterable[Row], ratings: Ratings, scale: str) -> list[Row]:
+    """Compare each claim with the data. rows: as compared.
+
+    A figure follows where the mean difference of the pairs is within one step of it, which rounding
+    or truncation explains. Otherwise "others" holds what else may have been meant. A claim about a
+    latency without ratings names the latencies that were rated.
+    """
+    rows = list(rows)
+    return [_checked(claim, rows, ratings, scale) for claim in claims.claims]
+
+
+def _checked(claim: Claim, rows: list[Row], ratings: Ratings, scale: str) -> Row:
+    found = {name: getattr(claim, name) for name in ("part", "latency_ms", "difference", "step", "where")}
+    if claim.part not in ratings.parts():
+        why = f"there is no part '{claim.part}' among {', '.join(ratings.parts())}"
+        return found | {"follows": None, "why_not": why}
+    own = [row for row in rows if row["part"] == claim.part and _is_about(claim, row, ratings)]
+    if not own:
+        return found | {"follows": False, "why_not": _no_comparison(claim, ratings)}
+    row = own[0]
+    found |= {"baseline": row["baseline"], "condition": row["condition"], "data": row["mean"], "n": row["n"]}
+    if claim.difference is None:
+        return found | {"follows": True}
+    if row["mean"] is None:
+        return found | {"follows": None, "why_not": f"nobody rated both '{row['baseline']}' and '{row['condition']}'"}
+    table, sign = ratings.table(claim.part, scale), ratings.scale_info[scale].sign
+    a, b = table[row["baseline"]], table[row["condition"]]
+    others = {
+        "difference of the means over all who rated either": float(sign * (a.mean() - b.mean())),
+        "difference of the medians": float(sign * (a.median() - b.median())),
+        "median difference": row["median"],
+    }
+    near = [name for name, value in others.items() if abs(value - claim.difference) <= claim.step + _EQUAL]
+    if abs(row["mean"] - claim.difference) <= claim.step + _EQUAL:
+        return found | {"follows": True}
+    return found | {"follows": False, "others": others, "explained_by": near}
+
+
+def _no_comparison(claim: Claim, ratings: Ratings) -> str:
+    if claim.latency_ms is None:
+        return f"'{claim.baseline}' and '{claim.better}' are not compared"
+    known = ratings.rows.loc[ratings.rows["part"] == claim.part, "latency_ms"].dropna().unique()
+    latencies = ", ".join(f"{latency_ms:g}" for latency_ms in sorted(known))
+    return f"nothing was rated at {claim.latency_ms:g} ms: the latencies are {latencies} ms"
+
+
+def _is_about(claim: Claim, row: Row, ratings: Ratings) -> bool:
+    if claim.baseline:
+        return bool((row["baseline"], row["condition"]) == (claim.baseline, claim.better))
+    latencies = {ratings.settings(row["part"], row[end]).get("latency_ms") for end in ("baseline", "condition")}
+    return latencies == {claim.latency_ms}
