@@ -133,11 +133,6 @@ def test_a_plan_that_cannot_be_simulated_is_refused():
     design = design_of()
     with pytest.raises(InputError, match=r"--sd 1\.5: expected 1\.48 at most"):
         pairs_model(design, design.scales[0], 1.0, 1.5)
-    adaptive = design_of(order="adaptive")
-    with pytest.raises(InputError, match="lets answers choose the pairs"):
-        tally_of(
-            Simulation(pairs_model(adaptive, adaptive.scales[0], 1.0), adaptive, adaptive.scales[0], (8,)), range(10)
-        )
 
 
 def test_the_command_plans_pairs(tmp_path):

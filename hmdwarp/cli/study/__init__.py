@@ -12,7 +12,6 @@ for command in (
     plan.plan,
     plan.run,
     stores.measure,
-    stores.merge,
     stores.export,
     analyse.analyse,
     analyse.predict,

@@ -9,7 +9,7 @@ import attrs
 import typer
 
 from ...errors import InputError
-from ...options import Declared, force_field, group, option, out_field, path_of
+from ...options import Declared, force_field, group, option, out_field
 from ...study.measure_options import MeasureOptions
 from .._options import QUIET, Said, takes
 from ._options import DataOptions, origin_of, simulated_field, store_field, store_of, study_field
@@ -93,46 +93,6 @@ def export(said: Said) -> None:
 
 
 @attrs.frozen
-class MergeStoresOptions(Declared):
-    """Which stores to join."""
-
-    stores: tuple[str, ...] = option(
-        attrs.NOTHING,
-        "The folders of data of two or more sites, each after the site's name: berlin=DIR.",
-        kind=list,
-        positional=True,
-        metavar="STORE",
-    )
-    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.")
-
-
-@takes(MergeStoresOptions, QUIET)
-def merge(said: Said) -> None:
-    """Join the stores of several sites; every command takes the result with --store.
-
-    Participants keep their sessions, and get their site's name before their code.
-    """
-    from ...report import counted
-    from ...study.store import merge as run
-
-    options = MergeStoresOptions.of(said)
-    sites: dict[str, Path] = {}
-    for text in options.stores:
-        site, equals, folder = text.partition("=")
-        if not equals:
-            raise InputError(f"'{text}': expected SITE=DIR, as in berlin=DIR")
-        if site in sites:
-            raise InputError(f"site '{site}' is given twice: expected one folder for each")
-        sites[site] = path_of(folder, "STORE")
-    for rows in run(sites, options.out):
-        if not said["quiet"]:
-            amounts = (counted(rows.participants, "participant"), counted(rows.sessions, "session"))
-            typer.echo(f"{rows.site}: {', '.join(amounts)}, {counted(rows.answers, 'answer')}")
-    if not said["quiet"]:
-        typer.echo(f"store: {options.out}")
-
-
-@attrs.frozen
 class WithdrawOptions(Declared):
     """Who withdraws from which study."""
 
@@ -145,7 +105,6 @@ class WithdrawOptions(Declared):
 @takes(WithdrawOptions)
 def withdraw(said: Said) -> None:
     """Erase all ratings, events and head traces of a participant; the code stays reserved."""
-    from ...errors import InputError
     from ...study.store import BEYOND, Store
 
     options = WithdrawOptions.of(said)

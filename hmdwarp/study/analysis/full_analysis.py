@@ -33,7 +33,6 @@ from .descriptives import (
 )
 from .preferences import preference_results
 from .ratings import Rating, Ratings, ScaleInfo, copied_rows
-from .sources import TASK_MEASURES
 from .table_ratings import SourceOptions, from_csv
 
 Row = Mapping[str, Any]
@@ -255,8 +254,6 @@ def analyse(
     ratings = attrs.evolve(ratings, rows=tuple(sorted(ratings.rows, key=_key)))
     compare, why = families_for(ratings, families)
 
-    rated = [row for row in ratings.rows if row.scale not in TASK_MEASURES]
-
     def known(name: str) -> Scale | None:
         return ratings.scales.get(name) or scale_or_none(name)
 
@@ -275,8 +272,8 @@ def analyse(
             {(row.part, row.participant) for row in ratings.rows}
             | {(preference.part, preference.participant) for preference in ratings.preferences}
         ),
-        "ratings": sum(row.value is not None for row in rated),
-        "missing": sum(row.value is None for row in rated),
+        "ratings": sum(row.value is not None for row in ratings.rows),
+        "missing": sum(row.value is None for row in ratings.rows),
         "scales": [_on_scale(ratings, name, compare, resampling, claims) for name in ratings.rated_scales()],
         "preferences": preference_results(ratings, compare, resampling),
         "sittings": session_counts(ratings),

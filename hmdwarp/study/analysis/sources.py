@@ -11,7 +11,7 @@ import attrs
 
 from ...errors import InputError
 from ...report import counted
-from ..design import ONLY_PART, SHIPPED, Ask, Design, Show, every_scale, load_design
+from ..design import ONLY_PART, SHIPPED, Ask, Design, every_scale, load_design
 from ..export.export_rows import SessionData, declined, long_rows, of_origin, sessions_of, unconsented
 from ..export.write import no_sessions
 from ..scales import PREFERENCE, RATING
@@ -35,11 +35,6 @@ from .comparisons import Claims, load_claims
 from .ratings import Preference, Rating, Ratings, ScaleInfo, SessionSummary, SurveyAnswer
 from .table_ratings import SourceOptions, from_csv
 
-# Scores of a task, analysed like the ratings: by the name of a figure of study/store/records.py.
-TASK_MEASURES = {
-    "task_target_s": ScaleInfo("task_target_s", "Time for each target found", low_is_good=True, unit="s"),
-    "task_misses": ScaleInfo("task_misses", "Selections without a target", low_is_good=True, unit="selections"),
-}
 _WHY = {
     SICK: "the stop rule for sickness ended the session before",
     STOPPED: "the session was stopped before",
@@ -67,7 +62,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         who = (session.sub, session.part, session.number)
         rated = [_rating(data, ask) for ask in data.asks.values() if ask.phase == "trial" and ask.scale.kind == RATING]
         preferred = [_preference(data, ask) for ask in data.asks.values() if ask.scale.kind == PREFERENCE]
-        rows += rated + _task_scores(data)
+        rows += rated
         preferences += preferred
         judged = {scale.name for scale in data.plan.scales if scale.kind in (RATING, PREFERENCE)}
         survey += [
@@ -90,8 +85,7 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
         summaries.append(SessionSummary(*who, session.status, session.why, len(done), trials))
     found = Ratings(
         rows=tuple(rows),
-        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING}
-        | (TASK_MEASURES if design.task is not None else {}),
+        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING},
         families=design.families,
         planned={part.name: tuple(condition.name for condition in part.conditions) for part in design.parts},
         origin=origin,
@@ -122,8 +116,23 @@ def _without_part(ratings: Ratings) -> Ratings:
 
 def _rating(data: SessionData, ask: Ask) -> Rating:
     answer = data.last(ask)
-    value = None if answer is None else answer.value
-    return _row(data, data.shows[ask.about], ask.scale.name, value, _why_missing(data.session, answer))
+    show = data.shows[ask.about]
+    settings = show.condition.settings
+    return Rating(
+        participant=data.session.sub,
+        part=data.session.part,
+        condition=show.condition.name,
+        scale=ask.scale.name,
+        value=None if answer is None else answer.value,
+        why_missing=_why_missing(data.session, answer),
+        reference=show.condition.reference,
+        repeat=show.repeat,
+        place=show.trial,
+        previous=data.previous(show) or "",
+        session=data.session.number,
+        # Tables have the unit in the name.
+        settings={"latency_ms" if name == "latency" else name: value for name, value in settings.items()},
+    )
 
 
 def _preference(data: SessionData, ask: Ask) -> Preference:
@@ -151,38 +160,6 @@ def _why_missing(session: Session, answer: Answer | None) -> str:
     if answer is None:
         return _WHY[session.status]
     return "" if answer.value is not None else "the participant could not say"
-
-
-def _task_scores(data: SessionData) -> list[Rating]:
-    """Return the scores of a session's task, of the last complete showing of each trial."""
-    seen = {showing.key: showing.actual for showing in data.showings.values() if showing.complete}
-    rows: list[Rating] = []
-    for show in data.judged.values():
-        if show.task is not None:
-            actual = seen.get(show.key)
-            why = _WHY[data.session.status] if actual is None else "no target was found"
-            rows += [_row(data, show, name, (actual or {}).get(name), why) for name in TASK_MEASURES]
-    return rows
-
-
-def _row(data: SessionData, show: Show, scale: str, value: float | None, why: str) -> Rating:
-    """Return a value. why: it is missing, where it is None."""
-    settings = show.condition.settings
-    return Rating(
-        participant=data.session.sub,
-        part=data.session.part,
-        condition=show.condition.name,
-        scale=scale,
-        value=value,
-        why_missing="" if value is not None else why,
-        reference=show.condition.reference,
-        repeat=show.repeat,
-        place=show.trial,
-        previous=data.previous(show) or "",
-        session=data.session.number,
-        # Tables have the unit in the name.
-        settings={"latency_ms" if name == "latency" else name: value for name, value in settings.items()},
-    )
 
 
 def _notes(contents: Contents, sessions: Sequence[Session], design: Design, origin: str) -> Iterable[str]:
@@ -234,6 +211,48 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
     with Store(folder_to_read(design, store, origin), study=design.name) as data:
         contents = data.contents(pilot=origin == PILOT)
     return from_contents(contents, design, origin)
+
+
+def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOptions) -> Ratings:
+    """Return the ratings of one source, or of several tables, as the exports of several sites.
+
+    Errors: InputError as ratings_from; for several sources that are not all tables of one origin
+    and the same scales, or where two have the same session.
+    """
+    if len(names) == 1:
+        return ratings_from(names[0], store, options)
+    found: dict[str, Ratings] = {}
+    seen: dict[tuple[str, str, int], str] = {}
+    for name in names:
+        if name.endswith(".toml") or not Path(name).is_file():
+            raise InputError(
+                f"{name}: beside other sources expected a table of ratings that is there: export each study first "
+                "('hmdwarp study export')"
+            )
+        found[name] = ratings = from_csv(Path(name), options)
+        first = found[names[0]]
+        if ratings.origin != first.origin:
+            raise InputError(f"{name}: ratings of origin '{ratings.origin}', and '{first.origin}' in {names[0]}")
+        for scale, info in ratings.scale_info.items():
+            if first.scale_info.get(scale, info) != info:
+                raise InputError(f"{name}: scale '{scale}' is another one than in {names[0]}")
+        for who in {(row.participant, row.part, row.session) for row in ratings.rows}:
+            if (other := seen.setdefault(who, name)) != name:
+                raise InputError(
+                    f"{name}: has session {who[2]} of participant '{who[0]}', as {other} has: is one a copy of the "
+                    "other? Expected each rating once, and a name of their own for each person"
+                )
+    every = list(found.values())
+    return attrs.evolve(
+        every[0],
+        rows=tuple(row for each in every for row in each.rows),
+        scale_info={name: info for each in every for name, info in each.scale_info.items()},
+        source=", ".join(each.source for each in every),
+        title=", ".join(dict.fromkeys(each.title for each in every)),
+        survey=tuple(answer for each in every for answer in each.survey),
+        notes=tuple(dict.fromkeys(note for each in every for note in each.notes)),
+        long=tuple(row for each in every for row in each.long),
+    )
 
 
 def claims_for(path: Path | None, ratings: Ratings, options: SourceOptions) -> tuple[Claims | None, str]:

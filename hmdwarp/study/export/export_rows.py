@@ -289,7 +289,6 @@ def _row(design: Design, data: SessionData, ask: Ask, answer: Answer | None) -> 
     value = None if answer is None else answer.value
     text = None if answer is None else ask.scale.words_for(ask.item, value, answer.text)
     return {
-        **({"site": session.facts["site"]} if "site" in session.facts else {}),
         "study": design.name,
         "participant": session.sub,
         "session": session.number,

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from ...errors import InputError
-from ..design import ADAPTIVE, Comparison, Design, Part, rows_for
+from ..design import Comparison, Design, Part, rows_for
 from ..respondents import Cohort, Floats, Model, Population, RatingModel, load_model, model_names
 from ..scales import FIRST, NEITHER, PREFERENCE, RATING, Scale
 from ..statistics import JOD_SPREAD, MOST_PAIRS
@@ -50,16 +50,11 @@ def means_of_parts(design: Design, difference: float, middle: float = 0.0) -> Ma
 def planned_comparisons(design: Design) -> tuple[Comparison, ...]:
     """Return all planned comparisons, each once.
 
-    Errors: InputError where there is none, and where answers choose what is compared.
+    Errors: InputError where there is none.
     """
     comparisons = tuple(dict.fromkeys(comparison for family in design.families for comparison in family.comparisons))
     if not comparisons:
         raise InputError(f"{design.path}: no [[family]] plans a comparison: power needs one")
-    if design.order == ADAPTIVE:
-        raise InputError(
-            f'{design.path}: order = "{ADAPTIVE}" lets answers choose the pairs, so their number is not planned: '
-            "expected a plan without it; a session then has more trials"
-        )
     return comparisons
 
 

@@ -201,12 +201,10 @@ class SessionRunner:
                 self._show(self._show_of(step.after))
             check_received(context.markers, context.say)
             panel_ns = context.display.now_ns()
-            panel = number_panel(step, context.steps, self.hints, context.found)
+            panel = number_panel(step, context.steps, self.hints)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
             showing, handler = self.trials.run(step, panel_ns)
             context.shown = step
-            score = handler.score
-            context.found = None if score is None else (len(score.times_s), len(score.places_m))
             self._refuse_signal()
             self._just_seen = step.key if showing.complete else ""
             if showing.complete:

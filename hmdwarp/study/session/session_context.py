@@ -62,7 +62,6 @@ class SessionContext:
     markers: Markers = attrs.field(factory=NoMarkers)
     shown: Show | None = None  # the step shown last
     break_due: bool = False  # whether a requested break waits for the end of the trial
-    found: tuple[int, int] | None = None  # targets that were found in the last trial, and all of it
     head: PoseSample | None = None  # as it was last seen, None before
     before_s: float = 0.0  # from the session's start to that of this run of the program
     _begun_ns: int = attrs.field(init=False)

@@ -2,7 +2,6 @@ from .erasing import BEYOND as BEYOND
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
-from .joined_stores import merge as merge
 from .records import COMPLETE as COMPLETE
 from .records import DECLINED as DECLINED
 from .records import INTERRUPTED as INTERRUPTED
