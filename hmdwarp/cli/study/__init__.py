@@ -17,6 +17,5 @@ for command in (
     analyse.predict,
     plan.power,
     stores.withdraw,
-    stores.recover,
 ):
     app.command(command.__name__)(command)

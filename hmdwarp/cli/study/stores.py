@@ -124,26 +124,3 @@ def withdraw(said: Said) -> None:
     typer.echo(
         f"Participant {known} has withdrawn; erased: {amount}. The code stays marked, and their order is free. {BEYOND}"
     )
-
-
-@attrs.frozen
-class RecoverOptions(Declared):
-    """Which store to rescue, and where to."""
-
-    study: str = study_field()
-    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.")
-    data: DataOptions = group(DataOptions)
-
-
-@takes(RecoverOptions)
-def recover(said: Said) -> None:
-    """Rescue what can be read of damaged data into a new folder, and say what is lost."""
-    from ...study.store import recover as run
-
-    options = RecoverOptions.of(said)
-    folder, design = store_of(options.study, options.data)
-    origin = origin_of(options.data.pilot, options.data.simulated)
-    found = run(folder, options.out, design, "" if design is None else design.name, origin)
-    for line in found.describe():
-        typer.echo(line)
-    typer.echo(f"written: {options.out}; name it with --store, and keep {folder} as it is")

@@ -10,7 +10,7 @@ import select
 import sys
 import threading
 from collections.abc import Sequence
-from typing import Protocol, Self
+from typing import Self
 
 import attrs
 
@@ -53,50 +53,6 @@ class ConsoleState:
     missed: int = 0  # refreshes without a new frame
     notice: str = ""  # "tracking lost"
     condition: str = ""  # "" where it is hidden
-
-
-class Console(Protocol):
-    """Context manager around a session; it may be left twice.
-
-    No method blocks: frames are due between two calls.
-    """
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(self, *_: object) -> None: ...
-
-    def tell(self, state: ConsoleState) -> None:
-        """Show a new state; called a few times a second."""
-
-    def say(self, text: str) -> None:
-        """Add a line to the journal."""
-
-    def commands(self) -> Sequence[Command]:
-        """Return the experimenter's commands since the last call.
-
-        "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
-        "answer" has a number, or a text for a question in words, "remark" a text.
-        """
-
-
-class NoConsole:
-    """Console that shows nothing and sends nothing."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def tell(self, state: ConsoleState) -> None:
-        """Do nothing."""
-
-    def say(self, text: str) -> None:
-        """Do nothing."""
-
-    def commands(self) -> Sequence[Command]:
-        """Return nothing."""
-        return ()
 
 
 COMMANDS = {
@@ -208,15 +164,18 @@ LAST_LINES_S = 1.0
 
 
 class LineConsole:
-    """Console of lines on stderr. stdin may be a terminal, a pipe, a file or absent.
+    """Console of lines on stderr: a context manager around a session, which may be left twice.
 
-    On a terminal the last line shows how the session goes, and what is being typed. At the end of
-    stdin commands end, and the session goes on. A thread of its own writes: a terminal held by
-    Ctrl-S, or a full pipe, delays no frame.
+    stdin may be a terminal, a pipe, a file or absent; at its end commands end, and the session goes
+    on. On a terminal the last line shows how the session goes, and what is being typed. No method
+    blocks: a thread of its own writes, so that a terminal held by Ctrl-S, or a full pipe, delays no
+    frame.
     """
 
-    def __init__(self, title: str, *, quiet: bool = False) -> None:
-        self._quiet = quiet  # whether only the answers to commands are written
+    def __init__(self, title: str, *, kind: str = LINES, quiet: bool = False) -> None:
+        """Make one that is shown `title` until the first state comes. kind: NONE shows and reads nothing."""
+        self._kind = kind
+        self._quiet = quiet or kind == NONE  # whether only the answers to commands are written
         self._state = ConsoleState(heading=title)
         self._shown = ConsoleState()
         self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # "" draws the last line, None ends the thread
@@ -228,8 +187,9 @@ class LineConsole:
         self._keys: RawKeys | None = None
 
     def __enter__(self) -> Self:
-        with contextlib.suppress(OSError, ValueError, AttributeError):  # no stdin at all
-            self._input = sys.stdin.fileno()
+        if self._kind == LINES:
+            with contextlib.suppress(OSError, ValueError, AttributeError):  # no stdin at all
+                self._input = sys.stdin.fileno()
         self._redraws = not self._quiet and can_redraw()
         if self._redraws and self._input >= 0 and os.isatty(self._input):
             self._keys = RawKeys(self._input)
@@ -246,7 +206,7 @@ class LineConsole:
             self._keys.restore()
 
     def tell(self, state: ConsoleState) -> None:
-        """Say what is new."""
+        """Show a new state; called a few times a second."""
         self._state = state
         for line in news(self._shown, state):
             self.say(line)
@@ -256,12 +216,16 @@ class LineConsole:
         self._draw()
 
     def say(self, text: str) -> None:
-        """Write a line, unless the console is quiet."""
+        """Write a line of the journal, unless the console is quiet."""
         if not self._quiet:
             self._lines.put(text)
 
     def commands(self) -> Sequence[Command]:
-        """Return the commands that came; 2 us where none came."""
+        """Return the experimenter's commands since the last call; 2 us where none came.
+
+        "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
+        "answer" has a number, or a text for a question in words, "remark" a text.
+        """
         if self._input < 0 or not self._ready():
             return ()
         try:
@@ -346,8 +310,3 @@ def news(before: ConsoleState, now: ConsoleState) -> list[str]:
         asked = ": ".join(filter(None, ("asked", question.scale, question.text)))
         lines.append(f"{asked} ({answers_text(question)}{'; ' + anchors if anchors else ''})")
     return lines
-
-
-def make_console(kind: str, title: str, *, quiet: bool = False) -> Console:
-    """Make a console, one of KINDS. title: shown until the first state comes."""
-    return NoConsole() if kind == NONE else LineConsole(title, quiet=quiet)

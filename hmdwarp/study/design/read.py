@@ -260,9 +260,13 @@ def load_design(name_or_path: str, *, checked: bool = True) -> Design:
     Errors: InputError that names file and line, what was found and what was expected.
     """
     path = _path_of(name_or_path)
-    return design_from_text(
-        text_of(path, f"a .toml file, or one of {', '.join(study_names())}"), str(path), checked=checked
-    )
+    text = text_of(path, f"a .toml file, or one of {', '.join(study_names())}")
+    try:
+        return design_from_text(text, str(path), checked=checked)
+    except InputError as error:
+        if checked:
+            raise
+        raise InputError(f"{error}; sessions that hmdwarp 0.2 ran with this plan are exported by that one") from error
 
 
 def _path_of(name: str) -> Path:

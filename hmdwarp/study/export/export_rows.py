@@ -157,7 +157,13 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     read: dict[str, Design] = {design.text: design}
     for session in contents.sessions:
         if session.plan not in read:
-            read[session.plan] = design_from_text(session.plan, design.path, checked=False)
+            try:
+                read[session.plan] = design_from_text(session.plan, design.path, checked=False)
+            except InputError as error:
+                raise InputError(
+                    f"session {session.number} of participant {session.code} ran with a plan that this hmdwarp cannot "
+                    f"read ({error}): export it with hmdwarp {session.facts.get('hmdwarp', '0.2')}, which ran it"
+                ) from error
     return tuple(_session_data(contents, design, session, read[session.plan]) for session in contents.sessions)
 
 

@@ -239,7 +239,7 @@ class Respondent(Protocol):
     """Source of commands besides the participant's own input."""
 
     def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
-        """Return what the respondent does at this refresh, in the words of Console.commands.
+        """Return what the respondent does at this refresh, in the words of LineConsole.commands.
 
         shown: the step shown last. elapsed_s: time since this step began.
         """

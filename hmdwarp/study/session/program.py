@@ -17,7 +17,7 @@ from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Markers, NoMarkers, Watchdog, load_lsl, marker_stream, open_display
-from ..console.line_console import Console, make_console
+from ..console.line_console import LineConsole
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.buttons import ACTING_CONTROLS, CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
@@ -35,7 +35,7 @@ def run_session(
     options: SessionOptions,
     say: Say = lambda text: None,
     *,
-    console: Console | None = None,
+    console: LineConsole | None = None,
     respondent: Respondent | None = None,
     quiet: bool = False,
     on_end: Callable[[Session], None] = lambda session: None,
@@ -65,7 +65,7 @@ def run_session(
         answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
         words = ClosingWords(options, design, store, say, on_end)
         stack.callback(words.say)
-        shown_on = console or make_console(options.console, f"study {design.name}", quiet=quiet)
+        shown_on = console or LineConsole(f"study {design.name}", kind=options.console, quiet=quiet)
         console = stack.enter_context(shown_on)
 
         def last_words() -> str:
@@ -128,7 +128,7 @@ class _Program:
     part: str
     ending: Ending
     store: Store
-    console: Console
+    console: LineConsole
     words: ClosingWords
     display: Display
     markers: Markers

@@ -10,7 +10,7 @@ import attrs
 from ...display import Command, Display, Status
 from ...poses import Origin, PoseSample
 from ...run import Markers, NoMarkers
-from ..console.line_console import Console, ConsoleState
+from ..console.line_console import ConsoleState, LineConsole
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Design, Show, Step
 from ..respondents import Respondent
@@ -30,7 +30,7 @@ TRACKING_LOST = "tracking lost"
 class CommandSources:
     """Everything that sends commands: the participant's input, the console, a respondent."""
 
-    console: Console
+    console: LineConsole
     respondent: Respondent
     # (sender, command) that came when its step had just ended, for the next one.
     late: list[tuple[str, Command]] = attrs.field(factory=list)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import attrs
 
-from hmdwarp.study.console.line_console import ConsoleState, Question, make_console
+from hmdwarp.study.console.line_console import ConsoleState, LineConsole, Question
 
 GRADE = Question(
     "How good was the picture?", 1.0, 6.0, 0.25,
@@ -66,7 +66,7 @@ def main() -> None:
 
 def play(options: argparse.Namespace, log) -> None:
     chosen = options.log.with_suffix(".state")
-    with make_console(options.console, "latency-and-warp") as console:
+    with LineConsole("latency-and-warp", kind=options.console) as console:
         console.say("the session begins")
         todo = options.do
         for _ in range(round(60 * options.seconds)):

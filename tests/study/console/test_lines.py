@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from hmdwarp.study.console.line_console import ConsoleState, LineConsole, make_console, news, status, subject_of
+from hmdwarp.study.console.line_console import ConsoleState, LineConsole, news, status, subject_of
 from hmdwarp.study.console.status_line import TypedLine, fitted
 
 from .played import ASKING, GRADE, SHOWING, STATES
@@ -84,7 +84,7 @@ def test_a_quiet_console_only_answers(capfd, monkeypatch):
         monkeypatch.setattr(sys, "stdin", stdin)
         typed.write("dance\npause\n")
         typed.flush()
-        with make_console("lines", "a study", quiet=True) as console:
+        with LineConsole("a study", quiet=True) as console:
             console.say("a line")
             console.tell(ASKING)
             commands = [command.control for command in console.commands()]
@@ -114,7 +114,7 @@ def test_an_unread_stderr_blocks_nothing(monkeypatch):
 
 
 def test_no_console_asks_for_nothing():
-    with make_console("none", "a study") as console:
+    with LineConsole("a study", kind="none") as console:
         console.tell(SHOWING)
         console.say("a line")
         assert console.commands() == ()
