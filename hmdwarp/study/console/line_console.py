@@ -173,7 +173,7 @@ class LineConsole:
     """
 
     def __init__(self, title: str, *, kind: str = LINES, quiet: bool = False) -> None:
-        """Make one that is shown `title` until the first state comes. kind: NONE shows and reads nothing."""
+        """Make one that says `title` until a state comes. kind: NONE shows and reads nothing."""
         self._kind = kind
         self._quiet = quiet or kind == NONE  # whether only the answers to commands are written
         self._state = ConsoleState(heading=title)

@@ -182,8 +182,7 @@ class Balance:
 def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     """Return the phases of a session of that part, from beginning to end."""
     trials = trials_of(design, part)
-    names = presented(design, part)[: trials // design.repeats]
-    steps = steps_of(design, (names,) * design.repeats, part)
+    steps = steps_of(design, (presented(design, part),) * design.repeats, part)
     asked = [scale.name for scale in design.scales]
     every = design.sickness.every if design.sickness is not None else 0
     sick = (

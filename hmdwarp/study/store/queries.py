@@ -47,7 +47,8 @@ def _showing_of(row: tuple[Any, ...]) -> Showing:
 
 
 def _event_of(row: tuple[Any, ...]) -> Event:
-    return Event(*row[:-1], dict_in(row[-1]))
+    fields: list[Any] = [*row[:-1], dict_in(row[-1])]
+    return Event(*fields)
 
 
 def passed_s(db: sqlite3.Connection, id_: int) -> tuple[float, bool]:

@@ -26,6 +26,7 @@ from .erasing import Holdings, erase, known
 from .folders import check_place, count_of_traces, sync_trace, trace_name
 from .records import (
     DECLINED,
+    INTERRUPTED,
     RUNNING,
     STATUSES,
     STOPPED,
@@ -170,7 +171,7 @@ class Store(StoreConnection):
             ended = queries.session(db, session.id)
             if (ended.status == DECLINED) != (status == DECLINED):
                 raise ValueError(f"a session cannot end as {status!r}: its journal says {ended.status!r}")
-        self._copy()
+        self._copy(told=status != INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
         return ended
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:

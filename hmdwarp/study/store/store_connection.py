@@ -150,12 +150,16 @@ class StoreConnection:
                 self._event(queries.session(db, id_), "interrupted", data={"why": "the program died"})
                 db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
 
-    def _copy(self) -> None:
-        """Renew the copy; that it fails, as on a full disk, costs no session."""
+    def _copy(self, *, told: bool = True) -> None:
+        """Renew the copy; that it fails, as on a full disk, costs no session.
+
+        told: whether it says so.
+        """
         try:
             write_copy(self._db, self.folder)
         except (sqlite3.Error, OSError) as error:
-            self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")
+            if told:
+                self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")
 
     def _check_name(self, study: str | None) -> None:
         wanted = study or self._study
