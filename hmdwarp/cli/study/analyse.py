@@ -28,7 +28,7 @@ class AnalyseOptions(Declared):
     """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
 
     sources: tuple[str, ...] = option(
-        attrs.NOTHING, _SOURCE, kind=list, positional=True, metavar="FILE..|STUDY", names_files=True
+        attrs.NOTHING, _SOURCE, kind=list, positional=True, metavar="FILE|STUDY", names_files=True
     )
     out: Path = out_field(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.")
     force: bool = force_field()
