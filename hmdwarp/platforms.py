@@ -1,4 +1,4 @@
-"""What differs by platform: POSIX's locks, pipes, terminals, signals, flags and priorities.
+"""What differs by platform: POSIX's locks, terminals, flags and priorities.
 
 Tested on Linux alone. Where these are missing nothing is locked, and what needs a terminal says so
 when it is used; nothing fails at import. mypy checks the branches of Windows too.
@@ -10,16 +10,12 @@ import importlib
 import math
 import os
 import select
-import signal
-import socket
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
-
-from .errors import MachineError
 
 
 def _posix(name: str) -> Any:
@@ -40,12 +36,6 @@ def lock(descriptor: int, *, wait: bool = False) -> None:
     """Lock an open file or folder until it is closed. Errors: OSError where another locked it."""
     if fcntl is not None:
         fcntl.flock(descriptor, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
-
-
-def widen_pipe(descriptor: int, count: int) -> None:
-    """Let a pipe hold so many bytes. Errors: OSError for more than this user may have."""
-    if fcntl is not None and hasattr(fcntl, "F_SETPIPE_SZ"):
-        fcntl.fcntl(descriptor, fcntl.F_SETPIPE_SZ, count)
 
 
 def open_checked(path: str | os.PathLike[str], check: Callable[[int], None]) -> int:
@@ -72,15 +62,6 @@ def takes_more(descriptor: int) -> bool:
     return bool(waiting.poll(0))
 
 
-def has_hung_up(descriptor: int) -> bool:
-    """Return whether a terminal has gone; never, where that cannot be known."""
-    if sys.platform == "win32":
-        return False
-    waiting = select.poll()
-    waiting.register(descriptor, 0)
-    return bool(waiting.poll(0))
-
-
 def memory_bytes() -> float:
     """Return the memory of the whole machine, infinite where unknown."""
     if hasattr(os, "sysconf"):
@@ -89,12 +70,10 @@ def memory_bytes() -> float:
     return math.inf
 
 
-def lower_priority(steps: int, *, batch: bool = False) -> None:
-    """Run after others. batch: without preempting them whenever something arrives (Linux)."""
+def lower_priority(steps: int) -> None:
+    """Run after others."""
     if hasattr(os, "nice"):
         os.nice(steps)
-    if batch and sys.platform == "linux":
-        os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
 
 
 @contextmanager
@@ -151,36 +130,3 @@ def _priorities() -> dict[int, tuple[int, int]]:
 def in_foreground(descriptor: int) -> bool:
     """Return whether a terminal is this program's to read. Errors: OSError for another file."""
     return sys.platform == "win32" or os.tcgetpgrp(descriptor) == os.getpgrp()
-
-
-def message_socket() -> socket.socket:
-    """Return a socket for messages within this machine. Errors: MachineError without POSIX's."""
-    if sys.platform == "win32":
-        raise MachineError("this system has no Unix sockets for a console: use --console lines")
-    return socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-
-
-def message_sockets() -> tuple[socket.socket, socket.socket]:
-    """Return both ends of one. Errors: MachineError without POSIX's."""
-    if sys.platform == "win32":
-        raise MachineError("this system has no Unix sockets for a console: use --console lines")
-    return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-
-
-@contextmanager
-def signals_blocked() -> Iterator[None]:
-    """Keep SIGINT, SIGTERM and SIGTTOU from programs that are started in this block."""
-    if sys.platform == "win32":
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGTTOU})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-
-
-def unblock(descriptor: int) -> None:
-    """Let reads of a pipe return at once."""
-    if sys.platform != "win32":
-        os.set_blocking(descriptor, False)

@@ -31,7 +31,7 @@ EXTRAS = {
     "openxr": "headsets: live, record and study through OpenXR",
     "panel": "the controls in the window of live; without them there are keys",
     "scenes": "scenes in OBJ and PLY files, and Mitsuba's that name them",
-    "study": "study analyse, Parquet files, the full-screen console of study run, also in a browser",
+    "study": "study analyse, Parquet files",
     "video": "--video, --codec and recorded frames in videos",
     "web": "serve --web",
 }

@@ -646,21 +646,14 @@ def _stores() -> Iterator[tuple[str, Target]]:
             base.execute("PRAGMA journal_mode = DELETE")  # all of it in one file, which damage then finds
 
     def read(folder: Path, rng: Rng) -> None:
-        from study.store import sessions
-
         from hmdwarp.errors import InputError, MachineError
-        from hmdwarp.study.store import Store, recover
+        from hmdwarp.study.store import Store
 
         try:
             with Store(folder / "store") as store:
                 store.contents()
         except MachineError as error:  # a folder that may not be used
             raise InputError(str(error)) from error
-        except InputError:
-            recover(folder / "store", folder / "rescued", sessions.design(), "late", "person")
-            with Store(folder / "rescued") as store:
-                store.contents()
-            raise
 
     yield "study store", Target(write, read)
 

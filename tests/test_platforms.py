@@ -12,7 +12,7 @@ import pytest
 
 TAKEN = ("fcntl", "termios", "resource", "pty", "tty", "pwd", "grp", "syslog", "readline")
 # What the extras bring beside Python's own; tests alone need scikit-image.
-EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "pandas", "statsmodels", "textual", "zmq", "mcap")
+EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "pandas", "statsmodels", "zmq", "mcap")
 _FUNCTIONS = ("O_PATH", "O_NOFOLLOW", "posix_fallocate", "sysconf", "nice")
 _AWAY = """
 import os, sys
@@ -21,7 +21,7 @@ for name in {}:
     delattr(os, name)
 """
 # Other libraries that have no Windows, or load POSIX's modules themselves on Linux.
-_THEIRS = ("textual", "pexpect", "ptyprocess")
+_THEIRS = ("pexpect", "ptyprocess")
 
 
 _PROGRAM = "from hmdwarp.cli import main; main()"

@@ -45,7 +45,6 @@ from ._scene import SceneMirror as SceneMirror
 from ._scene import SceneSource as SceneSource
 from ._scene import is_cutout as is_cutout
 from ._scene import scenes as scenes
-from ._viewpoint import with_targets as with_targets
 from .input_events import ACTIONS as ACTIONS
 from .input_events import GRAB as GRAB
 from .input_events import INPUT_COLUMNS as INPUT_COLUMNS

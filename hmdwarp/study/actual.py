@@ -17,15 +17,14 @@ NUMBERS = (
     "period_ms_median", "period_ms_p95", "missed", "missed_share", "over_budget_share", "hole_share_mean",
     "hole_share_p95", "pose_age_ms_median", "pose_age_ms_p95", "passes_ms_median", "passes_ms_p95",
     "angular_speed_deg_s_median", "linear_speed_m_s_median", "lost_s", "tracking_lost_share", "head_turn_deg",
-    "head_shift_m", "inputs", "input_response_ms_mean", "input_response_ms_p95", "task_targets", "task_found",
-    "task_misses", "task_target_s", "task_turned_deg",
+    "head_shift_m", "inputs", "input_response_ms_mean", "input_response_ms_p95",
 )  # fmt: skip
 # Whole numbers among them.
-COUNTS = ("pictures", "missed", "inputs", "task_targets", "task_found", "task_misses")
+COUNTS = ("pictures", "missed", "inputs")
 FLAGS = ("head_still",)
 TEXTS = (
     "warp", "fill", "scene", "effects", "lens", "headset", "gpu", "gl", "source", "hmdwarp", "size", "ended_by",
-    "task_times_s", "commit", "options", "numpy", "moderngl",
+    "commit", "options", "numpy", "moderngl",
 )  # fmt: skip
 NOTHING: dict[str, Any] = {**dict.fromkeys((*NUMBERS, *FLAGS)), **dict.fromkeys(TEXTS, "")}
 _EYES = (0, 1)
@@ -37,8 +36,7 @@ def actual_of(summary: Mapping[str, Any], column: Column) -> dict[str, Any]:
     A summary without pictures gives None throughout. The session adds its own: onset_s, from the
     session's start to the first picture; head_turn_deg, head_shift_m: largest distances of the head
     from where it was first; head_still: session/wording.py; ended_by: "time", or who
-    ended a trial that is shown until done, "" for one that was not seen to its end;
-    task_..: session/wording.py, of trials with a task.
+    ended a trial that is shown until done, "" for one that was not seen to its end.
 
     seconds: from the first picture to the last. rate_hz: pictures per second. latency: from drawing
     the frame to showing it. period: between two pictures. missed: refreshes without a new picture,

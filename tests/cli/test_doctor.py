@@ -296,7 +296,7 @@ def test_a_missing_extra_is_reported_with_its_use(monkeypatch):
     assert list(found) == [f"extra {name}" for name in EXTRAS]
     study = found["extra study"]
     assert study.state == OPTIONAL and ".[study]" in study.remedy
-    assert "statsmodels" in study.detail and "textual" in study.detail and "pyarrow" not in study.detail
+    assert "statsmodels" in study.detail and "pyarrow" not in study.detail
     assert EXTRAS["study"] in study.detail
     there.update({re.split(r"[^\w.-]", line)[0]: "1.0" for line in DECLARED["study"]})
     states = {extra.name: extra.state for extra in extras()}

@@ -54,10 +54,10 @@ def long_study(folder: Path) -> tuple[Path, Path]:
     return study, model
 
 
-def in_a_console(arguments: list[str], console: str) -> tuple[int | None, str]:
-    """Run a session with a console; its exit status, and what it says."""
-    arguments = [console if word == "none" else word for word in arguments]
-    if console != "terminal":
+def run_second(arguments: list[str], on_a_terminal: bool) -> tuple[int | None, str]:
+    """Run a session; its exit status, and what it says."""
+    arguments = ["lines" if word == "none" and on_a_terminal else word for word in arguments]
+    if not on_a_terminal:
         done = tiny.program(*arguments)
         return done.returncode, done.stderr
     terminals = pytest.importorskip("tests.study.console.terminals", reason="needs pexpect and pyte")
@@ -68,24 +68,21 @@ def in_a_console(arguments: list[str], console: str) -> tuple[int | None, str]:
         return status, terminal.text().strip() + "\n"
 
 
-@pytest.mark.parametrize("console", ["none", "browser", "terminal"])
-def test_two_sessions_at_once_and_an_end_by_signal(console, tmp_path):
+@pytest.mark.parametrize("on_a_terminal", [False, True])
+def test_two_sessions_at_once_and_an_end_by_signal(on_a_terminal, tmp_path):
     """The second is refused with who holds the study; the first does not notice.
 
-    Ended in the middle of a trial it is gone on with. console: of both, but that the first has none
-    where the second has a terminal.
+    Ended in the middle of a trial it is gone on with. on_a_terminal: whether the second one is.
     """
-    if console != "none":
-        pytest.importorskip("textual_serve" if console == "browser" else "textual")
     study, model = long_study(tmp_path)
     data = tmp_path / "tiny-simulated-data"
     words = tiny.session(study, model, "one")
-    first = started([console if word == "none" and console == "browser" else word for word in words])
+    first = started(words)
     try:
         until_showing(data, first)
-        status, said = in_a_console(tiny.session(study, model, "two"), console)
+        status, said = run_second(tiny.session(study, model, "two"), on_a_terminal)
         assert status in (2, 3)
-        assert str(first.pid) in said and (said.count("\n") == 1 or console == "terminal")
+        assert str(first.pid) in said and (said.count("\n") == 1 or on_a_terminal)
         assert first.poll() is None
         first.send_signal(signal.SIGTERM)
         said, wrong = first.communicate(timeout=tiny.PATIENCE_S)

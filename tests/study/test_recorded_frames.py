@@ -77,7 +77,6 @@ def test_a_session_shows_them_and_each_trial_is_measured(plan, tmp_path):
         ('"walk-past"', '"nowhere"', "no such file or folder"),
         ("latency = 100\nwarp", "guard = 2\nlatency = 100\nwarp", "is the same for all conditions"),
         ("[trial]", 'lens = "radial"\n[trial]', "lens radial with frames"),
-        ("[[condition]]", '[task]\nkind = "targets"\ncount = 2\nseed = 1\n[[condition]]', "holds no targets"),
     ],
 )
 def test_unshowable_frames_are_refused_in_the_plan(plan, old, new, told):

@@ -12,10 +12,8 @@ for command in (
     plan.plan,
     plan.run,
     stores.measure,
-    stores.merge,
     stores.export,
     analyse.analyse,
     stores.withdraw,
-    stores.recover,
 ):
     app.command(command.__name__)(command)

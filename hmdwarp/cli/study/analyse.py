@@ -20,14 +20,16 @@ if TYPE_CHECKING:
 
 _SIGN = "positive: rated better than the baseline, the one after 'over'"
 _Texts = list[str] | None
-_SOURCE = "A table with one row per rating (.csv, .tsv), a study's .toml file, or the name of a shipped study."
+_SOURCE = "Tables with one row per rating (.csv, .tsv), or a study's .toml file, or the name of a shipped study."
 
 
 @attrs.frozen
 class AnalyseOptions(Declared):
     """An analysis. Errors: InputError for pilots mixed with simulated sessions."""
 
-    source: str = option(attrs.NOTHING, _SOURCE, positional=True, metavar="FILE|STUDY", names_files=True)
+    sources: tuple[str, ...] = option(
+        attrs.NOTHING, _SOURCE, kind=list, positional=True, metavar="FILE|STUDY", names_files=True
+    )
     out: Path = out_field(attrs.NOTHING, "Folder for report.html, analysis.json and tables/*.csv.")
     force: bool = force_field()
     paper: PaperOptions = group(PaperOptions)
@@ -66,13 +68,13 @@ def analyse(said: Said) -> None:
     from ...study.analysis.findings import Resampling, claims_for
     from ...study.analysis.full_analysis import analyse as run
     from ...study.analysis.full_analysis import analysis_folder, write_analysis
-    from ...study.analysis.long_table import SourceOptions, ratings_from
+    from ...study.analysis.long_table import SourceOptions, ratings_from_all
 
     options = AnalyseOptions.of(said)
     origin = "pilot" if options.pilot else "simulated" if options.simulated else ""
     columns = SourceOptions(_columns(options.columns), options.scale, options.low_is_good, origin)
     with analysis_folder(options.out, force=options.force) as out:
-        ratings = ratings_from(options.source, options.store, columns)
+        ratings = ratings_from_all(options.sources, options.store, columns)
         published, note = claims_for(options.claims, ratings, columns)
         ratings = attrs.evolve(ratings, notes=(*ratings.notes, *([note] if note else [])))
         resampling = Resampling(options.seed, options.resamples)

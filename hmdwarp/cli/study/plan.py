@@ -64,8 +64,7 @@ def plan(said: Said) -> None:
         whole, phases = study.session_rows(design, part)
         typer.echo(f"  A session: {whole}")
         in_columns(phases, indent=4)
-        if not (orders := len(study.rows_for(design, part.name))):
-            continue
+        orders = len(study.rows_for(design, part.name))
         typer.echo(f"  Orders: {orders}")
         in_columns(study.balance_rows(design, part), indent=4)
         for row in study.order_rows(design, part) if options.orders else ():

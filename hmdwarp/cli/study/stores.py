@@ -9,7 +9,7 @@ import attrs
 import typer
 
 from ...errors import InputError
-from ...options import Declared, force_field, group, option, out_field, path_of
+from ...options import Declared, force_field, group, option, out_field
 from ...study.measure_options import MeasureOptions
 from .._options import QUIET, Said, takes
 from ._options import DataOptions, origin_of, simulated_field, store_field, store_of, study_field
@@ -85,46 +85,6 @@ def export(said: Said) -> None:
 
 
 @attrs.frozen
-class MergeStoresOptions(Declared):
-    """Which stores to join."""
-
-    stores: tuple[str, ...] = option(
-        attrs.NOTHING,
-        "The folders of data of two or more sites, each after the site's name: berlin=DIR.",
-        kind=list,
-        positional=True,
-        metavar="STORE",
-    )
-    out: Path = option(attrs.NOTHING, "Folder for the merged store, which must not exist.")
-
-
-@takes(MergeStoresOptions, QUIET)
-def merge(said: Said) -> None:
-    """Join the stores of several sites; every command takes the result with --store.
-
-    Participants keep their sessions, and get their site's name before their code.
-    """
-    from ...report import counted
-    from ...study.store import merge as run
-
-    options = MergeStoresOptions.of(said)
-    sites: dict[str, Path] = {}
-    for text in options.stores:
-        site, equals, folder = text.partition("=")
-        if not equals:
-            raise InputError(f"'{text}': expected SITE=DIR, as in berlin=DIR")
-        if site in sites:
-            raise InputError(f"site '{site}' is given twice: expected one folder for each")
-        sites[site] = path_of(folder, "STORE")
-    for rows in run(sites, options.out):
-        if not said["quiet"]:
-            amounts = (counted(rows.participants, "participant"), counted(rows.sessions, "session"))
-            typer.echo(f"{rows.site}: {', '.join(amounts)}, {counted(rows.answers, 'answer')}")
-    if not said["quiet"]:
-        typer.echo(f"store: {options.out}")
-
-
-@attrs.frozen
 class WithdrawOptions(Declared):
     """Who withdraws from which study."""
 
@@ -137,7 +97,6 @@ class WithdrawOptions(Declared):
 @takes(WithdrawOptions)
 def withdraw(said: Said) -> None:
     """Erase all ratings, events and head traces of a participant; the code stays reserved."""
-    from ...errors import InputError
     from ...study.store import BEYOND, Store
 
     options = WithdrawOptions.of(said)
@@ -157,26 +116,3 @@ def withdraw(said: Said) -> None:
     typer.echo(
         f"Participant {known} has withdrawn; erased: {amount}. The code stays marked, and their order is free. {BEYOND}"
     )
-
-
-@attrs.frozen
-class RecoverOptions(Declared):
-    """Which store to rescue, and where to."""
-
-    study: str = study_field()
-    out: Path = option(attrs.NOTHING, "A new folder for what can be rescued.")
-    data: DataOptions = group(DataOptions)
-
-
-@takes(RecoverOptions)
-def recover(said: Said) -> None:
-    """Rescue what can be read of damaged data into a new folder, and say what is lost."""
-    from ...study.store import recover as run
-
-    options = RecoverOptions.of(said)
-    folder, design = store_of(options.study, options.data)
-    origin = origin_of(options.data.pilot, options.data.simulated)
-    found = run(folder, options.out, design, "" if design is None else design.name, origin)
-    for line in found.describe():
-        typer.echo(line)
-    typer.echo(f"written: {options.out}; name it with --store, and keep {folder} as it is")

@@ -18,7 +18,7 @@ from ..design import SHIPPED, Family
 from . import findings, sentences
 from .correlation import correlation_data
 from .findings import Claims, Resampling, families_for, load_claims
-from .long_table import TASK_MEASURES, Ratings, SourceOptions, from_csv
+from .long_table import Ratings, SourceOptions, from_csv
 
 SCHEMA = 1
 REPORT, DATA = "report.html", "analysis.json"
@@ -59,7 +59,6 @@ def analyse(
     order = ["part", "number", "participant", "session", "place", "repeat", "scale"]
     ratings = attrs.evolve(ratings, rows=rows.sort_values(order))
     compare, why = families_for(ratings, families)
-    rated = ratings.rows.loc[~ratings.rows["scale"].isin(TASK_MEASURES), "value"]
     people = [*zip(ratings.rows["part"], ratings.rows["participant"], strict=True)]
     people += [*zip(ratings.preferences["part"], ratings.preferences["participant"], strict=True)]
     questionnaires, asked_once = findings.questionnaire_rows(ratings)
@@ -75,8 +74,8 @@ def analyse(
         "compared": why,
         "notes": list(ratings.notes),
         "participants": len(set(people)),
-        "ratings": int(rated.notna().sum()),
-        "missing": int(rated.isna().sum()),
+        "ratings": int(ratings.rows["value"].notna().sum()),
+        "missing": int(ratings.rows["value"].isna().sum()),
         "scales": [_on_scale(ratings, name, compare, resampling, claims) for name in ratings.rated_scales()],
         "preferences": sentences.said_of_preferences(findings.preference_results(ratings, compare, resampling)),
         "sittings": findings.session_counts(ratings),

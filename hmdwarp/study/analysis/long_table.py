@@ -88,13 +88,6 @@ class ScaleInfo:
         return 1 if self.low_is_good else -1
 
 
-# Scores of a task, analysed like the ratings.
-TASK_MEASURES = {
-    "task_target_s": ScaleInfo("task_target_s", "Time for each target found", low_is_good=True, unit="s"),
-    "task_misses": ScaleInfo("task_misses", "Selections without a target", low_is_good=True, unit="selections"),
-}
-
-
 @attrs.frozen(eq=False, slots=False)
 class Ratings:
     """All ratings of one origin: people, pilots and simulated participants are never mixed."""
@@ -201,14 +194,12 @@ def from_contents(contents: Contents, design: Design, origin: str = PERSON) -> R
                 continue
             if row["value"] is not None:
                 judged.append(ask.trial)
-        rows["rows"] += _task_rows(design, data)
         about = {"participant": session.sub, "part": session.part, "session": session.number, "status": session.status}
         counts = {"rated": len(set(judged)), "planned": sum(map(len, session.order))}
         rows["sessions"].append({**about, "why": session.why, **counts})
     found = Ratings(
         **rows,
-        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING}
-        | (TASK_MEASURES if design.task is not None else {}),
+        scale_info={scale.name: ScaleInfo.of(scale) for scale in design.scales if scale.kind == RATING},
         families=design.families,
         planned={part.name: tuple(condition.name for condition in part.conditions) for part in design.parts},
         origin=origin,
@@ -231,22 +222,6 @@ def _pair(data: SessionData, about: str) -> dict[str, Any]:
     conditions = data.plan.part(data.session.part).conditions
     reference = next((condition.name for condition in conditions if condition.reference), "")
     return {"first": data.shows[second.after].condition.name, "second": second.condition.name, "reference": reference}
-
-
-def _task_rows(design: Design, data: SessionData) -> list[dict[str, Any]]:
-    """Return the scores of a session's task, of the last complete showing of each trial."""
-    seen = {showing.key: showing.actual for showing in data.showings.values() if showing.complete}
-    asks = {ask.about: ask for ask in data.asks.values()}
-    found = []
-    for show in (show for show in data.judged.values() if show.task is not None):
-        row = answer_row(design, data, asks[show.key], None) | _planned(show)
-        row |= {"place": show.trial, "low_is_good": True}
-        row = {name: value for name, value in row.items() if not name.startswith(("actual_", "measured_"))}
-        why = "no target was found" if show.key in seen else _WHY.get(f"session {data.session.status}", "not answered")
-        for name in TASK_MEASURES:
-            value = seen.get(show.key, {}).get(name)
-            found.append(row | {"scale": name, "value": value, "why_missing": "" if value is not None else why})
-    return found
 
 
 def _without_part(ratings: Ratings) -> Ratings:
@@ -553,3 +528,44 @@ def ratings_from(name: str, store: Path | None, options: SourceOptions) -> Ratin
         return attrs.evolve(from_csv(published, attrs.evolve(options, scale=scale)), title=design.title)
     with Store(stored.folder_to_read(design, store, origin), study=design.name) as data:
         return from_contents(data.contents(pilot=origin == PILOT), design, origin)
+
+
+def ratings_from_all(names: Sequence[str], store: Path | None, options: SourceOptions) -> Ratings:
+    """Return the ratings of one source, or of several tables, as the exports of several sites.
+
+    Errors: InputError as ratings_from; for several sources that are not all tables of one origin
+    and the same scales, or where two have the same session.
+    """
+    if len(names) == 1:
+        return ratings_from(names[0], store, options)
+    every: list[Ratings] = []
+    seen: dict[tuple[str, str, int], str] = {}
+    for name in names:
+        if name.endswith(".toml") or not Path(name).is_file():
+            raise InputError(
+                f"{name}: beside other sources expected a table of ratings that is there: export each study first "
+                "('hmdwarp study export')"
+            )
+        every.append(ratings := from_csv(Path(name), options))
+        first = every[0]
+        if ratings.origin != first.origin:
+            raise InputError(f"{name}: ratings of origin '{ratings.origin}', and '{first.origin}' in {names[0]}")
+        for scale, info in ratings.scale_info.items():
+            if first.scale_info.get(scale, info) != info:
+                raise InputError(f"{name}: scale '{scale}' is another one than in {names[0]}")
+        sessions = ratings.rows[["participant", "part", "session"]].drop_duplicates()
+        for who in sessions.itertuples(index=False, name=None):
+            if (other := seen.setdefault(who, name)) != name:
+                raise InputError(
+                    f"{name}: has session {who[2]} of participant '{who[0]}', as {other} has: is one a copy of the "
+                    "other? Expected each rating once, and a name of their own for each person"
+                )
+    return attrs.evolve(
+        every[0],
+        rows=pd.concat([each.rows for each in every], ignore_index=True),
+        survey=pd.concat([each.survey for each in every], ignore_index=True),
+        scale_info={name: info for each in every for name, info in each.scale_info.items()},
+        source=", ".join(each.source for each in every),
+        title=", ".join(dict.fromkeys(each.title for each in every)),
+        notes=tuple(dict.fromkeys(note for each in every for note in each.notes)),
+    )

@@ -1,4 +1,4 @@
-"""Console as a session sees it, commands that experimenters type, and a console of plain lines."""
+"""Console as a session sees it, commands that experimenters type, and the console of lines."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import select
 import sys
 import threading
 from collections.abc import Sequence
-from typing import Protocol, Self
+from typing import Self
 
 import attrs
 
 from ...display import Command
 from ...platforms import in_foreground
-from ..scales import range_text
+from ..scales import number_text, range_text
+from .status_line import ERASE, RawKeys, TypedLine, can_redraw, fitted
 
-KINDS = (AUTO, TERMINAL, BROWSER, LINES, NONE) = ("auto", "terminal", "browser", "lines", "none")
+KINDS = (LINES, NONE) = ("lines", "none")
 
 
 @attrs.frozen
@@ -39,9 +40,9 @@ class Question:
 class ConsoleState:
     """All that a console shows. It hides the condition unless the experimenter may know it."""
 
-    heading: str = ""  # study, participant, session; PILOT, REHEARSAL and SIMULATED stand out
+    heading: str = ""  # study, participant, session; PILOT and SIMULATED stand out
+    participant: str = ""  # code, with PILOT or SIMULATED
     step: str = ""  # "trial 3 of 12"
-    done: float = 0.0  # share of the steps, 0 to 1
     elapsed_s: float = 0.0  # since this run of the program began
     left_s: float | None = None  # of this step; None where unknown
     seen_s: float | None = None  # of a trial that the participant ends; None for any other step
@@ -50,51 +51,8 @@ class ConsoleState:
     question: Question | None = None
     rate_hz: float = 0.0  # frames per second
     missed: int = 0  # refreshes without a new frame
-    position_m: tuple[float, float, float] | None = None  # head (x, y, z); None before there is one
-    angles_deg: tuple[float, float, float] | None = None  # head (yaw, pitch, roll)
     notice: str = ""  # "tracking lost"
     condition: str = ""  # "" where it is hidden
-
-
-class Console(Protocol):
-    """Context manager around a session. No method blocks: frames are due between two calls."""
-
-    def __enter__(self) -> Self: ...
-
-    def __exit__(self, *_: object) -> None: ...
-
-    def tell(self, state: ConsoleState) -> None:
-        """Show a new state; called a few times a second."""
-
-    def say(self, text: str) -> None:
-        """Add a line to the journal."""
-
-    def commands(self) -> Sequence[Command]:
-        """Return the experimenter's commands since the last call.
-
-        "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
-        "answer" has a number, or a text for a question in words, "remark" a text.
-        """
-
-
-class NoConsole:
-    """Console that shows nothing and sends nothing."""
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
-
-    def tell(self, state: ConsoleState) -> None:
-        """Do nothing."""
-
-    def say(self, text: str) -> None:
-        """Do nothing."""
-
-    def commands(self) -> Sequence[Command]:
-        """Return nothing."""
-        return ()
 
 
 COMMANDS = {
@@ -111,6 +69,7 @@ COMMANDS = {
 }
 LONGEST_REMARK = 1000
 ON_STEP = 1e-6  # of a step: 3.35 typed for steps of 0.05 is off by 1e-14 of one
+BOUND = ("answer", "skip", "agree", "decline")  # belong to their subject, and must not reach the step after it
 Subject = tuple[str, str, str, bool]  # step, scale, question, whether it is the consent
 
 
@@ -175,11 +134,6 @@ def subject_of(state: ConsoleState) -> Subject:
     return state.step, scale, text, state.phase == "reading"
 
 
-def is_bound(name: str) -> bool:
-    """Return whether a command belongs to its subject, and must not reach the step after it."""
-    return name in ("answer", "skip", "agree", "decline")
-
-
 def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:
     """Parse a command and its value ("answer 3.25", "pause"); None for an empty line.
 
@@ -207,32 +161,40 @@ def parse_line(line: str, state: ConsoleState) -> tuple[str, object] | None:
 
 
 LAST_LINES_S = 1.0
-LONGEST_LINE = 1 << 16  # bytes without a line end: a sender of that sends no commands
 
 
 class LineConsole:
-    """Console of plain lines. stdin may be a terminal, a pipe, a file or absent.
+    """Console of lines on stderr: a context manager around a session, which may be left twice.
 
-    At the end of stdin commands end, and the session goes on. A thread of its own writes the lines:
-    a terminal held by Ctrl-S, or a full pipe, delays no frame.
+    stdin may be a terminal, a pipe, a file or absent; at its end commands end, and the session goes
+    on. On a terminal the last line shows how the session goes, and what is being typed. No method
+    blocks: a thread of its own writes, so that a terminal held by Ctrl-S, or a full pipe, delays no
+    frame.
     """
 
-    def __init__(self, title: str, why: str = "", *, quiet: bool = False) -> None:
-        self._quiet = quiet  # whether only the answers to commands are written
+    def __init__(self, title: str, *, kind: str = LINES, quiet: bool = False) -> None:
+        """Make one that says `title` until a state comes. kind: NONE shows and reads nothing."""
+        self._kind = kind
+        self._quiet = quiet or kind == NONE  # whether only the answers to commands are written
         self._state = ConsoleState(heading=title)
         self._shown = ConsoleState()
-        self._why = why  # printed first
-        self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # None ends the thread
+        self._lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()  # "" draws the last line, None ends the thread
         self._thread = threading.Thread(target=self._write_on, name="console", daemon=True)
         self._input = -1
-        self._rest = b""
+        self._typed = TypedLine()
+        self._typed_for = subject_of(self._state)  # what a half-typed line is about
+        self._redraws = False
+        self._keys: RawKeys | None = None
 
     def __enter__(self) -> Self:
+        if self._kind == LINES:
+            with contextlib.suppress(OSError, ValueError, AttributeError):  # no stdin at all
+                self._input = sys.stdin.fileno()
+        self._redraws = not self._quiet and can_redraw()
+        if self._redraws and self._input >= 0 and os.isatty(self._input):
+            self._keys = RawKeys(self._input)
+            self._keys.take()
         self._thread.start()
-        with contextlib.suppress(OSError, ValueError, AttributeError):  # no stdin at all
-            self._input = sys.stdin.fileno()
-        if self._why:
-            self.say(self._why)
         if self._input >= 0:
             self.say("commands are read from stdin, one in a line; 'help' lists them")
         return self
@@ -240,24 +202,30 @@ class LineConsole:
     def __exit__(self, *_: object) -> None:
         self._lines.put(None)
         self._thread.join(LAST_LINES_S)
+        if self._keys is not None:
+            self._keys.restore()
 
     def tell(self, state: ConsoleState) -> None:
-        """Say what is new."""
+        """Show a new state; called a few times a second."""
         self._state = state
         for line in news(self._shown, state):
             self.say(line)
         self._shown = state
+        if self._keys is not None:
+            self._keys.take()
+        self._draw()
 
     def say(self, text: str) -> None:
-        """Write a line, unless the console is quiet."""
+        """Write a line of the journal, unless the console is quiet."""
         if not self._quiet:
-            self._write(text)
-
-    def _write(self, text: str) -> None:
-        self._lines.put(text)
+            self._lines.put(text)
 
     def commands(self) -> Sequence[Command]:
-        """Return the commands that came; 2 us where none came."""
+        """Return the experimenter's commands since the last call; 2 us where none came.
+
+        "pause", "continue", "break", "again", "skip", "stop", "agree" and "decline" have no value;
+        "answer" has a number, or a text for a question in words, "remark" a text.
+        """
         if self._input < 0 or not self._ready():
             return ()
         try:
@@ -266,9 +234,10 @@ class LineConsole:
             data = b""
         if not data:
             self._input = -1
-        *lines, self._rest = (self._rest + data + (b"" if data else b"\n")).split(b"\n")
-        self._rest = self._rest[:LONGEST_LINE]
-        commands = [self._command(line.decode("utf-8", "replace")) for line in lines]
+        if not self._typed.text:
+            self._typed_for = subject_of(self._state)
+        commands = [self._command(line) for line in self._typed.feed(data or b"\n")]
+        self._draw()
         return [command for command in commands if command is not None]
 
     def _ready(self) -> bool:
@@ -284,19 +253,44 @@ class LineConsole:
     def _command(self, line: str) -> Command | None:
         if line.strip().lower() in ("help", "?"):
             for name, words in COMMANDS.items():
-                self._write(f"  {name:<9} {words}")
+                self._lines.put(f"  {name:<9} {words}")
             return None
         try:
             command = parse_line(line, self._state)
+            if command is not None and command[0] in BOUND and self._typed_for != subject_of(self._state):
+                raise ValueError(f"{line.strip()!r} is dropped: what it was typed for is over")
         except ValueError as error:
-            self._write(str(error))
+            self._lines.put(str(error))
             return None
         return Command(*command) if command is not None else None
 
+    def _draw(self) -> None:
+        if self._redraws and self._lines.empty():
+            self._lines.put("")
+
     def _write_on(self) -> None:
         while (line := self._lines.get()) is not None:
-            with contextlib.suppress(OSError, ValueError):  # a closed stderr must not end the session
-                print(f"console: {line}", file=sys.stderr, flush=True)
+            said = f"console: {line}\n" if line else ""
+            self._print(f"{ERASE}{said}{fitted(status(self._state), self._typed.text)}" if self._redraws else said)
+        self._print(ERASE if self._redraws else "")
+
+    def _print(self, text: str) -> None:
+        with contextlib.suppress(OSError, ValueError):  # a closed stderr must not end the session
+            print(text, end="", file=sys.stderr, flush=True)
+
+
+def status(state: ConsoleState) -> str:
+    """Return participant, step, state and time in one line."""
+    phase, entered = state.phase, state.question.entered if state.question is not None else None
+    if isinstance(entered, float | int):
+        phase += f" ({number_text(entered)} entered)"
+    if state.seen_s is not None:
+        phase += f", {clock(state.seen_s)} so far"
+    if state.left_s:
+        phase += f", {clock(state.left_s)} left"
+    rate = f"{state.rate_hz:.1f}/s, {state.missed} missed" if state.rate_hz else ""
+    parts = (state.participant or state.heading, state.step, phase, state.condition, clock(state.elapsed_s), rate)
+    return " | ".join(filter(None, (f"! {state.notice}" if state.notice else "", *parts)))
 
 
 def news(before: ConsoleState, now: ConsoleState) -> list[str]:

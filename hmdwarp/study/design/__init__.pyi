@@ -1,4 +1,3 @@
-from .definitions import ADAPTIVE as ADAPTIVE
 from .definitions import DISPLAY as DISPLAY
 from .definitions import FILES as FILES
 from .definitions import KINDS as KINDS
@@ -17,10 +16,7 @@ from .definitions import Sickness as Sickness
 from .definitions import every_scale as every_scale
 from .definitions import live_options as live_options
 from .orders import Order as Order
-from .orders import Pair as Pair
-from .orders import adaptive_order as adaptive_order
 from .orders import allot as allot
-from .orders import draw as draw
 from .orders import pair_of as pair_of
 from .orders import rows_for as rows_for
 from .orders import tables_of as tables_of

@@ -12,9 +12,7 @@ from pathlib import Path, PurePath
 from ...errors import InputError, unknown_name
 from ...options import KeyFault, Table, as_keys, quoted
 from ...pipeline import SceneKey, Source
-from ...scenes import with_targets
 from .definitions import (
-    ADAPTIVE,
     DISPLAY,
     KINDS,
     NAMED_FILES,
@@ -30,7 +28,6 @@ from .definitions import (
     Family,
     Part,
     SettingFault,
-    Task,
     check_settings,
     live_options,
     resolve_paths,
@@ -57,17 +54,6 @@ class Checker:
     def scene_notes(self) -> tuple[str, ...]:
         """What had to be left out or replaced of the scene files, each once."""
         return tuple(dict.fromkeys(note for source in self._sources.values() for note in source.scene.notes))
-
-    def has_room_for(self, task: Task) -> None:
-        """Raise InputError for a scene without room for the targets, of those tried so far.
-
-        A quarter more must fit, as each trial has other places.
-        """
-        for source in self._sources.values():
-            scene = source.scene
-            if not source.kind.has_geometry:
-                raise InputError(f"'{scene.name}' was recorded, and holds no targets: leave the task or the frames out")
-            with_targets(scene, task.count + 1 + task.count // 4, task.size_deg, (task.seed, 0))
 
     def settings(
         self,
@@ -189,13 +175,12 @@ def _conditions(within: Table, data: Table, checker: Checker) -> tuple[Condition
             "order",
             f"is {WILLIAMS} (the default): one condition has no order; expected two, or order fixed",
         )
-    each = len(made) if not pairs else len(made) - 1 if order == ADAPTIVE else len(made) * (len(made) - 1) // 2
+    each = len(made) * (len(made) - 1) // 2 if pairs else len(made)
     repeats = trial.whole("repeats", 1, _MOST_TRIALS, 1)
     if each * repeats > _MOST_TRIALS:
         raise trial.fault(
             "repeats" if "repeats" in trial else None,
-            f"makes {each} x {repeats} trials: expected {_MOST_TRIALS} at most in a session"
-            + (f'; order = "{ADAPTIVE}" shows fewer pairs' if pairs and order != ADAPTIVE else ""),
+            f"makes {each} x {repeats} trials: expected {_MOST_TRIALS} at most in a session",
         )
     return tuple(made)
 

@@ -22,7 +22,7 @@ from ...run import EmulatedScreen, LiveOptions, RunSetup, checked_source, on_scr
 from ...scenes import FILE_ENDINGS as SCENE_FILES
 from ..scales import Scale
 
-ORDERS = (WILLIAMS, RANDOM, FIXED, ADAPTIVE) = ("williams", "random", "fixed", "adaptive")
+ORDERS = (WILLIAMS, RANDOM, FIXED) = ("williams", "random", "fixed")
 SHOWS = (ONE, PAIR, REFERENCE_FIRST) = ("one", "pair", "reference first")
 BLIND = (BOTH, PARTICIPANT, UNBLINDED) = ("both", "participant", "nobody")
 ONLY_PART = "main"  # name of the part in a study without [[part]]
@@ -87,16 +87,6 @@ class Page:
 
 
 @attrs.frozen
-class Task:
-    """Targets to find and to select in a trial: an objective score in addition to the rating."""
-
-    count: int  # targets in a trial
-    size_deg: float  # of each, as seen from the scene's viewpoint
-    seed: int = 0  # of their places, which are others in each trial of a session
-    conditions: tuple[str, ...] = ()  # in whose trials; all of them where empty
-
-
-@attrs.frozen
 class Comparison:
     """Two conditions of a part; a positive difference means that `better` was rated better."""
 
@@ -129,7 +119,6 @@ class Design:
     order: str = WILLIAMS  # one of ORDERS
     seed: int = 0
     blind: str = BOTH  # one of BLIND: who must not see the condition
-    task: Task | None = None  # in the practice too
     practice: Condition | None = None  # shown first and not scored
     practice_seconds: float = 60.0
     breaks: Breaks = Breaks()

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import hashlib
 import itertools
-from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from .. import statistics
 from ..scales import FIRST, NEITHER
-from .definitions import ADAPTIVE, FIXED, PAIR, RANDOM, WILLIAMS, Design
+from .definitions import FIXED, PAIR, RANDOM, WILLIAMS, Design
 
 _BETWEEN = "/"  # no condition's name has it
 
@@ -69,54 +67,6 @@ def tables_of(
     return wins, ties if allows_ties else None
 
 
-def adaptive_order(
-    names: Sequence[str],
-    wins: Table,
-    ties: Table | None,
-    shown_first: Table,
-    repeats: int,
-    draw: Callable[..., int],
-) -> tuple[tuple[str, ...], ...]:
-    """Return the pairs of the next session: for each repeat those that tell most of the scores.
-
-    They are the spanning tree of the largest expected information about the scores, given all
-    answers so far: n - 1 pairs that connect all n conditions. A later repeat counts the trees
-    before it as if they had been answered as expected.
-
-    wins, ties: as jod_scores takes them. shown_first: (n, n), how often the row was shown before
-    the column. draw: (below, words..) to a number, decides among equals.
-    Source: Li, Mantiuk, Wang, Le Callet and Le Callet 2018, Hybrid-MST: A hybrid active sampling
-    strategy for pairwise preference aggregation, NeurIPS; here from the first session on.
-    """
-    wins, shown_first = wins.copy(), shown_first.copy()
-    order: list[tuple[str, ...]] = []
-    for repeat in range(repeats):
-        tree = _widest_tree(statistics.expected_information(wins, ties), partial(draw, 2**32, "tree", repeat))
-        pairs: list[tuple[int, str]] = []
-        for a, b in tree:
-            ahead = shown_first[a, b] - shown_first[b, a]
-            flip = ahead > 0 or (ahead == 0 and draw(2, "first", repeat, a, b) == 1)
-            i, j = (b, a) if flip else (a, b)
-            shown_first[i, j] += 1
-            pairs.append((draw(2**32, "place", repeat, a, b), pair_name(names[i], names[j])))
-        order.append(tuple(name for _, name in sorted(pairs)))
-        wins = statistics.with_expected(wins, ties, tree)
-    return tuple(order)
-
-
-def _widest_tree(weights: Table, among_equals: Callable[[int, int], int]) -> list[tuple[int, int]]:
-    """Return the n - 1 edges of the spanning tree with the largest weights (Kruskal)."""
-    n = len(weights)
-    edges = sorted(itertools.combinations(range(n), 2), key=lambda e: (-round(float(weights[e]), 9), among_equals(*e)))
-    group, tree = list(range(n)), []
-    for a, b in edges:
-        if group[a] != group[b]:
-            tree.append((a, b))
-            old, new = group[b], group[a]
-            group = [new if number == old else number for number in group]
-    return tree
-
-
 Order = tuple[tuple[str, ...], ...]  # names of conditions or pairs, one tuple per repeat
 RANDOM_ROWS = 1000  # more than there are participants, so that no two share a row
 
@@ -159,14 +109,11 @@ def rows_for(design: Design, part: str) -> tuple[Order, ...]:
     random: RANDOM_ROWS orders; each repeat is its own permutation, and does not begin with the last
     condition of the repeat before.
     fixed: one order, that of the file.
-    adaptive: none; adaptive_order makes each from the answers so far.
     In a study of pairs the same of pairs. Each order comes a second time with every pair the other
     way round, and so does each second repeat.
     The same file gives the same orders on every machine and with every version of Python.
     """
     names = presented(design, part)
-    if design.order == ADAPTIVE:
-        return ()
     rows = _rows(design, part, names)
     if design.shows != PAIR:
         return rows
@@ -181,8 +128,7 @@ def presented(design: Design, part: str) -> tuple[str, ...]:
 
 def trials_of(design: Design, part: str) -> int:
     """Return the number of trials of a session."""
-    each = len(presented(design, part)) if design.order != ADAPTIVE else len(design.part(part).conditions) - 1
-    return each * design.repeats
+    return len(presented(design, part)) * design.repeats
 
 
 def _alternating(order: Order, first: int = 0) -> Order:

@@ -26,7 +26,6 @@ from .definitions import (
     Design,
     Page,
     Part,
-    Task,
     default_of,
     resolved,
 )
@@ -62,8 +61,7 @@ class Show:
     seconds: float  # at most, where it is shown until the participant is done
     repeat: int = 1  # from 1 on
     block: int = 1  # of trials between two planned breaks, from 1 on; 0 for the practice
-    until_done: bool = False  # whether the participant ends it; with a task the last target does
-    task: Task | None = None
+    until_done: bool = False  # whether the participant ends it
     turn: str = ""  # which showing of its trial: as TURNS has it
     after: str = ""  # key of the Show that must have been seen just before; "" for none
 
@@ -104,7 +102,7 @@ def steps_of(design: Design, order: tuple[tuple[str, ...], ...], part: str) -> t
     if design.instructions is not None:
         steps.append(PageStep("instructions", design.instructions))
     if design.practice is not None:
-        steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0, task=design.task))
+        steps.append(Show("practice", 0, design.practice, design.practice_seconds, block=0))
         steps += _sickness(design, "practice", 0, "practice")
     shown = [(name, repeat) for repeat, names in enumerate(order, 1) for name in names]
     for trial, (name, repeat) in enumerate(shown, 1):
@@ -130,14 +128,11 @@ def _shown(design: Design, part: Part, name: str) -> tuple[str, ...]:
 def _trial(design: Design, trial: int, conditions: list[Condition], repeat: int) -> list[Step]:
     key = f"trial/{trial}"
     block = 1 + (trial - 1) // design.breaks.every if design.breaks.every else 1
-    task = design.task
-    if task is not None and task.conditions and conditions[-1].name not in task.conditions:
-        task = None
     shows: list[Show] = []
     for condition, turn in zip(conditions, TURNS[design.shows], strict=True):
         after = shows[-1].key if shows else ""
         at = f"{key}/{turn}" if turn else key
-        shows.append(Show(at, trial, condition, design.seconds, repeat, block, design.until_done, task, turn, after))
+        shows.append(Show(at, trial, condition, design.seconds, repeat, block, design.until_done, turn, after))
     steps: list[Step] = [*shows]
     about = shows[-1].key
     steps += [ask for scale in design.scales for ask in _asks(scale, key, "trial", trial, about)]
@@ -187,8 +182,7 @@ class Balance:
 def session_phases(design: Design, part: str) -> tuple[SessionPhase, ...]:
     """Return the phases of a session of that part, from beginning to end."""
     trials = trials_of(design, part)
-    names = presented(design, part)[: trials // design.repeats]
-    steps = steps_of(design, (names,) * design.repeats, part)
+    steps = steps_of(design, (presented(design, part),) * design.repeats, part)
     asked = [scale.name for scale in design.scales]
     every = design.sickness.every if design.sickness is not None else 0
     sick = (
@@ -221,7 +215,7 @@ def _lasting(design: Design) -> str:
         return f"pairs, each condition {lasting.removeprefix('of ')}"
     if design.shows == REFERENCE_FIRST:
         return f"of the reference and a condition, each {lasting.removeprefix('of ')}"
-    return f"{lasting}, with {counted(design.task.count, 'target')} to find" if design.task else lasting
+    return lasting
 
 
 def _asked_after(design: Design, trials: int) -> str:

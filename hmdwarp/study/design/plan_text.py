@@ -13,7 +13,6 @@ from ...report import counted, listed, pair_text
 from ..scales import Scale
 from ..statistics import JOD_SPREAD, people_for_sign, people_for_signed_rank, sign_power, signed_rank_power, smallest_p
 from .definitions import (
-    ADAPTIVE,
     BOTH,
     FIXED,
     PAIR,
@@ -25,7 +24,6 @@ from .definitions import (
     Page,
     Part,
     Sickness,
-    Task,
     every_scale,
     resolved,
 )
@@ -61,8 +59,6 @@ _HIDDEN = {
 
 
 def _order(design: Design) -> str:
-    if design.order == ADAPTIVE:
-        return f"adaptive, seed {design.seed}: each session gets the pairs that tell most after all answers before it"
     if design.order == FIXED:
         return "fixed: as in the file, the same for all participants"
     what = "pair" if design.shows == PAIR else "condition"
@@ -238,7 +234,6 @@ def design_as_json(design: Design) -> dict[str, object]:
         "repeats": design.repeats,
         "trial_seconds": design.seconds,
         "trial_until_done": design.until_done,
-        "task": _as_json(design.task),
         "practice": None
         if design.practice is None
         else {"seconds": design.practice_seconds, "settings": dict(design.practice.settings)},
@@ -254,7 +249,7 @@ def design_as_json(design: Design) -> dict[str, object]:
     }
 
 
-def _as_json(part: Task | Page | None) -> dict[str, object] | None:
+def _as_json(part: Page | None) -> dict[str, object] | None:
     return None if part is None else attrs.asdict(part)
 
 
@@ -279,5 +274,5 @@ def _part_json(design: Design, part: Part) -> dict[str, object]:
         ],
         "session_seconds": math.fsum(phase.seconds for phase in session),
         "orders": rows,
-        "balance": attrs.asdict(balance(rows, presented(design, part.name))) if rows else None,
+        "balance": attrs.asdict(balance(rows, presented(design, part.name))),
     }

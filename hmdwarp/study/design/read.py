@@ -13,7 +13,6 @@ from ...report import refuse_existing, write_text
 from ..scales import PREFERENCE, QUESTIONNAIRE, RATING, Scale, load_scale
 from ._parts import NAME, NAME_WANTED, Checker, families_of, parts_of
 from .definitions import (
-    ADAPTIVE,
     BLIND,
     BOTH,
     ONE,
@@ -28,13 +27,10 @@ from .definitions import (
     Consent,
     Design,
     Page,
-    Part,
     Sickness,
-    Task,
 )
 
 PRACTICE = "practice"
-TASKS = ("targets",)
 UNTIL_DONE, LONGEST_S = "until done", 600.0
 _MOST_ASKED = 3  # questions of a questionnaire after each trial
 _PRACTICE_DEFAULTS = {"latency": 0, "warp": "none", "fill": "none"}
@@ -136,28 +132,6 @@ def practice_of(data: Table, checker: Checker) -> Condition | None:
     own = {key: table.raw(key) for key in table.keys() if key not in others}  # noqa: SIM118  (a Table is no dict)
     settings = checker.settings(table, own, "practice", beneath=_PRACTICE_DEFAULTS, only=PICTURE, others=others)
     return Condition(PRACTICE, settings)
-
-
-def task_of(data: Table, parts: tuple[Part, ...], checker: Checker) -> Task | None:
-    """Return the task, None without [task]; the scenes of all conditions must have room for it."""
-    if "task" not in data:
-        return None
-    if (shows := data.table("trial").word("shows", SHOWS, ONE)) != ONE:
-        raise data.fault("task", f'does not go with shows = "{shows}": expected trials of one condition')
-    table = data.table("task")
-    table.word("kind", TASKS)
-    names = table.texts("conditions", ())
-    known = [condition.name for part in parts for condition in part.conditions]
-    for number, name in enumerate(names):
-        if name not in known:
-            raise table.fault("conditions", f"has '{name}': expected some of {', '.join(known)}", number)
-    count, seed = table.whole("count", 1, 100), table.whole("seed", 0, 2**63 - 1, 0)
-    task = Task(count, table.within("size", 0.5, 20, 4.0), seed, names)
-    try:
-        checker.has_room_for(task)
-    except InputError as error:
-        raise table.fault("count", f"is {count}, and with a quarter to spare {error}") from error
-    return task
 
 
 def breaks_of(data: Table) -> Breaks:
@@ -286,9 +260,13 @@ def load_design(name_or_path: str, *, checked: bool = True) -> Design:
     Errors: InputError that names file and line, what was found and what was expected.
     """
     path = _path_of(name_or_path)
-    return design_from_text(
-        text_of(path, f"a .toml file, or one of {', '.join(study_names())}"), str(path), checked=checked
-    )
+    text = text_of(path, f"a .toml file, or one of {', '.join(study_names())}")
+    try:
+        return design_from_text(text, str(path), checked=checked)
+    except InputError as error:
+        if checked:
+            raise
+        raise InputError(f"{error}; sessions that hmdwarp 0.2 ran with this plan are exported by that one") from error
 
 
 def _path_of(name: str) -> Path:
@@ -316,8 +294,6 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
     folder = Path(path).parent
     trial = data.table("trial")
     shows, order = trial.word("shows", SHOWS, ONE), trial.word("order", ORDERS, WILLIAMS)
-    if order == ADAPTIVE and shows != PAIR:
-        raise trial.fault("order", f'is {ADAPTIVE}, which chooses pairs: expected shows = "{PAIR}" beside it')
     checker = Checker(folder, data.table("common") if "common" in data else None, checked)
     scales = scales_of(trial, "scales", folder)
     sickness = sickness_of(data, folder)
@@ -338,7 +314,6 @@ def _design(data: Table, text: str, path: str, checked: bool) -> Design:
         order=order,
         seed=data.whole("seed", 0, 2**63 - 1, 0),
         blind=data.word("blind", BLIND, BOTH),
-        task=task_of(data, parts, checker),
         practice=practice_of(data, checker),
         practice_seconds=data.table("practice").within("seconds", 0, 3600, 60.0, above=True)
         if "practice" in data

@@ -121,7 +121,13 @@ def sessions_of(contents: Contents, design: Design) -> tuple[SessionData, ...]:
     read: dict[str, Design] = {design.text: design}
     for session in contents.sessions:
         if session.plan not in read:
-            read[session.plan] = design_from_text(session.plan, design.path, checked=False)
+            try:
+                read[session.plan] = design_from_text(session.plan, design.path, checked=False)
+            except InputError as error:
+                raise InputError(
+                    f"session {session.number} of participant {session.code} ran with a plan that this hmdwarp cannot "
+                    f"read ({error}): export it with hmdwarp {session.facts.get('hmdwarp', '0.2')}, which ran it"
+                ) from error
     return tuple(_session_data(contents, design, session, read[session.plan]) for session in contents.sessions)
 
 
@@ -234,7 +240,6 @@ def answer_row(design: Design, data: SessionData, ask: Ask, answer: Answer | Non
     value = None if answer is None else answer.value
     text = None if answer is None else ask.scale.words_for(ask.item, value, answer.text)
     return {
-        **({"site": session.facts["site"]} if "site" in session.facts else {}),
         "study": design.name,
         "participant": session.sub,
         "session": session.number,

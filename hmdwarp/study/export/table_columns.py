@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import importlib.util
 import io
-import itertools
 import json
 import re
 import tomllib
@@ -90,8 +89,7 @@ MEASURED_COLUMNS = (
     ),
     *columns_in("measured"),
 )
-RATED_COLUMNS = (*columns_in("pair"), *columns_in("rated"))
-_SETTING_COLUMNS, (_SITE,) = columns_in("settings"), columns_in("site")
+RATED_COLUMNS, _SETTING_COLUMNS = (*columns_in("pair"), *columns_in("rated")), columns_in("settings")
 SETTINGS = tuple(column.name for column in _SETTING_COLUMNS)
 COLUMNS = (
     *columns_in("who"),
@@ -105,7 +103,7 @@ LONG_COLUMNS = tuple(column.name for column in COLUMNS)
 
 # Settings besides SETTINGS: columns of studies that use them.
 OTHER_SETTINGS = tuple(name for name in KINDS if name not in (*DISPLAY, *SETTINGS, "latency"))
-_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *columns_in("phase"), _SITE)}
+_BY_NAME = {column.name: column for column in (*COLUMNS, *RATED_COLUMNS, *columns_in("phase"))}
 
 
 def column_of(name: str) -> Column:
@@ -119,13 +117,12 @@ def column_of(name: str) -> Column:
 def columns_for(rows: Sequence[Mapping[str, Any]], more: Sequence[str] = ()) -> tuple[Column, ...]:
     """Return COLUMNS, with the rows' other settings after SETTINGS, and `more` before the scale.
 
-    The rows of a merged store have their site first; RATED_COLUMNS are the last where a row has
-    them.
+    RATED_COLUMNS are the last where a row has them.
     """
-    site, *others = ([name] if any(name in row for row in rows) else [] for name in (_SITE.name, *OTHER_SETTINGS))
+    others = [name for name in OTHER_SETTINGS if any(name in row for row in rows)]
     rated = [column.name for column in RATED_COLUMNS if any(row.get(column.name) is not None for row in rows)]
     before, after = LONG_COLUMNS.index(SETTINGS[-1]) + 1, LONG_COLUMNS
-    names = (*site, *after[:before], *itertools.chain(*others), *more, *after[before:], *rated)
+    names = (*after[:before], *others, *more, *after[before:], *rated)
     return tuple(column_of(name) for name in names)
 
 

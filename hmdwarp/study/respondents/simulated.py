@@ -196,7 +196,7 @@ class Respondent(Protocol):
     """Source of commands besides the participant's own input."""
 
     def commands(self, step: Step, shown: Show | None, elapsed_s: float) -> Sequence[Command]:
-        """Return what the respondent does at this refresh, in the words of Console.commands.
+        """Return what the respondent does at this refresh, in the words of LineConsole.commands.
 
         shown: the step shown last. elapsed_s: time since this step began.
         """
@@ -252,7 +252,7 @@ class Simulated:
         if self._leaves(step, shown):
             return Command("stop")
         if isinstance(step, Show):
-            return self._pause(step, elapsed_s) or self._done(step, elapsed_s) or self._select(step)
+            return self._pause(step, elapsed_s) or self._done(step, elapsed_s)
         if elapsed_s < self._model.seconds(self._draw("seconds", step.key)):
             return None
         if isinstance(step, Ask):
@@ -291,11 +291,6 @@ class Simulated:
     def _done(self, step: Show, elapsed_s: float) -> Command | None:
         """End a trial that lasts until the participant is done."""
         return Command("continue") if step.until_done and elapsed_s >= self._lasts_s(step) else None
-
-    @staticmethod
-    def _select(step: Show) -> Command | None:
-        """Select all the time: whether the head points at a target is not known here."""
-        return Command("confirm") if step.task is not None else None
 
     def _lasts_s(self, step: Show) -> float:
         if not step.until_done:

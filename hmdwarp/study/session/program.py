@@ -17,8 +17,7 @@ from ...errors import HmdwarpError, InputError
 from ...pipeline import SceneKey, Source, source_of
 from ...resources import __version__
 from ...run import Driver, Ending, LiveOptions, Watchdog, open_display
-from ..console.line_console import Console
-from ..console.terminal_console import make_console
+from ..console.line_console import LineConsole
 from ..design import Ask, Design, Show, design_from_text, live_options, load_design, steps_of
 from ..dialogs.buttons import ACTING_CONTROLS, CONTROLS, hints_for
 from ..respondents import NoRespondent, Population, Respondent, Simulated, load_model, person_of
@@ -37,7 +36,7 @@ def run_session(
     options: SessionOptions,
     say: Say = lambda text: None,
     *,
-    console: Console | None = None,
+    console: LineConsole | None = None,
     respondent: Respondent | None = None,
     quiet: bool = False,
     on_end: Callable[[Session], None] = lambda session: None,
@@ -67,10 +66,16 @@ def run_session(
         answers_for = _respondent(options, design, part) if respondent is None else lambda session: respondent
         words = ClosingWords(options, design, store, say, on_end)
         stack.callback(words.say)
-        console = stack.enter_context(console or make_console(options.console, f"study {design.name}", quiet=quiet))
+        shown_on = console or LineConsole(f"study {design.name}", kind=options.console, quiet=quiet)
+        console = stack.enter_context(shown_on)
+
+        def last_words() -> str:
+            shown_on.__exit__()  # first: it gives the terminal back
+            return words.last_words()
+
         first = design.part(part).conditions[0]
         live = live_options(first.settings, source=options.source, trace=options.trace)
-        watchdog = stack.enter_context(Watchdog(live.hang_s, [words.last_words]))
+        watchdog = stack.enter_context(Watchdog(live.hang_s, [last_words]))
         sources = {live.scene_key: source_of(live)}
         controls = ACTING_CONTROLS if any(map(scene_reacts, design.part(part).conditions)) else CONTROLS
         where = (live, sources[live.scene_key], watchdog.watching, console.say, controls)
@@ -124,7 +129,7 @@ class _Program:
     part: str
     ending: Ending
     store: Store
-    console: Console
+    console: LineConsole
     words: ClosingWords
     display: Display
     markers: MarkerStream | None
@@ -230,7 +235,7 @@ class _NoPipeline:
     options: LiveOptions
 
 
-PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs", "textual")
+PACKAGES = ("numpy", "scipy", "moderngl", "glfw", "pyopenxr", "attrs")
 
 
 def facts_of(display: Display, design: Design, trace: str) -> dict[str, Any]:

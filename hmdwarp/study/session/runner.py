@@ -202,12 +202,10 @@ class SessionRunner:
             if context.markers is not None and not context.markers.are_received:
                 context.say("no program receives the markers: start the recorder")
             panel_ns = context.display.now_ns()
-            panel = number_panel(step, context.steps, self.hints, context.found)
+            panel = number_panel(step, context.steps, self.hints)
             self._drive(PanelHandler(context, step, panel, refreshes=PANEL_REFRESHES))
             showing, handler = self.trials.run(step, panel_ns)
             context.shown = step
-            score = handler.score
-            context.found = None if score is None else (len(score.times_s), len(score.places_m))
             self._refuse_signal()
             self._just_seen = step.key if showing.complete else ""
             if showing.complete:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import attrs
 
 from ...display import Command, Display, Status
-from ...geometry import Pose
 from ...poses import Origin, PoseSample
-from ..console.line_console import Console, ConsoleState
+from ..console.line_console import ConsoleState, LineConsole
 from ..design import PARTICIPANT as BLIND_TO_PARTICIPANT
 from ..design import UNBLINDED, Design, Show, Step
 from ..respondents import Respondent
@@ -32,7 +30,7 @@ TRACKING_LOST = "tracking lost"
 class CommandSources:
     """Everything that sends commands: the participant's input, the console, a respondent."""
 
-    console: Console
+    console: LineConsole
     respondent: Respondent
     # (sender, command) that came when its step had just ended, for the next one.
     late: list[tuple[str, Command]] = attrs.field(factory=list)
@@ -64,7 +62,6 @@ class SessionContext:
     markers: MarkerStream | None = None
     shown: Show | None = None  # the step shown last
     break_due: bool = False  # whether a requested break waits for the end of the trial
-    found: tuple[int, int] | None = None  # targets that were found in the last trial, and all of it
     head: PoseSample | None = None  # as it was last seen, None before
     before_s: float = 0.0  # from the session's start to that of this run of the program
     _begun_ns: int = attrs.field(init=False)
@@ -143,23 +140,9 @@ class SessionContext:
         origin = {PILOT: " - PILOT", SIMULATED: " - SIMULATED"}.get(session.origin, "")
         return ConsoleState(
             heading=f"study {self.design.name}, participant {session.code}, session {session.number}{origin}",
+            participant=f"{session.code}{origin}",
             step=step_name(step, self.steps),
-            done=len(self.done.intersection(step.key for step in self.steps)) / max(len(self.steps), 1),
             elapsed_s=self.elapsed_s,
-            position_m=None if head is None else _triple(head.pose.position_m),
-            angles_deg=None if head is None else head_angles_deg(head.pose),
             notice=TRACKING_LOST if head is not None and head.origin is Origin.HELD else "",
             **described,
         )
-
-
-def head_angles_deg(pose: Pose) -> tuple[float, float, float]:
-    """Return yaw (left), pitch (up) and roll (left): the head turns, then nods, then tilts."""
-    m = pose.rotation_matrix
-    angles = math.atan2(m[0][2], m[2][2]), math.asin(min(max(-m[1][2], -1.0), 1.0)), math.atan2(m[1][0], m[1][1])
-    return _triple(map(math.degrees, angles))
-
-
-def _triple(values: Any) -> tuple[float, float, float]:
-    x, y, z = map(float, values)
-    return x, y, z

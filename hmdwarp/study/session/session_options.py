@@ -11,6 +11,7 @@ from ...errors import InputError
 from ...options import Declared, as_path, one_of, option
 from ...run import AUTO_SOURCE, DESKTOP, OFFSCREEN, OPENXR, SOURCES
 from ..console.line_console import KINDS as CONSOLES
+from ..console.line_console import LINES
 from ..store import PERSON, PILOT, SIMULATED
 
 
@@ -37,8 +38,8 @@ class SessionOptions(Declared):
         convert=attrs.converters.optional(as_path),
     )
     console: str = option(
-        "auto",
-        "Experimenter's console: terminal, browser, lines, none; auto: terminal if possible.",
+        LINES,
+        "Experimenter's console: lines, with a status line on a terminal, or none.",
         valid=one_of(*CONSOLES),
     )
     lsl: bool = option(False, "Send markers to the Lab Streaming Layer (pip install '.[lsl]').")

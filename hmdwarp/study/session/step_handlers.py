@@ -160,7 +160,7 @@ class QuestionHandler(DialogHandler[QuestionDialog | TextDialog]):
         self.take(self.by or PARTICIPANT, Command("answer", None))
 
     def take(self, by: str, command: Command) -> None:
-        """Pass the command to the question; the experimenter has confirmed a skip already."""
+        """Pass the command to the question; the experimenter's skip leaves it unanswered."""
         if command.control == "skip" and by != PARTICIPANT:
             command = Command("answer", None)
         super().take(by, command)

@@ -7,24 +7,22 @@ from contextlib import ExitStack, suppress
 from typing import Any
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
 from ...display import MOVED, Command, Label
 from ...errors import InputError
 from ...pipeline import Refresh, SceneKey, Source
 from ...run import Driver, Ending, Hand, LiveLog, LiveOptions, PipelineHost, Recorder, took_by
-from ...scenes import ACTIONS, InputBook, with_targets
+from ...scenes import ACTIONS, InputBook
 from ..actual import actual_of
 from ..design import Show
 from ..dialogs.buttons import hints_for
 from ..store import Showing
 from .session_context import SessionContext
 from .step_handlers import CONFIRMS, LOST, StepHandler
-from .wording import HeadRange, TaskScore, number_panel
+from .wording import HeadRange, number_panel
 
 BY = "hmdwarp study"
-TIME, FOUND = "time", "targets"  # ended a trial, where no one did
+TIME = "time"  # ended a trial, where no one did
 # Least time of black with the number, before frames get under way: eyes rest, and building a
 # pipeline seldom takes longer.
 LEAD_S = 1.0
@@ -48,7 +46,7 @@ class TrialHandler(StepHandler):
     from its first picture, on the display's clock.
 
     panel_ns: since when the panel lies over the black. wait_s: see first_picture_wait_s. showing:
-    as it was begun. score: of the trial's task. hand: None where the scene does not react.
+    as it was begun. hand: None where the scene does not react.
     Errors, out of the driver: InputError where no frame arrives.
     """
 
@@ -65,11 +63,10 @@ class TrialHandler(StepHandler):
         log: LiveLog,
         wait_s: float,
         showing: Showing,
-        score: TaskScore | None = None,
         hand: Hand | None = None,
     ) -> None:
         super().__init__(context, step)
-        self.score, self._hand = score, hand
+        self._hand = hand
         self._panel_ns, self._log, self._wait_s, self._showing = panel_ns, log, wait_s, showing
         self.head = HeadRange()  # of the pictures so far
         self._onset_s: float | None = None
@@ -88,14 +85,12 @@ class TrialHandler(StepHandler):
 
     def finished(self) -> bool:
         """Return whether the trial's seconds are over, or someone ended it."""
-        if self.step.until_done and self.score is not None and self.score.is_over:
-            return True
         return self._is_done or (self._first_ns is not None and self.seen_s >= self.step.seconds)
 
     def label(self) -> Label:
         """Return the panel with the number, and nothing over pictures."""
         hints = hints_for(self.context.display.name)
-        return "" if self.pictures else number_panel(self.step, self.context.steps, hints, self.context.found)
+        return "" if self.pictures else number_panel(self.step, self.context.steps, hints)
 
     def arrived(self, refresh: Refresh) -> None:
         """Start the trial's time at its first picture."""
@@ -104,8 +99,6 @@ class TrialHandler(StepHandler):
         if not self.pictures:
             return
         self.head.add(refresh.head)
-        if self.score is not None:
-            self.score.add(refresh.head)
         if self._hand is not None:
             self._hand.follow(refresh)
         if self._first_ns is None:
@@ -121,17 +114,13 @@ class TrialHandler(StepHandler):
 
     def figures(self) -> dict[str, Any]:
         """Return what the session adds to the figures of study/store/records.py."""
-        score = self.score
-        without = FOUND if score is not None and score.is_over and self.step.until_done else TIME
-        ended_by = (self.by or without) if self.finished() and not self.interrupt else ""
-        scored = {} if score is None else score.figures(min(self.seen_s, self.step.seconds))
-        return {"onset_s": self._onset_s, "ended_by": ended_by, **self.head.figures(), **scored}
+        ended_by = (self.by or TIME) if self.finished() and not self.interrupt else ""
+        return {"onset_s": self._onset_s, "ended_by": ended_by, **self.head.figures()}
 
     def take(self, by: str, command: Command) -> None:
         """End a trial that is shown until the participant is done; no command changes another.
 
-        In a task a confirmation selects a target, and only the console's word ends the trial. In
-        the black before the first picture there is nothing to end, to select, or to act upon.
+        In the black before the first picture there is nothing to end, or to act upon.
         """
         if self._first_ns is not None and command.control in ACTIONS:
             if self._hand is not None:
@@ -141,9 +130,7 @@ class TrialHandler(StepHandler):
                 self.context.say(f"{command.control}: the scene of this trial does not react to what people do")
         if self._first_ns is None or command.control not in CONFIRMS:
             return
-        if self.score is not None and command.control == "confirm":
-            self.score.select(self.seen_s)
-        elif self.step.until_done:
+        if self.step.until_done:
             self.by, self._is_done = by, True
 
     def handle(self, commands: Sequence[Command]) -> bool:
@@ -211,7 +198,7 @@ class TrialRunner:
         """
         context = self.context
         options = self.options_of(step)
-        source, places = self._source(step, options)
+        source = self.sources[options.scene_key]
         options = source.fitted(options)
         showing = context.store.begin_showing(context.session, step, dict(step.condition.settings))
         path = context.store.traces / showing.trace
@@ -227,12 +214,11 @@ class TrialRunner:
                 stack.callback(log.leave)
                 recorder.begin(context.display.about, context.display.rate_hz)
                 log.begin(context.display, host)
-                score = TaskScore(places, step.task.size_deg) if step.task is not None else None
                 hand = None
                 if source.scene.inputs is not None:
                     source.scene.inputs.book = InputBook()  # as if nobody had ever been there
                     hand = Hand(host, context.display.now_ns, took_by(recorder, log))
-                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, score, hand)
+                handler = TrialHandler(context, step, panel_ns, log, self.wait_s, showing, hand)
                 log.status.heading = context.title(step)
                 Driver(context.display, host, self.ending, context.say).run(handler, log, recorder)
             complete = handler.finished() and not handler.interrupt
@@ -243,14 +229,6 @@ class TrialRunner:
         finally:
             self.recording = None
         return self._end(showing, log, handler, complete), handler
-
-    def _source(self, step: Show, options: LiveOptions) -> tuple[Source, NDArray[np.float64]]:
-        """Return the scene with the trial's targets, and their places."""
-        source, task = self.sources[options.scene_key], step.task
-        if task is None:
-            return source, np.empty((0, 3))
-        scene, places = with_targets(source.scene, task.count, task.size_deg, (task.seed, step.trial))
-        return type(source)(options, scene), places
 
     def _end(self, showing: Showing, log: LiveLog, handler: TrialHandler | None, complete: bool) -> Showing:
         actual = actual_of(log.result().summary, log.column) | ({} if handler is None else handler.figures())

@@ -6,11 +6,8 @@ import math
 import shlex
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any
 
 import attrs
-import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import HmdwarpError
 from ...geometry import Pose
@@ -59,65 +56,6 @@ class HeadRange:
         if self._first is None:
             return {"head_turn_deg": None, "head_shift_m": None, "head_still": None}
         return {"head_turn_deg": self.turn_deg, "head_shift_m": self.shift_m, "head_still": self.is_still}
-
-
-@attrs.define(eq=False)
-class TaskScore:
-    """Score of one trial. A target is selected by a confirmation while the head points at it."""
-
-    places_m: NDArray[np.float64]  # (n, 3) of the targets, in the world
-    size_deg: float  # the head's direction may be off by as much
-    times_s: list[float] = attrs.field(factory=list)  # of the selections, since the first picture
-    misses: int = 0
-    turned_deg: float = 0.0  # path of the head until the last target was found
-    _left: list[int] = attrs.field(init=False)
-    _head: Pose | None = None
-
-    def __attrs_post_init__(self) -> None:
-        self._left = list(range(len(self.places_m)))
-
-    @property
-    def is_over(self) -> bool:
-        """Whether all targets are found."""
-        return not self._left
-
-    def add(self, head: PoseSample) -> None:
-        """Take the head of a picture; one held because tracking was lost is no motion."""
-        if head.origin is Origin.HELD or self.is_over:
-            return
-        if self._head is not None:
-            self.turned_deg += _turn_deg(self._head, head.pose)
-        self._head = head.pose
-
-    def select(self, seen_s: float) -> None:
-        """Select the nearest target that the head points at, at that time; else count a miss."""
-        if self.is_over or self._head is None:
-            return
-        off = self._off_deg(self._head)
-        nearest = min(self._left, key=lambda number: off[number])
-        if off[nearest] > self.size_deg:
-            self.misses += 1
-            return
-        self._left.remove(nearest)
-        self.times_s.append(seen_s)
-
-    def _off_deg(self, head: Pose) -> NDArray[np.float64]:
-        ahead = -np.array(head.rotation_matrix)[:, 2]
-        ways = self.places_m - np.array(head.position_m)
-        return np.asarray(np.degrees(np.arccos(np.clip(ways @ ahead / np.linalg.norm(ways, axis=1), -1, 1))))
-
-    def figures(self, seen_s: float) -> dict[str, Any]:
-        """Return the figures of study/store/records.py. seen_s: since the first picture."""
-        found = len(self.times_s)
-        spent_s = self.times_s[-1] if self.is_over else seen_s
-        return {
-            "task_targets": len(self.places_m),
-            "task_found": found,
-            "task_misses": self.misses,
-            "task_target_s": spent_s / found if found else None,
-            "task_turned_deg": self.turned_deg,
-            "task_times_s": " ".join(f"{time_s:.3f}" for time_s in self.times_s),
-        }
 
 
 def _turn_deg(one: Pose, other: Pose) -> float:
@@ -185,21 +123,11 @@ def scene_reacts(condition: Condition) -> bool:
     return name in scenes.names() and scenes.get(str(name)).reacts is not None
 
 
-def number_panel(
-    step: Show, steps: Sequence[Step], hints: InputHints, found: tuple[int, int] | None = None
-) -> MessagePanel:
-    """Make the panel before a trial; it says what to do in one, or how to end it.
-
-    found: targets found in the trial before, and all of them.
-    """
-    before = "" if found is None else f"{found[0]} of {found[1]} found.\n"
+def number_panel(step: Show, steps: Sequence[Step], hints: InputHints) -> MessagePanel:
+    """Make the panel before a trial; it says what to do in one, or how to end it."""
     reacts = scene_reacts(step.condition)
     confirm = (reacts and hints.done) or hints.confirm
-    if step.task is not None:
-        balls = counted(step.task.count, "pink ball")
-        hint = f"{before}Find {balls}: bring one to the middle of your view. {confirm}: select"
-    else:
-        hint = before + (f"Look around as long as you like. {confirm}: done" if step.until_done else "")
+    hint = f"Look around as long as you like. {confirm}: done" if step.until_done else ""
     if reacts:
         hint = f"{hint}\n{hints.act}".strip()
     return trial_panel(step.trial, _trials(steps), hint.rstrip(), step.turn)

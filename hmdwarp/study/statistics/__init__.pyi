@@ -18,9 +18,7 @@ from .rank_tests import smallest_p as smallest_p
 from .rank_tests import wilcoxon_exact as wilcoxon_exact
 from .thurstone import JOD_SPREAD as JOD_SPREAD
 from .thurstone import Scores as Scores
-from .thurstone import expected_information as expected_information
 from .thurstone import jod_scores as jod_scores
 from .thurstone import left_out_scores as left_out_scores
 from .thurstone import resampled_interval as resampled_interval
 from .thurstone import resampled_scores as resampled_scores
-from .thurstone import with_expected as with_expected

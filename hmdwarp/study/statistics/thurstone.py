@@ -11,12 +11,10 @@ Ties in paired-comparison experiments using a modified Thurstone-Mosteller model
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import attrs
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import entr, log_ndtr, ndtr, ndtri, stdtrit
+from scipy.special import log_ndtr, ndtr, ndtri, stdtrit
 
 from .rank_tests import bca_shares
 
@@ -191,47 +189,3 @@ def resampled_interval(found: float, resampled: Array, left_out: Array, level: f
     below = np.clip(below, 0.5 / len(resampled), 1 - 0.5 / len(resampled))
     low, high = np.quantile(resampled, bca_shares(below, left_out, float(1 - 2 * tail)))
     return float(low), float(high)
-
-
-def expected_information(wins: Array, ties: Array | None = None) -> Array:
-    """Return what one more comparison of each pair is expected to tell of the scores, (n, n), bits.
-
-    The scores are taken as normal about their estimate, with the curvature there.
-    Source: Li et al. 2018, Hybrid-MST, with Thurstone's model in place of Bradley and Terry's; the
-    next answer is taken as a choice.
-    """
-    mean, covariance = _posterior(wins, ties)
-    spread = np.sqrt(np.maximum(_of_differences(covariance), 0))
-    nodes, weights = np.polynomial.hermite_e.hermegauss(30)
-    weights = weights / weights.sum()
-    chosen = ndtr(mean[:, None, None] - mean[None, :, None] + spread[:, :, None] * nodes)
-    return np.asarray(_entropy(chosen @ weights) - _entropy(chosen) @ weights)
-
-
-def with_expected(wins: Array, ties: Array | None, pairs: Sequence[tuple[int, int]]) -> Array:
-    """Return wins with one more comparison of each pair, answered as the scores expect."""
-    mean, _ = _posterior(wins, ties)
-    out = np.array(wins, np.float64)
-    for a, b in pairs:
-        share = float(ndtr(mean[a] - mean[b]))
-        out[a, b] += share
-        out[b, a] += 1 - share
-    return out
-
-
-def _posterior(wins: Array, ties: Array | None) -> tuple[Array, Array]:
-    """Return scores (n) and their covariance (n, n), in units of JOD_SPREAD."""
-    of, n = _likelihood(wins, ties), np.shape(wins)[-1]
-    at = _highest(of, n)
-    covariance = np.linalg.inv(-of.derivatives(at)[1][0])
-    return at[0, :n], covariance[:n, :n]
-
-
-def _of_differences(covariance: Array) -> Array:
-    """Return the variances of all differences (n, n)."""
-    own = np.diag(covariance)
-    return own[:, None] + own[None, :] - 2 * covariance
-
-
-def _entropy(p: Array) -> Array:
-    return np.asarray((entr(p) + entr(1 - p)) / np.log(2))

@@ -1,8 +1,8 @@
 from .erasing import BEYOND as BEYOND
+from .folders import COPY as COPY
 from .folders import DATABASE as DATABASE
 from .folders import folder_to_read as folder_to_read
 from .folders import store_folder as store_folder
-from .joined_stores import merge as merge
 from .records import COMPLETE as COMPLETE
 from .records import DECLINED as DECLINED
 from .records import INTERRUPTED as INTERRUPTED
@@ -19,5 +19,4 @@ from .records import Answer as Answer
 from .records import Contents as Contents
 from .records import Session as Session
 from .records import Showing as Showing
-from .recovery import recover as recover
 from .store import Store as Store

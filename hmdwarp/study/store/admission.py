@@ -13,8 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ...errors import InputError
-from ..design import ADAPTIVE, Design, Order, Pair, adaptive_order, allot, draw, pair_of, rows_for, tables_of
-from ..scales import FIRST, PREFERENCE, Scale
+from ..design import Design, Order, allot, rows_for
 from . import queries
 from .records import COMPLETE, INTERRUPTED, PERSON, PILOT, RUNNING, SIMULATED, Session, from_json, to_json
 from .signature import plan_signature, signature_changes
@@ -131,8 +130,6 @@ def _new_participant(db: sqlite3.Connection, code: str, origin: str) -> int:
 
 def allotted(db: sqlite3.Connection, design: Design, part: str, origin: str) -> tuple[int, Order]:
     """Return the next order, one that fewest sessions of this origin hold."""
-    if design.order == ADAPTIVE:
-        return _adaptive(db, design, part, origin)
     rows = rows_for(design, part)
     query = f"""SELECT s.order_row, count(*) FROM session s JOIN participant p ON p.id = s.participant
       WHERE s.part = ? AND p.origin = ? AND s.status IN ({", ".join("?" * len(HOLDING))}) AND NOT p.withdrawing
@@ -140,42 +137,6 @@ def allotted(db: sqlite3.Connection, design: Design, part: str, origin: str) -> 
     counts = dict(db.execute(query, (part, origin, *HOLDING)).fetchall())
     row = allot([counts.get(row, 0) for row in range(len(rows))], design.seed)
     return row, rows[row]
-
-
-def _adaptive(db: sqlite3.Connection, design: Design, part: str, origin: str) -> tuple[int, Order]:
-    """Return the pairs that tell most after all answers of this origin; the row counts sessions."""
-    names = [condition.name for condition in design.part(part).conditions]
-    scale = next(scale for scale in design.scales if scale.kind == PREFERENCE)
-    answers = _preferences(db, part, origin, scale)
-    wins, ties = tables_of(names, answers, allows_ties=scale.allows_ties)
-    shown_first, _ = tables_of(names, [(pair, FIRST) for pair, _ in answers], allows_ties=False)
-    row = db.execute(
-        """SELECT count(*) FROM session s JOIN participant p ON p.id = s.participant
-          WHERE s.part = ? AND p.origin = ?""",
-        (part, origin),
-    ).fetchone()[0]
-
-    def among_equals(below: int, *words: object) -> int:
-        return draw(below, design.seed, "adaptive", part, row, *words)
-
-    return row, adaptive_order(names, wins, ties, shown_first, design.repeats, among_equals)
-
-
-def _preferences(db: sqlite3.Connection, part: str, origin: str, scale: Scale) -> list[tuple[Pair, float]]:
-    """Return the pairs that were shown, with the last answer to each; none for "cannot say"."""
-    rows = db.execute(
-        """SELECT s.order_names, a.trial, a.value, max(a.revision) FROM answer a JOIN session s ON s.id = a.session
-          JOIN participant p ON p.id = s.participant
-          WHERE s.part = ? AND p.origin = ? AND a.scale = ? AND a.trial > 0 AND NOT p.withdrawing
-          GROUP BY a.session, a.key ORDER BY a.id""",
-        (part, origin, scale.name),
-    )
-    found = []
-    for order, trial, value, _ in rows:
-        name = [name for names in from_json(order) for name in names][trial - 1]
-        if value is not None:
-            found.append((pair_of(name), value))
-    return found
 
 
 def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -> bool:
@@ -196,11 +157,7 @@ def check_plan(db: sqlite3.Connection, design: Design, part: str, origin: str) -
     ).fetchall()
     for was, row, names in found:
         different = signature_changes(from_json(was), now)
-        if (
-            not different
-            and design.order != ADAPTIVE
-            and (row >= len(rows) or [list(names_) for names_ in rows[row]] != from_json(names))
-        ):
+        if not different and (row >= len(rows) or [list(names_) for names_ in rows[row]] != from_json(names)):
             different = ["the orders"]
         if different:
             raise InputError(

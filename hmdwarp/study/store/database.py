@@ -6,19 +6,17 @@ import functools
 import os
 import shutil
 import sqlite3
-import zlib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, suppress
+from datetime import datetime
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 from ...errors import HmdwarpError, InputError, MachineError
 from ...platforms import NOFOLLOW
-from ...report import counted, sync
-from .folders import DATABASE, TRACES, Journal, count_of_traces, noted_journal
-from .page_reader import rows_in
-from .records import DamagedRow, from_json, to_json, unsealed
+from ...report import sync
+from .folders import COPY, DATABASE, LOCK, TRACES, noted_entries
+from .records import DamagedRow, dict_in, from_json
 
 _LEAST_BYTES = 65536  # the shared memory of a log grows by half of that
 KEPT = "everything that was confirmed is kept"
@@ -64,14 +62,17 @@ def store_error(error: sqlite3.Error | UnicodeDecodeError, path: Path) -> Hmdwar
 
 
 def damaged(path: Path, why: str) -> InputError:
-    """Return the error of a damaged database, with what of it can be rescued and how."""
-    found = rows_in(path, shapes())
-    rows = ", ".join(counted(len(found[table]), table) for table in ("session", "showing", "answer"))
-    traces = counted(count_of_traces((path.parent / TRACES).glob("*.csv")), "head trace")
-    return InputError(
-        f"{path}: damaged ({' '.join(why.split())}): {rows} and {traces} can be read; keep the folder as it is and "
-        f"work on a copy: `hmdwarp study recover STUDY --store {path.parent} --out NEW` writes one"
-    )
+    """Return the error of a damaged database, with its newest copy and how to use that."""
+    copy = path.with_name(COPY)
+    try:
+        of = datetime.fromtimestamp(copy.stat().st_mtime).astimezone().isoformat(" ", "minutes")
+        how = (
+            f"the newest copy, {copy}, is of {of}: in a copy of the folder delete {DATABASE}, {DATABASE}-wal, "
+            f"{DATABASE}-shm and {LOCK}, rename {COPY} to {DATABASE}, and name that folder with --store"
+        )
+    except OSError:
+        how = "there is no copy, as no session has ended: use a backup of the folder"
+    return InputError(f"{path}: damaged ({' '.join(why.split())}): leave it as it is; {how}")
 
 
 def _is_full(folder: Path) -> bool:
@@ -230,17 +231,17 @@ def _refuse_lost(path: Path) -> None:
     """Refuse to take a study for a new one whose database is gone."""
     if os.path.lexists(path) and not path.is_file():
         raise damaged(path, "it is no regular file")
-    if noted_journal(path.parent)[0] or any((path.parent / TRACES).glob("*.csv")):
+    if noted_entries(path.parent) or path.with_name(COPY).exists() or any((path.parent / TRACES).glob("*.csv")):
         raise damaged(path, "there is no data in it, and there were sessions")
 
 
 def check(db: sqlite3.Connection, path: Path) -> None:
     """Check a database from end to end. Errors: InputError as `damaged`.
 
-    SQLite finds damage of its own structures; seals find that of what they hold, and the count
-    beside it that a log or a newer file is gone.
+    SQLite finds damage of its own structures, the count beside it that a log or a newer file is
+    gone.
     """
-    noted = noted_journal(path.parent)  # first: another program may be writing
+    noted = noted_entries(path.parent)  # first: another program may be writing
     db.execute("BEGIN")
     try:
         _check(db, path, noted)
@@ -249,88 +250,33 @@ def check(db: sqlite3.Connection, path: Path) -> None:
             db.execute("ROLLBACK")
 
 
-def _check(db: sqlite3.Connection, path: Path, noted: Journal) -> None:
+def _check(db: sqlite3.Connection, path: Path, noted: int) -> None:
     wrong = [text for (text,) in db.execute("PRAGMA integrity_check(1)") if text != "ok"]
     wrong = wrong or [
         f"a {table} without its {parent}" for table, _, parent, _ in db.execute("PRAGMA foreign_key_check")
     ]
     if wrong:
         raise damaged(path, wrong[0].splitlines()[-1])
-    entries, last, seal_ = noted
-    if (missing := entries - journal_of(db)[0]) > 0:
-        raise damaged(path, f"the last {missing} of {entries} entries of its journal are not there: was its log lost?")
-    if (
-        last
-        and db.execute(
-            "SELECT 1 FROM event WHERE id = ? AND json_extract(data, '$.seal[0]') <> ?", (last, seal_)
-        ).fetchone()
-    ):
-        raise damaged(path, f"entry {last} of its journal is another one: was it, or its log, put in place of another?")
-    if (lonely := answers_alone(db)) > 0:
-        raise damaged(path, f"{lonely} more answers than entries of its journal about them")
-    for (measured,) in db.execute("SELECT measured FROM showing"):
-        unsealed(measured)
-    for id_, data in db.execute("SELECT id, data FROM event ORDER BY id").fetchall():
-        if is_broken(db, id_, from_json(data)):
-            raise damaged(path, f"entry {id_} of its journal, or what it tells of, is not as it was written")
+    for table, own in columns().items():
+        for row in db.execute(f"SELECT * FROM {table}"):  # SQLite itself checks no text
+            for name, value in zip(own, row, strict=True):
+                if name in _JSON:
+                    dict_in(value)
+                elif name == "order_names":
+                    from_json(value)
+    if (missing := noted - entries_of(db)) > 0:
+        raise damaged(path, f"the last {missing} of {noted} entries of its journal are not there: was its log lost?")
 
 
-_SEALED = {
-    "": "SELECT 0 WHERE ? IS NOT NULL",
-    "session": """SELECT s.number, s.part, s.order_row, s.order_names, s.started_utc, s.facts, plan.text, plan.meaning,
-      p.code, p.sub, p.origin FROM session s JOIN plan ON plan.id = s.plan JOIN participant p ON p.id = s.participant
-      WHERE s.id = ?""",
-    "showing": """SELECT session, key, trial, repeat, condition, presentation, settings, started_utc FROM showing
-      WHERE id = ?""",
-    "shown": "SELECT session, key, complete, actual, trace FROM showing WHERE id = ?",
-    "answer": """SELECT session, key, revision, phase, trial, scale, item, value, seconds, answered_by, at_utc, showing
-      FROM answer WHERE id = ?""",
-}
+_JSON = ("facts", "settings", "actual", "measured", "data", "meaning")
 
 
-def answers_alone(db: sqlite3.Connection) -> int:
-    """Return how many more answers there are than entries of the journal about them."""
-    query = "SELECT (SELECT count(*) FROM answer) - (SELECT count(*) FROM event WHERE kind = 'answer')"
-    return int(db.execute(query).fetchone()[0])
-
-
-def journal_of(db: sqlite3.Connection) -> Journal:
-    """Return how far the journal is, as Lock.note takes it."""
-    query = "SELECT id, coalesce(json_extract(data, '$.seal[0]'), 0) FROM event ORDER BY id DESC LIMIT 1"
-    entries = db.execute("SELECT seq FROM sqlite_sequence WHERE name = 'event'").fetchone() or (0,)
-    last, seal_ = db.execute(query).fetchone() or (0, 0)
-    try:
-        return int(entries[0]), int(last), int(seal_)
-    except (TypeError, ValueError) as error:
-        raise DamagedRow(f"no count of its journal in {entries[0]!r}") from error
-
-
-def seal(db: sqlite3.Connection, event: int, what: str = "", row: int = 0) -> None:
-    """Write a checksum of an entry of the journal, and of the row that it tells of, into the entry.
-
-    what: one of _SEALED.
-    """
-    data = from_json(db.execute("SELECT data FROM event WHERE id = ?", (event,)).fetchone()[0])
-    data.pop("seal", None)
-    sealed = {**data, "seal": [_checksum(db, event, data, what, row), what, row]}
-    db.execute("UPDATE event SET data = ? WHERE id = ?", (to_json(sealed), event))
-
-
-def is_broken(db: sqlite3.Connection, event: int, data: Any) -> bool:
-    """Return whether an entry or its row differs from the seal; older entries have none."""
-    if not isinstance(data, dict):
-        return True
-    match data.pop("seal", None):
-        case None:
-            return False
-        case [crc, str(what), int(row)] if what in _SEALED:
-            return bool(crc != _checksum(db, event, data, what, row))
-    return True
-
-
-def _checksum(db: sqlite3.Connection, event: int, data: dict[str, Any], what: str, row: int) -> int:
-    entry = db.execute("SELECT session, kind, key, at_utc, mono_ns FROM event WHERE id = ?", (event,)).fetchone()
-    return zlib.crc32(repr((entry, to_json(data), db.execute(_SEALED[what], (row,)).fetchone())).encode())
+def entries_of(db: sqlite3.Connection) -> int:
+    """Return how many entries the journal has had, with erased ones."""
+    (entries,) = db.execute("SELECT seq FROM sqlite_sequence WHERE name = 'event'").fetchone() or (0,)
+    if not isinstance(entries, int):
+        raise DamagedRow(f"no count of its journal in {entries!r}")
+    return entries
 
 
 @functools.cache
@@ -345,14 +291,6 @@ def columns() -> dict[str, dict[str, str]]:
 def columns_of(db: sqlite3.Connection, table: str) -> dict[str, str]:
     """Return the columns that a table has in a database, and the type of each."""
     return dict(db.execute("SELECT name, type FROM pragma_table_info(?)", (table,)).fetchall())
-
-
-def shapes() -> dict[str, tuple[int, frozenset[int]]]:
-    """Return the shapes of the tables, as rows_in takes them."""
-    types = {table: [*own.values()] for table, own in columns().items()}
-    return {
-        table: (len(own), frozenset(n for n, kind in enumerate(own) if kind == "TEXT")) for table, own in types.items()
-    }
 
 
 def _check_schema(db: sqlite3.Connection, path: Path) -> None:

@@ -1,16 +1,16 @@
 """Erases a participant: rows, traces, and the bytes they took; an interrupted erasure resumes.
 
 A mark comes first (from then on the participant is no longer read), the traces next, the rows and
-the mark in one transaction, the bytes of the file last. Erased are answers, showings with their
-figures, events with remarks, sessions, the random word and the head traces. The code stays, so that
-it is never reused, and the order becomes free. Beyond reach are earlier exports, reports and
-backups, snapshots and journals of a file system, and blocks that a flash disk retired: disk
-encryption covers the last two. A promise of erasure must cover these too.
+the mark in one transaction, the copy and the bytes of the file last. Erased are answers, showings
+with their figures, events with remarks, sessions, the random word and the head traces. The code
+stays, so that it is never reused, and the order becomes free. Beyond reach are earlier exports,
+reports and backups, snapshots and journals of a file system, blocks that a flash disk retired or
+that an older copy of the store had: disk encryption covers the last three. A promise of erasure
+must cover these too.
 """
 
 from __future__ import annotations
 
-import os
 import sqlite3
 from contextlib import suppress
 from pathlib import Path
@@ -18,14 +18,13 @@ from pathlib import Path
 import attrs
 
 from ...errors import HmdwarpError, InputError, MachineError
-from ...platforms import NOFOLLOW
 from ...report import counted, sync
 from .admission import check_code
+from .copies import erase_copies, overwrite
 from .database import transaction, translated
 from .folders import DATABASE, TRACES
 
 BEYOND = "Earlier exports, reports, copies and backups still hold these data: delete them by hand."
-_CHUNK = 1 << 20
 
 
 @attrs.frozen
@@ -109,31 +108,28 @@ def _erase_traces(traces: Path, sub: str) -> None:
         for path in sorted(traces.iterdir()) if traces.is_dir() else ():
             if sub in path.name:  # also of a copy or partial file
                 if path.is_file() and not path.is_symlink():
-                    _overwrite(path)
+                    overwrite(path)
                 path.unlink()
         if traces.is_dir():
             sync(traces)
     except OSError as error:
-        why = error.strerror or str(error)
-        raise MachineError(f"{traces}: cannot erase ({why}); the next try erases the rest: make it writable") from error
+        raise _unerasable(traces, error) from error
 
 
-def _overwrite(path: Path) -> None:
-    handle = os.open(path, os.O_WRONLY | NOFOLLOW)
-    try:
-        left = os.fstat(handle).st_size
-        while left > 0:
-            left -= os.write(handle, bytes(min(left, _CHUNK)))
-        os.fsync(handle)
-    finally:
-        os.close(handle)
+def _unerasable(folder: Path, error: OSError) -> MachineError:
+    why = error.strerror or str(error)
+    return MachineError(f"{folder}: cannot erase ({why}); the next try erases the rest: make it writable")
 
 
 def _clean(db: sqlite3.Connection, folder: Path, subs: list[str]) -> None:
-    """Rewrite the file without the deleted rows, and empty its log.
+    """Erase the copy, rewrite the file without the deleted rows, and empty its log.
 
     secure_delete has overwritten the rows, but not copies in pages that were split, nor the log.
     """
+    try:
+        erase_copies(folder)
+    except OSError as error:
+        raise _unerasable(folder, error) from error
     with translated(folder / DATABASE):
         _empty_log(db, folder)  # zeros over the old rows in their own place, before the file gets shorter
         db.execute("VACUUM")

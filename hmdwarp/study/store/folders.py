@@ -20,7 +20,6 @@ from .records import ORIGINS, PERSON
 
 LOCK = "lock"
 _WORDS = 1024  # bytes of the file
-Journal = tuple[int, int, int]  # entries it has had, with erased ones; id and seal of its last one
 _HELD = frozenset({errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES})
 _NOT_HERE = frozenset({errno.ENOLCK, errno.ENOSYS, errno.ENOTSUP, errno.EINVAL})
 
@@ -57,13 +56,13 @@ class Lock:
             "pid": os.getpid(),
             "host": socket.gethostname(),
             "since": since.astimezone().isoformat(timespec="seconds"),
-            "journal": noted_journal(self.path.parent),
+            "journal": noted_entries(self.path.parent),
         }
         self._write()
 
-    def note(self, journal: Journal) -> None:
-        """Write how far the journal is: a log that is lost later is missed."""
-        self._words["journal"] = journal
+    def note(self, entries: int) -> None:
+        """Write how many entries the journal has: a log that is lost later is missed."""
+        self._words["journal"] = entries
         self._write()
 
     def _write(self) -> None:
@@ -90,14 +89,14 @@ class Lock:
             self._file = -1
 
 
-def noted_journal(folder: Path) -> Journal:
-    """Return how far the journal is at least, as Lock.note has it; zeros where not known."""
-    with suppress(OSError, ValueError, KeyError, TypeError, RecursionError, OverflowError):
+def noted_entries(folder: Path) -> int:
+    """Return how many entries the journal has at least, as Lock.note has it; 0 where unknown."""
+    with suppress(OSError, ValueError, KeyError, TypeError, IndexError, RecursionError):
         if (path := folder / LOCK).is_file():
-            entries, last, seal = json.loads(path.read_bytes()[:_WORDS])["journal"]
-            noted = int(entries), int(last), int(seal)
-            return noted if all(0 <= number < 1 << 63 for number in noted) else (0, 0, 0)
-    return 0, 0, 0
+            noted = json.loads(path.read_bytes()[:_WORDS])["journal"]
+            entries = int(noted[0] if isinstance(noted, list) else noted)  # a list in stores of 0.2
+            return entries if 0 <= entries < 1 << 63 else 0
+    return 0
 
 
 def _no_place(error: OSError, folder: Path) -> HmdwarpError:
@@ -119,8 +118,8 @@ def _refused(error: OSError, folder: Path, holder: str) -> HmdwarpError:
     return _no_place(error, folder)
 
 
-DATABASE, TRACES = "study.sqlite3", "traces"
-_OURS = {DATABASE, f"{DATABASE}-wal", f"{DATABASE}-shm", f"{DATABASE}-journal", LOCK, TRACES}
+DATABASE, COPY, TRACES = "study.sqlite3", "study.copy.sqlite3", "traces"
+_OURS = {DATABASE, COPY, f"{DATABASE}-wal", f"{DATABASE}-shm", f"{DATABASE}-journal", LOCK, TRACES}
 _PACKAGE = Path(__file__).resolve().parents[2]
 
 

@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from .records import PILOT, Answer, Contents, Event, Session, Showing, from_json, unsealed
+from .records import PILOT, Answer, Contents, Event, Session, Showing, dict_in, from_json
 
 # A person took no part who refused the consent and did not agree later, in a resumed run, or who
 # never agreed to the text that the session began with.
@@ -42,14 +42,12 @@ def _session_of(row: tuple[Any, ...]) -> Session:
 
 def _showing_of(row: tuple[Any, ...]) -> Showing:
     *values, complete, settings, trace, actual, measured, started = row
-    fields = [*values, bool(complete), from_json(settings), trace, from_json(actual), unsealed(measured), started]
+    fields = [*values, bool(complete), dict_in(settings), trace, dict_in(actual), dict_in(measured), started]
     return Showing(*fields)
 
 
 def _event_of(row: tuple[Any, ...]) -> Event:
-    data = from_json(row[-1])
-    data.pop("seal", None)  # checked when the store was opened
-    fields = [*row[:-1], data]
+    fields: list[Any] = [*row[:-1], dict_in(row[-1])]
     return Event(*fields)
 
 
@@ -63,7 +61,7 @@ def passed_s(db: sqlite3.Connection, id_: int) -> tuple[float, bool]:
             counts_all = counts_all and gap_s >= 0
         else:
             gap_s = (now_ns - before_ns) * 1e-9
-        passed += max(gap_s, 0.0)  # an entry that `study recover` added has no monotonic time
+        passed += max(gap_s, 0.0)  # an entry that 0.2 had rescued has no monotonic time
     return passed, counts_all
 
 

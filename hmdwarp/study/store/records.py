@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import sqlite3
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -35,21 +34,13 @@ def from_json(text: str) -> Any:
         raise DamagedRow(f"no JSON in {text[:20]!r}") from error
 
 
-def sealed(figures: Mapping[str, Any]) -> str:
-    """Encode figures with a checksum of themselves."""
-    text = to_json(figures)
-    return to_json({**json.loads(text), "seal": zlib.crc32(text.encode())})
-
-
-def unsealed(text: str) -> dict[str, Any]:
-    """Decode what sealed wrote; older figures have no checksum. Errors: DamagedRow."""
-    figures = from_json(text)
-    if not isinstance(figures, dict):
-        raise DamagedRow(f"no figures in {text[:20]!r}")
-    seal = figures.pop("seal", None)
-    if seal is not None and seal != zlib.crc32(to_json(figures).encode()):
-        raise DamagedRow("figures of 'study measure' are not as they were written")
-    return figures
+def dict_in(text: str) -> dict[str, Any]:
+    """Decode a row's data, without the checksum of stores of 0.2. Errors: DamagedRow."""
+    data = from_json(text)
+    if not isinstance(data, dict):
+        raise DamagedRow(f"no data in {text[:20]!r}")
+    data.pop("seal", None)
+    return data
 
 
 def clean(text: str) -> str:

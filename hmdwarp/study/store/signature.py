@@ -35,19 +35,12 @@ def plan_signature(design: Design, part: str) -> dict[str, Any]:
         "before": [_scale(scale) for scale in design.before],
         "after": [_scale(scale) for scale in design.after],
         **_shows(design),
-        **_task(design),
     }
 
 
 def _shows(design: Design) -> dict[str, Any]:
     """Return what a trial shows; nothing for one condition, as older sessions have it."""
     return {} if design.shows == ONE else {"shows": design.shows}
-
-
-def _task(design: Design) -> dict[str, Any]:
-    """Return the task; nothing without one, as sessions from before there were tasks have it."""
-    task = design.task
-    return {} if task is None else {"task": [task.count, task.size_deg, task.seed, *task.conditions]}
 
 
 def _condition(condition: Condition, folder: str) -> dict[str, Any]:

@@ -26,6 +26,7 @@ from .erasing import Holdings, erase, known
 from .folders import check_place, count_of_traces, sync_trace, trace_name
 from .records import (
     DECLINED,
+    INTERRUPTED,
     RUNNING,
     STATUSES,
     STOPPED,
@@ -35,7 +36,6 @@ from .records import (
     Session,
     Showing,
     clean,
-    sealed,
     to_json,
 )
 from .store_connection import Clock, MachineClock, StoreConnection
@@ -98,7 +98,7 @@ class Store(StoreConnection):
             id_ = admission.new_session(db, design, part, participant, origin, facts or {}, now)
             session = queries.session(db, id_)
             data = {"part": part, "row": session.row, "plan_text_changed": mended, **_consent(design)}
-            self._event(session, "begin", data=data, row=("session", id_))
+            self._event(session, "begin", data=data)
             session = queries.session(db, id_)  # which the event tells whether it needs a consent
         if mended:
             self._say(
@@ -152,7 +152,9 @@ class Store(StoreConnection):
             return queries.session(db, session.id)
 
     def end(self, session: Session, status: str, why: str = "") -> Session:
-        """End a session. status: any of STATUSES but RUNNING. why: in words, "" for none.
+        """End a session, and renew the copy of the store (copies.py).
+
+        status: any of STATUSES but RUNNING. why: in words, "" for none.
 
         DECLINED needs "refused" in the journal, which tells it from STOPPED; a session that is
         STOPPED before its consent was given is returned as UNCONSENTED.
@@ -169,7 +171,8 @@ class Store(StoreConnection):
             ended = queries.session(db, session.id)
             if (ended.status == DECLINED) != (status == DECLINED):
                 raise ValueError(f"a session cannot end as {status!r}: its journal says {ended.status!r}")
-            return ended
+        self._copy(told=status != INTERRUPTED)  # what interrupted it, such as a full disk, has its own line
+        return ended
 
     def record(self, session: Session, kind: str, key: str = "", **data: Any) -> None:
         """Record an event. data: as JSON can hold, and NumPy's numbers; NaN becomes null."""
@@ -198,7 +201,7 @@ class Store(StoreConnection):
                 started_utc=self._now(),
             )  # fmt: skip
             told = {"showing": id_, "presentation": presentation}
-            self._event(session, "showing", step.key, told, ("showing", id_))
+            self._event(session, "showing", step.key, told)
             return queries.showing(db, id_)
 
     def end_showing(self, session: Session, showing: Showing, actual: Mapping[str, Any], complete: bool) -> Showing:
@@ -211,7 +214,7 @@ class Store(StoreConnection):
             values = (int(complete), to_json(actual), trace, showing.id, session.id)
             db.execute("UPDATE showing SET complete = ?, actual = ?, trace = ? WHERE id = ? AND session = ?", values)
             told = {"showing": showing.id, "complete": complete}
-            self._event(session, "shown", showing.key, told, ("shown", showing.id))
+            self._event(session, "shown", showing.key, told)
             return queries.showing(db, showing.id)
 
     def answer(
@@ -241,7 +244,7 @@ class Store(StoreConnection):
                 scale=step.scale.name, item=step.item.key, value=value, seconds=float(seconds), answered_by=by,
                 at_utc=self._now(), showing=showing.id if isinstance(showing, Showing) else showing,
             )  # fmt: skip
-            self._event(session, "answer", step.key, {"value": value, "revision": revision, **words}, ("answer", id_))
+            self._event(session, "answer", step.key, {"value": value, "revision": revision, **words})
             return queries.answer(db, id_)
 
     # --- data ---
@@ -283,7 +286,7 @@ class Store(StoreConnection):
         try:
             with self._write() as db:
                 changed = db.execute(
-                    "UPDATE showing SET measured = ? WHERE id = ?", (sealed(data), showing_id)
+                    "UPDATE showing SET measured = ? WHERE id = ?", (to_json(data), showing_id)
                 ).rowcount
                 if changed != 1:
                     raise KeyError(showing_id)
@@ -318,6 +321,7 @@ class Store(StoreConnection):
             return None
         erased = self.holdings(code)
         erase(self._db, self.folder, code)
+        self._copy()
         return erased
 
 

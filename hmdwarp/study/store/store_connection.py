@@ -14,6 +14,7 @@ from ...errors import HmdwarpError, InputError
 from ...report import keep_private
 from ...resources import __version__
 from . import database, queries
+from .copies import write_copy
 from .database import transaction
 from .erasing import finish_erasing
 from .folders import DATABASE, TRACES, Lock, make_folders
@@ -142,11 +143,23 @@ class StoreConnection:
         self._finished = finish_erasing(self._db, self.folder)
         for code in self._finished:
             self._say(f"the withdrawal of participant {code} was interrupted; it is finished now")
+            self._copy()
         died = [id_ for (id_,) in self._db.execute("SELECT id FROM session WHERE status = ?", (RUNNING,))]
         with self._write() as db:
             for id_ in died:
                 self._event(queries.session(db, id_), "interrupted", data={"why": "the program died"})
                 db.execute("UPDATE session SET status = ? WHERE id = ?", (INTERRUPTED, id_))
+
+    def _copy(self, *, told: bool = True) -> None:
+        """Renew the copy; that it fails, as on a full disk, costs no session.
+
+        told: whether it says so.
+        """
+        try:
+            write_copy(self._db, self.folder)
+        except (sqlite3.Error, OSError) as error:
+            if told:
+                self._say(f"the store's copy could not be renewed ({error}); everything is in the store itself")
 
     def _check_name(self, study: str | None) -> None:
         wanted = study or self._study
@@ -161,7 +174,7 @@ class StoreConnection:
         assert self._lock is not None, "writing needs the lock"
         with transaction(self._db, self._path) as db:
             yield db
-        self._lock.note(database.journal_of(self._db))
+        self._lock.note(database.entries_of(self._db))
 
     @contextmanager
     def _running(self, session: Session) -> Iterator[sqlite3.Connection]:
@@ -187,12 +200,8 @@ class StoreConnection:
         kind: str,
         key: str = "",
         data: Mapping[str, Any] | None = None,
-        row: tuple[str, int] = ("", 0),
     ) -> None:
-        """Append to the journal; an event before it notes a clock that was set back.
-
-        row: what the entry tells of, as database.seal takes it.
-        """
+        """Append to the journal; an event before it notes a clock that was set back."""
         now, mono_ns = self._now(), self._clock.mono_ns()
         latest = self._db.execute("SELECT at_utc, session FROM event ORDER BY id DESC LIMIT 1").fetchone()
         insert = "INSERT INTO event (session, kind, key, at_utc, mono_ns, data) VALUES (?, ?, ?, ?, ?, ?)"
@@ -205,5 +214,4 @@ class StoreConnection:
                 f"the machine's clock was set back by {back_s:.0f} s: nothing is lost; the order of the data does "
                 "not depend on it"
             )
-        entry = self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {}))).lastrowid
-        database.seal(self._db, entry or 0, *row)
+        self._db.execute(insert, (session.id, kind, key, now, mono_ns, to_json(data or {})))

@@ -78,7 +78,6 @@ def test_a_trial_shows_the_reference_and_then_the_condition():
         ('"dcr"', '"acr"', "has 'acr', which asks nothing about the reference: expected dcr"),
         ('shows = "reference first"', "", r'has \'dcr\', .*: it needs shows = "reference first"'),
         ('"dcr"', '"preference"', "has 'preference', a preference"),
-        ("seed = 4", 'seed = 4\n[task]\nkind = "targets"\ncount = 3', 'does not go with shows = "reference first"'),
     ],
 )
 def test_incompatible_settings_are_refused(found, put, says):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hmdwarp.errors import InputError
 from hmdwarp.study.analysis.findings import families_for
 from hmdwarp.study.analysis.full_analysis import analyse
-from hmdwarp.study.analysis.long_table import SourceOptions, from_csv
+from hmdwarp.study.analysis.long_table import SourceOptions, from_csv, ratings_from_all
 
 from .tables import PUBLISHED, written
 
@@ -175,3 +175,43 @@ def test_families_may_be_requested():
         families_for(found, ["a:b"])
     with pytest.raises(InputError, match="expected pairs of conditions"):
         families_for(found, ["a-b"])
+
+
+def exported(path, participant: str, **more: str):
+    """A table as a site exports it."""
+    rows = [
+        {"participant": participant, "session": "1", "trial": str(trial), "condition": condition, "scale": "grade",
+         "value": value, "origin": "person", **more}
+        for trial, (condition, value) in enumerate([("late", "4"), ("warped", "2.5")], 1)
+    ]  # fmt: skip
+    return str(written(path, rows))
+
+
+def test_tables_of_several_sites_are_one_study(tmp_path):
+    one, two = exported(tmp_path / "berlin.csv", "k3x"), exported(tmp_path / "paris.csv", "w9q")
+    options = SourceOptions()
+    both = ratings_from_all([one, two], None, options)
+    assert [*both.rows[["participant", "condition", "value"]].itertuples(index=False, name=None)] == [
+        ("k3x", "late", 4.0), ("k3x", "warped", 2.5), ("w9q", "late", 4.0), ("w9q", "warped", 2.5)
+    ]  # fmt: skip
+    assert both.source == "berlin.csv, paris.csv"
+    assert analyse(both)["participants"] == 2
+    second = exported(tmp_path / "again.csv", "k3x", session="2")
+    assert analyse(ratings_from_all([one, second], None, options))["participants"] == 1
+    assert ratings_from_all([one], None, options).rows.equals(from_csv(tmp_path / "berlin.csv").rows)
+
+
+def test_tables_that_do_not_go_together_are_refused(tmp_path):
+    one = exported(tmp_path / "berlin.csv", "k3x")
+    for other, says in {
+        exported(tmp_path / "copy.csv", "k3x"): "has session 1 of participant 'k3x', as .*berlin.csv has",
+        exported(tmp_path / "made.csv", "w9q", origin="simulated"): "of origin 'simulated', and 'person' in",
+        str(tmp_path / "none.csv"): "expected a table of ratings that is there",
+        "quick": "export each study first",
+    }.items():
+        with pytest.raises(InputError, match=says):
+            ratings_from_all([one, other], None, SourceOptions())
+    own = exported(tmp_path / "own.csv", "w9q", scale="stars", low_is_good="true")
+    turned = exported(tmp_path / "turned.csv", "k3x", scale="stars", low_is_good="false")
+    with pytest.raises(InputError, match="scale 'stars' is another one"):
+        ratings_from_all([own, turned], None, SourceOptions())

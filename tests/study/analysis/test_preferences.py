@@ -165,24 +165,16 @@ def fill(store: Store, design, code: str) -> None:
     store.end(session, COMPLETE)
 
 
-@pytest.mark.parametrize("order", ["williams", "adaptive"])
-def test_from_the_store_to_the_page(tmp_path, order):
-    """Adaptive sessions show three pairs of four conditions, that connect them; no two sessions of
-    this study need show the same.
-    """
+def test_from_the_store_to_the_page(tmp_path):
     pytest.importorskip("statsmodels", reason="statsmodels is not installed (pip install '.[study]')")
-    design = design_of("preference_or_tie", order)
+    design = design_of("preference_or_tie")
     with Store(tmp_path / "data", create=True, study=design.name) as store:
         for person in range(8):
             fill(store, design, f"P{person}")
         contents = store.contents()
     ratings = from_contents(contents, design, SIMULATED)
     shown = [[pair_of(name) for name in session.order[0]] for session in contents.sessions]
-    assert [len(pictures) for pictures in shown] == [6 if order == "williams" else 3] * 8
-    if order == "adaptive":
-        assert all({name for pair in pictures for name in pair} == set(SCORES) for pictures in shown)
-        assert len({frozenset(map(frozenset, pictures)) for pictures in shown}) > 2
-        assert [session.row for session in contents.sessions] == list(range(8))
+    assert [len(pictures) for pictures in shown] == [6] * 8
     assert len(ratings.preferences) == sum(map(len, shown))
     given = ratings.preferences.groupby("participant")["answer"].count()
     assert ratings.sessions["rated"].tolist() == given[ratings.sessions["participant"]].tolist()

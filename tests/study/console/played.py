@@ -11,15 +11,13 @@ from __future__ import annotations
 import argparse
 import os
 import signal
-import sys
 import time
 import warnings
 from pathlib import Path
 
 import attrs
 
-from hmdwarp.study.console.line_console import ConsoleState, Question
-from hmdwarp.study.console.terminal_console import make_console
+from hmdwarp.study.console.line_console import ConsoleState, LineConsole, Question
 
 GRADE = Question(
     "How good was the picture?", 1.0, 6.0, 0.25,
@@ -29,23 +27,20 @@ GRADE = Question(
 SICK = Question("How sick do you feel?", 0.0, 20.0, 1.0, ((0.0, "no sickness at all"), (20.0, "frank sickness")))
 HEADING = "latency-and-warp - participant P07 - session 1"
 SHOWING = ConsoleState(
-    heading=HEADING, step="trial 3 of 12", done=0.25, elapsed_s=724.0, left_s=14.0, phase="showing", rate_hz=89.9,
-    missed=3,
-    position_m=(0.02, 1.62, -0.1), angles_deg=(-35.0, 3.0, 0.4),
+    heading=HEADING, participant="P07", step="trial 3 of 12", elapsed_s=724.0, left_s=14.0, phase="showing",
+    rate_hz=89.9, missed=3,
 )  # fmt: skip
 ASKING = attrs.evolve(SHOWING, phase="asking", left_s=None, question=attrs.evolve(GRADE, entered=3.25))
 STATES = {
-    "reading": attrs.evolve(
-        SHOWING, phase="reading", step="consent", done=0.0, left_s=None, position_m=None, angles_deg=None
-    ),
-    "waiting": attrs.evolve(SHOWING, phase="waiting", step="about to begin", done=0.0, left_s=None),
+    "reading": attrs.evolve(SHOWING, phase="reading", step="consent", left_s=None),
+    "waiting": attrs.evolve(SHOWING, phase="waiting", step="about to begin", left_s=None),
     "showing": SHOWING,
     "asking": ASKING,
     "next": attrs.evolve(ASKING, step="trial 4 of 12", question=GRADE),
     "fms": attrs.evolve(ASKING, question=attrs.evolve(SICK, entered=6.0)),
     "break": attrs.evolve(SHOWING, phase="break", step="break 1 of 2", left_s=22.0),
     "paused": attrs.evolve(SHOWING, phase="paused", left_s=None),
-    "lost": attrs.evolve(SHOWING, notice="tracking lost", heading=HEADING + " - PILOT"),
+    "lost": attrs.evolve(SHOWING, notice="tracking lost", participant="P07 - PILOT"),
     "sick": attrs.evolve(SHOWING, phase="over", left_s=None, notice="stopped: sickness 15 of 20, the stop rule is 15"),
     "open": attrs.evolve(SHOWING, condition="late-200"),
 }
@@ -54,7 +49,7 @@ STATES = {
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("log", type=Path)
-    parser.add_argument("--console", default="auto")
+    parser.add_argument("--console", default="lines")
     parser.add_argument(
         "--states", default="showing", help="names of STATES; the file LOG.state may name another one meanwhile"
     )
@@ -71,7 +66,7 @@ def main() -> None:
 
 def play(options: argparse.Namespace, log) -> None:
     chosen = options.log.with_suffix(".state")
-    with make_console(options.console, "latency-and-warp") as console:
+    with LineConsole("latency-and-warp", kind=options.console) as console:
         console.say("the session begins")
         todo = options.do
         for _ in range(round(60 * options.seconds)):
@@ -84,33 +79,18 @@ def play(options: argparse.Namespace, log) -> None:
                 if command.control == "stop":
                     return
                 if command.control == "again" and todo:
-                    deed(todo, console, chosen)
+                    deed(todo)
                     todo = ""
             time.sleep(1 / 60)
 
 
-def deed(name: str, console, chosen: Path) -> None:
-    if name == "print":
-        print("a print \x1b[31min red\x1b[0m")
-        os.write(2, b"a driver's own words\n")
-    elif name == "say":
-        console.say("Simulator sickness questionnaire (SSQ), question 15 of 16: left unanswered.")
-    elif name == "warn":
+def deed(name: str) -> None:
+    if name == "warn":
         warnings.warn("a warning of a library", stacklevel=1)
     elif name == "raise":
         raise RuntimeError("a fault in the session")
-    elif name == "kill-screen":
-        console.program.kill()
-    elif name == "hard-exit":
-        print("the last words", file=sys.stderr, flush=True)
-        os._exit(3)
     elif name == "kill":
         os.kill(os.getpid(), signal.SIGKILL)
-    elif name == "abort":
-        os.abort()
-    elif name == "still":
-        while not chosen.exists():
-            time.sleep(0.05)
 
 
 if __name__ == "__main__":

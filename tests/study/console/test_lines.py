@@ -1,4 +1,4 @@
-"""The console of lines, and which console there is."""
+"""The console of lines."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from pathlib import Path
 
 import attrs
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rich.cells import cell_len
 
-from hmdwarp.errors import InputError, MachineError
-from hmdwarp.study.console.line_console import ConsoleState, LineConsole, news, subject_of
-from hmdwarp.study.console.terminal_console import make_console
+from hmdwarp.study.console.line_console import ConsoleState, LineConsole, news, status, subject_of
+from hmdwarp.study.console.status_line import TypedLine, fitted
 
 from .played import ASKING, GRADE, SHOWING, STATES
 
@@ -37,7 +39,7 @@ def test_lines_through_pipes(tmp_path):
         tmp_path, "help\nanswer 3,25\nanswer 9\ndance\npause\nremark it slipped\nstop\n", "--states", "asking"
     )
     assert asked == [("answer", 3.25), ("pause", None), ("remark", "it slipped"), ("stop", None)]
-    for words in ("no full-screen console: stdin is not a terminal", "trial 3 of 12: asking",
+    for words in ("commands are read from stdin", "trial 3 of 12: asking",
     "asked: How good was the picture?",
                   "1 very good", "9 is not on the scale", "'dance' is no command", "leave this question"):  # fmt: skip
         assert words in said, said
@@ -56,7 +58,7 @@ def test_no_console_is_silent(tmp_path):
 
 def test_news_are_what_an_experimenter_should_know():
     assert news(ConsoleState(), SHOWING) == [SHOWING.heading, "trial 3 of 12: showing"]
-    assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9, done=0.5)) == []
+    assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9)) == []
     assert news(SHOWING, attrs.evolve(SHOWING, notice="tracking lost")) == ["! tracking lost"]
     assert news(attrs.evolve(SHOWING, notice="tracking lost"), SHOWING) == ["no longer: tracking lost"]
     assert news(ASKING, attrs.evolve(ASKING, question=attrs.evolve(ASKING.question, entered=1.0))) == []
@@ -82,7 +84,7 @@ def test_a_quiet_console_only_answers(capfd, monkeypatch):
         monkeypatch.setattr(sys, "stdin", stdin)
         typed.write("dance\npause\n")
         typed.flush()
-        with make_console("auto", "a study", quiet=True) as console:
+        with LineConsole("a study", quiet=True) as console:
             console.say("a line")
             console.tell(ASKING)
             commands = [command.control for command in console.commands()]
@@ -111,12 +113,55 @@ def test_an_unread_stderr_blocks_nothing(monkeypatch):
         console.say("a line")
 
 
-def test_consoles_that_are_none():
-    with pytest.raises(InputError, match="auto, terminal, browser, lines, none"):
-        make_console("screen", "a study")
-    with pytest.raises(MachineError, match="is not a terminal.*--console lines"):
-        make_console("terminal", "a study")
-    with make_console("none", "a study") as console:
+def test_no_console_asks_for_nothing():
+    with LineConsole("a study", kind="none") as console:
         console.tell(SHOWING)
         console.say("a line")
         assert console.commands() == ()
+
+
+def test_the_status_says_who_what_and_when():
+    assert status(SHOWING) == "P07 | trial 3 of 12 | showing, 0:14 left | 12:04 | 89.9/s, 3 missed"
+    assert status(ASKING).startswith("P07 | trial 3 of 12 | asking (3.25 entered) | 12:04")
+    assert status(STATES["break"]).startswith("P07 | break 1 of 2 | break, 0:22 left")
+    assert status(STATES["open"]).split(" | ")[3] == "late-200"
+    assert status(STATES["lost"]).startswith("! tracking lost | P07 - PILOT | ")
+    done = attrs.evolve(SHOWING, seen_s=12.0, left_s=588.0)
+    assert "showing, 0:12 so far, 9:48 left" in status(done)
+
+
+@given(st.text(), st.text(), st.integers(1, 200))
+def test_a_status_line_never_reaches_the_last_column(head, typed, columns):
+    """There the cursor would go to the next line, and the line before would stay."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("COLUMNS", str(columns))
+        patch.setenv("LINES", "24")
+        line = fitted(head, typed)
+    assert cell_len(line) <= max(columns - 1, 11) and line.isprintable()
+    shown = line.rpartition(" > ")[2] if not {">", " "} & {*typed} else ""
+    assert typed.endswith(shown) or not typed.isprintable()
+
+
+def test_what_is_typed_can_be_mended():
+    line = TypedLine()
+    assert line.feed("answér 3".encode()) == [] and line.text == "answér 3"
+    assert line.feed(b"\x7f4\x1b[A\x1bOB") == [] and line.text == "answér 4"
+    assert line.feed(b"\x15pause\rstop\nhe") == ["pause", "stop"] and line.text == "he"
+    assert line.feed("é".encode()[:1]) == [] and line.feed("é".encode()[1:]) == [] and line.text == "heé"
+
+
+def test_an_answer_half_typed_is_not_one_to_the_next_question(capfd, monkeypatch):
+    read, write = os.pipe()
+    with os.fdopen(read) as stdin, os.fdopen(write, "wb", buffering=0) as typed:
+        monkeypatch.setattr(sys, "stdin", stdin)
+        with LineConsole("a study") as console:
+            console.tell(ASKING)
+            typed.write(b"answer 3")
+            assert console.commands() == []
+            console.tell(STATES["next"])
+            typed.write(b"\nremark it sl")
+            assert console.commands() == []
+            console.tell(SHOWING)
+            typed.write(b"ipped\n")
+            assert [(each.control, each.value) for each in console.commands()] == [("remark", "it slipped")]
+    assert "'answer 3' is dropped: what it was typed for is over" in capfd.readouterr().err

@@ -5,17 +5,13 @@ from __future__ import annotations
 from collections import Counter
 from itertools import combinations, permutations
 
-import numpy as np
 import pytest
-from scipy.special import ndtr
 
 from hmdwarp.errors import InputError
 from hmdwarp.study.design import (
     Ask,
     Show,
-    adaptive_order,
     design_from_text,
-    draw,
     notes,
     pair_of,
     rows_for,
@@ -26,7 +22,6 @@ from hmdwarp.study.design import (
 from hmdwarp.study.design.orders import every_pair, presented
 from hmdwarp.study.design.outline import balance, session_phases
 from hmdwarp.study.scales import FIRST, NEITHER, SECOND
-from hmdwarp.study.statistics import JOD_SPREAD, jod_scores
 
 TEXT = """schema = 1
 name = "pairs"
@@ -107,7 +102,6 @@ def test_a_trial_shows_both_before_it_asks():
         (('scales = ["preference"]', 'scales = ["preference", "preference_or_tie"]'), "expected one scale of kind"),
         (('shows = "pair"', 'shows = "one"'), 'needs shows = "pair"'),
         (('latency = [100, 200, 300]', "latency = [100]"), "expected two at least"),
-        (('[sickness]', '[task]\nkind = "targets"\ncount = 3\n[sickness]'), "expected trials of one condition"),
         (('scale = "fms"', 'scale = "preference"'), "would stand among those of the trials"),
         (('[sickness]', '[questionnaires]\nafter = ["preference"]\n[sickness]'), "it belongs in [trial]"),
         (("repeats = 1", "repeats = 400"), "makes 3 x 400 trials"),
@@ -121,26 +115,6 @@ def test_incompatible_settings_are_refused(change, says):
     assert "pairs.toml:" in str(error.value)
 
 
-def test_adaptive_is_for_pairs():
-    text = TEXT.format(order="adaptive", repeats=1, latencies=[100, 200]).replace('"pair"', '"one"')
-    with pytest.raises(InputError, match="expected shows = .pair."):
-        design_from_text(text.replace("preference", "acr"), "pairs.toml", checked=False)
-
-
-def tables(names, said):
-    """Wins and who was first, of pairs with answers."""
-    wins, _ = tables_of(names, said, allows_ties=False)
-    first, _ = tables_of(names, [(pair, FIRST) for pair, _ in said], allows_ties=False)
-    return wins, first
-
-
-def chosen_by(seed: int):
-    def among_equals(below: int, *words: object) -> int:
-        return draw(below, seed, *words)
-
-    return among_equals
-
-
 def test_answers_become_tables():
     wins, ties = tables_of(
         "abc",
@@ -149,56 +123,3 @@ def test_answers_become_tables():
     )
     assert wins.tolist() == [[0, 1, 1], [1, 0, 0], [0, 0, 0]]
     assert ties.tolist() == [[0, 0, 0], [0, 0, 1], [0, 1, 0]]
-
-
-def test_an_adaptive_repeat_connects_all_conditions():
-    """n - 1 pairs, in which no condition is left out: a spanning tree."""
-    names = tuple("abcdef")
-    order = adaptive_order(names, *(np.zeros((6, 6)), None, np.zeros((6, 6))), 3, chosen_by(1))
-    for repeat in order:
-        assert len(repeat) == 5
-        group = {name: {name} for name in names}
-        for a, b in map(pair_of, repeat):
-            assert group[a] is not group[b]  # no pair closes a ring
-            group[a] |= group[b]
-            for name in group[b]:
-                group[name] = group[a]
-        assert group["a"] == set(names)
-    trees = [{frozenset(pair_of(name)) for name in repeat} for repeat in order]
-    assert trees[0] != trees[1]  # what the first is expected to tell need not be asked again
-    assert order == adaptive_order(names, *(np.zeros((6, 6)), None, np.zeros((6, 6))), 3, chosen_by(1))
-    assert order != adaptive_order(names, *(np.zeros((6, 6)), None, np.zeros((6, 6))), 3, chosen_by(2))
-
-
-def test_a_pair_is_shown_both_ways_in_turn():
-    names = ("a", "b")
-    first = np.array([[0.0, 3.0], [2.0, 0.0]])
-    assert adaptive_order(names, np.ones((2, 2)), None, first, 2, chosen_by(1))[0] == ("b/a",)
-
-
-def adaptive(people: int, true: np.ndarray, seed: int, *, at_random: bool) -> float:
-    """The error of the scores of a study whose pairs are chosen, or drawn."""
-    rng = np.random.default_rng(seed)
-    names = tuple(f"c{k}" for k in range(len(true)))
-    said = []
-    for person in range(people):
-        wins, first = tables(names, said)
-        if at_random:
-            every = every_pair(names)
-            pairs = [every[k] for k in rng.choice(len(every), len(names) - 1, replace=False)]
-        else:
-            pairs = adaptive_order(names, wins, None, first, 1, chosen_by(1000 * seed + person))[0]
-        for a, b in map(pair_of, pairs):
-            better = true[names.index(a)] - true[names.index(b)]
-            said.append(((a, b), FIRST if rng.random() < ndtr(better / JOD_SPREAD) else SECOND))
-    found = jod_scores(tables(names, said)[0]).jod
-    return float(((found - (true - true.mean())) ** 2).mean())
-
-
-def test_chosen_pairs_tell_more_than_drawn_ones():
-    """Scores over 6 JOD, of which far pairs tell little: over 12 studies of 15 people the squared
-    error is smaller in the mean, by two fifths in 24 studies.
-    """
-    true = np.linspace(-3, 3, 9)
-    errors = [[adaptive(15, true, seed, at_random=drawn) for seed in range(12)] for drawn in (False, True)]
-    assert np.mean(errors[0]) < np.mean(errors[1])

@@ -219,7 +219,7 @@ BROKEN = [
     (
         'order = "williams"',
         'order = "latin"',
-        "trial.order is 'latin': expected williams, random, fixed or adaptive",
+        "trial.order is 'latin': expected williams, random or fixed",
         None,
     ),
     (

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hmdwarp.errors import InputError, MachineError
 from hmdwarp.report import inert_text, raw_text
 from hmdwarp.study.analysis.long_table import from_csv
-from hmdwarp.study.design import Ask, Show, design_from_text, steps_of
+from hmdwarp.study.design import Ask, Show, design_from_text, load_design, steps_of
 from hmdwarp.study.export.export_rows import answer_rows, long_rows
 from hmdwarp.study.export.table_columns import (
     COLUMNS,
@@ -290,6 +290,16 @@ def test_another_plan_is_refused(store, design, tmp_path):
     with pytest.raises(InputError, match="this plan lacks"):
         export(store.contents(), other, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_a_plan_that_only_an_older_version_reads_is_refused_with_that_version(store, design, tmp_path):
+    contents = store.contents()
+    old = attrs.evolve(contents.sessions[0], plan=f"{TEXT}\n[gone]\ncount = 3\n", facts={"hmdwarp": "0.2.0"})
+    with pytest.raises(InputError, match=r"unknown key .*gone.*export it with hmdwarp 0\.2\.0, which ran it"):
+        export(attrs.evolve(contents, sessions=(old, *contents.sessions[1:])), design, tmp_path / "out")
+    (tmp_path / "old.toml").write_text(old.plan, encoding="utf-8")
+    with pytest.raises(InputError, match=r"old\.toml:.*gone.*hmdwarp 0\.2 ran with this plan"):
+        load_design(str(tmp_path / "old.toml"), checked=False)
 
 
 def test_a_plan_that_was_changed_later_does_not_change_what_was_shown_and_asked(store, design, tmp_path):

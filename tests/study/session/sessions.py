@@ -168,15 +168,15 @@ class ScriptedConsole:
     def __init__(self, asks: Callable[[ConsoleState], Sequence[Command]] = lambda state: ()) -> None:
         self.states: list[ConsoleState] = []
         self.said: list[str] = []
-        self.open = 0
+        self.open = False
         self._asks, self._pending = asks, []
 
     def __enter__(self):
-        self.open += 1
+        self.open = True
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.open -= 1
+        self.open = False
 
     def tell(self, state: ConsoleState) -> None:
         self.states.append(state)
@@ -228,7 +228,7 @@ def run(
         ran.error = error
     finally:
         ran.display.close()
-    assert ran.console.open == 0
+    assert not ran.console.open
     return ran
 
 

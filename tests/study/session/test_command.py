@@ -61,7 +61,7 @@ def test_a_signal_in_mid_trial(tmp_path, number, status):
     assert f"participant P1 (pilot), session 1, part main: interrupted: ended by {name}" in out
     assert (
         f"resume with: hmdwarp study run {path} --participant P1 --resume"
-        " --pilot --source offscreen --trace walk --console lines" in out
+        " --pilot --source offscreen --trace walk" in out
     )
     assert "Traceback" not in err
     assert "nothing unfinished" not in err  # something unfinished is there, and is to be gone on with

@@ -184,15 +184,11 @@ def test_the_console_gets_everything_it_shows(one):
     _, ran = one
     states = ran.console.states
     assert {state.phase for state in states} == {"reading", "waiting", "showing", "asking", "break", "over"}
-    shares = [state.done for state in states]
-    assert shares[0] == 0
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
     assert states[0].heading == "study small, participant P1, session 1"
     assert {"consent", "practice", "trial 1 of 2", "break", "trial 2 of 2"} <= {state.step for state in states}
     asked = [state.question for state in states if state.question is not None]
     assert asked
-    assert all(state.position_m is not None for state in states if state.phase == "showing" and state.rate_hz)
+    assert {state.participant for state in states} == {"P1"}
     elapsed = [state.elapsed_s for state in states]
     assert elapsed == sorted(elapsed)
 

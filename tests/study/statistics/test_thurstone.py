@@ -8,11 +8,9 @@ from scipy import optimize, special, stats
 
 from hmdwarp.study.statistics import (
     JOD_SPREAD,
-    expected_information,
     jod_scores,
     resampled_interval,
     resampled_scores,
-    with_expected,
 )
 
 PRIOR_SD = 5.0
@@ -104,18 +102,6 @@ def test_ties_shrink_nothing():
     assert found.threshold == pytest.approx(threshold, abs=2e-3)
     halves = jod_scores(wins + ties / 2).jod
     assert halves[0] - halves[2] < 1.9
-
-
-def test_a_comparison_tells_most_where_least_is_known():
-    """Of a pair never compared more than of one compared often."""
-    wins = np.zeros((4, 4))
-    for i, j in [(0, 1), (1, 2), (2, 3), (0, 2), (1, 3)]:
-        wins[i, j] = wins[j, i] = 20
-    information = expected_information(wins)
-    assert np.allclose(information, information.T)
-    assert np.argmax(information) == 3  # 0 with 3
-    after = expected_information(with_expected(wins, None, [(0, 3)]))
-    assert after[0, 3] < information[0, 3]
 
 
 def test_few_people_have_wider_intervals():

@@ -223,10 +223,11 @@ def check_finished(folder, subs) -> None:
     ("step", "count"),
     [
         ("_erase_traces", 0),
-        ("_overwrite", 0),
-        ("_overwrite", 2),
+        ("overwrite", 0),
+        ("overwrite", 2),
         ("_erase_rows", 0),
         ("_clean", 0),
+        ("erase_copies", 0),
         ("_empty_log", 0),
         ("_empty_log", 1),
         ("_check_bytes", 0),
@@ -275,6 +276,14 @@ def test_killed_at_any_moment(tmp_path):
 def test_the_steps_killed_at_are_those_there_are():
     assert all(
         hasattr(erasing, name)
-        for name in ("_erase_traces", "_overwrite", "_erase_rows", "_clean", "_empty_log", "_check_bytes")
+        for name in (
+            "_erase_traces",
+            "overwrite",
+            "_erase_rows",
+            "_clean",
+            "erase_copies",
+            "_empty_log",
+            "_check_bytes",
+        )
     )
     assert design().name == "late"
