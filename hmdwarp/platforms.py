@@ -10,6 +10,7 @@ import importlib
 import math
 import os
 import select
+import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
