@@ -159,8 +159,9 @@ def install_system_packages(base: bool) -> None:
         packages += MESA
         reasons.append("there is no OpenGL (libEGL) here")
     headers = Path(sysconfig.get_path("include"), "Python.h").is_file()
-    if sys.version_info >= (3, 14) and not is_ready(base) and not (headers and shutil.which("c++")):
-        # flip-evaluator 1.7 has wheels up to Python 3.13 and is compiled here.
+    compiles = not base or sys.version_info >= (3, 14)
+    if compiles and not is_ready(base) and not (headers and shutil.which("c++")):
+        # meshoptimizer 0.2.30 has no wheels, flip-evaluator 1.7 has them up to Python 3.13.
         packages += ["g++", f"python{VERSION}-dev"]
         reasons.append(f"one package has to be compiled for Python {VERSION}")
     if packages:

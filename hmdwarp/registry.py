@@ -9,6 +9,7 @@ Every entry registers itself the same way, as a class or as an object with a `na
     class Forward(Warp):
         name = "forward"
 
+Where a module declares several small entries, its registry names the module of each (`modules`).
 An entry that is data alone is a table, NAME.toml, in the registries that say what to make of one.
 
 Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
@@ -21,7 +22,7 @@ import functools
 import importlib
 import pkgutil
 import tomllib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -76,6 +77,7 @@ class Registry(Generic[T]):
         *,
         holds_objects: bool = False,
         columns: str = "",
+        modules: Mapping[str, str] | None = None,
     ) -> None:
         self.kind = kind  # singular, for messages: "warp"
         self.package = package  # dotted name of the package that holds the entries
@@ -83,6 +85,7 @@ class Registry(Generic[T]):
         self._of_table = of_table  # makes an entry of its name and its table; None: there are no tables
         self._columns = columns  # of describe()
         self._holds_objects = holds_objects  # whether an entry is an object: a class that registers is made
+        self._modules = modules  # the module of each entry, where one declares several
         self._entries: dict[str, T] = {}
 
     def register(self, entry: E) -> E:
@@ -107,7 +110,7 @@ class Registry(Generic[T]):
             if self._of_table is not None and name in (tables := self._tables()):
                 self._entries[name] = self._of_table(name, tomllib.loads(tables[name].read_text(encoding="utf-8")))
             elif name in self._shipped:
-                importlib.import_module(f"{self.package}.{name}")
+                importlib.import_module(f"{self.package}.{name if self._modules is None else self._modules[name]}")
             elif name in self._foreign():
                 self._load(self._foreign()[name])
             else:
@@ -128,6 +131,8 @@ class Registry(Generic[T]):
 
     @functools.cached_property
     def _shipped(self) -> frozenset[str]:
+        if self._modules is not None:
+            return frozenset(self._modules)
         path = importlib.import_module(self.package).__path__
         modules = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
         return frozenset(modules if self._of_table is None else modules | self._tables().keys())

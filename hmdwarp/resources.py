@@ -30,6 +30,7 @@ EXTRAS = {
     "mcap": "head traces in MCAP",
     "openxr": "headsets: live, record and study through OpenXR",
     "panel": "the controls in the window of live; without them there are keys",
+    "reduce": "scenes with fewer triangles: fills model and relight, warp difference, model:share=..",
     "scenes": "scenes in OBJ and PLY files, and Mitsuba's that name them",
     "study": "study analyse, Parquet files",
     "video": "--video, --codec and recorded frames in videos",

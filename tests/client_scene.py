@@ -10,5 +10,5 @@ from hmdwarp.sources.server import Server
 class ClientScene(hmdwarp.client.ClientScene):
     """What a replay hands to fills that draw for themselves."""
 
-    def __init__(self, gpu, scene: str | Scene = "planes", cache=None) -> None:
-        super().__init__(Server(gpu, load_scene(scene) if isinstance(scene, str) else scene), cache)
+    def __init__(self, gpu, scene: str | Scene = "planes") -> None:
+        super().__init__(Server(gpu, load_scene(scene) if isinstance(scene, str) else scene))

@@ -12,7 +12,7 @@ import pytest
 
 TAKEN = ("fcntl", "termios", "resource", "pty", "tty", "pwd", "grp", "syslog", "readline")
 # What the extras bring beside Python's own; tests alone need scikit-image.
-EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "pandas", "statsmodels", "zmq", "mcap")
+EXTRAS = ("av", "xr", "trimesh", "skimage", "cv2", "pyarrow", "statsmodels", "zmq", "mcap", "meshoptimizer")
 _FUNCTIONS = ("O_PATH", "O_NOFOLLOW", "posix_fallocate", "sysconf", "nice")
 _AWAY = """
 import os, sys
@@ -75,6 +75,7 @@ def test_studies_and_traces_need_no_extra(command):
         ("video", ("replay", *_SMALL, "--codec", "h264")),
         ("openxr", ("live", "--source", "openxr", "--seconds", "1")),
         ("scenes", ("replay", *_SMALL, "--scene", "box.ply")),
+        ("reduce", ("replay", *_SMALL, "--scene", "spheres", "--fill", "model")),
     ],
 )
 def test_an_extra_is_asked_for_by_one_line(extra, command, tmp_path, monkeypatch):

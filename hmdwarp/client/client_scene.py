@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from pathlib import Path
 from typing import Any, ClassVar, TypeVar, cast
 
 import moderngl
@@ -70,13 +69,12 @@ def receiver_of(layer: str) -> Callable[[type[StoreT]], type[StoreT]]:
 class ClientScene:
     """What a client with some of the scene can draw by itself, for any view and instant.
 
-    server: of the same scene; it draws the exact depth, and belongs to the caller. cache: folder of
-    reduced scenes, None for the user's cache folder. arrived: what the server's scene knows of its
-    own motion, where that comes with the frames.
+    server: of the same scene; it draws the exact depth, and belongs to the caller. arrived: what
+    the server's scene knows of its own motion, where that comes with the frames.
     """
 
-    def __init__(self, server: Renderer, cache: Path | None = None, arrived: ArrivedState | None = None) -> None:
-        self.server, self.gpu, self.scene, self.cache = server, server.gpu, server.scene, cache
+    def __init__(self, server: Renderer, arrived: ArrivedState | None = None) -> None:
+        self.server, self.gpu, self.scene = server, server.gpu, server.scene
         self._arrived = arrived
         self._stores: dict[tuple[type[Store], Hashable], Store] = {}
         # Of the newest frame that was received: what it built on, and when it was drawn.

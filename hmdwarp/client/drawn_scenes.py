@@ -106,7 +106,7 @@ class ReducedModel(Store):
 
     def __init__(self, client: ClientScene, wanted: tuple[float, float]) -> None:
         super().__init__(client, wanted)
-        self._scene = reduced(with_lamps_stopped(client.scene), wanted[0], client.cache, texture=wanted[1])
+        self._scene = reduced(with_lamps_stopped(client.scene), wanted[0], texture=wanted[1])
         self._drawn: dict[bool | None, DrawnModel] = {}
 
     def drawn(self, *, lit: bool) -> DrawnModel:
@@ -173,7 +173,7 @@ class WholeScene(Store):
 
     def __init__(self, client: ClientScene, wanted: Any) -> None:
         super().__init__(client, wanted)
-        self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit, folder=client.cache)
+        self.scene = partial_scene(client.scene, wanted.share, wanted.texture, lit=wanted.lit)
         self._is_own = self.scene is not client.scene
         server = client.server
         self._renderer = server if not self._is_own else server_of(server, self.scene)

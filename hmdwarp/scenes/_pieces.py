@@ -7,7 +7,6 @@ import struct
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property, lru_cache
-from pathlib import Path
 from typing import Any
 
 import attrs
@@ -27,7 +26,7 @@ _LEVEL = 6
 _COUNT = struct.Struct("<I")
 
 
-def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Scene:
+def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool) -> Scene:
     """Return what a client has of a scene: the scene itself where nothing is reduced.
 
     Mirrors, and what is see-through or fixed to the head, are whole; lamps stand still.
@@ -35,14 +34,14 @@ def partial_scene(scene: Scene, share: float, texture: float, *, lit: bool, fold
     """
     scene = with_lamps_stopped(scene)
     if (share, texture) != (1, 1):
-        scene = reduced(scene, share, folder, texture=texture, matt=False)
+        scene = reduced(scene, share, texture=texture, matt=False)
     return scene if lit else unlit(scene)
 
 
 @lru_cache(maxsize=2)  # the sender's and the receiver's of one run
-def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool, folder: Path | None = None) -> Pieces:
+def pieces_of(scene: Scene, share: float, texture: float, *, lit: bool) -> Pieces:
     """Return the pieces of a partial_scene; one object for the same arguments."""
-    return Pieces(partial_scene(scene, share, texture, lit=lit, folder=folder), folder)
+    return Pieces(partial_scene(scene, share, texture, lit=lit))
 
 
 class Pieces:
@@ -55,12 +54,11 @@ class Pieces:
     cut: (mesh, its pieces) in the order of the scene. `meshes` are the pieces of all of them.
     """
 
-    def __init__(self, scene: Scene, folder: Path | None = None) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.cut = [(mesh, _cut(mesh)) for mesh in scene.meshes]
         self.at_start = [mesh for mesh, parts in self.cut if not parts]
         self.meshes: list[Mesh] = [part for _, parts in self.cut for part in parts]
-        self._folder = folder
         # Where something is see-through, its texture says what kind of sheet it is.
         at_start = {mesh.texture for mesh in scene.meshes if not mesh.is_surface}
         self._textures_at_start = sorted(at_start - {-1})
@@ -73,7 +71,7 @@ class Pieces:
     @cached_property
     def stand_ins(self) -> list[Mesh | None]:
         """For each mesh one with few triangles, None where that is too small to be missed."""
-        return _stand_ins(self.meshes, self._folder)
+        return _stand_ins(self.meshes)
 
     @cached_property
     def light(self) -> NDArray[np.float16] | None:
@@ -193,10 +191,10 @@ def _cut(mesh: Mesh) -> list[Mesh]:
     return [mesh] if len(chunks) == 1 else [with_triangles(mesh, chunk) for chunk in chunks]
 
 
-def _stand_ins(meshes: Sequence[Mesh], folder: Path | None) -> list[Mesh | None]:
+def _stand_ins(meshes: Sequence[Mesh]) -> list[Mesh | None]:
     count = sum(len(mesh.triangles) for mesh in meshes)
     share = max(STAND_IN_SHARE, min(1.0, STAND_IN_TRIANGLES / max(1, count)))
-    kept = fewer_triangles(meshes, share, folder)
+    kept = fewer_triangles(meshes, share)
     return [
         with_triangles(mesh, triangles) if len(triangles) else None
         for mesh, triangles in zip(meshes, kept, strict=True)

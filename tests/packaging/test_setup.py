@@ -27,13 +27,14 @@ def clone(tmp_path) -> Path:
 
 @pytest.fixture
 def tools(tmp_path) -> Path:
-    """A PATH that holds only what every system has, and no Python."""
+    """A PATH that holds only what every system has, a compiler, and no Python."""
     place = tmp_path / "bin"
     place.mkdir()
     for name in ("sh", "dirname", "make", "sed", "awk"):
         found = shutil.which(name)
         if found:
             (place / name).symlink_to(found)
+    stand_in(place / "c++", "exit 0")
     return place
 
 
@@ -77,6 +78,13 @@ def test_no_python_at_all(clone, tools):
     done = setup(clone, tools)
     assert done.returncode == 3
     assert "found: none" in done.stderr
+
+
+def test_extras_need_a_compiler(clone, tools):
+    (tools / "c++").unlink()
+    done = setup(clone, tools, PYTHON=sys.executable)
+    assert done.returncode == 3
+    assert "has to be compiled" in done.stderr and "g++ python3" in done.stderr
 
 
 def test_a_folder_that_is_no_environment_is_left_alone(clone, tools):

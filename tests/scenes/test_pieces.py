@@ -35,10 +35,10 @@ UNDER_LAMPS = ("normals", "light_uv", "albedo")
 
 
 @pytest.mark.parametrize("name", ["planes", "gallery", "parade", "cockpit"])
-def test_all_pieces_are_the_scene(name, tmp_path):
+def test_all_pieces_are_the_scene(name):
     scene = load_scene(name)
-    pieces = pieces_of(scene, 1.0, 1.0, lit=True, folder=tmp_path)
-    assert pieces is pieces_of(scene, 1.0, 1.0, lit=True, folder=tmp_path)
+    pieces = pieces_of(scene, 1.0, 1.0, lit=True)
+    assert pieces is pieces_of(scene, 1.0, 1.0, lit=True)
     assert pieces.scene is scene
     for mesh, parts in pieces.cut:
         if not parts:
@@ -124,20 +124,20 @@ def test_blockers_of_all_meshes_are_those_of_the_scene(name):
     assert len(blockers_of(scene, [flat]).corners) == 0
 
 
-def test_an_empty_scene_has_no_pieces(tmp_path):
+def test_an_empty_scene_has_no_pieces():
     empty = Scene(
         "empty", "nothing", meshes=[Mesh("none", *np.zeros((2, 0, 3)), np.zeros((0, 2)), *np.zeros((2, 0, 3)))]
     )
     for scene in (empty, Scene("sky", "sky alone", meshes=(), background=Background.uniform((1, 1, 1)))):
-        pieces = Pieces(scene, tmp_path)
+        pieces = Pieces(scene)
         assert pieces.meshes == [] and pieces.meshes_in(0, pieces.things[0]) == [] and pieces.first == [0]
         assert pieces.whole_bytes < 100
 
 
-def test_a_full_share_returns_the_scene_itself(tmp_path):
+def test_a_full_share_returns_the_scene_itself():
     scene = load_scene("gallery")
     assert partial_scene(scene, 1.0, 1.0, lit=True) is scene
-    fewer = partial_scene(scene, 0.3, 0.5, lit=True, folder=tmp_path)
+    fewer = partial_scene(scene, 0.3, 0.5, lit=True)
     kinds = [mesh.material for mesh in scene.meshes if mesh.material.reflectivity]
     assert [mesh.material for mesh in fewer.meshes if mesh.material.reflectivity] == kinds
     assert fewer.triangle_count < 0.6 * scene.triangle_count

@@ -1,4 +1,4 @@
-"""A reduced scene keeps outlines, seams and bodies, and its cache never does harm."""
+"""A reduced scene keeps outlines, seams, materials and bodies."""
 
 from __future__ import annotations
 
@@ -46,14 +46,8 @@ FEW = 6  # of a sheet's 384 triangles; two would do, but the last slivers do not
 SHEET = patch((0, 0, 0), (4, 0, 0), (0, 3, 0))
 
 
-def reduced(scene: Scene, share: float, folder=None, **more) -> Scene:
-    return hmdwarp.scenes.reduced(scene, share, folder, least=0, **more)
-
-
-@pytest.fixture(autouse=True)
-def _a_cache_of_its_own(tmp_path, monkeypatch):
-    for name in ("XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"):
-        monkeypatch.setenv(name, str(tmp_path / "home"))
+def reduced(scene: Scene, share: float, **more) -> Scene:
+    return hmdwarp.scenes.reduced(scene, share, least=0, **more)
 
 
 def test_flat_even_surfaces_become_few_triangles_and_keep_their_outline():
@@ -109,10 +103,10 @@ def test_parts_that_move_apart_are_not_held_together():
 
 
 @pytest.fixture(scope="module")
-def balls(tmp_path_factory) -> tuple[Scene, Scene]:
+def balls() -> tuple[Scene, Scene]:
     """The scene of spheres, whole and with a fifth of its triangles."""
     scene = load_scene("spheres")
-    return scene, reduced(scene, 0.2, tmp_path_factory.mktemp("models"))
+    return scene, reduced(scene, 0.2)
 
 
 def test_every_vertex_is_one_of_the_original_ones_with_all_it_had(balls):
@@ -131,15 +125,17 @@ def test_a_reduced_ball_keeps_its_shape(balls):
         distance = np.linalg.norm(middles - ball.centre, axis=1)
         # The triangles go where most area is, so the smallest ball gets fewest: about 370 of its
         # 9216. Of 370 equal ones each has edges of 0.28 radii and its middle 0.013 radii inside;
-        # three times that and a little, for they are not equal.
+        # three times that and a little, for they are not equal. Those without area at the poles
+        # have theirs on the ball, within a float's rounding.
         assert distance.min() > 0.95 * ball.radius
-        assert distance.max() < ball.radius
+        assert distance.max() < (1 + 1e-6) * ball.radius
         assert area(mesh) == pytest.approx(4 * np.pi * ball.radius**2, rel=0.03)
 
 
-def test_the_same_every_time(tmp_path):
+def test_the_same_every_time():
     scene = scene_of(mesh_of(SHEET, SHEET.positions**2), mesh_of(box((0, 0, 0), (1, 2, 3), cell_m=0.2)))
-    assert same(reduced(scene, 0.3, tmp_path / "once"), reduced(scene, 0.3, tmp_path / "again"))
+    once, again = reduced(scene, 0.3), reduced(scene, 0.3)
+    assert all(np.array_equal(a.triangles, b.triangles) for a, b in zip(once.meshes, again.meshes, strict=True))
 
 
 def test_see_through_and_head_locked_meshes_are_left_out():
@@ -185,58 +181,6 @@ def test_a_scene_of_few_triangles_keeps_them_all():
 
 def test_an_empty_scene_is_reduced_to_itself():
     assert reduced(scene_of(), 0.2).meshes == ()
-
-
-# --- the cache ---
-
-
-def same(one: Scene, other: Scene) -> bool:
-    return all(np.array_equal(a.triangles, b.triangles) for a, b in zip(one.meshes, other.meshes, strict=True))
-
-
-def test_a_result_is_kept_and_read_again(tmp_path):
-    """Proven by another result in its place: that one comes back."""
-    scene = scene_of(mesh_of(SHEET))
-    first = reduced(scene, 0.2, tmp_path)
-    (path,) = tmp_path.iterdir()
-    np.savez(path, triangles=np.array([(0, 1, 17)], np.uint32), counts=np.array([1]))
-    assert reduced(scene, 0.2, tmp_path).triangle_count == 1 < first.triangle_count
-
-
-def test_each_share_and_each_scene_has_its_own_result(tmp_path):
-    for scene, share in ((scene_of(mesh_of(SHEET)), 0.2), (scene_of(mesh_of(SHEET)), 0.3)):
-        reduced(scene, share, tmp_path)
-    reduced(scene_of(mesh_of(SHEET, (0.4, 0.5, 0.5))), 0.2, tmp_path)
-    assert [path.suffix for path in tmp_path.iterdir()] == [".npz"] * 3
-
-
-def test_results_are_kept_in_the_users_cache_folder(tmp_path):
-    for _ in range(2):
-        reduced(scene_of(mesh_of(SHEET)), 0.2)
-    assert len(list(tmp_path.rglob("*.npz"))) == 1
-
-
-@pytest.mark.parametrize("damage", ["empty", "cut", "noise", "other", "beyond"])
-def test_a_damaged_cache_is_made_again(tmp_path, damage):
-    scene = scene_of(mesh_of(SHEET))
-    first = reduced(scene, 0.2, tmp_path)
-    (path,) = tmp_path.glob("*.npz")
-    whole = path.read_bytes()
-    if damage == "other":
-        np.savez(path, something=np.zeros(3))
-    elif damage == "beyond":
-        np.savez(path, triangles=np.full((2, 3), 10**6, np.uint32), counts=np.array([2]))
-    else:
-        path.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "noise": b"\x07" * len(whole)}[damage])
-    assert same(first, reduced(scene, 0.2, tmp_path))
-    with np.load(path) as stored:
-        assert len(stored["triangles"]) == first.triangle_count
-
-
-def test_a_cache_that_cannot_be_written_is_no_error(tmp_path):
-    (tmp_path / "taken").write_text("a file in the place of a folder")
-    for _ in range(2):
-        assert reduced(scene_of(mesh_of(SHEET)), 0.05, tmp_path / "taken").triangle_count
 
 
 # --- smaller textures ---

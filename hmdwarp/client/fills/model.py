@@ -35,7 +35,7 @@ class Model(Fill):
     summary = "the client draws a model with a fifth of the triangles into the holes, lit as baked"
     reads = ("shown.colour", "client.model")
     writes = ("shown.colour", "shown.inverse_depth")
-    source = "the 2014 thesis's client-side model; Garland and Heckbert 1997, 1998 (quadric decimation)"
+    source = "the 2014 thesis's client-side model; Garland and Heckbert 1997, Hoppe 1999 (quadric decimation)"
     complete = True
     Settings = ModelSettings
     variants = ("share=0.05",)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import reprlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +74,12 @@ class Camera:
     # The coordinate of the first pixel's middle, as in Fov.from_intrinsics.
     centre: float = 0.0
 
+    @classmethod
+    def of(cls, numbers: Iterable[float]) -> Camera:
+        """Return the camera of fx, fy, cx, cy."""
+        fx, fy, cx, cy = map(float, numbers)
+        return cls(fx, fy, cx, cy)
+
     def fov(self, size: Size, where: str) -> Fov:
         """Return the field of view of pictures of (w, h) pixels. Errors: InputError."""
         if self.size is not None and self.size != size:
@@ -111,8 +117,7 @@ def parse_intrinsics(text: str) -> Camera:
             f"--intrinsics '{text}': expected FX,FY,CX,CY in pixels, such as 525,525,319.5,239.5; a negative FY says "
             "that the camera's y points up"
         )
-    fx, fy, cx, cy = numbers
-    return Camera(fx, fy, cx, cy)
+    return Camera.of(numbers)
 
 
 def camera_of(where: str | Path, data: Mapping[str, Any], centre: float = 0.0) -> Camera | None:

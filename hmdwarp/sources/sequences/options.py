@@ -13,6 +13,13 @@ from .. import sequences
 
 HOLE, FAR = "hole", "far"  # what a pixel without depth is
 MASK = "hidden.png"
+# Names of the layouts, each with the module of sources/sequences/readers that declares it.
+LAYOUTS = {
+    **dict.fromkeys(("icl_nuim", "numbered", "redwood", "replica", "rtabmap", "stray_scanner"), "trajectories"),
+    **dict.fromkeys(("tartanair", "traced", "tum"), "trajectories"),
+    **dict.fromkeys(("colmap", "folder", "nerfstudio", "open3d", "scannet", "seven_scenes"), "models"),
+    "rosbag": "rosbag",
+}
 RATE_HZ = 30.0  # of files without a clock, as nearly all depth cameras have it
 
 
@@ -44,7 +51,7 @@ class SequenceOptions(Declared):
     # Name of a reader.
     layout: str | None = option(
         None,
-        f"Layout of the recorded frames: {names_in('sources/sequences/readers')}; by default it is detected.",
+        f"Layout of the recorded frames: {', '.join(sorted(LAYOUTS))}; by default it is detected.",
         study=DISPLAY,
     )
     intrinsics: sequences.Camera | None = option(

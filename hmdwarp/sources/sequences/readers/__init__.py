@@ -1,4 +1,4 @@
-"""Readers of recorded sequences: one file for each layout, recognised by its files."""
+"""Readers of recorded sequences: a function for each layout, recognised by its files."""
 
 from __future__ import annotations
 
@@ -11,13 +11,11 @@ import attrs
 from ....errors import InputError
 from ....options import as_path
 from ....options.named_files import enter
-from ....registry import Registry
 from ..camera import read_json
 from ..options import MASK, SequenceOptions
 from ..recorded import Sequence
-from ._base import CAMERA, SequenceReader
+from ._base import CAMERA, SequenceReader, readers
 
-readers: Registry[SequenceReader] = Registry("layout", __name__, holds_objects=True)
 # Folder of what the right eye saw, in that of the left one.
 RIGHT = "right"
 _NAMED = 6  # files of a folder that no reader knows

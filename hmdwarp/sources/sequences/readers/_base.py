@@ -1,10 +1,21 @@
-"""What readers share: tables of text, pairs of pictures, cameras, and axes turned to OpenXR's."""
+"""What layouts share: a folder that is read, lines of text, poses, cameras and their facts.
+
+A layout is a declaration and a function that adds the frames of a folder:
+
+    @layout("mine", "color/N.png, depth/N.png, poses.txt", (80, "poses.txt", "depth"), unit=1e-3)
+    def mine(at: Folder) -> None:
+        at.state()
+        for number, row in enumerate(at.rows("poses.txt")):
+            colour, depth = at.path / f"color/{number}.png", at.path / f"depth/{number}.png"
+            at.add(colour, depth, number, row.pose(at.axes))
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from collections.abc import Sequence as Rows
+from decimal import Decimal, InvalidOperation
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +23,7 @@ from typing import Any
 import attrs
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 from ....errors import InputError
 from ....geometry import Pose
@@ -19,11 +31,14 @@ from ....options.named_files import LIST, text_in
 from ....poses import PoseTrack
 from ....poses.assumptions import Assumption, By, first_stated
 from ....poses.reading.axes import Axes, parse_axes
+from ....registry import Registry
 from ..camera import LAST, Camera, Size, by_rows, camera_of, read_json, scale_of, shared_scale, square_of, turns
-from ..options import MASK, RATE_HZ, SequenceOptions
+from ..options import LAYOUTS, MASK, RATE_HZ, SequenceOptions
 from ..picture_files import EXR, NPY, PICTURES, fitted_depth, read_colour, read_depth, size_of
 from ..recorded import (
+    CLOCK,
     DEPTH_SCALE,
+    FACTS,
     INTRINSICS,
     Pictures,
     RecordedFrame,
@@ -33,109 +48,23 @@ from ..recorded import (
     replaced,
 )
 
-# Cameras that look along +z, with y down or, as some renderers have it, up.
-OPTICAL, OPTICAL_UP = "opencv", "unity"
+OPTICAL = "x,-y,z"  # right, up and forward of a camera that looks along +z, with y down
 VGA: Size = (640, 480)
-# The file that may state what a layout does not: intrinsics, depth_scale.
-CAMERA = "camera.json"
-_STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
+CAMERA = "camera.json"  # may state what a layout does not: intrinsics, depth_scale
 DEPTHS = (*PICTURES, EXR, NPY)
-Fit = Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]]
-# Beyond, an instant is in another unit than its file says, such as nanoseconds in place of seconds.
-_LEAST_APART_S, _MOST_APART_S = 0.9e-4, 1.1e4
-# And beyond these it may be.
-_LEAST_USUAL_S, _MOST_USUAL_S = 0.9e-3, 10.0
-
-
-@attrs.frozen
-class Facts:
-    """Camera and depth scale of a folder whose frames share them."""
-
-    camera: Camera
-    depth_scale: float
-    assumptions: tuple[Assumption, ...] = ()
-    # Size (w, h) of the pictures that the numbers of a layout are for; None for any.
-    only_for: Size | None = None
-
-    def axes(self, world: str = "") -> Axes:
-        """Return the axes of the camera, which looks along +z, and of its world.
-
-        world: right, up and forward in the file, by default those of the camera. Where the camera's
-        y points up, the camera and its world are left-handed, and the world is that of the camera.
-        """
-        if self.camera.is_y_up:
-            return parse_axes(OPTICAL_UP)
-        axes = parse_axes(OPTICAL)
-        return axes if not world else parse_axes(f"world={world} head={axes.words().rpartition('head=')[2]}")
-
-
-def facts_of(
-    folder: Path,
-    options: SequenceOptions,
-    camera: Camera | None,
-    depth_scale: float | None,
-    *,
-    own: Camera | None = None,
-    own_scale: float | None = None,
-    by: By = By.FORMAT,
-    only_for: Size | None = None,
-) -> Facts:
-    """Return what the options say, else camera.json in the folder, its own files, or the layout.
-
-    own, own_scale: as the layout's files state them. camera, depth_scale: as the layout has them,
-    None where it says nothing. by: who says those: FORMAT for documents of a data set, NOBODY for
-    numbers that are often right. only_for: (w, h) of the pictures that those numbers are for.
-    Errors: InputError.
-    """
-    stated = read_json(folder / CAMERA) if (folder / CAMERA).exists() else {}
-    camera, camera_by = first_stated(options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
-    named = stated.get("depth_scale")
-    if named is not None and options.depth_scale is None:
-        scale_of(folder / CAMERA, named)
-    scale, scale_by = first_stated(options.depth_scale, named or own_scale, depth_scale)
-    if camera is None:
-        raise InputError(
-            f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
-            f'{CAMERA} there: {{"intrinsics": [fx, fy, cx, cy], "depth_scale": 0.001}}'
-        )
-    if scale is None:
-        raise InputError(
-            f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
-            "millimetres, 0.0002 for TUM RGB-D)"
-        )
-    camera_by, scale_by = (by if known is By.FORMAT else known for known in (camera_by, scale_by))
-    return Facts(camera, float(scale), (intrinsics_fact(camera, camera_by), scale_fact(scale, scale_by)), only_for)
-
-
-def intrinsics_fact(camera: Camera, by: By) -> Assumption:
-    """Return the entry for the intrinsics of a camera."""
-    return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
-
-
-def scale_fact(scale: float, by: By) -> Assumption:
-    """Return the entry for the metres per unit of depth."""
-    return Assumption(DEPTH_SCALE, f"{scale:.6g} m per unit", by, "--depth-scale")
-
-
-def for_size(fact: Assumption, size: Size) -> Assumption:
-    """Return the entry for a number that a layout has for pictures of that size."""
-    return attrs.evolve(fact, value="{} for {}x{}".format(fact.value, *size))
-
-
-@attrs.frozen(eq=False)
-class Pair:
-    """Files of one frame."""
-
-    colour: Path
-    depth: Path
-    time_ns: int
-    pose: Pose
-    # Of its own; None for that of all.
-    camera: Camera | None = None
+COLOURS = ("color", "colour", "rgb", "image", "images")
+# The usual forms of poses.
+XYZW, MATRICES = "world from camera, x y z qx qy qz qw", "world from camera, matrices by rows"
+_STATED_BY = ("--intrinsics", "--depth-scale", "--no-depth", "", "", "--frames-rate")  # of each of FACTS
+_STATES = {INTRINSICS: "--intrinsics FX,FY,CX,CY", DEPTH_SCALE: "--depth-scale METRES"}
+# Beyond the first, an instant is in another unit than its file says; beyond the second it may be.
+_APART_S, _USUAL_S = (0.9e-4, 1.1e4), (0.9e-3, 10.0)
+_BREATHES = 0.005  # of the width: telephones focus within it
+Said = str | tuple[str, By] | Assumption
 
 
 class SequenceReader:
-    """One layout of recorded frames. A new one is one file in this package."""
+    """One layout of recorded frames; other packages register theirs."""
 
     name = ""  # for --layout
     summary = ""  # its files, in one line
@@ -152,199 +81,347 @@ class SequenceReader:
         """Return the sequence. Errors: InputError naming the file and its fault."""
         raise NotImplementedError
 
-    def sequence_of(
+
+@attrs.frozen(eq=False)
+class Layout(SequenceReader):
+    """A layout whose function adds its frames to a Folder. Made by `layout`."""
+
+    name: str
+    summary: str
+    add_frames: Callable[[Folder], None]
+    fits: Callable[[Path], int]  # type: ignore[assignment]
+    assumes: tuple[Assumption, ...]
+    camera: Camera | None = None
+    unit: float | None = None
+    by: By = By.FORMAT  # who says camera and unit
+    only_for: Size | None = None  # (w, h) of the pictures that both are for
+    axes: str = ""
+    y_up: bool = False  # whether the camera may have y up
+    takes: tuple[str, ...] = ()
+
+    def read(self, path: Path, options: SequenceOptions) -> Sequence:
+        """Return the sequence. Errors: InputError naming the file and its fault."""
+        folder = Folder(self, path, options)
+        self.add_frames(folder)
+        return folder.sequence()
+
+
+readers: Registry[SequenceReader] = Registry("layout", __package__, holds_objects=True, modules=LAYOUTS)
+
+
+def layout(
+    name: str,
+    summary: str,
+    holds: tuple[Any, ...] | Callable[[Path], int],
+    *,
+    world: str = "x,-y,z",
+    axes: str = "",
+    intrinsics: Said = "",
+    scale: Said = "",
+    no_depth: Said = "0",
+    looks: Said = "",
+    pose: Said = XYZW,
+    clock: Said = (f"{RATE_HZ:g} frames per second", By.NOBODY),
+    **more: Any,
+) -> Callable[[Callable[[Folder], None]], Callable[[Folder], None]]:
+    """Register a function as a layout.
+
+    holds: a score, 0 to 100, and the patterns of files that must all be there; or a function that
+    returns the score of a path. world: right, up and forward of the world, for a camera that looks
+    along +z with y down; axes: world and camera, for any other. intrinsics .. clock: what each of
+    FACTS is without a file or option that states it, and who says so (by default the format).
+    more: further fields of Layout.
+    """
+    by, unit, camera = more.get("by", By.FORMAT), more.get("unit"), more.get("camera")
+    placed = axes or f"world={world} head={OPTICAL}"
+    said = [
+        intrinsics or (camera.text if camera else "to be stated", by if camera else By.USER),
+        scale or (_scale_text(unit, more.get("only_for")), by) if unit or scale else ("to be stated", By.USER),
+        *(no_depth, looks or parse_axes(placed).words(), pose, clock),
+    ]
+    assumes = tuple(
+        one
+        if isinstance(one, Assumption)
+        else Assumption(what, *((one, By.FORMAT) if isinstance(one, str) else one), option)
+        for what, option, one in zip(FACTS, _STATED_BY, said, strict=True)
+    )
+
+    def holds_all(path: Path) -> int:
+        score, *needed = holds  # type: ignore[misc]
+        return score if path.is_dir() and all(any(path.glob(each)) for each in needed) else 0
+
+    def register(add_frames: Callable[[Folder], None]) -> Callable[[Folder], None]:
+        fits = holds_all if isinstance(holds, tuple) else holds
+        readers.register(Layout(name, summary, add_frames, fits, assumes, axes=placed, y_up=not axes, **more))
+        return add_frames
+
+    return register
+
+
+def _scale_text(unit: float | None, only_for: Size | None = None) -> str:
+    return f"{unit:.6g} m per unit" + ("" if only_for is None else " for {}x{}".format(*only_for))
+
+
+def intrinsics_fact(camera: Camera, by: By) -> Assumption:
+    """Return the entry for the intrinsics of a camera."""
+    return Assumption(INTRINSICS, camera.text, by, "--intrinsics")
+
+
+def scale_fact(scale: float, by: By) -> Assumption:
+    """Return the entry for the metres per unit of depth."""
+    return Assumption(DEPTH_SCALE, _scale_text(scale), by, "--depth-scale")
+
+
+@attrs.frozen(eq=False)
+class Pair:
+    """Files of one frame."""
+
+    colour: Path
+    depth: Path
+    time_ns: int
+    pose: Pose
+    camera: Camera | None = None  # None: the folder's
+    picture: Callable[[], NDArray[Any]] | None = None  # reads colour that is no file of its own
+
+
+class Folder:
+    """A folder that is being read by a layout: what it states, and the frames found so far."""
+
+    def __init__(self, layout: SequenceReader, path: Path, options: SequenceOptions) -> None:
+        self.layout, self.path, self.options = layout, path, options
+        self.pairs: list[Pair] = []
+        self.frames: list[RecordedFrame] = []  # in place of pairs
+        self.notes: list[str] = []
+        self.facts: list[Assumption] = []
+        self.track: PoseTrack | None = None  # a denser motion than the frames' own, on their clock
+        self.size: Size | None = None  # by default that of the first picture
+        self.depth_of: Callable[[Path], NDArray[Any]] = read_depth
+        self.fit: Callable[[NDArray[Any], NDArray[Any], object], NDArray[Any]] = fitted_depth
+        self.rate_hz = RATE_HZ
+        self.only_for: Size | None = None  # size of the pictures that camera and scale are for
+        self.camera = Camera(1, 1, 0, 0)
+        self.scale = 1.0
+        self.axes = parse_axes(getattr(layout, "axes", "") or "openxr")
+
+    def state(
         self,
-        folder: Path,
-        pairs: Iterable[Pair],
-        facts: Facts,
+        camera: Camera | None = None,
+        unit: float | None = None,
         *,
-        track: PoseTrack | None = None,
-        notes: Rows[str] = (),
-        more: Rows[Assumption] = (),
-        depth_of: Callable[[Path], NDArray[Any]] = read_depth,
-        fit: Fit = fitted_depth,
-    ) -> Sequence:
-        """Return the sequence of pairs of files that share one camera.
+        own: Camera | None = None,
+        own_scale: float | None = None,
+        by: By | None = None,
+    ) -> None:
+        """Take camera and depth scale of options, else of camera.json, own files, or the layout.
 
-        track: a denser motion than the frames' own. more: facts beside those of the camera.
-        depth_of, fit: as `reading` takes them. Errors: InputError without frames, and for pictures
-        of another size than the layout's numbers are for.
+        Errors: InputError where nothing states one, or where the layout's y must not point up.
         """
-        pairs = sorted(pairs, key=lambda pair: pair.time_ns)
-        if not pairs:
-            raise InputError(f"{folder}: no frame with colour, depth and a pose; expected {self.summary}")
-        size = size_of(pairs[0].colour)
-        self._refuse_other_size(folder, facts, size)
-
-        def frame(pair: Pair) -> RecordedFrame:
-            return RecordedFrame(
-                pair.colour.name,
-                pair.time_ns,
-                pair.pose,
-                (pair.camera or facts.camera).fov(size, str(folder)),
-                size,
-                reading(pair.colour, pair.depth, facts.depth_scale, size, depth_of, fit),
-                partial(depth_of, pair.depth),
+        known: Any = self.layout
+        camera, unit, by = camera or known.camera, unit or known.unit, by or known.by
+        folder = self.path if self.path.is_dir() else self.path.parent
+        stated = read_json(folder / CAMERA) if (folder / CAMERA).exists() else {}
+        named = stated.get("depth_scale")
+        if named is not None and self.options.depth_scale is None:
+            scale_of(folder / CAMERA, named)
+        found, camera_by = first_stated(self.options.intrinsics, camera_of(folder / CAMERA, stated) or own, camera)
+        scale, scale_by = first_stated(self.options.depth_scale, named or own_scale, unit)
+        if found is None:
+            raise InputError(
+                f"{folder}: nothing says what the camera's intrinsics are: give --intrinsics FX,FY,CX,CY, or write "
+                f'{CAMERA} there: {{"intrinsics": [fx, fy, cx, cy], "depth_scale": 0.001}}'
             )
+        if scale is None:
+            raise InputError(
+                f"{folder}: nothing says the unit of its depth: give --depth-scale, the metres per unit (0.001 for "
+                "millimetres, 0.0002 for TUM RGB-D)"
+            )
+        self.camera, self.scale = found, float(scale)
+        camera_by, scale_by = (by if one is By.FORMAT else one for one in (camera_by, scale_by))
+        self.facts += [intrinsics_fact(found, camera_by), scale_fact(self.scale, scale_by)]
+        if found.is_y_up:
+            if not known.y_up:
+                raise InputError(f"{self.path}: fy is {found.fy:g}; expected above 0, as its layout has it")
+            self.axes = parse_axes("unity")  # left-handed, and so is its world
+        self.only_for = known.only_for
 
-        frames = [frame(pair) for pair in pairs]
-        return self.made(folder, frames, track=track, notes=notes, assumptions=(*facts.assumptions, *more))
+    def instant_ns(self, number: int, stated_ns: int | None = None) -> int:
+        """Return the instant of a frame: as stated unless there is a rate, else by its number."""
+        if stated_ns is not None and self.options.frames_rate_hz is None:
+            return stated_ns
+        return round(number * 1e9 / (self.options.frames_rate_hz or self.rate_hz))
 
-    def _refuse_other_size(self, folder: Path, facts: Facts, size: Size) -> None:
-        """Raise InputError where numbers of a layout are for pictures of another size."""
-        open_facts = [assumption for assumption in facts.assumptions if assumption.by in (By.FORMAT, By.NOBODY)]
-        if facts.only_for in (None, size) or not open_facts:
-            return
-        (wide, high), (found_wide, found_high) = facts.only_for, size
-        taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
-        remedy = " ".join(_STATES[fact.what] for fact in open_facts)
-        raise InputError(
-            f"{folder}: pictures of {found_wide}x{found_high}, and what {self.name} takes where files do not say it "
-            f"({taken}) is for {wide}x{high}: give {remedy}, or write {CAMERA} there"
+    def add(self, colour: Path, depth: Path, number: int, pose: Pose, time_ns: int | None = None, **more: Any) -> None:
+        """Add a frame. number: of the frame, its instant where time_ns does not state one."""
+        self.pairs.append(Pair(colour, depth, self.instant_ns(number, time_ns), pose, **more))
+
+    def left_out(self, of: int, why: str) -> None:
+        """Note how many of so many pictures were not added."""
+        if count := of - len(self.pairs or self.frames):
+            self.notes.append(f"{count} frames were left out: {why}.")
+
+    def clock(self, value: str = "", by: By = By.NOBODY, **more: Any) -> None:
+        """State how frames have their instants: by default by the rate."""
+        self.facts.append(
+            Assumption(CLOCK, value or f"{self.rate_hz:g} frames per second", by, "--frames-rate", **more)
         )
 
-    def made(
-        self,
-        path: Path,
-        frames: Rows[RecordedFrame],
-        *,
-        track: PoseTrack | None = None,
-        notes: Rows[str] = (),
-        assumptions: Rows[Assumption] = (),
-    ) -> Sequence:
-        """Return the sequence of these frames, whose clock begins with the first.
+    def rows(self, name: str) -> list[Row]:
+        """Return the lines of a file."""
+        return rows_of(self.path / name)
 
-        track: a denser motion, on the frames' own clock. assumptions: those of this recording; the
-        others are what this reader assumes.
-        Errors: InputError for no frames, for two of one instant, and for several sizes.
+    def folder(self, *names: str) -> Path:
+        """Return the first of these folders that exists, else the first of them."""
+        return next((self.path / name for name in names if (self.path / name).is_dir()), self.path / names[0])
+
+    def first(self, *names: str, above: bool = False) -> Path | None:
+        """Return the first of these files that exists. above: look in the parent too."""
+        places = (self.path, self.path.resolve().parent) if above else (self.path,)
+        return next((place / name for place in places for name in names if (place / name).exists()), None)
+
+    def numbered(self, pattern: str) -> dict[int, Path]:
+        """Return files by the first number in their names."""
+        files = (path for path in sorted(self.path.glob(pattern)) if not path.name.startswith("."))
+        return {int(found.group()): path for path in files if (found := re.search(r"\d+", path.name))}
+
+    def paired(self, depths: Path | None = None) -> list[tuple[Path, Path]]:
+        """Return the pictures of colour and depth, by names or order. Errors: InputError."""
+        colours, depths = self.folder(*COLOURS), depths or self.path / "depth"
+        first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
+        by_name = {path.stem: path for path in second}
+        if first and all(path.stem in by_name for path in first):
+            return [(path, by_name[path.stem]) for path in first]
+        if len(first) != len(second) or not first:
+            raise InputError(
+                f"{colours.parent}: {len(first)} pictures in {colours.name}, {len(second)} in {depths.name}; expected "
+                "as many of both, or the same names"
+            )
+        return list(zip(first, second, strict=True))
+
+    def poses(self, matrices: Iterable[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False) -> list[Pose]:
+        """Return world_from_eye of all matrices of a file, each with its place; state how they are.
+
+        inverse: the matrices are from world to camera. unit: metres of a position's. A scale that
+        all have is that of the world over the camera: positions are divided by it. Errors:
+        InputError.
         """
+        given = list(matrices)
+        turned, fact = by_rows(given[0][0] if given else "", [square_of(where, one) for where, one in given])
+        if inverse:
+            turned = [_inverse_of(where, one) for (where, _), one in zip(given, turned, strict=True)]
+            fact = attrs.evolve(fact, value=fact.value.replace("world from camera", "camera from world, inverted"))
+        if (scale := shared_scale(turned)) != 1:
+            turned = [np.vstack([one[:3] / scale, one[3:]]) for one in turned]
+            said = f"{fact.value}, their scale of {1 / scale if inverse else scale:.6g} divided out"
+            fact = attrs.evolve(fact, value=said, by=By.FILE)
+        self.facts.append(fact)
+        return [pose_of_square(self.axes, where, one, unit) for (where, _), one in zip(given, turned, strict=True)]
+
+    def poses_in(self, files: Mapping[int, Path]) -> dict[int, Pose]:
+        """Return world_from_eye of files of a matrix each; not those of inf or NaN."""
+        whole = {at: matrix for at, path in files.items() if np.isfinite(matrix := matrix_in(path)).all()}
+        return dict(zip(whole, self.poses((str(files[at]), one) for at, one in whole.items()), strict=True))
+
+    def sequence(self) -> Sequence:
+        """Return the sequence of what was added, whose clock begins with the first frame.
+
+        Errors: InputError without frames, for two of one instant, for several sizes, and for
+        pictures of another size than the layout's numbers are for.
+        """
+        frames = sorted(self.frames or self._frames(), key=lambda frame: frame.time_ns)
         if not frames:
-            raise InputError(f"{path}: no frames; expected {self.summary}")
-        frames = sorted(frames, key=lambda frame: frame.time_ns)
+            raise InputError(f"{self.path}: no frame with colour, depth and a pose; expected {self.layout.summary}")
         for before, after in zip(frames, frames[1:], strict=False):
             if before.time_ns == after.time_ns:
-                raise InputError(
-                    f"{path}: {before.name} and {after.name} are of one instant; expected instants of their own"
-                )
+                raise InputError(f"{self.path}: {before.name} and {after.name} are of one instant; expected one each")
             if before.size != after.size:
                 sizes = ", ".join(f"{frame.name} {frame.size[0]}x{frame.size[1]}" for frame in (before, after))
-                raise InputError(f"{path}: pictures of several sizes ({sizes}); expected one size")
-        apart_s = float(np.median(np.diff([frame.time_ns * 1e-9 for frame in frames]))) if len(frames) > 1 else 1.0
-        if not _LEAST_APART_S <= apart_s <= _MOST_APART_S:
-            raise InputError(
-                f"{path}: frames are {apart_s:g} s apart: expected {_LEAST_APART_S:g} to {_MOST_APART_S:g} s; write "
-                "instants in their unit, or give --frames-rate"
-            )
-        if not _LEAST_USUAL_S <= apart_s <= _MOST_USUAL_S:
-            unit = f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
-            notes = [*notes, unit]
-        name = (path if path.is_dir() else path.parent).resolve().name
+                raise InputError(f"{self.path}: pictures of several sizes ({sizes}); expected one size")
+        self._check_steps([frame.time_ns * 1e-9 for frame in frames])
+        name = (self.path if self.path.is_dir() else self.path.parent).resolve().name
         begins_ns = frames[0].time_ns
         frames = [attrs.evolve(frame, time_ns=frame.time_ns - begins_ns) for frame in frames]
-        origin, epoch_ns = f"recorded frames ({self.name})", begins_ns + (0 if track is None else track.epoch_ns)
-        own = attrs.evolve(_track(frames, track, begins_ns), name=name, origin=origin, epoch_ns=epoch_ns)
-        facts = replaced(self.assumes, *assumptions)
-        return Sequence(name, path, self.name, tuple(frames), own, tuple(notes), assumptions=facts)
+        epoch_ns = begins_ns + (0 if self.track is None else self.track.epoch_ns)
+        track = attrs.evolve(
+            _motion(frames, self.track, begins_ns), name=name, origin=f"recorded frames ({name})", epoch_ns=epoch_ns
+        )
+        facts = {fact.what: fact for fact in replaced(self.layout.assumes, *self.facts)}
+        if self.options.frames_rate_hz is not None and facts[CLOCK].option:
+            facts[CLOCK] = Assumption(
+                CLOCK, f"{self.options.frames_rate_hz:g} frames per second", By.USER, facts[CLOCK].option
+            )
+        notes, assumptions = tuple(self.notes), tuple(facts.values())
+        return Sequence(name, self.path, self.layout.name, tuple(frames), track, notes, assumptions=assumptions)
+
+    def _check_steps(self, times_s: Rows[float]) -> None:
+        apart_s = float(np.median(np.diff(times_s))) if len(times_s) > 1 else 1.0
+        least, most = _APART_S
+        if not least <= apart_s <= most:
+            raise InputError(
+                f"{self.path}: frames are {apart_s:g} s apart: expected {least:g} to {most:g} s; write instants in "
+                "their unit, or give --frames-rate"
+            )
+        if not _USUAL_S[0] <= apart_s <= _USUAL_S[1]:
+            self.notes.append(
+                f"Frames are {apart_s:.4g} s apart: if their instants are in another unit, state --frames-rate."
+            )
+
+    def _frames(self) -> list[RecordedFrame]:
+        pairs = sorted(self.pairs, key=lambda pair: pair.time_ns)
+        if not pairs:
+            return []
+        size = self.size or size_of(pairs[0].colour)
+        self._refuse_other_size(size)
+        return [self._frame(pair, size) for pair in pairs]
+
+    def _frame(self, pair: Pair, size: Size) -> RecordedFrame:
+        def read() -> Pictures:
+            picture = pair.picture() if pair.picture is not None else read_colour(pair.colour)
+            if picture.shape[1::-1] != size:
+                found = f"{picture.shape[1]}x{picture.shape[0]}"
+                raise InputError(f"{pair.colour}: {found} pixels; expected {size[0]}x{size[1]}, as the first frame has")
+            return as_pictures(picture, in_metres(self.fit(self.depth_of(pair.depth), picture, pair.depth), self.scale))
+
+        fov = (pair.camera or self.camera).fov(size, str(self.path))
+        return RecordedFrame(
+            pair.colour.name, pair.time_ns, pair.pose, fov, size, read, partial(self.depth_of, pair.depth)
+        )
+
+    def _refuse_other_size(self, size: Size) -> None:
+        """Raise InputError where numbers of a layout are for pictures of another size."""
+        open_facts = [one for one in self.facts if one.what in _STATES and one.by in (By.FORMAT, By.NOBODY)]
+        if self.only_for in (None, size) or not open_facts:
+            return
+        taken = " and ".join(f"{fact.what} {fact.value}" for fact in open_facts)
+        raise InputError(
+            f"{self.path}: pictures of {size[0]}x{size[1]}, and what {self.layout.name} takes where files do not say "
+            f"it ({taken}) is for {self.only_for[0]}x{self.only_for[1]}: "
+            f"give {' '.join(_STATES[fact.what] for fact in open_facts)}, or write {CAMERA} there"
+        )
 
 
-def _track(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
+def _motion(frames: Rows[RecordedFrame], denser: PoseTrack | None, begins_ns: int) -> PoseTrack:
     """Return the motion from the first frame to the last, with the frames' own poses in it."""
     times = np.array([frame.time_ns for frame in frames])
     positions = np.array([frame.pose.position_m for frame in frames])
-    turns = np.array([frame.pose.orientation_xyzw for frame in frames])
+    turned = np.array([frame.pose.orientation_xyzw for frame in frames])
     if denser is None:
-        return PoseTrack(times, positions, turns)
+        return PoseTrack(times, positions, turned)
     between = denser.time_ns - begins_ns
     kept = (between > times[0]) & (between < times[-1]) & ~np.isin(between, times)
-    every = np.concatenate([times, between[kept]])
-    order = np.argsort(every)
-    positions = np.concatenate([positions, denser.position_m[kept]])
-    turns = np.concatenate([turns, denser.orientation_xyzw[kept]])
-    return PoseTrack(every[order], positions[order], turns[order], axes=denser.axes, max_gap_ns=denser.max_gap_ns)
-
-
-def reading(
-    colour: Path,
-    depth: Path,
-    scale: float,
-    size: tuple[int, int],
-    depth_of: Callable[[Path], NDArray[Any]] = read_depth,
-    fit: Fit = fitted_depth,
-) -> Callable[[], Pictures]:
-    """Return what reads a frame from two files.
-
-    depth_of: reads depth in its own unit. fit: takes it to the pixels of its colour.
-    """
-
-    def read() -> Pictures:
-        picture = read_colour(colour)
-        if picture.shape[1::-1] != size:
-            found = f"{picture.shape[1]}x{picture.shape[0]}"
-            raise InputError(f"{colour}: {found} pixels; expected {size[0]}x{size[1]}, as the first frame has")
-        return as_pictures(picture, in_metres(fit(depth_of(depth), picture, depth), scale))
-
-    return read
+    order = np.argsort(every := np.concatenate([times, between[kept]]))
+    positions = np.concatenate([positions, denser.position_m[kept]])[order]
+    turned = np.concatenate([turned, denser.orientation_xyzw[kept]])[order]
+    return PoseTrack(every[order], positions, turned, axes=denser.axes, max_gap_ns=denser.max_gap_ns)
 
 
 def pose_of(axes: Axes, position: ArrayLike, rotation: NDArray[np.float64]) -> Pose:
     """Return world_from_eye in OpenXR's axes of a position and a (3, 3) rotation of a file."""
-    from scipy.spatial.transform import Rotation
-
     turned = axes.world @ rotation @ axes.head.T
     return Pose(axes.world @ np.asarray(position, np.float64), Rotation.from_matrix(turned).as_quat())
 
 
-def pose_of_numbers(axes: Axes, where: str, numbers: Rows[float]) -> Pose:
-    """Return world_from_eye of x y z and a quaternion x y z w of a file. Errors: InputError."""
-    from scipy.spatial.transform import Rotation
-
-    position, xyzw = numbers[:3], numbers[3:]
-    length = float(np.linalg.norm(xyzw))
-    if not abs(length - 1) <= 1e-2:
-        raise InputError(f"{where}: a quaternion of length {length:.4g}; expected 1 within 0.01, x y z w")
-    return pose_of(axes, position, Rotation.from_quat(xyzw).as_matrix())
-
-
-def pose_of_matrix(axes: Axes, where: str, matrix: Any, unit: float = 1.0) -> Pose:
-    """Return world_from_eye of a 4x4 matrix of a file, whose positions have `unit` metres.
-
-    matrix: as square_of takes it, by rows, or by columns where its zeros say so; poses_of looks at
-    all matrices of a file. Errors: InputError for what is no rotation and translation.
-    """
-    return poses_of(axes, [(where, matrix)], unit)[0][0]
-
-
-def poses_of(
-    axes: Axes, matrices: Rows[tuple[str, Any]], unit: float = 1.0, *, inverse: bool = False
-) -> tuple[list[Pose], Assumption]:
-    """Return world_from_eye of all matrices of a file, with their places, and how they are written.
-
-    As pose_of_matrix. inverse: the matrices are from world to camera. A scale that all of them have
-    is that of the world over the camera, in whose unit depth is: positions are divided by it.
-    Errors: InputError.
-    """
-    places = [where for where, _ in matrices]
-    turned, fact = by_rows(places[0] if places else "", [square_of(where, one) for where, one in matrices])
-    if inverse:
-        turned = [_inverse_of(*pair) for pair in zip(places, turned, strict=True)]
-        fact = attrs.evolve(fact, value=fact.value.replace("world from camera", "camera from world, inverted"))
-    scale = shared_scale(turned)
-    if scale != 1:
-        turned = [np.vstack([one[:3] / scale, one[3:]]) for one in turned]
-        stated = 1 / scale if inverse else scale
-        fact = attrs.evolve(fact, value=f"{fact.value}, their scale of {stated:.6g} divided out", by=By.FILE)
-    return [_pose_of_square(axes, where, one, unit) for where, one in zip(places, turned, strict=True)], fact
-
-
-def _inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the inverse of a (4, 4) matrix. Errors: InputError where it has none."""
-    try:
-        return np.asarray(np.linalg.inv(matrix), np.float64)
-    except np.linalg.LinAlgError:
-        raise InputError(f"{where}: the matrix has no inverse; expected a rotation and a position") from None
-
-
-def _pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float) -> Pose:
+def pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: float = 1.0) -> Pose:
+    """Return world_from_eye of a (4, 4) matrix. Errors: InputError for more than turn and move."""
     turn = matrix[:3, :3]
     if not turns(turn) or np.linalg.det(turn) < 0 or not np.allclose(matrix[3], LAST):
         raise InputError(
@@ -354,6 +431,13 @@ def _pose_of_square(axes: Axes, where: str, matrix: NDArray[np.float64], unit: f
     return pose_of(axes, matrix[:3, 3] * unit, turn)
 
 
+def _inverse_of(where: str, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    try:
+        return np.asarray(np.linalg.inv(matrix), np.float64)
+    except np.linalg.LinAlgError:
+        raise InputError(f"{where}: the matrix has no inverse; expected a rotation and a position") from None
+
+
 @attrs.frozen
 class Row:
     """A line of a text file, as words."""
@@ -361,19 +445,37 @@ class Row:
     where: str
     words: list[str]
 
-    def floats(self, count: int) -> list[float]:
-        """Return its numbers. Errors: InputError naming the line."""
+    def floats(self, count: int, begin: int = 0, *, whole: bool = True) -> list[float]:
+        """Return so many numbers. whole: there are no others. Errors: InputError with the line."""
         try:
-            values = [float(word) for word in self.words]
+            values = [float(word) for word in (self.words if whole else self.words[: begin + count])]
         except ValueError:
             values = []
-        if len(values) != count or not np.isfinite(values).all():
-            raise self.wrong(f"{count} finite numbers")
-        return values
+        if len(values) != begin + count or not np.isfinite(values).all():
+            raise self.wrong(f"{begin + count} finite numbers")
+        return values[begin:]
 
-    def first(self, count: int) -> list[float]:
-        """Return its first numbers, whatever follows. Errors: as floats."""
-        return attrs.evolve(self, words=self.words[:count]).floats(count)
+    def matrix(self, begin: int = 0, *, more: int = 0, whole: bool = True) -> NDArray[np.float64]:
+        """Return the matrix of x y z qx qy qz qw. more: numbers after it. Errors: InputError."""
+        numbers = self.floats(7 + more, begin, whole=whole)
+        length = float(np.linalg.norm(numbers[3:7]))
+        if not abs(length - 1) <= 1e-2:
+            raise InputError(f"{self.where}: a quaternion of length {length:.4g}; expected 1 within 0.01, x y z w")
+        matrix = np.eye(4)
+        matrix[:3, :3], matrix[:3, 3] = Rotation.from_quat(numbers[3:7]).as_matrix(), numbers[:3]
+        return matrix
+
+    def pose(self, axes: Axes, begin: int = 0, **more: Any) -> Pose:
+        """Return world_from_eye of x y z qx qy qz qw. Errors: InputError."""
+        matrix = self.matrix(begin, **more)
+        return pose_of(axes, matrix[:3, 3], matrix[:3, :3])
+
+    def nanoseconds(self) -> int:
+        """Return those of the seconds in its first word, to the last digit. Errors: InputError."""
+        try:
+            return int(Decimal(self.words[0]) * 10**9)
+        except (InvalidOperation, ValueError, OverflowError):
+            raise self.wrong("seconds") from None
 
     def wrong(self, expected: str) -> InputError:
         """Return the error for another content than expected."""
@@ -382,48 +484,74 @@ class Row:
 
 def rows_of(path: Path) -> list[Row]:
     """Return the lines of a file; comments and empty lines are left out."""
-    text = text_in(path, LIST)
-    lines = (line.partition("#")[0].replace(",", " ").split() for line in text.splitlines())
+    lines = (line.partition("#")[0].replace(",", " ").split() for line in text_in(path, LIST).splitlines())
     return [Row(f"{path}, line {number}", words) for number, words in enumerate(lines, 1) if words]
+
+
+def matrix_in(path: Path, size: int = 4) -> NDArray[np.float64]:
+    """Return the matrix of (size, size) numbers in a file, maybe inf. Errors: InputError."""
+    found = []
+    for row in rows_of(path):
+        try:
+            found.append([float(word) for word in row.words])
+        except ValueError:
+            raise row.wrong(f"{size} numbers") from None
+    if [len(row) for row in found] != [size] * size:
+        raise InputError(f"{path}: {len(found)} lines; expected a matrix, {size} lines of {size} numbers")
+    return np.array(found)
 
 
 def pictures_in(folder: Path, endings: Rows[str] = PICTURES) -> list[Path]:
     """Return the pictures of a folder in the order of the numbers in their names."""
-    if not folder.is_dir():
-        return []
+    files = folder.iterdir() if folder.is_dir() else ()
     found = [
-        path
-        for path in folder.iterdir()
-        if path.suffix.lower() in endings and not path.name.startswith(".") and path.name != MASK
+        one for one in files if one.suffix.lower() in endings and not one.name.startswith(".") and one.name != MASK
     ]
     return sorted(
-        found,
-        key=lambda path: [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", path.stem)],
+        found, key=lambda path: [(int(p), "") if p.isdigit() else (-1, p) for p in re.split(r"(\d+)", path.stem)]
     )
 
 
-def folder_named(folder: Path, *names: str) -> Path:
-    """Return the first of these folders that exists, else the first of them."""
-    return next((folder / name for name in names if (folder / name).is_dir()), folder / names[0])
+def refuse_moved(where: object, matrix: NDArray[np.float64]) -> None:
+    """Raise InputError where colour and depth were taken from different places."""
+    if np.abs(matrix - np.eye(4)).max() > 1e-3:
+        raise InputError(f"{where}: no unit matrix; expected depth that is registered to the colour")
 
 
-def at_rate(options: SequenceOptions, number: int, rate_hz: float | None = None) -> int:
-    """Return the instant of a frame of files without a clock. rate_hz: of the layout."""
-    return round(number * 1e9 / (options.frames_rate_hz or rate_hz or RATE_HZ))
+def through_cameras(
+    size: Size, of_depth: Size, camera: Camera, depth_camera: Camera | None
+) -> Callable[..., NDArray[Any]]:
+    """Return what takes depth of another camera in the same place to the colour's pixels."""
+
+    def as_many(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
+        if depth.shape != colour.shape[:2]:
+            raise InputError(f"{where}: depth of {depth.shape[::-1]} pixels; expected as many as its colour has")
+        return depth
+
+    def through(depth: NDArray[Any], colour: NDArray[Any], where: object) -> NDArray[Any]:
+        assert depth_camera is not None
+        (high, wide), (rows, columns) = colour.shape[:2], depth.shape
+        row = np.rint((np.arange(high) - camera.cy) / camera.fy * depth_camera.fy + depth_camera.cy).astype(int)
+        column = np.rint((np.arange(wide) - camera.cx) / camera.fx * depth_camera.fx + depth_camera.cx).astype(int)
+        found = depth[row.clip(0, rows - 1)[:, None], column.clip(0, columns - 1)]
+        inside = ((row >= 0) & (row < rows))[:, None] & (column >= 0) & (column < columns)
+        return np.asarray(np.where(inside, found, found.dtype.type(0)))
+
+    return as_many if size == of_depth else fitted_depth if depth_camera is None else through
 
 
-def paired(colours: Path, depths: Path) -> list[tuple[Path, Path]]:
-    """Return the pictures of both folders in order, by their names or their number.
+def shared_camera(cameras: Rows[Camera], size: Size) -> tuple[Camera | None, list[str]]:
+    """Return one camera for frames whose focus breathes, and the note on it; None for none or many.
 
-    Errors: InputError where the two do not fit.
+    It is the median, where no pixel moves by more than 0.5 % of the width; a replay takes one.
     """
-    first, second = pictures_in(colours), pictures_in(depths, DEPTHS)
-    by_name = {path.stem: path for path in second}
-    if first and all(path.stem in by_name for path in first):
-        return [(path, by_name[path.stem]) for path in first]
-    if len(first) != len(second) or not first:
-        raise InputError(
-            f"{colours.parent}: {len(first)} pictures in {colours.name}, {len(second)} in {depths.name}; expected as "
-            "many of both, or the same names"
-        )
-    return list(zip(first, second, strict=True))
+    if not cameras:
+        return None, []
+    numbers = np.array([(camera.fx, camera.fy, camera.cx, camera.cy) for camera in cameras])
+    fx, fy, cx, cy = middle = np.median(numbers, axis=0)
+    apart = np.abs(numbers - middle)
+    moved = (apart[:, :2] / (fx, fy) * size / 2 + apart[:, 2:]).max()
+    if moved > _BREATHES * size[0]:
+        return None, []
+    note = f"Intrinsics differ from frame to frame, by up to {moved:.2g} px at the border: their median is taken."
+    return attrs.evolve(cameras[0], fx=fx, fy=fy, cx=cx, cy=cy), [note] if moved > 0 else []
