@@ -38,6 +38,7 @@ FLOORS = [
     {"link"},
     {"sources"},
     {"client"},
+    {"cloudlight"},
     {"metrics"},
     {"report"},
     {"pipeline"},

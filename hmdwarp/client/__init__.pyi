@@ -10,7 +10,9 @@ from .compensator import Compensator as Compensator
 from .compensator import EyeResult as EyeResult
 from .compensator import Stages as Stages
 from .drawn_scenes import ReducedModel as ReducedModel
+from .drawn_scenes import Surfaces as Surfaces
 from .drawn_scenes import WholeScene as WholeScene
+from .drawn_scenes import whole_weight as whole_weight
 from .inputs import History as History
 from .inputs import PassInputs as PassInputs
 from .inputs import ShownPicture as ShownPicture

@@ -11,10 +11,11 @@ import pytest
 from PIL import Image
 from worlds import read
 
+from hmdwarp.cloudlight.points import PointCells
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import PointCells, load_scene, only_light, partial_scene, reduced, unlit
+from hmdwarp.scenes import load_scene, only_light, partial_scene, reduced, unlit
 from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, SQUARE, Glb, boxes, cube

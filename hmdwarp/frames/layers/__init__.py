@@ -115,6 +115,8 @@ class Layer:
     made_from_picture: ClassVar[bool] = False
     # Whether it only says how the picture is lit: no pass reads it.
     lights: ClassVar[bool] = False
+    # Whether the client draws the scene by it, in place of a picture of it.
+    draws_scene: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
     nothing: ClassVar[Any] = 0
     something: ClassVar[Any] = True

@@ -12,8 +12,8 @@ from ....frames.layers import Outbox, Update
 from ....frames.layers.scene_update import Delivery
 from ....geometry import View
 from ....scenes import COARSE, FULL, HALF, Mesh, Scene, pieces_of
+from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen, shown_at
 from . import DrawContext, Drawing, parts
-from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen, shown_at
 
 Array = NDArray[np.float64]
 

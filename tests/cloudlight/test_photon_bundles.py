@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.frames.layers.photons import (
+from hmdwarp.cloudlight.photons import (
     CUBE_BYTES,
     LEAST_BUDGET,
     BundleRoom,
@@ -16,11 +16,11 @@ from hmdwarp.frames.layers.photons import (
     PhotonMap,
     PhotonUpdate,
     bundle_bytes,
+    octahedral,
     packed,
     shared_exponent,
     unpacked,
 )
-from hmdwarp.scenes import octahedral
 
 POWERS = st.floats(0, 6e4, width=32)
 

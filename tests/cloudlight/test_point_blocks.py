@@ -6,7 +6,7 @@ from collections import Counter
 
 import numpy as np
 
-from hmdwarp.frames.layers.points import (
+from hmdwarp.cloudlight.points import (
     LEAST_BUDGET,
     PAGE,
     Block,

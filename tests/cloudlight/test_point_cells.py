@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from lit_rooms import plain
 
+from hmdwarp.cloudlight.points import PointCells
+from hmdwarp.cloudlight.radiosity import direct_light, transport_of
 from hmdwarp.colour import linear_from_srgb
-from hmdwarp.scenes import PointCells, lamps_at, load_scene, transport_of
-from hmdwarp.scenes.radiosity import direct_light
+from hmdwarp.scenes import lamps_at, load_scene
 
 
 @pytest.mark.parametrize("name", ["lantern", "sunroom", "doorway"])

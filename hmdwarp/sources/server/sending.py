@@ -11,12 +11,12 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames import EyeImage
-from ....geometry import View
-from ....scenes import Scene
-from ..targets import MOST_SETTINGS, LastUsed
-from ..visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
-from . import DrawContext, Drawing, Part
+from ...frames import EyeImage
+from ...geometry import View
+from ...scenes import Scene
+from .parts import DrawContext, Drawing, Part
+from .targets import MOST_SETTINGS, LastUsed
+from .visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 
 Array = NDArray[np.float64]
 # From sending to the news of the arrival, until the first news says it.
