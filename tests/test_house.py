@@ -268,7 +268,7 @@ def test_the_client_draws_by_passes_of_the_server_and_knows_no_other_source():
 
 
 def test_the_core_does_not_know_cloudlight():
-    """It is found as another package is: nothing imports it, for annotations either, or names it."""
+    """It is found as another package is: nothing imports it, not for annotations, or names it."""
     others = [path for path in modules() if unit_of(path) != "cloudlight"]
     users = {name_of(path) for path in others if any(unit_of(other) == "cloudlight" for other in files_imported(path))}
     users |= {name_of(path) for path in others if any("cloudlight." in text for _, text in strings_of(path))}

@@ -30,6 +30,7 @@ from .variants import every_baseline as every_baseline
 from .variants import every_fill as every_fill
 from .variants import every_warp as every_warp
 from .variants import fill_text as fill_text
+from .variants import lit_by as lit_by
 from .variants import parse_fills as parse_fills
 from .variants import parse_indirect as parse_indirect
 from .variants import parse_warp as parse_warp

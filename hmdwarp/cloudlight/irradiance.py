@@ -22,6 +22,7 @@ from ..gpu.textures import Canvas
 from ..scenes import ATLAS, indirect_atlas
 from ..sources.server import Lighting
 from ..sources.server.parts import DrawContext, Drawing, Part, parts
+from ..sources.server.passes import Viewport
 
 
 @layers.register
@@ -86,7 +87,7 @@ class AtlasLight(Lighting):
 
     indirect: moderngl.Texture
 
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
         self.use_lamps(uniforms, time_ns)
         self.use_atlas(uniforms, self.indirect)
 

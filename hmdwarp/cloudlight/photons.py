@@ -7,7 +7,6 @@ Source: Jensen 1996, Global Illumination using Photon Maps; Crassin et al. 2013,
 
 from __future__ import annotations
 
-import heapq
 import struct
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
@@ -23,7 +22,7 @@ from ..client.strategies import Strategy, strategies
 from ..client.warp_kinds import ClientDrawing
 from ..client.warps import warps
 from ..frames import Needs
-from ..frames.layers import MOST_BUDGET, Delivered, between, layers
+from ..frames.layers import MOST_BUDGET, Book, Delivered, Update, between, layers
 from ..geometry import View
 from ..gpu.context import Gpu, drawing_into
 from ..gpu.shaders import Inputs, Uniforms
@@ -31,7 +30,8 @@ from ..gpu.textures import COLOUR, SCALAR, Canvas, allocate, release_all
 from ..scenes import ATLAS, Background, Light, Scene, lamps_at
 from ..sources.server import Lighting
 from ..sources.server.parts import Drawing, parts
-from ..sources.server.sending import Sending
+from ..sources.server.passes import Viewport
+from ..sources.server.sending import Sender, Sending
 from .radiosity import (
     OFF_M,
     Transport,
@@ -47,21 +47,53 @@ from .radiosity import (
 Array = NDArray[np.float64]
 
 
+# A bundle is whole or not there, so bundles may come in any order, and of each the newest stays.
+Sent = tuple[int, int]  # bundle, number
+# Bytes of a photon: position, normal, power.
+PHOTON_BYTES = 12
+# Whether every bundle has been sent; lowest corner and edge of the cube that holds all positions.
+_CUBE = struct.Struct("<B4f")
+# Bundle, its number, its photons.
+_HEAD = struct.Struct("<IIH")
+CUBE_BYTES, HEAD_BYTES = _CUBE.size, _HEAD.size
+_STEPS = 65535
+# Of a shared exponent, see shared_exponent().
+_MANTISSA, _BIAS, _EXPONENTS = 9, 15, 32
+# Paths of a bundle, and the room for photons that each path takes: they leave about one each.
+FEWEST_PATHS, MOST_PATHS, PHOTONS_A_PATH = 8, 256, 2
+# A sun and the sky send so many more photons than a point: most of theirs never come in.
+OPEN = 8
+
+
+def bundle_bytes(paths: int) -> int:
+    """Return the bytes of the largest bundle of so many paths."""
+    return HEAD_BYTES + PHOTON_BYTES * PHOTONS_A_PATH * paths
+
+
+# Any bundle of the fewest paths fits.
+LEAST_BUDGET = CUBE_BYTES + bundle_bytes(FEWEST_PATHS)
+
+
 @attrs.frozen(order=True)
 class PhotonMap:
     """Photons that are delivered bundle by bundle, and replaced as the light changes."""
 
-    # Bytes of each frame, at most, before they are packed.
-    budget: int = attrs.field(default=60_000, validator=between(1, MOST_BUDGET))
-    # Paths that a lamp sends, rounded up to a power of 2; a sun and the sky send more.
+    # Bytes of each frame, at most, before they are packed: what the link carries in a frame's time,
+    # so that no bundle is late by more than one. Bundles are as large as fits, up to 6 kB.
+    budget: int = attrs.field(default=60_000, validator=between(LEAST_BUDGET, MOST_BUDGET))
+    # Paths that each lamp sends, rounded up to a power of 2; they leave about one photon each. A
+    # sun and the sky send more.
     paths: int = attrs.field(default=1 << 13, validator=between(1, 1 << 16))
-    # Metres that a photon lights around it.
+    # Metres that a photon lights around it: less is sharper, and uneven where photons are few.
     radius: float = attrs.field(default=0.8, validator=between(1e-3, 1e6))
 
     @property
     def paths_of_bundle(self) -> int:
         """How many paths each bundle has: any bundle fits the budget."""
-        return paths_of_bundle(self.budget)
+        paths = MOST_PATHS
+        while paths > FEWEST_PATHS and CUBE_BYTES + bundle_bytes(paths) > self.budget:
+            paths //= 2
+        return paths
 
     def bundles(self, *, opened: bool) -> int:
         """Return how many bundles a lamp has. opened: a sun or the sky, not a point."""
@@ -76,59 +108,12 @@ class PhotonMap:
 
 @layers.register
 class PhotonLayer(Delivered):
-    """A PhotonUpdate for each PhotonMap. The amount is the frozenset of them."""
+    """An Update for each PhotonMap. The amount is the frozenset of them."""
 
     name = "photons"
     summary = "indirect light as photons, packed in bundles: only those whose lamp has changed, the oldest first"
     drawn_by = "photons"
     something = frozenset({PhotonMap()})
-
-
-# A bundle is whole or not there, so bundles may come in any order, and of each the newest stays.
-
-# Bytes of a photon: position, normal, power.
-PHOTON_BYTES = 12
-# Whether every bundle has been sent; lowest corner and edge of the cube that holds all positions.
-_CUBE = struct.Struct("<B4f")
-# Bundle, its number, its photons.
-_HEAD = struct.Struct("<IIH")
-CUBE_BYTES, HEAD_BYTES = _CUBE.size, _HEAD.size
-_STEPS = 65535
-# Of a shared exponent, see shared_exponent().
-_MANTISSA, _BIAS, _EXPONENTS = 9, 15, 32
-# Paths of a bundle, and the room for photons that each path takes: they leave about one each.
-FEWEST_PATHS, MOST_PATHS, PHOTONS_A_PATH = 8, 256, 2
-
-Sent = tuple[int, int]  # bundle, number
-
-
-def bundle_bytes(paths: int) -> int:
-    """Return the bytes of the largest bundle of so many paths."""
-    return HEAD_BYTES + PHOTON_BYTES * PHOTONS_A_PATH * paths
-
-
-# A sun and the sky send so many more photons than a point: most of theirs never come in.
-OPEN = 8
-# Any bundle of the fewest paths fits.
-LEAST_BUDGET = CUBE_BYTES + bundle_bytes(FEWEST_PATHS)
-
-
-def paths_of_bundle(budget: int) -> int:
-    """Return how many paths a bundle has so that any bundle fits a frame of `budget` bytes."""
-    paths = MOST_PATHS
-    while paths > FEWEST_PATHS and CUBE_BYTES + bundle_bytes(paths) > budget:
-        paths //= 2
-    return paths
-
-
-@attrs.frozen(eq=False)
-class PhotonUpdate:
-    """What one frame brings."""
-
-    # The cube and bundles; the link writes what it has decoded over it.
-    content: NDArray[np.uint8]
-    # What the sender needs to know again when it hears of the frame.
-    bundles: tuple[Sent, ...] = ()
 
 
 @attrs.frozen(eq=False)
@@ -191,15 +176,15 @@ def shared_exponent(colours: Array) -> NDArray[np.uint32]:
     return np.asarray(steps[:, 0] | steps[:, 1] << _MANTISSA | steps[:, 2] << 2 * _MANTISSA | shifted, np.uint32)
 
 
-class BundleSender:
+class BundleSender(Book):
     """The sender's book: the light that each bundle shows, as far as is known to have arrived.
 
     A bundle that was lost counts as never sent, so it is traced and sent anew. The book holds some
-    numbers for each bundle, and what is on its way until its fate is heard; see Link.settled for
-    what the news assumes.
+    numbers for each bundle, and what is on its way until its fate is heard.
     """
 
     def __init__(self, bundles: int) -> None:
+        super().__init__()
         self._light: list[bytes | None] = [None] * bundles
         self._number = np.zeros(bundles, np.int64)
         # Whether the receiver has nothing of it, unless something is lost.
@@ -207,7 +192,6 @@ class BundleSender:
         # When each was last sent, by a count.
         self._sent_at = np.full(bundles, -1, np.int64)
         self._count = 0
-        self._news: list[tuple[int, int, PhotonUpdate]] = []
 
     @property
     def whole(self) -> bool:
@@ -217,7 +201,7 @@ class BundleSender:
     @property
     def remembered(self) -> int:
         """How many things it remembers besides its numbers for each bundle."""
-        return sum(len(update.bundles) for *_, update in self._news)
+        return sum(len(update.pieces) for *_, update, _ in self._news)
 
     def stale(self, lights: Sequence[bytes]) -> list[int]:
         """Return the bundles that show other light than now; first those sent longest ago.
@@ -239,18 +223,11 @@ class BundleSender:
         self._number[bundle] += 1
         return bundle, int(self._number[bundle])
 
-    def heard(self, update: PhotonUpdate, arrived: bool, heard_ns: int) -> None:
-        """Take note of an update's fate, of which the sender hears at that instant."""
-        if not arrived and update.bundles:
-            self._count += 1
-            heapq.heappush(self._news, (heard_ns, self._count, update))
-
-    def settle(self, now_ns: int) -> None:
-        """Act on the news heard by now: what was lost, and not sent anew since, was never sent."""
-        while self._news and self._news[0][0] <= now_ns:
-            for bundle, number in heapq.heappop(self._news)[2].bundles:
-                if number == self._number[bundle]:
-                    self._light[bundle], self._sent_at[bundle], self._empty[bundle] = None, -1, False
+    def _settle(self, piece: Sent, *, arrived: bool) -> None:
+        """Forget what was lost, and not sent anew since: it was never sent."""
+        bundle, number = piece
+        if not arrived and number == self._number[bundle]:
+            self._light[bundle], self._sent_at[bundle], self._empty[bundle] = None, -1, False
 
 
 class BundleRoom:
@@ -320,11 +297,7 @@ class PhotonTracer:
         # What photons fall on: set anew where something lit has moved.
         self.receivers, self._background = transport.receivers, background
         self.paths, self.bundles = paths, bundles
-
-    @cached_property
-    def _starts(self) -> NDArray[np.float32]:
-        """(bundles, paths, 5) numbers in 0..1, the first two in the bundle's own part of them."""
-        return _nets(self.bundles, self.paths)
+        self._starts = _nets(bundles, paths)
 
     @cached_property
     def _box(self) -> Array:
@@ -553,34 +526,28 @@ class PhotonPart(Sending[PhotonMap, "PhotonSource"]):
         return {"photons": updates} if updates else {}
 
 
-class PhotonSource:
+class PhotonSource(Sender):
     """The bundles of one PhotonMap: those of each lamp, then those of the sky."""
 
     def __init__(self, scene: Scene, wanted: PhotonMap) -> None:
         self._scene, self._wanted = scene, wanted
         self._tracers: list[PhotonTracer] = []
+        self._cube = Cube(np.zeros(3), 1.0)
         if scene.lamps:
-            self._prepare()
+            transport = transport_of(scene.all_shown)
+            self._factors = kernel_factors(transport, wanted.radius)
+            for light, _ in light_keys(lamps_at(scene, 0), scene.background):
+                bundles = wanted.bundles(opened=light is None or not light[0][3])
+                self._tracers.append(PhotonTracer(transport, scene.background, wanted.paths_of_bundle, bundles))
+            # Around all lit surfaces, rounded as it is sent.
+            corners = transport.blockers.corners.reshape(-1, 3)
+            low = corners.min(axis=0).astype(np.float32).astype(np.float64)
+            self._cube = Cube(low, float(np.float32(max((corners - low).max(), 1e-6))))
         # The tracer of each bundle, and the bundle's number there.
         self._bundles = [(k, bundle) for k, tracer in enumerate(self._tracers) for bundle in range(tracer.bundles)]
         self.book = BundleSender(len(self._bundles))
-        # Whether all photons of the light as it was at the last frame have been sent.
-        self._complete = False
 
-    def has_more(self, now_ns: int) -> bool:
-        """Return whether photons wait to be sent."""
-        return not self._complete
-
-    def _prepare(self) -> None:
-        scene = self._scene
-        self._transport = transport_of(scene.all_shown)
-        self._factors = kernel_factors(self._transport, self._wanted.radius)
-        for light, _ in light_keys(lamps_at(scene, 0), scene.background):
-            bundles = self._wanted.bundles(opened=light is None or not light[0][3])
-            paths = self._wanted.paths_of_bundle
-            self._tracers.append(PhotonTracer(self._transport, scene.background, paths, bundles))
-
-    def update(self, now_ns: int) -> PhotonUpdate:
+    def update(self, now_ns: int) -> Update:
         """Return what a frame drawn now brings."""
         self.book.settle(now_ns)
         out, sent = bytearray(), []
@@ -594,62 +561,41 @@ class PhotonSource:
             of = self._bundles[stale[0]][0]
             batch = [bundle for bundle in stale[: left // largest] if self._bundles[bundle][0] == of]
             traced += len(batch) * self._wanted.paths_of_bundle
-            for bundle, found in zip(batch, self._traced(lights[of][0], batch), strict=True):
+            every = self._tracers[of].trace(lights[of][0], [self._bundles[bundle][1] for bundle in batch])
+            for bundle, whole in zip(batch, every, strict=True):
+                found = whole.at_most(self._wanted.most_photons)
                 entered = self.book.sent(bundle, state_of[bundle], empty=not len(found))
                 if entered is not None:
-                    out += self._packed(entered, found)
+                    places, powers = found.places - self._cube.low, of_atlas(self._factors, found.texels)
+                    normals = octahedral(found.normals)
+                    out += packed(entered, places / self._cube.edge, normals, found.powers * powers)
                     sent.append(entered)
             left = self._wanted.budget - CUBE_BYTES - len(out)
             stale = [bundle for bundle in stale if bundle not in batch]
-        self._complete = not stale
+        self.complete = not stale  # of the light as it is now
         start = self._cube.packed(whole=self.book.whole)
-        return PhotonUpdate(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
+        return Update(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
 
     def _lights(self, now_ns: int) -> list[tuple[Light | None, bytes]]:
+        """Return those of an instant, with what they fall on."""
         receivers = receivers_of(self._scene, now_ns)
         for tracer in self._tracers:
             tracer.receivers = receivers
         moved = receivers.blockers.corners.tobytes() if self._scene.lit_moves else b""
         return light_keys(lamps_at(self._scene, now_ns), self._scene.background, moved)
 
-    def _traced(self, light: Light | None, bundles: Sequence[int]) -> list[TracedPhotons]:
-        """Return the photons of some bundles of one lamp."""
-        of, numbers = self._bundles[bundles[0]][0], [self._bundles[bundle][1] for bundle in bundles]
-        return [photons.at_most(self._wanted.most_photons) for photons in self._tracers[of].trace(light, numbers)]
 
-    def _packed(self, entered: Sent, found: TracedPhotons) -> bytes:
-        powers = found.powers * of_atlas(self._factors, found.texels)
-        return packed(entered, (found.places - self._cube.low) / self._cube.edge, octahedral(found.normals), powers)
-
-    @cached_property
-    def _cube(self) -> Cube:
-        """The cube around all lit surfaces, rounded as it is sent."""
-        if not self._tracers:
-            return Cube(np.zeros(3), 1.0)
-        corners = self._transport.blockers.corners.reshape(-1, 3)
-        low = corners.min(axis=0).astype(np.float32).astype(np.float64)
-        return Cube(low, float(np.float32(max((corners - low).max(), 1e-6))))
-
-
-_DEFAULT = PhotonMap()
-MOST_LAMP_PATHS = 1 << 16
 _LIGHT = (4, "f4")  # rgba32f: sums of thousands of photons
 
 
 @attrs.frozen
-class PhotonsSettings:
-    # Bytes of each frame, at most, before they are packed: what the link carries in a frame's time,
-    # so that no bundle is late by more than one. Bundles are as large as fits, up to 6 kB.
-    budget: int = attrs.field(default=_DEFAULT.budget, validator=attrs.validators.ge(LEAST_BUDGET))
-    # Paths that each lamp sends; they leave about one photon each.
-    paths: int = attrs.field(
-        default=_DEFAULT.paths,
-        validator=attrs.validators.and_(attrs.validators.ge(1), attrs.validators.le(MOST_LAMP_PATHS)),
-    )
-    # Metres that a photon lights around it: less is sharper, and uneven where photons are few.
-    radius: float = attrs.field(default=_DEFAULT.radius, validator=attrs.validators.gt(0))
+class PhotonSettings(PhotonMap):
     # Shown pixels of one pixel of the splatted light, on each axis.
     scale: int = attrs.field(default=4, validator=attrs.validators.ge(1))
+
+    @property
+    def wanted(self) -> PhotonMap:
+        return PhotonMap(self.budget, self.paths, self.radius)
 
 
 SPLATS_UNIT = 8
@@ -661,7 +607,7 @@ class SplatLight(Lighting):
     defines = ("LAMPS", "SPLATTED")
     splats: Inputs
 
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
         self.use_lamps(uniforms, time_ns)
         self.splats.use(uniforms, SPLATS_UNIT)
 
@@ -673,7 +619,7 @@ class ReceiverLight(Lighting):
     coloured = False
     indirect: moderngl.Texture
 
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
         self.use_atlas(uniforms, self.indirect)
 
 
@@ -681,16 +627,15 @@ class ReceiverLight(Lighting):
 class KeptPhotons(Store):
     """The newest photons of each bundle of one PhotonMap, and the whole scene, that they light.
 
-    The buffer for all, see warps/photons.vert, is allocated at once.
+    The buffer for all, see cloudlight/photons.vert, is allocated at once.
     """
 
     def __init__(self, client: ClientScene, wanted: PhotonMap) -> None:
         super().__init__(client, wanted)
         gpu, scene = client.gpu, client.scene
-        sources = SplatLight, ReceiverLight
-        self._surfaces = Surfaces(gpu, scene, *sources, samples=client.server.samples)
+        self.surfaces = Surfaces(gpu, scene, SplatLight, ReceiverLight, samples=client.server.samples)
         self._factors: moderngl.Texture | None = None
-        if lighting := self._surfaces.lighting(ReceiverLight):
+        if lighting := self.surfaces.lighting(ReceiverLight):
             factors = kernel_factors(transport_of(scene.all_shown), wanted.radius)
             self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
             self._factors.write(factors.tobytes())
@@ -715,16 +660,6 @@ class KeptPhotons(Store):
             self.count = len(words)
             self.photons.write(words.tobytes())
 
-    def draw_receivers(self, view: View, into: ShownPicture, time_ns: int) -> None:
-        """Draw what lamps light: the normal, and the factor for photons; 0 for what they do not."""
-        self._surfaces.draw(view, into, time_ns, ReceiverLight)
-
-    def draw(self, view: View, into: ShownPicture, time_ns: int, splats: Inputs) -> None:
-        """Draw the whole picture under the scene's own lamps and the splatted light."""
-        if lighting := self._surfaces.lighting(SplatLight):
-            lighting.splats = splats
-        self._surfaces.draw(view, into, time_ns, SplatLight)
-
     def weights(self) -> list[dict[str, Any]]:
         """Return that of the scene; and what has crossed before packing, and what is held."""
         weight = {
@@ -740,7 +675,7 @@ class KeptPhotons(Store):
 
     def close(self) -> None:
         self.photons.release()
-        self._surfaces.close()
+        self.surfaces.close()
         if self._factors is not None:
             self._factors.release()
 
@@ -756,7 +691,7 @@ class Splats:
     """Photons splatted at a part of the shown resolution, by deferred shading.
 
     Each pixel gets the light of all photons within `radius` metres of what it shows, on about the
-    same plane; see shaders/warps/photons.frag.
+    same plane; see shaders/cloudlight/photons.frag.
     """
 
     def __init__(self, gpu: Gpu, photons: KeptPhotons, size: tuple[int, int], scale: int, radius: float) -> None:
@@ -767,7 +702,7 @@ class Splats:
         self._receivers = ShownPicture(Canvas(gl, low), allocate(gl, low, SCALAR))
         self.light = allocate(gl, low, _LIGHT)
         self._framebuffer = gl.framebuffer([self.light])
-        self._program = gpu.shaders.draw("warps/photons.vert", "warps/photons.frag")
+        self._program = gpu.shaders.draw("cloudlight/photons.vert", "cloudlight/photons.frag")
         self._vertices = gl.vertex_array(self._program.program, [(photons.photons, "3u4/i", "in_photon")])
         self._view: dict[str, object] = {}
 
@@ -784,7 +719,8 @@ class Splats:
         self._framebuffer.clear()
         if not photons.count:
             return
-        photons.draw_receivers(view, self._receivers, time_ns)
+        # The normal, and the factor for photons; 0 for what lamps do not light.
+        photons.surfaces.draw(view, self._receivers, time_ns, ReceiverLight)
         self._bind(self._program.uniforms, 0)
         self._program.uniforms.set(low=tuple(photons.cube.low.tolist()), edge=photons.cube.edge)
         with drawing_into(self._framebuffer, moderngl.BLEND):
@@ -826,30 +762,29 @@ class PhotonWarp(ClientDrawing):
         "uneven where photons are few; takes the whole scene on the client"
     )
     source = "Crassin et al. 2013, CloudLight (photons); Jensen 1996 (photon maps)"
-    Settings = PhotonsSettings
+    Settings = PhotonSettings
     variants = ("scale=8",)
     for_moving_light = True
 
     @classmethod
-    def needs(cls, settings: PhotonsSettings) -> Needs:
-        return Needs(photons=frozenset({_wanted(settings)}))
+    def needs(cls, settings: PhotonSettings) -> Needs:
+        return Needs(photons=frozenset({settings.wanted}))
 
     def prepare_scene(self, geometry: ClientScene) -> None:
         chosen = self.settings
-        self._photons = geometry.store(KeptPhotons, _wanted(chosen))
+        self._photons = geometry.store(KeptPhotons, chosen.wanted)
         self._splats = Splats(self.gpu, self._photons, self.shown_size, chosen.scale, chosen.radius)
 
     def run_with_depth(self, inputs: PassInputs, into: Canvas, depth: moderngl.Texture) -> None:
         self._splats.draw(inputs.middle, inputs.shown_ns)
-        self._photons.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns, self._splats)
+        surfaces = self._photons.surfaces
+        if lighting := surfaces.lighting(SplatLight):
+            lighting.splats = self._splats
+        surfaces.draw(inputs.middle, ShownPicture(into, depth), inputs.shown_ns, SplatLight)
 
     def close(self) -> None:
         super().close()
         self._splats.close()
-
-
-def _wanted(settings: PhotonsSettings) -> PhotonMap:
-    return PhotonMap(settings.budget, settings.paths, settings.radius)
 
 
 @strategies.register

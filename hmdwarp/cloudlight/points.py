@@ -5,7 +5,6 @@ A scene's plain surfaces are cut into small cells, each sampled as densely as ne
 
 from __future__ import annotations
 
-import heapq
 import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
@@ -22,7 +21,7 @@ from ..client.warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp, warps
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import InputError, PlanError
 from ..frames import Needs
-from ..frames.layers import MOST_BUDGET, Delivered, between, layers
+from ..frames.layers import MOST_BUDGET, Book, Delivered, Update, between, layers
 from ..geometry import View
 from ..gpu.raw_gl import clear_buffer
 from ..gpu.textures import Canvas, download, flip_rows, release_all
@@ -33,6 +32,7 @@ from ..sources.server.sending import (
     FIRST_ROUND_TRIP_NS,
     NEAREST_M,
     Head,
+    Sender,
     Sending,
     boxes_at,
     distances,
@@ -43,29 +43,6 @@ from .photons import octahedral
 from .radiosity import OFF_M, direct_light, of_atlas, transport_of
 
 Array = NDArray[np.float64]
-
-
-@attrs.frozen(order=True)
-class Cloud:
-    """Points that are delivered little by little."""
-
-    # Bytes of each frame, at most, before they are packed.
-    budget: int = attrs.field(default=60_000, validator=between(1, MOST_BUDGET))
-    # Points that the client has room for.
-    room: int = attrs.field(default=1 << 20, validator=between(1024, 1 << 26))
-    # Distance of points in pixels of the shown picture, where all have arrived.
-    spacing: float = attrs.field(default=1.0, validator=between(1e-3, 1e6))
-
-
-@layers.register
-class PointLayer(Delivered):
-    """A PointUpdate for each Cloud. The amount is the frozenset of them."""
-
-    name = "points"
-    summary = "new points of the surfaces that the head may see, packed: what lacks most first"
-    drawn_by = "points"
-    draws_scene = True
-    something = frozenset({Cloud()})
 
 
 # A cell of the scene has an endless sequence of points of which any run is spread evenly. A block
@@ -86,9 +63,35 @@ HEAD_BYTES = _HEAD.size
 SKY_BYTES = _SKY.size
 # Any block fits.
 LEAST_BUDGET = 2000
+# Of the index of a point in a key, see shaders/lib/scatter_depth.glsl.
+MOST_POINTS = 1 << 26
 _AGES = 1 << 16
 
 Sent = tuple[int, int, int]  # cell, age, block; block -1 for forgetting alone
+
+
+@attrs.frozen(order=True)
+class Cloud:
+    """Points that are delivered little by little."""
+
+    # Bytes of each frame, at most, before they are packed.
+    budget: int = attrs.field(default=60_000, validator=between(LEAST_BUDGET, MOST_BUDGET))
+    # Points that the client has room for. When it is full, what was not seen for longest is
+    # forgotten.
+    room: int = attrs.field(default=1 << 20, validator=between(1024, MOST_POINTS))
+    # Distance of points in pixels of the shown picture, where all have arrived.
+    spacing: float = attrs.field(default=1.0, validator=between(1e-3, 1e6))
+
+
+@layers.register
+class PointLayer(Delivered):
+    """An Update for each Cloud. The amount is the frozenset of them."""
+
+    name = "points"
+    summary = "new points of the surfaces that the head may see, packed: what lacks most first"
+    drawn_by = "points"
+    draws_scene = True
+    something = frozenset({Cloud()})
 
 
 def block_range(block: int) -> tuple[int, int]:
@@ -99,17 +102,6 @@ def block_range(block: int) -> tuple[int, int]:
         doublings = (_LARGEST // PAGE).bit_length()
         return _LARGEST * (block - doublings + 1), _LARGEST
     return PAGE << (block - 1), PAGE << (block - 1)
-
-
-@attrs.frozen(eq=False)
-class PointUpdate:
-    """What one frame brings."""
-
-    # The background and blocks; the link writes what it has decoded over it.
-    content: NDArray[np.uint8]
-    # What the sender needs to know again when it hears of the frame.
-    blocks: tuple[Sent, ...] = ()
-    sent_ns: int = 0
 
 
 @attrs.frozen(eq=False)
@@ -162,15 +154,16 @@ def _blocks(data: bytes, at: int) -> Iterator[Block]:
         yield Block(cell, age, number, body, bool(double), (low[0], low[1], low[2]), edge, area, *arrays)
 
 
-class PointSender:
+class PointSender(Book):
     """The sender's book: for each cell what is on its way or has arrived.
 
     It holds some numbers for each cell, and what is on its way until its fate is heard. It never
     counts on room that the receiver may not have yet: forgotten cells take theirs until the
-    receiver is known to have heard of it. See Link.settled for what the news assumes.
+    receiver is known to have heard of it.
     """
 
     def __init__(self, cells: int, room: int) -> None:
+        super().__init__()
         self._room = room // PAGE
         self._age, self._next = np.zeros(cells, np.int64), np.zeros(cells, np.int64)
         # Points sent and not known to be lost.
@@ -180,10 +173,6 @@ class PointSender:
         self._to_forget: dict[int, None] = {}
         self._held: dict[int, int] = {}
         self._used = 0
-        self._news: list[tuple[int, int, PointUpdate, bool]] = []
-        self._heard = 0
-        # From sending to hearing of the arrival, of the last update known to have arrived.
-        self.round_trip_ns: int | None = None
 
     @property
     def free(self) -> int:
@@ -194,7 +183,7 @@ class PointSender:
     def remembered(self) -> int:
         """How many things it remembers besides its numbers for each cell."""
         lost = sum(map(len, self._lost.values()))
-        return lost + len(self._to_forget) + len(self._held) + sum(len(news[2].blocks) for news in self._news)
+        return lost + len(self._to_forget) + len(self._held) + sum(len(news[2].pieces) for news in self._news)
 
     def next_block(self, cell: int) -> int:
         """Return the block to send next: the first that was lost, else the first not sent."""
@@ -230,35 +219,20 @@ class PointSender:
             del self._to_forget[cell]
         return out
 
-    def heard(self, update: PointUpdate, arrived: bool, heard_ns: int) -> None:
-        """Take note of an update's fate, of which the sender hears at that instant."""
-        heapq.heappush(self._news, (heard_ns, self._heard, update, arrived))
-        self._heard += 1
-
-    def settle(self, now_ns: int) -> None:
-        """Act on the news heard by now."""
-        while self._news and self._news[0][0] <= now_ns:
-            heard_ns, _, update, arrived = heapq.heappop(self._news)
-            if arrived:
-                self.round_trip_ns = heard_ns - update.sent_ns
-            for cell, age, block in update.blocks:
-                if age == self._age[cell]:
-                    (self._arrived if arrived else self._missing)(cell, block)
-
-    def _arrived(self, cell: int, block: int) -> None:
-        """Any block of the newest age makes the receiver forget older ones."""
-        self._used -= self._held.pop(cell, 0)
-        self._to_forget.pop(cell, None)
-
-    def _missing(self, cell: int, block: int) -> None:
-        if block < 0:
-            if cell in self._held:
-                self._to_forget[cell] = None
+    def _settle(self, piece: Sent, *, arrived: bool) -> None:
+        cell, age, block = piece
+        if age != self._age[cell]:
             return
-        self._lost.setdefault(cell, set()).add(block)
-        count = block_range(block)[1]
-        self.points[cell] -= count
-        self._used -= count // PAGE
+        if arrived:  # any block of the newest age makes the receiver forget older ones
+            self._used -= self._held.pop(cell, 0)
+            self._to_forget.pop(cell, None)
+        elif block >= 0:
+            self._lost.setdefault(cell, set()).add(block)
+            count = block_range(block)[1]
+            self.points[cell] -= count
+            self._used -= count // PAGE
+        elif cell in self._held:
+            self._to_forget[cell] = None
 
 
 @attrs.define(eq=False)
@@ -409,29 +383,26 @@ class PointCells:
         """
         own = slice(int(self._first[cell]), int(self._first[cell + 1]))
         ends = np.cumsum(self._area[own])
-        at = _spread(np.arange(first, first + count)) * ends[-1]
+        # Places from 0 to 1, those of any run far apart: van der Corput's sequence.
+        bits = (np.arange(first, first + count)[:, None] >> np.arange(_INDEX_BITS)) & 1
+        at = (bits @ 0.5 ** np.arange(1, _INDEX_BITS + 1) + 0.5 ** (_INDEX_BITS + 1)) * ends[-1]
         which = np.minimum(np.searchsorted(ends, at, side="right"), len(ends) - 1)
         weights = _in_triangle(np.clip(1 - (ends[which] - at) / self._area[own][which], 0, 1))
         found = np.einsum("nk,nkc->nc", weights, self._rows[own][which])
         steps = np.rint((found[:, :3] - self.low[cell]) / self.edge[cell] * _STEPS).clip(0, _STEPS).astype(np.uint32)
         packed = steps[:, 0] | steps[:, 1] << np.uint32(POSITION_BITS) | steps[:, 2] << np.uint32(2 * POSITION_BITS)
         mesh, texels = self._meshes[int(self._mesh_of[cell])], self._texels[own][which] * spacing
-        light = self._texture(mesh, found[:, 3:5], texels)
-        light = light * found[:, 5:8] + self._emission(mesh, found[:, 3:5], texels)
+        light = found[:, 5:8]
+        if mesh.texture >= 0:
+            texture, uv = self.scene.textures[mesh.texture], found[:, 3:5]
+            light = self._looked_up(texture, uv, texels) * light + self._emission(texture, uv, texels)
         colours = srgb8_from_linear(np.minimum(light, 1).astype(np.float32))
         return SurfacePoints(packed, octahedral(self._normal[own][which]), colours)
 
-    def _texture(self, mesh: Mesh, uv: Array, texels: Array) -> Array:
-        """Return the texture's linear colour, averaged over squares of about so many texels."""
-        if mesh.texture < 0:
-            return np.ones((len(uv), 3))
-        return self._looked_up(self.scene.textures[mesh.texture], uv, texels)
-
-    def _emission(self, mesh: Mesh, uv: Array, texels: Array) -> Array:
+    def _emission(self, texture: Texture, uv: Array, texels: Array) -> Array | float:
         """Return what its surface emits there; averaged alike."""
-        texture = self.scene.textures[mesh.texture] if mesh.texture >= 0 else None
-        if texture is None or texture.emission is None:
-            return np.zeros((len(uv), 3))
+        if texture.emission is None:
+            return 0.0
         key = id(texture.emission)
         if key not in self._shining:
             self._shining[key] = Texture("emission", texture.emission.image, repeat=texture.emission.repeat)
@@ -439,6 +410,7 @@ class PointCells:
         return self._looked_up(self._shining[key], uv, texels * ratio) * texture.emission.factor
 
     def _looked_up(self, texture: Texture, uv: Array, texels: Array) -> Array:
+        """Return the texture's linear colour, averaged over squares of about so many texels."""
         if id(texture) not in self._levels:
             self._levels[id(texture)] = _levels(texture)
         levels = self._levels[id(texture)]
@@ -447,12 +419,6 @@ class PointCells:
         for number in np.unique(level):
             out[level == number] = _bilinear(levels[number], uv[level == number], repeat=texture.repeat)
         return out
-
-
-def _spread(index: NDArray[np.int64]) -> Array:
-    """Return places from 0 to 1, those of any run far apart: van der Corput's sequence."""
-    bits = (index[:, None] >> np.arange(_INDEX_BITS)) & 1
-    return bits @ 0.5 ** np.arange(1, _INDEX_BITS + 1) + 0.5 ** (_INDEX_BITS + 1)
 
 
 def _in_triangle(place: Array) -> Array:
@@ -614,27 +580,25 @@ class PointPart(Sending[Cloud, "PointSource"]):
         self._head.see(views[0], drawing.time_ns)
         left, right, *_ = drawing.view.fov.tangents
         pixel = (right - left) / (drawing.shown_size or drawing.size)[0]
-        nearest = [self._farthest_around(view, drawing.time_ns) for view in views]
+        from scipy.ndimage import minimum_filter
+
+        # Of each view, the least inverse depth around each pixel of a small picture.
+        nearest, hiding = [], self.kept("hiding", (HIDING, HIDING))
+        for view in views:
+            into = self.context.framebuffers.over(hiding.colour, hiding.inverse_depth)
+            self.context.colour.draw(view, into, drawing.time_ns)
+            nearest.append(minimum_filter(flip_rows(download(hiding.inverse_depth)), AROUND, mode="nearest"))
         updates = {
             cloud: self.sender(cloud).update(views, nearest, self._head, pixel, drawing.time_ns) for cloud in needed
         }
         return {"points": updates}
-
-    def _farthest_around(self, view: View, time_ns: int) -> Array:
-        """Return the least inverse depth around each pixel of a small picture, bottom row first."""
-        from scipy.ndimage import minimum_filter
-
-        hiding = self.kept("hiding", (HIDING, HIDING))
-        self.context.colour.draw(view, self.context.framebuffers.over(hiding.colour, hiding.inverse_depth), time_ns)
-        least: Array = minimum_filter(flip_rows(download(hiding.inverse_depth)), AROUND, mode="nearest")
-        return least
 
 
 # One object for a scene: clients share what takes longest to make.
 _cells_of = lru_cache(maxsize=2)(PointCells)
 
 
-class PointSource:
+class PointSource(Sender):
     """What one Cloud still lacks, and in which order it is sent."""
 
     def __init__(self, cells: PointCells, cloud: Cloud) -> None:
@@ -643,16 +607,8 @@ class PointSource:
         # When each cell was last requested, by number of update.
         self._wanted_at = np.zeros(cells.count, np.int64)
         self._updates = 0
-        # Whether nothing that may be seen waits to be sent.
-        self._complete = False
 
-    def has_more(self, now_ns: int) -> bool:
-        """Return whether points wait to be sent."""
-        return not self._complete
-
-    def update(
-        self, views: Sequence[View], nearest: Sequence[Array], head: Head, pixel: float, now_ns: int
-    ) -> PointUpdate:
+    def update(self, views: Sequence[View], nearest: Sequence[Array], head: Head, pixel: float, now_ns: int) -> Update:
         """Return what a frame drawn now brings.
 
         nearest: what hides the rest, for each view. pixel: its size at a distance of 1.
@@ -669,11 +625,11 @@ class PointSource:
             more, left = self._send(np.where(who, share * need, 0), looks, left, may_forget=who is shown)
             sent += more
         lacks = shown & (self.book.points < need)
-        self._complete = not lacks.any()
+        self.complete = not lacks.any()
         content = b"".join(self._block(block, spacing).packed() for block in sent)
         background = self._cells.scene.background
-        sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self._complete)
-        return PointUpdate(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
+        sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self.complete)
+        return Update(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
 
     def _send(self, wanted: Array, looks: Array, left: int, *, may_forget: bool) -> tuple[list[Sent], int]:
         """Enter blocks of cells that lack points as sent; return them, and bytes left.
@@ -779,11 +735,7 @@ def _hidden(offsets: Array, radii: Array, view: View, nearest: Array) -> NDArray
 
 
 _COLOUR, _DEPTH = 0, 1  # image units
-_DEFAULT = Cloud()
 _WINNER_BYTES, _NOBODY = 4, 0xFFFFFFFF
-# Of the index of a point in a key, see shaders/lib/scatter_depth.glsl.
-MOST_POINTS = 1 << 26
-
 # Words of a point: position; normal; colour.
 _WORDS = 3
 _CELL_BYTES = 32
@@ -794,28 +746,22 @@ RADIUS = 1.1
 
 
 @attrs.frozen
-class PointsSettings:
-    # Bytes of each frame, at most, before they are packed.
-    budget: int = attrs.field(default=_DEFAULT.budget, validator=attrs.validators.ge(LEAST_BUDGET))
-    # Points that the client has room for. When it is full, what was not seen for longest is
-    # forgotten.
-    room: int = attrs.field(
-        default=_DEFAULT.room,
-        validator=attrs.validators.and_(attrs.validators.ge(1024), attrs.validators.le(MOST_POINTS)),
-    )
-    # Distance of points in shown pixels, where all have arrived.
-    spacing: float = attrs.field(default=_DEFAULT.spacing, validator=attrs.validators.gt(0))
+class PointSettings(Cloud):
     # Factor on the radius of discs; 0 draws one pixel for each point.
     size: float = attrs.field(default=1.0, validator=attrs.validators.ge(0))
     # The largest radius of a disc in pixels.
     largest: int = attrs.field(default=16, validator=attrs.validators.ge(1))
+
+    @property
+    def wanted(self) -> Cloud:
+        return Cloud(self.budget, self.room, self.spacing)
 
 
 @receiver_of("points")
 class KeptPoints(Store):
     """The points of one Cloud that have arrived, in pages, and the cells that they belong to.
 
-    The buffers of warps/points.comp are allocated at once for all its room: 12 bytes a point, and
+    The buffers of cloudlight/points.comp are allocated at once for all its room: 12 bytes a point, and
     for each page of PAGE points 4 bytes and the 32 of a cell.
     """
 
@@ -880,16 +826,18 @@ class KeptPoints(Store):
         first, end = self._changed
         self._changed = min([first, *pages]), max([end, *(page + 1 for page in pages)])
 
-    def bodies(self, time_ns: int) -> NDArray[np.float64]:
-        """Return (n, 4, 4) float64: world from what stands still, then from each body."""
-        still = np.eye(4)
-        still[:3, 3] = self.client.scene.origin_m
-        return np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in self.client.scene.bodies)])
-
     def eye_from(self, view: View, time_ns: int) -> NDArray[np.float64]:
-        """Return (n, 4, 4) as bodies(), to the eye; of what is hidden, to the eye itself."""
-        out = eye_from(self.bodies(time_ns), view)
-        out[[number for number, body in enumerate(self.client.scene.bodies, 1) if not body.is_shown(time_ns)]] = NOWHERE
+        """Return (n, 4, 4): the eye from what stands still, then from each body.
+
+        Of what is hidden, to the eye itself. Positions are subtracted first.
+        """
+        scene = self.client.scene
+        still = np.eye(4)
+        still[:3, 3] = scene.origin_m
+        out = np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in scene.bodies)])
+        out[:, :3, 3] -= view.pose.position_m
+        out[:, :3] = view.pose.rotation_matrix.T @ out[:, :3]
+        out[[number for number, body in enumerate(scene.bodies, 1) if not body.is_shown(time_ns)]] = NOWHERE
         return out
 
     def weights(self) -> list[dict[str, Any]]:
@@ -928,7 +876,7 @@ class PointWarp(Warp):
         "deforms have no points"
     )
     source = "the 2014 thesis, section 3.1 [14]; Pfister et al. 2000, Zwicker et al. 2001 (surface splats)"
-    Settings = PointsSettings
+    Settings = PointSettings
     resamples = True
     variants = ("spacing=2.0", "size=0.0")
     depth_reads = ()
@@ -936,8 +884,8 @@ class PointWarp(Warp):
     without_effects = "shows points alone, of plain surfaces, where they are now"
 
     @classmethod
-    def needs(cls, settings: PointsSettings) -> Needs:
-        return Needs(points=frozenset({_cloud(settings)}))
+    def needs(cls, settings: PointSettings) -> Needs:
+        return Needs(points=frozenset({settings.wanted}))
 
     @classmethod
     def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
@@ -948,7 +896,7 @@ class PointWarp(Warp):
     def prepare(self) -> None:
         if self.geometry is None:
             raise PlanError("warp 'points' needs points from a server; for single pictures use 'iterative'")
-        self._cloud = self.geometry.store(KeptPoints, _cloud(self.settings))
+        self._cloud = self.geometry.store(KeptPoints, self.settings.wanted)
         if self._cloud.points.size > self.gpu.gl.info["GL_MAX_SHADER_STORAGE_BLOCK_SIZE"]:
             raise InputError(
                 f"room for {self.settings.room} points: this GPU's buffers hold "
@@ -956,11 +904,11 @@ class PointWarp(Warp):
             )
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES + _WINNER_BYTES)
         shaders, depth = self.gpu.shaders, {"WRITES_DEPTH": 1} if self.output.depth else {}
-        self._offer = shaders.compute("warps/points.comp")
-        self._resolve = shaders.compute("warps/points_resolve.comp", **depth)
+        self._offer = shaders.compute("cloudlight/points.comp")
+        self._resolve = shaders.compute("cloudlight/points_resolve.comp", **depth)
         pixels = self.shown_size[0] * self.shown_size[1]
         self._keys, self._winners = (self.gpu.gl.buffer(reserve=4 * pixels) for _ in range(2))
-        self._bodies = self.gpu.gl.buffer(reserve=64 * len(self._cloud.bodies(0)))
+        self._bodies = self.gpu.gl.buffer(reserve=64 * (1 + len(self.geometry.scene.bodies)))
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         cloud, view = self._cloud, inputs.middle
@@ -974,7 +922,22 @@ class PointWarp(Warp):
             (self._keys, self._winners, cloud.points, cloud.pages, cloud.cells, self._bodies)
         ):
             buffer.bind_to_storage_buffer(binding)
-        uniforms = self._uniforms(view)
+        left, right, down, up = view.fov.tangents
+        w, h = self.shown_size
+        sky = np.zeros((3, 3)) if cloud.sky is None else cloud.sky
+        uniforms: dict[str, object] = {
+            "shown_size": (w, h),
+            "lowest": (left, down),
+            "pixels": (w / (right - left), h / (up - down)),
+            "count": cloud.count,
+            "size": self.settings.size,
+            "largest": float(self.settings.largest),
+            "up": tuple(view.pose.rotation_matrix[1].tolist()),
+            "has_sky": int(cloud.sky is not None),
+            "shown_colour": _COLOUR,
+            "shown_inverse_depth": _DEPTH,
+            **{name: tuple(row) for name, row in zip(("zenith", "horizon", "ground"), sky.tolist(), strict=True)},
+        }
         for turn in range(2):
             self._offer.uniforms.set_declared(turn=turn, **uniforms)
             if cloud.count:
@@ -983,44 +946,10 @@ class PointWarp(Warp):
         self._resolve.uniforms.set_declared(**uniforms)
         self._resolve.run(*self.shown_size)
 
-    def _uniforms(self, view: View) -> dict[str, object]:
-        left, right, down, up = view.fov.tangents
-        (w, h), sky = self.shown_size, self._cloud.sky
-        turn = view.pose.rotation_matrix[1]
-        return {
-            "shown_size": (w, h),
-            "lowest": (left, down),
-            "pixels": (w / (right - left), h / (up - down)),
-            "count": self._cloud.count,
-            "size": self.settings.size,
-            "largest": float(self.settings.largest),
-            "up": tuple(turn.tolist()),
-            "has_sky": int(self._cloud.sky is not None),
-            "shown_colour": _COLOUR,
-            "shown_inverse_depth": _DEPTH,
-            **{name: tuple(row) for name, row in zip(("zenith", "horizon", "ground"), _light(sky), strict=True)},
-        }
-
     def close(self) -> None:
         super().close()
         for buffer in (self._keys, self._winners, self._bodies):
             buffer.release()
-
-
-def _light(sky: NDArray[np.float64] | None) -> list[list[float]]:
-    return [[0.0] * 3] * 3 if sky is None else sky.tolist()
-
-
-def _cloud(settings: PointsSettings) -> Cloud:
-    return Cloud(settings.budget, settings.room, settings.spacing)
-
-
-def eye_from(bodies: NDArray[np.float64], view: View) -> NDArray[np.float64]:
-    """Return (n, 4, 4): the eye from the frame of each body. Positions are subtracted first."""
-    out = bodies.copy()
-    out[:, :3, 3] -= view.pose.position_m
-    out[:, :3] = view.pose.rotation_matrix.T @ out[:, :3]
-    return out
 
 
 @strategies.register

@@ -471,7 +471,10 @@ def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:
 
     All patches use the same rays in their own axes: the error is as smooth as the light.
     """
-    samples = _spread(rays)
+    # Spread evenly in the unit cube. Source: Roberts 2018, The Unreasonable Effectiveness of
+    # Quasirandom Sequences (R4).
+    ratio = 1.1673039782614187  # of x^5 = x + 1
+    samples = (0.5 + np.arange(1, rays + 1)[:, None] * ratio ** -np.arange(1.0, 5.0)) % 1
     steps, normals = patches.steps[which], patches.normals[which]
     right = steps[..., 0] / np.linalg.norm(steps[..., 0], axis=1, keepdims=True)
     axes = np.stack([right, np.cross(normals, right), normals], axis=1)
@@ -490,15 +493,6 @@ def cosine_ways(samples: Array) -> Array:
     """Return (n, 3) ways about +z, as many each way as its cosine. samples: (n, 2) in 0..1."""
     radius, angle = np.sqrt(samples[:, 0]), 2 * np.pi * samples[:, 1]
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - samples[:, 0])], axis=1)
-
-
-def _spread(count: int) -> Array:
-    """Return (count, 4) points spread evenly in the unit cube.
-
-    Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R4).
-    """
-    ratio = 1.1673039782614187  # of x^5 = x + 1
-    return (0.5 + np.arange(1, count + 1)[:, None] * ratio ** -np.arange(1.0, 5.0)) % 1
 
 
 def sky_light(background: Background, ways: Array) -> Array:

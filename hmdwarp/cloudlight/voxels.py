@@ -21,11 +21,11 @@ from ..errors import InputError
 from ..frames import EyeImage
 from ..frames.layers import Layer, between, layers
 from ..geometry import View
-from ..gpu.context import Gpu, drawing_into
+from ..gpu.context import drawing_into
 from ..gpu.shaders import Compute, Uniforms
 from ..gpu.textures import COLOUR, allocate, release_all
 from ..scenes import IndirectLight, Mesh, Scene, lights, lit_meshes, moved_meshes
-from ..sources.server import Framebuffers, Lighting, SceneBuffers, ScenePasses
+from ..sources.server import Lighting, SceneBuffers, ScenePasses
 from ..sources.server.parts import DrawContext, Drawing, Part, parts
 from ..sources.server.passes import Viewport
 from ..sources.server.targets import MOST_SETTINGS, LastUsed
@@ -239,17 +239,18 @@ class VoxelPart(Part):
 
     def __init__(self, context: DrawContext) -> None:
         super().__init__(context)
-        self._made: LastUsed[VoxelLight, tuple[VoxelLighting, NearLight, VoxelPasses]] = LastUsed()
+        self._made: LastUsed[VoxelLight, tuple[VoxelLighting, ScenePasses]] = LastUsed()
 
     def passes_for(self, drawing: Drawing) -> ScenePasses | None:
         context, settings = self.context, drawing.needs.get("voxels")
         if settings is None or not context.scene.lamps:
             return None
 
-        def make() -> tuple[VoxelLighting, NearLight, VoxelPasses]:
-            lighting = VoxelLighting(context.gpu, context.scene, settings)
-            near = NearLight(lighting, context.scene, context.colour, context.framebuffers)
-            return lighting, near, VoxelPasses(lighting, near, context.colour)
+        def make() -> tuple[VoxelLighting, ScenePasses]:
+            lighting, plain = VoxelLighting(context, settings), context.colour
+            return lighting, ScenePasses(
+                context.gpu, context.scene, plain.buffers, colour=True, moving=plain.moving, lighting=lighting
+            )
 
         passes = self._made.made(settings, make)[-1]
         self._free(self._made.beyond(MOST_SETTINGS))
@@ -262,24 +263,37 @@ class VoxelPart(Part):
         self._free(self._made.values())
 
     @staticmethod
-    def _free(made: Iterable[tuple[VoxelLighting, NearLight, VoxelPasses]]) -> None:
-        for lighting, near, passes in made:
+    def _free(made: Iterable[tuple[VoxelLighting, ScenePasses]]) -> None:
+        for lighting, passes in made:
             passes.close()
-            near.close()
             lighting.close()
+
+
+@attrs.define(eq=False)
+class _Small:
+    """A picture of half the size: places, normals and what cones gather there."""
+
+    place: moderngl.Texture
+    normal: moderngl.Texture
+    light: moderngl.Texture
+    # What it shows: a view at an instant.
+    view: View | None = None
+    time_ns: int = 0
 
 
 class VoxelLighting(Lighting):
     """Direct light of the scene's lamps, and a grid of what all surfaces send.
 
-    The grid is lit anew for the first picture of each update.
+    The grid is lit anew for the first picture of each update. Cones look into it from the pixels of
+    pictures of half the size; those of sizes that were drawn are kept.
     """
 
     defines = ("LAMPS", "VOXELS")
 
-    def __init__(self, gpu: Gpu, scene: Scene, settings: VoxelLight) -> None:
+    def __init__(self, context: DrawContext, settings: VoxelLight) -> None:
+        gpu, scene = context.gpu, context.scene
         super().__init__(gpu, scene)
-        self.gpu, self.settings = gpu, settings
+        self.gpu, self.settings, self._framebuffers = gpu, settings, context.framebuffers
         self.grid = grid = VoxelGrid.around(scene, settings.size)
         self._update: int | None = None
         gl = gpu.gl
@@ -293,8 +307,11 @@ class VoxelLighting(Lighting):
             grid_of_way.build_mipmaps()
             grid_of_way.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
             grid_of_way.repeat_x = grid_of_way.repeat_y = grid_of_way.repeat_z = False
-        names = ("voxel_direct", "voxel_gather", "voxel_fill")
-        self._direct, self._gather, self._fill = (gpu.shaders.compute(f"server/{name}.comp") for name in names)
+        self._direct, self._gather, self._fill, self._look = (
+            gpu.shaders.compute(f"cloudlight/voxel_{name}.comp") for name in ("direct", "gather", "fill", "look")
+        )
+        self._places = PlacePasses(self, scene, context.colour.buffers, context.colour.moving)
+        self._small: dict[tuple[int, int], _Small] = {}
         cones, width = cones_of(settings.cones)
         sky = scene.background
         self._constants = {
@@ -330,16 +347,45 @@ class VoxelLighting(Lighting):
                 buffer.orphan(len(content))
                 buffer.write(content)
 
-    @property
-    def bytes(self) -> int:
-        """Bytes of the grid and what fills it on the GPU."""
-        levels = sum(max(1, self.grid.size >> level) ** 3 for level in range(self.grid.size.bit_length()))
-        return 6 * 8 * levels + sum(buffer.size for buffer in self._storage)
-
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
-        self.light(time_ns)
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
+        self._light_up(time_ns)
+        x, y, wide, high = viewport
+        size = (wide + 1) // 2, (high + 1) // 2
+        small = self._drawn(view, size, time_ns)
+        for unit, texture in ((_PLACE_UNIT, small.place), (_NORMAL_UNIT, small.normal), (_LIGHT_UNIT, small.light)):
+            texture.use(unit)
+        uniforms.set(
+            near_place_of=_PLACE_UNIT,
+            near_normal_of=_NORMAL_UNIT,
+            near_light_of=_LIGHT_UNIT,
+            corner=(float(x), float(y)),
+            near_scale=(size[0] / wide, size[1] / high),
+        )
         self.use_lamps(uniforms, time_ns)
         self.set_grid(uniforms)
+
+    def _drawn(self, view: View, size: tuple[int, int], time_ns: int) -> _Small:
+        """Return what cones gather in a view's picture of that size."""
+        if size not in self._small:
+            place, normal, light = (allocate(self.gpu.gl, size, kind) for kind in (_PLACES, _PLACES, COLOUR))
+            self._small[size] = _Small(place, normal, light)
+        small = self._small[size]
+        if small.view is view and small.time_ns == time_ns:
+            return small
+        small.view, small.time_ns = view, time_ns
+        framebuffer = self._framebuffers.over(small.place, small.normal)
+        with drawing_into(framebuffer):
+            framebuffer.clear(depth=1.0)
+        self._places.draw_into(view, framebuffer, None, time_ns)
+        small.place.use(_PLACE_UNIT)
+        small.normal.use(_NORMAL_UNIT)
+        small.light.bind_to_image(0, read=False, write=True)
+        uniforms = self._look.uniforms
+        self.set_grid(uniforms)
+        uniforms.set(near_place_of=_PLACE_UNIT, near_normal_of=_NORMAL_UNIT, near_light=0, near_size=size)
+        self._look.run(*size)
+        self.gpu.barrier()
+        return small
 
     def set_grid(self, uniforms: Uniforms) -> None:
         """Set the uniforms of lib/voxels.glsl and bind its textures."""
@@ -347,7 +393,7 @@ class VoxelLighting(Lighting):
         for unit, one in enumerate(self._facing, FACING_UNIT):
             one.use(unit)
 
-    def light(self, time_ns: int) -> None:
+    def _light_up(self, time_ns: int) -> None:
         """Light the grid for an instant, unless its update has been."""
         # The thousandth keeps frames that are drawn at the very rate of the updates apart.
         update = int(time_ns * self.settings.updates * 1e-9 + 1e-3)
@@ -384,8 +430,10 @@ class VoxelLighting(Lighting):
             grid_of_way.build_mipmaps()
 
     def close(self) -> None:
+        self._places.close()
         super().close()
-        release_all(*self._storage, *self._facing)
+        small = (each for one in self._small.values() for each in (one.place, one.normal, one.light))
+        release_all(*self._storage, *self._facing, *small)
 
 
 def cones_of(count: int) -> tuple[NDArray[np.float32], float]:
@@ -404,7 +452,7 @@ def cones_of(count: int) -> tuple[NDArray[np.float32], float]:
 class PlacePasses(ScenePasses):
     """Places and normals of the surfaces; where there is none all is 0."""
 
-    fragment = "server/places.frag"
+    fragment = "cloudlight/places.frag"
 
     def __init__(self, lighting: VoxelLighting, scene: Scene, buffers: SceneBuffers, moving: Sequence[Moving]) -> None:
         self._lit_by = lighting
@@ -418,92 +466,6 @@ class PlacePasses(ScenePasses):
 
     def _draw_background(self) -> None:
         pass
-
-
-@attrs.define(eq=False)
-class _Small:
-    """A picture of half the size: places, normals and what cones gather there."""
-
-    place: moderngl.Texture
-    normal: moderngl.Texture
-    light: moderngl.Texture
-    # What it shows: a view at an instant.
-    view: View | None = None
-    time_ns: int = 0
-
-
-class NearLight:
-    """What cones gather at the pixels of pictures of half the size.
-
-    Those of sizes that were drawn are kept.
-    """
-
-    def __init__(self, lighting: VoxelLighting, scene: Scene, plain: ScenePasses, framebuffers: Framebuffers) -> None:
-        self._lighting, self._framebuffers = lighting, framebuffers
-        self._places = PlacePasses(lighting, scene, plain.buffers, plain.moving)
-        self._look = lighting.gpu.shaders.compute("server/voxel_look.comp")
-        self._small: dict[tuple[int, int], _Small] = {}
-
-    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
-        """Set the uniforms of lib/voxel_near.glsl and bind its textures, for a view's picture."""
-        x, y, wide, high = viewport
-        size = (wide + 1) // 2, (high + 1) // 2
-        small = self._drawn(view, size, time_ns)
-        for unit, texture in ((_PLACE_UNIT, small.place), (_NORMAL_UNIT, small.normal), (_LIGHT_UNIT, small.light)):
-            texture.use(unit)
-        uniforms.set(
-            near_place_of=_PLACE_UNIT,
-            near_normal_of=_NORMAL_UNIT,
-            near_light_of=_LIGHT_UNIT,
-            corner=(float(x), float(y)),
-            near_scale=(size[0] / wide, size[1] / high),
-        )
-
-    def _drawn(self, view: View, size: tuple[int, int], time_ns: int) -> _Small:
-        gpu = self._lighting.gpu
-        if size not in self._small:
-            place, normal, light = (allocate(gpu.gl, size, kind) for kind in (_PLACES, _PLACES, COLOUR))
-            self._small[size] = _Small(place, normal, light)
-        small = self._small[size]
-        if small.view is view and small.time_ns == time_ns:
-            return small
-        small.view, small.time_ns = view, time_ns
-        self._lighting.light(time_ns)
-        framebuffer = self._framebuffers.over(small.place, small.normal)
-        with drawing_into(framebuffer):
-            framebuffer.clear(depth=1.0)
-        self._places.draw_into(view, framebuffer, None, time_ns)
-        small.place.use(_PLACE_UNIT)
-        small.normal.use(_NORMAL_UNIT)
-        small.light.bind_to_image(0, read=False, write=True)
-        uniforms = self._look.uniforms
-        self._lighting.set_grid(uniforms)
-        uniforms.set(near_place_of=_PLACE_UNIT, near_normal_of=_NORMAL_UNIT, near_light=0, near_size=size)
-        self._look.run(*size)
-        gpu.barrier()
-        return small
-
-    def close(self) -> None:
-        """Free its textures and vertex arrays."""
-        self._places.close()
-        for small in self._small.values():
-            release_all(small.place, small.normal, small.light)
-        self._small.clear()
-
-
-class VoxelPasses(ScenePasses):
-    """The passes of a picture whose indirect light comes from a grid."""
-
-    def __init__(self, lighting: VoxelLighting, near: NearLight, plain: ScenePasses, **peel: Any) -> None:
-        options = {"moving": plain.moving, **peel}
-        super().__init__(lighting.gpu, plain.scene, plain.buffers, colour=True, lighting=lighting, **options)
-        self._lit_by, self._near = lighting, near
-
-    def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
-        return VoxelPasses(self._lit_by, self._near, self, peel=True, moving=moving)
-
-    def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
-        self._near.use(self._surface.uniforms, view, viewport, time_ns)
 
 
 @strategies.register

@@ -1,4 +1,4 @@
-"""Without the package everything else runs: what it adds is found as another package's entries are."""
+"""Without the package everything else runs: it is found as another package is."""
 
 from __future__ import annotations
 

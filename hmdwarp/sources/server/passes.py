@@ -19,6 +19,7 @@ from .upload import STAYS, Batch, Moving, Place, SceneBuffers, emits
 from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
 
 INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
+Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class Lighting:
@@ -56,8 +57,8 @@ class Lighting:
             return (buffer, "3f4 2f4 12x1", "in_normal", "in_light_uv")
         return (buffer, "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
 
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
-        """Set the uniforms and bind the textures for an instant."""
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
+        """Set the uniforms and bind the textures for a view at an instant."""
         raise NotImplementedError
 
     def use_atlas(self, uniforms: Uniforms, atlas: moderngl.Texture) -> None:
@@ -104,7 +105,7 @@ class ConvergedLight(Lighting):
         """Return the indirect light of an instant as the light atlas."""
         return indirect_atlas(self._scene, time_ns)
 
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
         light = self.use_lamps(uniforms, time_ns)
         if self._light != light:
             self._indirect.write(self._atlas(time_ns).tobytes())
@@ -157,7 +158,6 @@ def _vertex_rows(mesh: Mesh) -> NDArray[np.float32]:
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
 # room for drivers that round differently.
 SAME_SURFACE = 2.0**-16
-Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class ScenePasses:
@@ -215,7 +215,9 @@ class ScenePasses:
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
         """Return passes of the same light that peel, with these moving parts alone."""
-        return ScenePasses(self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving)
+        return ScenePasses(
+            self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving, lighting=self.lighting
+        )
 
     @property
     def revision(self) -> int:
@@ -258,14 +260,13 @@ class ScenePasses:
         Its depth must be cleared.
         """
         whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
-        self._begin(view, whole, time_ns)
         self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
         for drawing in self.moving:
             drawing.set_time(time_ns)
         if self.lighting is not None:
-            self.lighting.use(self._surface.uniforms, time_ns)
+            self.lighting.use(self._surface.uniforms, view, whole, time_ns)
         gl = self._gl
         framebuffer.viewport = whole
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
@@ -282,9 +283,6 @@ class ScenePasses:
             self._draw_background()
             gl.depth_func = "<"
         framebuffer.viewport = (0, 0, *framebuffer.size)
-
-    def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
-        """Prepare what the surfaces' shader reads, before anything is drawn."""
 
     def _draw_background(self) -> None:
         self._gl.disable(moderngl.CULL_FACE)
