@@ -8,7 +8,7 @@ Source: Jensen 1996, Global Illumination using Photon Maps; Crassin et al. 2013,
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -142,12 +142,9 @@ def unpacked(content: NDArray[np.uint8]) -> tuple[bool, Cube, list[tuple[Sent, N
 
     A photon has three words: x and y; z and normal; power.
     """
-    data = content.tobytes()
+    data, at = content.tobytes(), CUBE_BYTES
     whole, *low, edge = _CUBE.unpack_from(data)
-    return bool(whole), Cube(np.array(low), edge), list(_bundles(data, CUBE_BYTES))
-
-
-def _bundles(data: bytes, at: int) -> Iterator[tuple[Sent, NDArray[np.uint32]]]:
+    bundles = []
     while at < len(data):
         bundle, number, count = _HEAD.unpack_from(data, at)
         at += HEAD_BYTES
@@ -158,7 +155,8 @@ def _bundles(data: bytes, at: int) -> Iterator[tuple[Sent, NDArray[np.uint32]]]:
         words[:, 1] = steps[:, 2] | normals[:, 0] << 16 | normals[:, 1] << 24
         words[:, 2] = np.frombuffer(data, np.uint32, count, at + 8 * count)
         at += PHOTON_BYTES * count
-        yield (bundle, number), words
+        bundles.append(((bundle, number), words))
+    return bool(whole), Cube(np.array(low), edge), bundles
 
 
 def shared_exponent(colours: Array) -> NDArray[np.uint32]:
@@ -552,7 +550,13 @@ class PhotonSource(Sender):
         self.book.settle(now_ns)
         out, sent = bytearray(), []
         left, traced = self._wanted.budget - CUBE_BYTES, 0
-        lights = self._lights(now_ns) if self._tracers else []
+        lights: list[tuple[Light | None, bytes]] = []
+        if self._tracers:
+            receivers = receivers_of(self._scene, now_ns)
+            for tracer in self._tracers:
+                tracer.receivers = receivers
+            moved = receivers.blockers.corners.tobytes() if self._scene.lit_moves else b""
+            lights = light_keys(lamps_at(self._scene, now_ns), self._scene.background, moved)
         state_of = [lights[k][1] for k, _ in self._bundles]
         stale = self.book.stale(state_of)
         largest = bundle_bytes(self._wanted.paths_of_bundle)
@@ -575,14 +579,6 @@ class PhotonSource(Sender):
         self.complete = not stale  # of the light as it is now
         start = self._cube.packed(whole=self.book.whole)
         return Update(np.frombuffer(start + bytes(out), np.uint8).copy(), tuple(sent))
-
-    def _lights(self, now_ns: int) -> list[tuple[Light | None, bytes]]:
-        """Return those of an instant, with what they fall on."""
-        receivers = receivers_of(self._scene, now_ns)
-        for tracer in self._tracers:
-            tracer.receivers = receivers
-        moved = receivers.blockers.corners.tobytes() if self._scene.lit_moves else b""
-        return light_keys(lamps_at(self._scene, now_ns), self._scene.background, moved)
 
 
 _LIGHT = (4, "f4")  # rgba32f: sums of thousands of photons

@@ -6,8 +6,8 @@ A scene's plain surfaces are cut into small cells, each sampled as densely as ne
 from __future__ import annotations
 
 import struct
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import cached_property, lru_cache
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import attrs
@@ -116,10 +116,10 @@ class Block:
     low: tuple[float, float, float]
     edge: float
     area: float
-    # (n,) packed positions, (n, 2) normals, (n, 3) colours; see SurfacePoints.
+    # (n,) three times POSITION_BITS from x up, in steps of the cell's edge from its lowest corner.
     positions: NDArray[np.uint32]
-    normals: NDArray[np.uint8]
-    colours: NDArray[np.uint8]
+    normals: NDArray[np.uint8]  # (n, 2) octahedral, in the axes of the positions
+    colours: NDArray[np.uint8]  # (n, 3) sRGB of texture times light, clipped at 1
 
     def packed(self) -> bytes:
         """Return its bytes."""
@@ -137,21 +137,19 @@ def packed_sky(colours: NDArray[np.float64], *, complete: bool) -> bytes:
 
 def unpacked(content: NDArray[np.uint8]) -> tuple[bool, NDArray[np.float64], list[Block]]:
     """Return whether all that may be seen was sent, the background and the blocks of an update."""
-    data = content.tobytes()
+    data, at = content.tobytes(), SKY_BYTES
     complete, *sky = _SKY.unpack_from(data)
-    return bool(complete), np.array(sky).reshape(3, 3), list(_blocks(data, _SKY.size))
-
-
-def _blocks(data: bytes, at: int) -> Iterator[Block]:
+    blocks = []
     while at < len(data):
         cell, age, number, count, body, double, *low, edge, area = _HEAD.unpack_from(data, at)
-        at += _HEAD.size
+        at += HEAD_BYTES
         arrays: list[NDArray[Any]] = []
         for kind, columns in ((np.uint32, 1), (np.uint8, 2), (np.uint8, 3)):
             array = np.frombuffer(data, kind, count * columns, at)
             arrays.append(array if columns == 1 else array.reshape(count, columns))
             at += array.nbytes
-        yield Block(cell, age, number, body, bool(double), (low[0], low[1], low[2]), edge, area, *arrays)
+        blocks.append(Block(cell, age, number, body, bool(double), (low[0], low[1], low[2]), edge, area, *arrays))
+    return bool(complete), np.array(sky).reshape(3, 3), blocks
 
 
 class PointSender(Book):
@@ -306,16 +304,6 @@ _TRIANGLE_DIGITS, _INDEX_BITS = 8, 24
 _QUARTERS = 3 * np.vstack([np.zeros(3), np.eye(3)])  # the middle one, and those at the corners
 
 
-@attrs.frozen(eq=False)
-class SurfacePoints:
-    """Some points of a cell, as they are sent."""
-
-    # (n,) three times POSITION_BITS from x up, in steps of the cell's edge from its lowest corner.
-    positions: NDArray[np.uint32]
-    normals: NDArray[np.uint8]  # (n, 2) octahedral, in the axes of the positions
-    colours: NDArray[np.uint8]  # (n, 3) sRGB of texture times light, clipped at 1
-
-
 class PointCells:
     """Cells of plain surfaces, each on one side of one mesh and facing about one way.
 
@@ -355,9 +343,10 @@ class PointCells:
 
         low = of_cells(np.minimum, self._rows[:, :, :3].min(axis=1))
         high = of_cells(np.maximum, self._rows[:, :, :3].max(axis=1))
-        # (n, 3) lowest corner and half size in metres, relative to the scene's origin or in the
-        # frame of the body; (n,) the edge of the cube that holds it, and the area.
+        # (n, 3) lowest corner, half size and middle in metres, relative to the scene's origin or in
+        # the frame of the body; (n,) the edge of the cube that holds it, and the area.
         self.low, self.halves = low.astype(np.float32).astype(np.float64), (high - low) / 2
+        self.centres = self.low + self.halves
         self.edge = np.maximum((high - self.low).max(axis=1, initial=0), 1e-6).astype(np.float32).astype(np.float64)
         self.area = of_cells(np.add, self._area)
         self._mesh_of = owner[order][starts] if self.count else np.zeros(0, np.int64)
@@ -370,17 +359,14 @@ class PointCells:
         cosine = np.einsum("ij,ij->i", self._normal, self.facing[cell])
         self.least_cosine = of_cells(np.minimum, cosine)
 
-    @cached_property
-    def centres(self) -> Array:
-        """(n, 3) middle of each cell's box."""
-        return self.low + self.halves
-
-    def points(self, cell: int, first: int, count: int, spacing: float) -> SurfacePoints:
-        """Return points `first` to `first + count` of a cell's sequence.
+    def block(self, sent: Sent, spacing: float) -> Block:
+        """Return some points of a cell's sequence, as they are sent.
 
         Any run of the sequence is spread evenly over the cell's surface. spacing: metres over which
         the texture is averaged.
         """
+        cell, age, number = sent
+        first, count = block_range(number) if number >= 0 else (0, 0)
         own = slice(int(self._first[cell]), int(self._first[cell + 1]))
         ends = np.cumsum(self._area[own])
         # Places from 0 to 1, those of any run far apart: van der Corput's sequence.
@@ -397,7 +383,10 @@ class PointCells:
             texture, uv = self.scene.textures[mesh.texture], found[:, 3:5]
             light = self._looked_up(texture, uv, texels) * light + self._emission(texture, uv, texels)
         colours = srgb8_from_linear(np.minimum(light, 1).astype(np.float32))
-        return SurfacePoints(packed, octahedral(self._normal[own][which]), colours)
+        return Block(
+            cell, age, number, int(self.body[cell]), bool(self.double_sided[cell]), tuple(self.low[cell].tolist()),
+            float(self.edge[cell]), float(self.area[cell]), packed, octahedral(self._normal[own][which]), colours,
+        )  # fmt: skip
 
     def _emission(self, texture: Texture, uv: Array, texels: Array) -> Array | float:
         """Return what its surface emits there; averaged alike."""
@@ -626,7 +615,9 @@ class PointSource(Sender):
             sent += more
         lacks = shown & (self.book.points < need)
         self.complete = not lacks.any()
-        content = b"".join(self._block(block, spacing).packed() for block in sent)
+        # Closer than a pixel, each has the mean of a pixel: the texture between them is not seen.
+        apart = spacing * max(1.0, 1 / self._cloud.spacing)
+        content = b"".join(self._cells.block(block, float(apart[block[0]])).packed() for block in sent)
         background = self._cells.scene.background
         sky = packed_sky(np.array([background.zenith, background.horizon, background.ground]), complete=self.complete)
         return Update(np.frombuffer(sky + content, np.uint8).copy(), tuple(sent), now_ns)
@@ -703,19 +694,6 @@ class PointSource(Sender):
         looks = cells.area * np.maximum(np.abs(cosine), 0.05) / np.maximum(distance, NEAREST_M) ** 2
         return pixel * self._cloud.spacing * np.maximum(away, NEAREST_M), seen, seen & ~hidden, looks
 
-    def _block(self, sent: Sent, spacing: Array) -> Block:
-        cell, age, number = sent
-        cells = self._cells
-        first, count = block_range(number) if number >= 0 else (0, 0)
-        # Closer than a pixel, each has the mean of a pixel: the texture between them is not seen.
-        apart = float(spacing[cell]) * max(1.0, 1 / self._cloud.spacing)
-        points = cells.points(cell, first, count, apart)
-        low = tuple(cells.low[cell].tolist())
-        return Block(
-            cell, age, number, int(cells.body[cell]), bool(cells.double_sided[cell]), low,
-            float(cells.edge[cell]), float(cells.area[cell]), points.positions, points.normals, points.colours,
-        )  # fmt: skip
-
 
 def _hidden(offsets: Array, radii: Array, view: View, nearest: Array) -> NDArray[np.bool_]:
     """Return which balls, at offsets from the eye, lie behind all that is around their middle.
@@ -761,8 +739,8 @@ class PointSettings(Cloud):
 class KeptPoints(Store):
     """The points of one Cloud that have arrived, in pages, and the cells that they belong to.
 
-    The buffers of cloudlight/points.comp are allocated at once for all its room: 12 bytes a point, and
-    for each page of PAGE points 4 bytes and the 32 of a cell.
+    The buffers of cloudlight/points.comp are allocated at once for all its room: 12 bytes a point,
+    and for each page of PAGE points 4 bytes and the 32 of a cell.
     """
 
     def __init__(self, client: ClientScene, wanted: Cloud) -> None:

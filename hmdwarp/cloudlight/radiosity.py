@@ -448,22 +448,17 @@ def _near(rays: _Rays, points: Array) -> tuple[NDArray[np.int64], ...]:
 def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder: Path | None, rays: int) -> _Rays:
     """Return the rays from what stands still to what stands still."""
     receivers = _still_receivers(meshes, textures)
-    path = (folder or cache_folder()) / f"light-{_key(receivers, rays)}.npz"
-    stored, shape = read_arrays(path, ("patch", "far")), (len(receivers.patches), rays)
+    patches, digest = receivers.patches, hashlib.sha256(f"{VERSION} {rays}".encode())
+    for array in (patches.texels, patches.centres, patches.normals, patches.steps, receivers.blockers.corners):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    path = (folder or cache_folder()) / f"light-{digest.hexdigest()[:40]}.npz"
+    stored, shape = read_arrays(path, ("patch", "far")), (len(patches), rays)
     if stored is not None and [array.shape for array in stored] == [shape, shape]:
-        return _Rays(*_begun(receivers.patches, slice(None), rays), *stored)
+        return _Rays(*_begun(patches, slice(None), rays), *stored)
     found = _cast(receivers, slice(None), rays)
     with suppress(OSError):
         write_arrays(path, {"patch": found.patch, "far": found.far})
     return found
-
-
-def _key(receivers: Receivers, rays: int) -> str:
-    patches = receivers.patches
-    digest = hashlib.sha256(f"{VERSION} {rays}".encode())
-    for array in (patches.texels, patches.centres, patches.normals, patches.steps, receivers.blockers.corners):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()[:40]
 
 
 def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:

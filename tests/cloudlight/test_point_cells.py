@@ -22,7 +22,7 @@ def test_points_have_the_light_of_the_start(name):
     atlas = transport.indirect(transport.direct(lamps))
     errors = []
     for cell in range(0, cells.count, 7):
-        found = cells.points(cell, 0, 4, 0.01)
+        found = cells.block((cell, 0, 0), 0.01)
         steps = np.stack([found.positions >> (10 * k) & 1023 for k in range(3)], axis=1) / 1023
         places, body = cells.low[cell] + cells.edge[cell] * steps, cells.body[cell]
         facing = np.tile(cells.facing[cell], (len(places), 1))
