@@ -13,7 +13,8 @@ Where a module declares several small entries, its registry names the module of 
 An entry that is data alone is a table, NAME.toml, in the registries that say what to make of one.
 
 Other packages add entries through entry points of the group `hmdwarp.<registry>`, for instance
-`[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`.
+`[project.entry-points."hmdwarp.warps"]  mine = "my_package.mine"`. Packages of hmdwarp itself that
+nothing imports do so too, in an entry_points.toml of their own.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def _text(value: object) -> str:
 
 
 class Registry(Generic[T]):
-    """Entries of one kind: one per public file of `package`, plus those of other packages.
+    """Entries of one kind: one per public file of `package`, if any, plus those of other packages.
 
     File names give the names, so listing them imports no entry (`--help` needs them). Modules whose
     name starts with an underscore are helpers, not entries.
@@ -133,6 +134,8 @@ class Registry(Generic[T]):
     def _shipped(self) -> frozenset[str]:
         if self._modules is not None:
             return frozenset(self._modules)
+        if not self.package:
+            return frozenset()
         path = importlib.import_module(self.package).__path__
         modules = {m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")}
         return frozenset(modules if self._of_table is None else modules | self._tables().keys())
@@ -164,4 +167,12 @@ class Registry(Generic[T]):
 def _entry_points(group: str) -> dict[str, importlib.metadata.EntryPoint]:
     import importlib.metadata  # --help, which asks for no entry, does not wait for it
 
-    return {point.name: point for point in importlib.metadata.entry_points(group=group)}
+    own = (importlib.metadata.EntryPoint(name, module, group) for name, module in own_entries(group).items())
+    return {point.name: point for point in (*own, *importlib.metadata.entry_points(group=group))}
+
+
+@functools.cache
+def own_entries(group: str) -> dict[str, str]:
+    """Return the modules of entries that packages of hmdwarp add to others' registries, by name."""
+    tables = [tomllib.loads(path.read_text("utf-8")) for path in Path(__file__).parent.glob("*/entry_points.toml")]
+    return {name: module for table in tables for name, module in table.get(group.removeprefix("hmdwarp."), {}).items()}

@@ -65,7 +65,7 @@ def scene_for(strategy: str) -> str:
     warp, told = parse_warp(sets.get("warp", DEFAULT_WARP)).entry, sets.get("effects", "auto")
     if effects.forced(told) - {*effects.selected(told, (), planes)}:
         return "parade"
-    return "lantern" if warp.unsuited(planes) or (light is not None and light.unsuited(planes)) else "planes"
+    return "lantern" if warp.unsuited(planes) or (light is not None and light.entry.unsuited(planes)) else "planes"
 
 
 def small(out: Path | str = "nowhere", **options: object) -> RunOptions:

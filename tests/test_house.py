@@ -38,6 +38,7 @@ FLOORS = [
     {"link"},
     {"sources"},
     {"client"},
+    {"cloudlight"},
     {"metrics"},
     {"report"},
     {"pipeline"},
@@ -318,6 +319,14 @@ def test_imports_point_one_way():
 def test_the_client_draws_by_passes_of_the_server_and_knows_no_other_source():
     found = {other for path in modules() if unit_of(path) == "client" for other in files_imported(path)}
     assert {name_of(path) for path in found if unit_of(path) == "sources"} == {"sources/server/__init__.py"}
+
+
+def test_the_core_does_not_know_cloudlight():
+    """It is found as another package is: nothing imports it, not for annotations, or names it."""
+    others = [path for path in modules() if unit_of(path) != "cloudlight"]
+    users = {name_of(path) for path in others if any(unit_of(other) == "cloudlight" for other in files_imported(path))}
+    users |= {name_of(path) for path in others if any("cloudlight." in text for _, text in strings_of(path))}
+    assert not users, f"these know cloudlight: {users}"
 
 
 def test_import_rules_notice_what_they_forbid():

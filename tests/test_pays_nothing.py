@@ -185,5 +185,5 @@ def test_a_grid_of_voxels_is_paid_by_those_who_ask_for_it():
     """Frames weigh the same: the light is in the picture."""
     without, grid = (costs_of(scene="lantern", indirect=light) for light in ("converged", "voxels:size=16"))
     assert not {path for path in without.shaders if "voxel" in path}
-    assert {"server/voxel_direct.comp", "server/voxel_fill.comp", "server/voxel_look.comp"} <= grid.shaders
+    assert {"cloudlight/voxel_direct.comp", "cloudlight/voxel_fill.comp", "cloudlight/voxel_look.comp"} <= grid.shaders
     assert grid.layers == without.layers and grid.sent == without.sent

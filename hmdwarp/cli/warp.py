@@ -16,18 +16,16 @@ from ..sources import sequences
 from ..sources.sequences.options import FAR, SequenceOptions, repair_field
 from ._options import Said, takes
 
-# What reads more than a picture with depth: left out of the help, which does not load the others.
+# What reads more than a picture with depth: left out of the help, which does not load the others,
+# with all that comes with a layer of its own.
 NEEDS_A_SERVER = (
     "backward",
     "composite",
     "difference",
     "environment",
-    "irradiance",
     "layered",
     "model",
     "multi",
-    "photons",
-    "points",
     "relight",
     "wide",
 )
@@ -52,7 +50,7 @@ class WarpOptions(Declared):
         "view).",
     )
     force: bool = force_field()
-    warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER)}.")
+    warp: str = same_as(_PIPELINE.warp, help=f"{names_in('client/warps', without=NEEDS_A_SERVER, added=False)}.")
     fill: str = same_as(
         _PIPELINE.fill, "pyramid", help=f"{names_in('client/fills', without=NEEDS_A_SERVER)}, or several with +."
     )

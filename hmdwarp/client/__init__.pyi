@@ -10,7 +10,9 @@ from .compensator import Compensator as Compensator
 from .compensator import EyeResult as EyeResult
 from .compensator import Stages as Stages
 from .drawn_scenes import ReducedModel as ReducedModel
+from .drawn_scenes import Surfaces as Surfaces
 from .drawn_scenes import WholeScene as WholeScene
+from .drawn_scenes import whole_weight as whole_weight
 from .inputs import History as History
 from .inputs import PassInputs as PassInputs
 from .inputs import ShownPicture as ShownPicture
@@ -28,6 +30,7 @@ from .variants import every_baseline as every_baseline
 from .variants import every_fill as every_fill
 from .variants import every_warp as every_warp
 from .variants import fill_text as fill_text
+from .variants import lit_by as lit_by
 from .variants import parse_fills as parse_fills
 from .variants import parse_indirect as parse_indirect
 from .variants import parse_warp as parse_warp

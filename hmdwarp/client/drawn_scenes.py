@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import attrs
 import moderngl
@@ -12,8 +12,8 @@ from ..gpu.context import Gpu, drawing_into
 from ..gpu.textures import SCALAR, allocate
 from ..scenes import Pieces, Scene, only_emission, partial_scene, reduced, unlit, with_lamps_stopped
 from ..sources.server import (
+    ConvergedLight,
     Framebuffers,
-    Indirect,
     Lighting,
     Multisampled,
     Renderer,
@@ -29,16 +29,17 @@ from .client_scene import ClientScene, Store
 from .inputs import ShownPicture
 
 Size = tuple[int, int]
+Light = TypeVar("Light", bound=Lighting)
 
 
 class Surfaces:
     """The surfaces of a scene, drawn by the server's own passes: rgba16f and r32f inverse depth.
 
-    sources: where indirect light comes from; there are passes for each. samples: of each pixel, as
-    the server has them: colour is their mean, inverse depth that of the pixel's centre.
+    kinds: of light; there are passes for each. samples: of each pixel, as the server has them:
+    colour is their mean, inverse depth that of the pixel's centre.
     """
 
-    def __init__(self, gpu: Gpu, scene: Scene, *sources: Indirect, samples: int = 1) -> None:
+    def __init__(self, gpu: Gpu, scene: Scene, *kinds: type[Lighting], samples: int = 1) -> None:
         self.scene = scene
         self._several = Multisampled(gpu, samples) if samples > 1 else None
         surfaces = [mesh for mesh in scene.meshes if mesh.is_surface]
@@ -46,8 +47,7 @@ class Surfaces:
         self._buffers = SceneBuffers(gpu, [mesh for mesh in surfaces if mesh.stands_still], self._textures)
         self._moving = moving_parts(gpu, scene, self._textures)
         self._passes = {
-            source: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, indirect=source)
-            for source in sources
+            kind: ScenePasses(gpu, scene, self._buffers, colour=True, moving=self._moving, light=kind) for kind in kinds
         }
         self._gpu = gpu
         self._depth: ScenePasses | None = None
@@ -57,19 +57,19 @@ class Surfaces:
         """Allocate what pictures of that size need."""
         self._framebuffers.reserve(size)
 
-    def lighting(self, source: Indirect) -> Lighting | None:
-        """Return the light of the passes with that indirect light; None without lamps."""
-        return self._passes[source].lighting
+    def lighting(self, kind: type[Light]) -> Light | None:
+        """Return the light of the passes of that kind; None without lamps."""
+        return cast("Light | None", self._passes[kind].lighting)
 
-    def draw(self, view: View, into: ShownPicture, time_ns: int, source: Indirect = Indirect.OWN) -> None:
+    def draw(self, view: View, into: ShownPicture, time_ns: int, kind: type[Lighting] = ConvergedLight) -> None:
         """Draw the whole picture: coverage 1 everywhere, sky included (inverse depth 0).
 
         What is read as data, not seen, has one sample a pixel: a mean of normals is none.
         """
-        if self._several is None or source is Indirect.RECEIVERS:
-            self._passes[source].draw(view, self._over(into), time_ns)
+        if self._several is None or not kind.coloured:
+            self._passes[kind].draw(view, self._over(into), time_ns)
             return
-        self._several.draw(self._passes[source], view, into.colour.texture, time_ns)
+        self._several.draw(self._passes[kind], view, into.colour.texture, time_ns)
         if into.inverse_depth is not None:
             self._depth_passes().draw(view, self._framebuffers.over(into.inverse_depth), time_ns)
 
@@ -135,7 +135,7 @@ class DrawnModel(Surfaces):
     """A model that can also be drawn into holes alone, then with one sample a pixel."""
 
     def __init__(self, client: ClientScene, scene: Scene) -> None:
-        super().__init__(client.gpu, scene, Indirect.OWN, samples=client.server.samples)
+        super().__init__(client.gpu, scene, ConvergedLight, samples=client.server.samples)
         gpu, self._gl = client.gpu, client.gpu.gl
         self._cover = gpu.shaders.draw("server/background.vert", "fills/model_cover.frag")
         self._empty = gpu.gl.vertex_array(self._cover.program, [])
@@ -154,7 +154,7 @@ class DrawnModel(Surfaces):
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
             self._empty.render(moderngl.TRIANGLES, vertices=3)
         gl.polygon_offset = 0.0, 2.0  # surfaces at the near plane must stay behind covered pixels
-        self._passes[Indirect.OWN].draw_into(view, framebuffer, None, time_ns)
+        self._passes[ConvergedLight].draw_into(view, framebuffer, None, time_ns)
         gl.polygon_offset = 0.0, 0.0
 
     def close(self) -> None:

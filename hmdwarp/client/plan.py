@@ -16,11 +16,12 @@ from ..frames import Needs
 from ..frames.layers import PICTURE, layers, readable, readable_names
 from ..geometry import Fovea
 from ..options import Choice
+from ..scenes import CONVERGED
 from .effect_passes.expand import EXPANDED, ExpandPass
 from .effects import Effect, EffectPass, RenderedPass, ShownPass, effects
 from .fills import Fill, fills
 from .lens import LensPass, lenses
-from .variants import CONVERGED, fill_text, parse_fills, parse_indirect, parse_warp
+from .variants import fill_text, lit_by, parse_fills, parse_warp
 from .warps import Warp
 
 # Layers beside PICTURE of every frame, that the client makes itself, and that passes hand on.
@@ -128,9 +129,10 @@ class Plan:
 
     @property
     def draws_scene(self) -> bool:
-        """Whether the client draws something of the scene itself: its own, or points that came."""
+        """Whether the client draws something of the scene itself: its own, or by what came."""
         read = {name for step in self.steps for name in step.reads}
-        return "rendered.points" in read or any(name.startswith("client.") for name in read)
+        came = {layer.readable() for layer in layers if layer.draws_scene}
+        return bool(read & came) or any(name.startswith("client.") for name in read)
 
     @property
     def draws_client_depth(self) -> bool:
@@ -280,7 +282,7 @@ def build_plan(
         bool(takes_depth),
         bool(takes_panels) and any(effect.for_display for planned in passes for effect in planned.effects),
         tuple(handed),
-        Needs(voxels=parse_indirect(indirect)),
+        lit_by(indirect),
         foveated,
     )
 

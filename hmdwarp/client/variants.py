@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from ..errors import InputError, unknown_name
-from ..frames.layers.voxels import VoxelLight
-from ..options import Choice, NoSettings, parse_choice, parse_settings
+from ..errors import InputError
+from ..frames import Needs
+from ..options import Choice, parse_choice
 from ..registry import Registry
+from ..scenes import CONVERGED, IndirectLight, lights
 from .fills import Fill, fills
 from .warps import Warp, warps
 
-# How the server finds the light between surfaces where lamps move.
-CONVERGED, VOXELS = "converged", "voxels"
 Entry = TypeVar("Entry", bound=Warp | Fill)
 
 
@@ -38,18 +37,18 @@ def parse_fills(text: str) -> tuple[Choice[Fill], ...]:
     return tuple(choice for choice in chain if choice.entry.is_pass)
 
 
-def parse_indirect(text: str) -> VoxelLight | None:
-    """Parse how the server finds indirect light: 'converged' (None), or 'voxels:key=value'.
+def parse_indirect(text: str) -> Choice[IndirectLight] | None:
+    """Parse how the server finds indirect light: 'converged' (None), or 'name:key=value'.
 
-    Errors: UnknownNameError for another name; InputError for a setting that it lacks, or a bad
-    value.
+    Errors: as parse_warp.
     """
-    name, _, rest = text.partition(":")
-    if name not in (CONVERGED, VOXELS):
-        raise unknown_name("indirect light", name, [CONVERGED, VOXELS])
-    kind = NoSettings if name == CONVERGED else VoxelLight
-    settings = parse_settings(kind, name, f"indirect light '{text}'", rest)
-    return settings if isinstance(settings, VoxelLight) else None
+    return None if text == CONVERGED else parse_choice(lights, text)
+
+
+def lit_by(indirect: str) -> Needs:
+    """Return what frames must carry for indirect light by that name; errors: as parse_warp."""
+    light = parse_indirect(indirect)
+    return Needs(**{light.entry.layer: light.settings}) if light is not None and light.entry.layer else Needs()
 
 
 def fill_text(chain: tuple[Choice[Fill], ...]) -> str:

@@ -15,17 +15,19 @@ from typing import Any, ClassVar, Self
 import attrs
 
 from ..errors import InputError, in_brief, listed
+from ..registry import own_entries
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
 
-def names_in(folder: str, pattern: str = "*", without: Collection[str] = ()) -> str:
-    """Return the entries of a registry for a help text.
+def names_in(folder: str, pattern: str = "*", without: Collection[str] = (), *, added: bool = True) -> str:
+    """Return the entries of a registry for a help text; added: with what packages of hmdwarp add.
 
     Reads file names alone, modules and tables, so that --help imports nothing.
     """
-    files = [p for p in (_PACKAGE / folder).glob(pattern) if p.suffix in (".py", ".toml")]
-    return ", ".join(sorted(p.stem for p in files if not p.stem.startswith("_") and p.stem not in without))
+    names = {p.stem for p in (_PACKAGE / folder).glob(pattern) if p.suffix in (".py", ".toml")}
+    names |= own_entries(folder.rpartition("/")[2]).keys() if added else set()
+    return ", ".join(sorted(name for name in names if not name.startswith("_") and name not in without))
 
 
 def _as_float(value: Any) -> float:

@@ -10,12 +10,12 @@ from ..client.capability import check_client
 from ..client.classes import load_client
 from ..client.effects import effects
 from ..client.plan import Plan, build_plan
-from ..client.variants import CONVERGED, parse_indirect
+from ..client.variants import parse_indirect
 from ..client.warps import Warp
 from ..errors import InputError, PlanError
 from ..headsets import Headset
 from ..options import AUTO, Choice
-from ..scenes import Scene
+from ..scenes import CONVERGED, Scene
 from .options import PipelineOptions
 from .proxy_options import PROXY, RECORDING, ProxyOptions
 
@@ -83,7 +83,7 @@ def check_suited(scene: Scene | None, warp: Choice[Warp], indirect: str) -> None
     if why := warp.entry.unsuited(scene):
         raise PlanError(f"warp '{warp}' is not for scene '{scene.name}': {why}")
     light = parse_indirect(indirect)
-    if light is not None and (why := light.unsuited(scene)):
+    if light is not None and (why := light.entry.unsuited(scene)):
         raise PlanError(f"indirect light '{indirect}' is not for scene '{scene.name}': {why}")
 
 

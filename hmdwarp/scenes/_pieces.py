@@ -13,10 +13,10 @@ import attrs
 import numpy as np
 from numpy.typing import NDArray
 
+from ._lamps import indirect_atlas, with_lamps_stopped
 from ._mesh import Mesh, Texture, chunks_of
 from ._reduce import UNKNOWN_ALBEDO, fewer_triangles, reduced, scaled, unlit, with_triangles
 from ._scene import Scene
-from .radiosity import indirect_atlas, with_lamps_stopped
 
 # A stand-in for the whole scene has as few triangles as this, or this share of them.
 STAND_IN_TRIANGLES, STAND_IN_SHARE = 2000, 0.02

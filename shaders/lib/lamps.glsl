@@ -1,6 +1,6 @@
 // Direct light of moving lamps, with shadows by rays against every blocker. Server and clients use
 // the same code.
-// Source: as hmdwarp/scenes/radiosity.py; Moeller and Trumbore 1997 (rays in a triangle's axes).
+// Source: as hmdwarp/cloudlight/radiosity.py; Moeller and Trumbore 1997 (rays in a triangle's axes).
 uniform sampler2D blockers;  // a column for each triangle: three rows that take a point to its axes
 uniform int blocker_count;
 uniform int lamp_count;

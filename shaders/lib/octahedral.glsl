@@ -1,5 +1,5 @@
 // A unit vector from two bytes, the lower first.
-// In: as scenes.octahedral() makes it. Out: the vector, off by at most 0.7 degrees.
+// In: as cloudlight.photons.octahedral() makes it. Out: the vector, off by at most 0.7 degrees.
 // Source: Cigolle et al. 2014, A Survey of Efficient Representations for Independent Unit Vectors.
 vec3 normal_of(uint word) {
     vec2 f = vec2(word & 255u, (word >> 8) & 255u) / 127.0 - 1.0;

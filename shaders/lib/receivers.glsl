@@ -9,7 +9,7 @@ uniform vec4 low_tangents;        // left, lower, right, upper edge of the low p
 uniform float radius;             // metres that a photon lights around it
 
 // How far off the plane of what it lights, in radii, and the least cosine between normals. As in
-// scenes/_photons.py.
+// cloudlight/photons.py.
 const float OFF_PLANE = 0.25;
 const float LEAST_COSINE = 0.8;
 

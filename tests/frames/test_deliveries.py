@@ -51,21 +51,21 @@ def test_only_lost_updates_are_sent_twice():
     things = things_of([5 * FRAGMENT_BYTES])
     outbox = Outbox(things)
     sent = [outbox.update([0, 0], 2 * (FRAGMENT_BYTES + 14), now) for now in range(3)]
-    assert [len(delivery.fragments) for delivery in sent] == [2, 2, 1]
-    assert not outbox.waiting and not outbox.update([0], 10_000, 3).fragments
+    assert [len(delivery.pieces) for delivery in sent] == [2, 2, 1]
+    assert not outbox.waiting and not outbox.update([0], 10_000, 3).pieces
     outbox.heard(sent[1], False, 10)
     outbox.heard(sent[0], True, 9)
     outbox.settle(8)
     assert not outbox.waiting and outbox.round_trip_ns is None
     outbox.settle(10)
     assert outbox.waiting == {0} and outbox.round_trip_ns == 9
-    assert outbox.update([0], 10_000, 11).fragments == sent[1].fragments
+    assert outbox.update([0], 10_000, 11).pieces == sent[1].pieces
 
 
 def test_the_first_in_order_crosses_first_and_the_order_may_change():
     outbox = Outbox(things_of([FRAGMENT_BYTES] * 4))
-    assert outbox.update([2, 0, 1, 3], 1, 0).fragments == ((2, 0),)
-    assert outbox.update([3, 2, 1, 0], 1, 0).fragments == ((3, 0),)
+    assert outbox.update([2, 0, 1, 3], 1, 0).pieces == ((2, 0),)
+    assert outbox.update([3, 2, 1, 0], 1, 0).pieces == ((3, 0),)
     assert outbox.waiting == {0, 1}
 
 

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from scipy.ndimage import map_coordinates
 
-from hmdwarp.frames.layers.photons import unpacked
+from hmdwarp.cloudlight.photons import unpacked
 from hmdwarp.geometry import View
 from hmdwarp.scenes import ATLAS, Scene
 

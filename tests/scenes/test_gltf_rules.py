@@ -11,10 +11,11 @@ import pytest
 from PIL import Image
 from worlds import read
 
+from hmdwarp.cloudlight.points import PointCells
 from hmdwarp.colour import linear_from_srgb
 from hmdwarp.errors import SceneError
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import PointCells, load_scene, only_light, partial_scene, reduced, unlit
+from hmdwarp.scenes import load_scene, only_light, partial_scene, reduced, unlit
 from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, SQUARE, Glb, boxes, cube
@@ -134,7 +135,7 @@ def test_a_client_that_draws_for_itself_draws_the_emission_too(tmp_path, gpu):
 
 def test_points_show_the_emission(tmp_path, gpu):
     scene = _textured(tmp_path)
-    point = PointCells(scene).points(0, 0, 4, 0.1).colours[0]
+    point = PointCells(scene).block((0, 0, 0), 0.1).colours[0]
     assert linear_from_srgb(point / 255) == pytest.approx(middle(gpu, scene)[0], abs=0.01)  # a byte of sRGB
 
 

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from replays import run
 
+from hmdwarp.cloudlight.radiosity import direct_light, receivers_of
 from hmdwarp.errors import SceneError
 from hmdwarp.frames import Frame
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.pipeline import Changes
-from hmdwarp.scenes import ATLAS, ArrivedState, as_arrived, lamps_at, load_scene, receivers_of
-from hmdwarp.scenes.radiosity import direct_light
+from hmdwarp.scenes import ATLAS, ArrivedState, as_arrived, lamps_at, load_scene
 from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, Glb

@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 import pytest
 
+from hmdwarp.cloudlight.radiosity import receivers_of
 from hmdwarp.scenes import (
     COARSEST,
     FULL,
@@ -15,12 +16,11 @@ from hmdwarp.scenes import (
     Mesh,
     Pieces,
     Scene,
-    blockers_of,
+    blocking,
     indirect_atlas,
     load_scene,
     partial_scene,
     pieces_of,
-    receivers_of,
     with_lamps_stopped,
 )
 
@@ -116,12 +116,12 @@ def test_blockers_of_all_meshes_are_those_of_the_scene(name):
     scene = load_scene(name)
     for time_ns in (0, 1_500_000_000):
         stopped = with_lamps_stopped(scene, time_ns)
-        found = blockers_of(stopped, [*scene.meshes][::-1], time_ns).rows
+        found = blocking(stopped, time_ns, [*scene.meshes][::-1])
         wanted = receivers_of(stopped, time_ns).blockers.rows
         assert sorted(map(bytes, found)) == sorted(map(bytes, wanted)) and len(found) > 10
     lit = next(mesh for mesh in scene.meshes if mesh.light_uv is not None)
     flat = attrs.evolve(lit, triangles=np.zeros_like(lit.triangles))
-    assert len(blockers_of(scene, [flat]).corners) == 0
+    assert len(blocking(scene, meshes=[flat])) == 0
 
 
 def test_an_empty_scene_has_no_pieces():

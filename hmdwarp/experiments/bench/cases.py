@@ -12,7 +12,7 @@ import attrs
 from ...client.effects import effects
 from ...client.plan import CLIENT_MODEL, OTHERS, Plan, build_plan
 from ...client.strategies import has_own_link, options_of_strategy
-from ...client.variants import CONVERGED, every_baseline, every_warp, fill_text, parse_fills, parse_warp
+from ...client.variants import every_baseline, every_warp, fill_text, parse_fills, parse_warp
 from ...client.warps import warps
 from ...errors import MachineError, PlanError, listed
 from ...frames.layers import PICTURE, layers
@@ -29,7 +29,7 @@ from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing
 from ...run.options import RunOptions, refuse_traces_of_one_name
 from ...run.setup import first_shown_s, schedule_for, schedule_of
-from ...scenes import Scene
+from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions
 from .options import FILLS, BenchOptions

@@ -112,6 +112,8 @@ class Layer:
     made_from_picture: ClassVar[bool] = False
     # Whether it only says how the picture is lit: no pass reads it.
     lights: ClassVar[bool] = False
+    # Whether the client draws the scene by it, in place of a picture of it.
+    draws_scene: ClassVar[bool] = False
     # The amount of plans that need none of it, and one that needs as much as there is, or some.
     nothing: ClassVar[Any] = 0
     something: ClassVar[Any] = True
@@ -398,31 +400,59 @@ Fragment = tuple[int, int]  # the thing, and which of its fragments
 
 @attrs.frozen(eq=False)
 class Update:
-    """What one frame brings."""
+    """What one frame brings of what crosses little by little."""
 
-    # Fragments with their heads; the link writes what it has decoded over it.
+    # Its pieces; the link writes what it has decoded over it.
     content: NDArray[np.uint8]
     # What the sender needs to know again when it hears of the frame.
-    fragments: tuple[Fragment, ...] = ()
+    pieces: tuple[Any, ...] = ()
     sent_ns: int = 0
 
 
-class Outbox:
-    """The sender's side: each thing until it has arrived.
+class Book:
+    """What the sender of updates knows of them.
 
-    A fragment that was lost is sent again once the sender hears of the loss. What is on its way
-    waits for that news, however long it takes; see Link.settled for what the news assumes.
+    What is on its way waits for the news, however long it takes; see Link.settled for what the news
+    assumes.
     """
 
-    def __init__(self, things: Sequence[bytes]) -> None:
-        self._things = tuple(things)
-        self._waiting = {number: set(range(_fragments(thing))) for number, thing in enumerate(things)}
+    def __init__(self) -> None:
         # When it is heard, a number that keeps equal instants in order, the update, its fate.
         self._news: list[tuple[int, int, Update, bool]] = []
         self._heard = 0
         # From sending to hearing of the arrival, of the last update that is known to have arrived;
         # None before the first.
         self.round_trip_ns: int | None = None
+
+    def heard(self, update: Update, arrived: bool, heard_ns: int) -> None:
+        """Take note of an update's fate, of which the sender hears at that instant."""
+        heapq.heappush(self._news, (heard_ns, self._heard, update, arrived))
+        self._heard += 1
+
+    def settle(self, now_ns: int) -> None:
+        """Act on the news heard by now."""
+        while self._news and self._news[0][0] <= now_ns:
+            heard_ns, _, update, arrived = heapq.heappop(self._news)
+            if arrived:
+                self.round_trip_ns = heard_ns - update.sent_ns
+            for piece in update.pieces:
+                self._settle(piece, arrived=arrived)
+
+    def _settle(self, piece: Any, *, arrived: bool) -> None:
+        """Enter the fate of a piece."""
+        raise NotImplementedError
+
+
+class Outbox(Book):
+    """The sender's side of fragments: each thing until it has arrived.
+
+    A fragment that was lost is sent again once the sender hears of the loss.
+    """
+
+    def __init__(self, things: Sequence[bytes]) -> None:
+        super().__init__()
+        self._things = tuple(things)
+        self._waiting = {number: set(range(_fragments(thing))) for number, thing in enumerate(things)}
 
     @property
     def waiting(self) -> frozenset[int]:
@@ -454,20 +484,12 @@ class Outbox:
                 yield (number, index), self._things[number][FRAGMENT_BYTES * index : FRAGMENT_BYTES * (index + 1)]
 
     def heard(self, update: Update, arrived: bool, heard_ns: int) -> None:
-        """Take note of an update's fate, of which the sender hears at that instant."""
-        if update.fragments:
-            heapq.heappush(self._news, (heard_ns, self._heard, update, arrived))
-            self._heard += 1
+        if update.pieces:
+            super().heard(update, arrived, heard_ns)
 
-    def settle(self, now_ns: int) -> None:
-        """Act on the news heard by now: what was lost waits again."""
-        while self._news and self._news[0][0] <= now_ns:
-            heard_ns, _, update, arrived = heapq.heappop(self._news)
-            if arrived:
-                self.round_trip_ns = heard_ns - update.sent_ns
-                continue
-            for number, index in update.fragments:
-                self._waiting.setdefault(number, set()).add(index)
+    def _settle(self, piece: Fragment, *, arrived: bool) -> None:
+        if not arrived:
+            self._waiting.setdefault(piece[0], set()).add(piece[1])
 
 
 class Inbox:

@@ -3,7 +3,7 @@
 from .draw import MIRRORS as MIRRORS
 from .draw import Server as Server
 from .passes import ArrivingLight as ArrivingLight
-from .passes import Indirect as Indirect
+from .passes import ConvergedLight as ConvergedLight
 from .passes import Lighting as Lighting
 from .passes import ScenePasses as ScenePasses
 from .passes import clear_depth as clear_depth

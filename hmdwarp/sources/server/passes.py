@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -13,62 +12,39 @@ from numpy.typing import NDArray
 from ...geometry import View
 from ...geometry.cube import FACES, face_views
 from ...gpu.context import Gpu, drawing_into
-from ...gpu.shaders import Draw, Inputs, Uniforms
-from ...gpu.textures import COLOUR, allocate
-from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blockers_of, indirect_atlas, lamps_at, receivers_of
+from ...gpu.shaders import Draw, Uniforms
+from ...gpu.textures import COLOUR, allocate, release_all
+from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blocking, indirect_atlas, lamps_at
 from .upload import STAYS, Batch, Moving, Place, SceneBuffers, emits
 from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
 
-INDIRECT_UNIT, BLOCKERS_UNIT, SPLATS_UNIT = 6, 7, 8
-
-
-class Indirect(enum.Enum):
-    """Where the indirect light of a scene with lamps comes from, by the defines of shaders."""
-
-    # Solved for the instant that is drawn; the light atlas `Lighting.indirect`, which its owner
-    # sets; a picture of it, `Lighting.splats`.
-    OWN, ATLAS, SPLATS = "own", "atlas", "splats"
-    # A grid of voxels, see parts/voxels.py.
-    VOXELS = "voxels"
-    # Nowhere: in place of colour, drawn are the normal and what `Lighting.indirect` holds.
-    RECEIVERS = "receivers"
-
-
-_DEFINES = {
-    Indirect.SPLATS: ("LAMPS", "SPLATTED"),
-    Indirect.VOXELS: ("LAMPS", "VOXELS"),
-    Indirect.RECEIVERS: ("RECEIVERS",),
-}
+INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
+Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class Lighting:
-    """Direct and indirect light of a scene with lamps.
+    """Direct light of a scene with lamps; a subclass says where the light between surfaces is.
 
     most_blockers: triangles that stop light, at most; None for those of the scene.
     """
 
-    def __init__(
-        self, gpu: Gpu, scene: Scene, source: Indirect = Indirect.OWN, most_blockers: int | None = None
-    ) -> None:
-        self._gl, self._scene, self.source = gpu.gl, scene, source
-        self._own = allocate(gpu.gl, ATLAS, COLOUR) if source is Indirect.OWN else None
-        self.indirect = self._own
-        self.splats: Inputs | None = None
+    # Of shaders, for where it is.
+    defines: ClassVar[tuple[str, ...]] = ("LAMPS",)
+    # Whether colours are drawn, or data in their place.
+    coloured: ClassVar[bool] = True
+
+    def __init__(self, gpu: Gpu, scene: Scene, most_blockers: int | None = None) -> None:
+        self._gl, self._scene = gpu.gl, scene
         if most_blockers is None:
-            most_blockers = len(receivers_of(scene.all_shown).blockers.corners)
+            most_blockers = len(blocking(scene.all_shown))
         self._blockers = gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4")
         self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._light: bytes = b""
         self._buffers: list[tuple[Sequence[Mesh], moderngl.Buffer]] = []
 
     def _rows(self, time_ns: int) -> NDArray[np.float64]:
         """Return (n, 3, 4), the rows of each triangle that stops light at an instant."""
-        return receivers_of(self._scene, time_ns).blockers.rows
-
-    def _atlas(self, time_ns: int) -> NDArray[np.float16]:
-        """Return the indirect light of an instant as the light atlas."""
-        return indirect_atlas(self._scene, time_ns)
+        return blocking(self._scene, time_ns)
 
     def more(self, meshes: Sequence[Mesh], *, albedo: bool = True) -> tuple[Any, ...]:
         """Return further inputs of the vertex stage, as moderngl takes them.
@@ -81,24 +57,14 @@ class Lighting:
             return (buffer, "3f4 2f4 12x1", "in_normal", "in_light_uv")
         return (buffer, "3f4 2f4 3f4", "in_normal", "in_light_uv", "in_albedo")
 
-    @property
-    def defines(self) -> dict[str, object]:
-        """Defines of the scene's shaders."""
-        return dict.fromkeys(_DEFINES.get(self.source, ("LAMPS",)), 1)
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
+        """Set the uniforms and bind the textures for a view at an instant."""
+        raise NotImplementedError
 
-    def use(self, uniforms: Uniforms, time_ns: int) -> None:
-        """Set the uniforms and bind the textures for an instant."""
-        light = self.use_lamps(uniforms, time_ns) if self.source is not Indirect.RECEIVERS else b""
-        if self.source is Indirect.SPLATS:
-            assert self.splats is not None, "splats are set before anything is drawn"
-            self.splats.use(uniforms, SPLATS_UNIT)
-            return
-        if self._own is not None and self._light != light:
-            self._own.write(self._atlas(time_ns).tobytes())
-            self._light = light
-        assert self.indirect is not None, "late indirect light is set before anything is drawn"
-        uniforms.set(indirect=INDIRECT_UNIT, texels=self.indirect.width / ATLAS[0])
-        self.indirect.use(INDIRECT_UNIT)
+    def use_atlas(self, uniforms: Uniforms, atlas: moderngl.Texture) -> None:
+        """Take indirect light from an atlas, as fine as the scene's or finer."""
+        uniforms.set(indirect=INDIRECT_UNIT, texels=atlas.width / ATLAS[0])
+        atlas.use(INDIRECT_UNIT)
 
     def use_lamps(self, uniforms: Uniforms, time_ns: int) -> bytes:
         """Set what direct light takes, for an instant; return what tells its light apart."""
@@ -124,12 +90,34 @@ class Lighting:
 
     def close(self) -> None:
         """Free its textures and buffers."""
-        for each in (self._blockers, self._own, *(buffer for _, buffer in self._buffers)):
-            if each is not None:
-                each.release()
+        release_all(self._blockers, *(buffer for _, buffer in self._buffers))
 
 
-class ArrivingLight(Lighting):
+class ConvergedLight(Lighting):
+    """With indirect light that is solved for the instant that is drawn."""
+
+    def __init__(self, gpu: Gpu, scene: Scene, most_blockers: int | None = None) -> None:
+        super().__init__(gpu, scene, most_blockers)
+        self._indirect = allocate(gpu.gl, ATLAS, COLOUR)
+        self._light = b""
+
+    def _atlas(self, time_ns: int) -> NDArray[np.float16]:
+        """Return the indirect light of an instant as the light atlas."""
+        return indirect_atlas(self._scene, time_ns)
+
+    def use(self, uniforms: Uniforms, view: View, viewport: Viewport, time_ns: int) -> None:
+        light = self.use_lamps(uniforms, time_ns)
+        if self._light != light:
+            self._indirect.write(self._atlas(time_ns).tobytes())
+            self._light = light
+        self.use_atlas(uniforms, self._indirect)
+
+    def close(self) -> None:
+        super().close()
+        self._indirect.release()
+
+
+class ArrivingLight(ConvergedLight):
     """Light of a scene whose meshes arrive: what is here stops the lamps' light.
 
     scene: its lamps stand still; its meshes may be empty. atlas: indirect light of the whole scene.
@@ -137,12 +125,12 @@ class ArrivingLight(Lighting):
     """
 
     def __init__(self, gpu: Gpu, scene: Scene, atlas: NDArray[np.float16], most_blockers: int) -> None:
-        super().__init__(gpu, scene, most_blockers=most_blockers)
+        super().__init__(gpu, scene, most_blockers)
         self._whole, self._here = atlas, np.empty((0, 3, 4))
 
     def put(self, meshes: Sequence[Mesh]) -> None:
         """Light, and shade by, these meshes from now on; buffers have theirs already."""
-        self._here = blockers_of(self._scene, meshes).rows
+        self._here = blocking(self._scene, meshes=meshes)
         for those, buffer in self._buffers:
             buffer.write(_all_rows(those))
 
@@ -170,7 +158,6 @@ def _vertex_rows(mesh: Mesh) -> NDArray[np.float32]:
 # A surface must not peel out from under itself. It is drawn with the same bits again; 2^-16 leaves
 # room for drivers that round differently.
 SAME_SURFACE = 2.0**-16
-Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
 
 class ScenePasses:
@@ -178,8 +165,7 @@ class ScenePasses:
 
     colour: draw colour and inverse depth, else inverse depth alone. peel: draw only what lies
     behind a picture drawn before, see shaders/lib/peel.glsl; its uniforms go into draw().
-    indirect: with lamps, where indirect light comes from; see `lighting`. lighting: in place of
-    that; its maker closes it.
+    light: of what kind that of lamps is. lighting: in place of that; its maker closes it.
     """
 
     vertex: ClassVar[str] = "server/scene.vert"
@@ -194,18 +180,18 @@ class ScenePasses:
         colour: bool,
         peel: bool = False,
         moving: Sequence[Moving] = (),
-        indirect: Indirect = Indirect.OWN,
+        light: type[Lighting] = ConvergedLight,
         lighting: Lighting | None = None,
     ) -> None:
         self._gpu, self._gl, self.scene, self.buffers = gpu, gpu.gl, scene, buffers
         self._colour, self.moving = colour, tuple(moving)
         # Where the light of the scene's lamps comes from; baked light needs none.
         own = colour and scene.lamps and lighting is None
-        self._made = Lighting(gpu, scene, indirect) if own else None
+        self._made = light(gpu, scene) if own else None
         self.lighting = lighting or self._made
         defines = ({"COLOUR": 1} if colour else {}) | ({"PEEL": 1} if peel else {})
-        # What colours are made of; receivers have none.
-        self._coloured = colour and not (self.lighting is not None and self.lighting.source is Indirect.RECEIVERS)
+        # What colours are made of; data in their place have none.
+        self._coloured = colour and (self.lighting is None or self.lighting.coloured)
         shown = defines if self._coloured else {name: one for name, one in defines.items() if name != "COLOUR"}
         lit = self._lit_defines()
         self._is_lit = bool(lit)
@@ -221,7 +207,7 @@ class ScenePasses:
         return buffers.vertex_array(gpu.gl, self._surface.program, *self._more(buffers), colour=self._coloured)
 
     def _lit_defines(self) -> Mapping[str, object]:
-        return self.lighting.defines if self.lighting is not None else {}
+        return dict.fromkeys(self.lighting.defines, 1) if self.lighting is not None else {}
 
     def _more(self, buffers: SceneBuffers) -> list[tuple[Any, ...]]:
         """Return further inputs of the vertex stage, as moderngl takes them."""
@@ -229,7 +215,9 @@ class ScenePasses:
 
     def peeling(self, moving: Sequence[Moving]) -> ScenePasses:
         """Return passes of the same light that peel, with these moving parts alone."""
-        return ScenePasses(self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving)
+        return ScenePasses(
+            self._gpu, self.scene, self.buffers, colour=True, peel=True, moving=moving, lighting=self.lighting
+        )
 
     @property
     def revision(self) -> int:
@@ -268,14 +256,13 @@ class ScenePasses:
         Its depth must be cleared.
         """
         whole = viewport if viewport is not None else (0, 0, *framebuffer.size)
-        self._begin(view, whole, time_ns)
         self._surface.uniforms.set(**uniforms)
         self._background.uniforms.set(**uniforms)
         self._set_background(view)
         for drawing in self.moving:
             drawing.set_time(time_ns)
         if self.lighting is not None:
-            self.lighting.use(self._surface.uniforms, time_ns)
+            self.lighting.use(self._surface.uniforms, view, whole, time_ns)
         gl = self._gl
         framebuffer.viewport = whole
         with drawing_into(framebuffer, moderngl.DEPTH_TEST):
@@ -292,9 +279,6 @@ class ScenePasses:
             self._draw_background()
             gl.depth_func = "<"
         framebuffer.viewport = (0, 0, *framebuffer.size)
-
-    def _begin(self, view: View, viewport: Viewport, time_ns: int) -> None:
-        """Prepare what the surfaces' shader reads, before anything is drawn."""
 
     def _draw_background(self) -> None:
         self._gl.disable(moderngl.CULL_FACE)

@@ -9,8 +9,9 @@ from lit_rooms import placed, plain
 from scipy.ndimage import map_coordinates
 from worlds import read
 
+from hmdwarp.cloudlight.radiosity import transport_of
 from hmdwarp.geometry import Fov, Pose, View
-from hmdwarp.scenes import lamps_at, load_scene, transport_of, with_lamps_stopped
+from hmdwarp.scenes import lamps_at, load_scene, with_lamps_stopped
 from hmdwarp.scenes._viewpoint import Triangles
 from hmdwarp.sources.server import Server
 

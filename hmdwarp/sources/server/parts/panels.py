@@ -13,9 +13,9 @@ from ....frames.layers.panels import PanelDelivery, first_things, things_of, wit
 from ....geometry import View
 from ....scenes import Material, Panel, Scene
 from ..passes import SAME_SURFACE
+from ..sending import Sender, Sending
 from ..upload import SceneTextures
 from . import DrawContext, Drawing, parts
-from ._sending import Sending
 from ._sheets import MOST, OVER_KEEPING_COVERAGE, Sheets
 
 
@@ -96,7 +96,7 @@ class _Drawn:
         self._textures.close()
 
 
-class _Sender:
+class _Sender(Sender):
     """The pictures of all panels that one PanelDelivery still has to send."""
 
     def __init__(self, panels: Sequence[Panel], wanted: PanelDelivery) -> None:

@@ -12,8 +12,8 @@ from ....frames.layers import Outbox, Update
 from ....frames.layers.scene_update import Delivery
 from ....geometry import View
 from ....scenes import COARSE, FULL, HALF, Mesh, Scene, pieces_of
+from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sender, Sending, boxes_at, distances, may_be_seen, shown_at
 from . import DrawContext, Drawing, parts
-from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen, shown_at
 
 Array = NDArray[np.float64]
 
@@ -41,13 +41,13 @@ class SceneUpdate(Sending[Delivery, "_Sender"]):
         return {"scene_update": updates}
 
 
-class _Sender:
+class _Sender(Sender):
     """What one Delivery still has to send, and in which order."""
 
     def __init__(self, scene: Scene, delivery: Delivery) -> None:
         self._budget = delivery.budget
         self._pieces = pieces_of(scene, delivery.share, delivery.texture, lit=delivery.lit)
-        self.book = Outbox(self._pieces.things)
+        self.book: Outbox = Outbox(self._pieces.things)
         numbers = map(self._pieces.number_of_mesh, range(len(self._pieces.meshes)))
         self._bytes = np.array([len(self._pieces.things[number]) for number in numbers], float)
         self._centres, self._halves = _boxes(self._pieces.meshes)

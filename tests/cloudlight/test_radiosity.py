@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from lit_rooms import GREY, cube, placed, scene_of
 
+from hmdwarp.cloudlight.radiosity import RAYS, direct_light, transport_of
 from hmdwarp.errors import SceneError
-from hmdwarp.scenes import ATLAS, Background, Lamp, Pendulum, Scene, lamps_at, scenes, transport_of, with_lamps_stopped
+from hmdwarp.scenes import ATLAS, Background, Lamp, Pendulum, Scene, lamps_at, scenes, with_lamps_stopped
 from hmdwarp.scenes.library._models import box, in_atlas, wall
-from hmdwarp.scenes.radiosity import RAYS, direct_light
 
 
 def test_a_furnace_glows_everywhere_alike(tmp_path):

@@ -11,14 +11,13 @@ from worlds import read
 from hmdwarp import warp_image
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warps import Output
-from hmdwarp.client.warps.points import KeptPoints
+from hmdwarp.cloudlight.photons import octahedral
+from hmdwarp.cloudlight.points import Block, Cloud, KeptPoints, packed_sky
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import EyeImage
-from hmdwarp.frames.layers.points import Block, Cloud, packed_sky
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
-from hmdwarp.scenes import octahedral
 
 SIZE, FOV = (64, 48), Fov(-0.5, 0.5, -0.4, 0.4)
 EYE = View(Pose((0.3, -0.1, 0.2), (0.02, 0.05, 0.0, 0.998)), FOV)

@@ -1,4 +1,4 @@
-"""Photons against light that is known without them: power, the cosine law, a furnace."""
+"""TracedPhotons against light that is known without them: power, the cosine law, a furnace."""
 
 from __future__ import annotations
 
@@ -7,19 +7,9 @@ import numpy as np
 import pytest
 from lit_rooms import GREY, Fixed, cube, scene_of
 
-from hmdwarp.scenes import (
-    Background,
-    Lamp,
-    Photons,
-    PhotonTracer,
-    kernel_factors,
-    lamps_at,
-    light_keys,
-    load_scene,
-    of_atlas,
-    transport_of,
-)
-from hmdwarp.scenes._photons import kernel
+from hmdwarp.cloudlight.photons import PhotonTracer, TracedPhotons, kernel, kernel_factors, light_keys
+from hmdwarp.cloudlight.radiosity import of_atlas, transport_of
+from hmdwarp.scenes import Background, Lamp, lamps_at, load_scene
 from hmdwarp.scenes.library._models import box, wall
 
 COLOUR = (1.5, 1.0, 0.5)
@@ -32,12 +22,12 @@ def tracer_of(scene, paths=256, bundles=64) -> PhotonTracer:
     return PhotonTracer(transport_of(scene), scene.background, paths, bundles)
 
 
-def traced(tracer, light, direct=False) -> Photons:
+def traced(tracer, light, direct=False) -> TracedPhotons:
     every = tracer.trace(light, range(tracer.bundles), direct=direct)
-    return Photons(*(np.concatenate([getattr(bundle, name) for bundle in every]) for name in FIELDS))
+    return TracedPhotons(*(np.concatenate([getattr(bundle, name) for bundle in every]) for name in FIELDS))
 
 
-FIELDS = [field.name for field in attrs.fields(Photons)]
+FIELDS = [field.name for field in attrs.fields(TracedPhotons)]
 
 
 @pytest.mark.parametrize("albedo", [GREY, (0.7, 0.5, 0.2), (0.0, 0.0, 0.0)])
@@ -109,7 +99,7 @@ def test_photons_bring_as_much_as_radiosity_finds(name, time_ms):
 
 @pytest.mark.parametrize("radius", [0.7, 1.0, 2.0])
 def test_kernels_keep_all_power_and_evenly_lit_surfaces_are_even(radius):
-    """Photons spread evenly, 3x3 on a texel of half a metre. Factors are found for parts of a
+    """TracedPhotons spread evenly, 3x3 on a texel of half a metre. Factors are found for parts of a
     quarter of the radius and repeat over half of that at borders: there they are up to 1/8 short of
     what a kernel that is half beside the surface asks for, on a quarter of the surfaces at most."""
     scene = scene_of([*cube(), *box((-0.6, -1, -0.6), (0, 0, 0), GREY)], 0.5)

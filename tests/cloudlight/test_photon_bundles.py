@@ -7,20 +7,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hmdwarp.frames.layers.photons import (
+from hmdwarp.cloudlight.photons import (
     CUBE_BYTES,
     LEAST_BUDGET,
     BundleRoom,
     BundleSender,
     Cube,
     PhotonMap,
-    PhotonUpdate,
     bundle_bytes,
+    octahedral,
     packed,
     shared_exponent,
     unpacked,
 )
-from hmdwarp.scenes import octahedral
+from hmdwarp.frames.layers import Update
 
 POWERS = st.floats(0, 6e4, width=32)
 
@@ -84,7 +84,7 @@ class Network:
     def __init__(self, bundles: int) -> None:
         self.book, self.room, self.under_way = BundleSender(bundles), BundleRoom(), []
 
-    def send(self, lights: list[int], most: int, now: int) -> PhotonUpdate:
+    def send(self, lights: list[int], most: int, now: int) -> Update:
         self.book.settle(now)
         told = [bytes([light]) for light in lights]
         sent = []
@@ -93,7 +93,7 @@ class Network:
             if entered is not None:
                 sent.append((entered, lights[bundle]))
         self.under_way.append([(one, light) for one, light in sent])
-        return PhotonUpdate(np.zeros(0, np.uint8), tuple(one for one, _ in sent))
+        return Update(np.zeros(0, np.uint8), tuple(one for one, _ in sent))
 
     def receive(self, number: int) -> None:
         for sent, light in self.under_way[number]:
@@ -137,18 +137,18 @@ def test_only_what_has_changed_is_sent_and_the_oldest_first():
     net = Network(4)
     net.send([1, 1, 1, 1], 4, 0)
     assert len(net.under_way[0]) == 4
-    assert not net.send([1, 1, 1, 1], 4, 1).bundles
-    assert {bundle for bundle, _ in net.send([1, 2, 1, 2], 4, 2).bundles} == {1, 3}
-    first = [bundle for bundle, _ in net.send([3, 3, 3, 3], 2, 3).bundles]
+    assert not net.send([1, 1, 1, 1], 4, 1).pieces
+    assert {bundle for bundle, _ in net.send([1, 2, 1, 2], 4, 2).pieces} == {1, 3}
+    first = [bundle for bundle, _ in net.send([3, 3, 3, 3], 2, 3).pieces]
     assert set(first) == {0, 2}, "those that were sent longest ago"
 
 
 def test_an_empty_bundle_is_sent_only_where_it_replaces_something():
     net = Network(2)
-    assert not net.send([0, 0], 2, 0).bundles
-    assert net.send([0, 4], 2, 1).bundles == ((1, 1),)
-    assert net.send([0, 0], 2, 2).bundles == ((1, 2),)
-    assert not net.send([0, 0], 2, 3).bundles
+    assert not net.send([0, 0], 2, 0).pieces
+    assert net.send([0, 4], 2, 1).pieces == ((1, 1),)
+    assert net.send([0, 0], 2, 2).pieces == ((1, 2),)
+    assert not net.send([0, 0], 2, 3).pieces
 
 
 def test_ten_minutes_take_no_more_memory_than_ten_seconds():

@@ -18,9 +18,27 @@ from numpy.typing import NDArray
 
 from ..colour import linear_from_srgb
 from ..errors import SceneError
-from ._mesh import Mesh, Texture
-from ._reduce import cache_folder, read_arrays, write_arrays
-from ._scene import ATLAS, NEAREST_M, Background, Lamp, Scene
+from ..scenes import (
+    ATLAS,
+    LEAST_AREA,
+    NEAREST_M,
+    Background,
+    IndirectLight,
+    Light,
+    LitInstant,
+    Mesh,
+    Scene,
+    Texture,
+    cache_folder,
+    corners_of,
+    lamps_at,
+    lights,
+    lit_meshes,
+    moved_meshes,
+    read_arrays,
+    triangle_axes,
+    write_arrays,
+)
 
 Array = NDArray[np.float64]
 VERSION = 2  # of stored rays; counted up with every change of them
@@ -32,7 +50,6 @@ LOOKED_AT = np.stack([(np.arange(21) + 0.5) / 21, (np.arange(21) * 13 + 0.5) / 2
 # A ray starts this far in front of its surface, and a triangle reaches this share beyond its edges,
 # so that no ray slips between two.
 OFF_M, EDGE = 1e-4, 1e-6
-_LEAST_AREA = 1e-12  # of a triangle, twice, in m2: its axes are divided by this
 _AT_ONCE = 1 << 15  # rays times triangles: what a cache holds is three times as quick
 # Of what moves, light is solved bounce by bounce until one adds no more than this share of all. The
 # atlas rounds to 2^-11.
@@ -41,22 +58,14 @@ _ENOUGH, _MOST_BOUNCES = 2.0**-18, 1000
 
 @attrs.define(eq=False, slots=False)
 class Blockers:
-    """Triangles that stop light, from both sides.
-
-    The rows take a point (x, y, z, 1) to the triangle's own axes: (u, v) along two edges, w along
-    the normal in metres. A point is inside where u, v and 1 - u - v are 0 or more, w = 0.
-    """
+    """Triangles that stop light, from both sides."""
 
     corners: Array  # (n, 3, 3) metres
 
     @cached_property
     def rows(self) -> Array:
-        """(n, 3, 4) of each triangle."""
-        a, b, c = self.corners.transpose(1, 0, 2)
-        normal = np.cross(b - a, c - a)
-        normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-        turned = np.linalg.inv(np.stack([b - a, c - a, normal], axis=2)) if len(a) else np.empty((0, 3, 3))
-        return np.concatenate([turned, -(turned @ a[..., None])], axis=2)
+        """(n, 3, 4), see triangle_axes."""
+        return triangle_axes(self.corners)
 
     def hits(self, origins: Array, ways: Array) -> tuple[Array, Array, Array]:
         """Return (r, n) of rays and triangles: how many `ways` to the hit, inf for none; u, v."""
@@ -117,26 +126,6 @@ class Patches:
         return self.centres + self.steps[..., 0] * across + self.steps[..., 1] * up + OFF_M * self.normals
 
 
-def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
-    """Return the meshes that stand still and that lamps light: they have places in the atlas."""
-    return [mesh for mesh in meshes if mesh.light_uv is not None and not mesh.body]
-
-
-def moved_meshes(scene: Scene, time_ns: int, meshes: Sequence[Mesh] | None = None) -> list[Mesh]:
-    """Return the lit meshes of bodies in the scene's axes, of those shown at an instant.
-
-    meshes: in place of the scene's.
-    """
-    moved = []
-    for mesh in scene.meshes if meshes is None else meshes:
-        lit_ns = scene.lit_ns(time_ns)
-        if mesh.light_uv is not None and mesh.body and scene.bodies[mesh.body - 1].is_shown(lit_ns):
-            pose = scene.bodies[mesh.body - 1].motion.state(lit_ns).pose
-            positions = pose.transform(mesh.positions.astype(np.float64)) - scene.origin_m
-            moved.append(attrs.evolve(mesh, positions=positions, normals=pose.rotation.apply(mesh.normals)))
-    return moved
-
-
 def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
     """Return a patch for each texel whose centre some triangle covers."""
     kinds: list[list[Array]] = [[] for _ in range(6)]
@@ -159,7 +148,7 @@ def _patches_of(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Patches:
             weights, texels = (texels[inside] + 0.5 - places[0]) @ inverse.T, texels[inside]
             corner = mesh.positions[triangle].astype(np.float64)
             sides = np.stack([corner[1] - corner[0], corner[2] - corner[0]], axis=1)
-            if np.linalg.norm(np.cross(*sides.T)) <= _LEAST_AREA:
+            if np.linalg.norm(np.cross(*sides.T)) <= LEAST_AREA:
                 raise SceneError(f"mesh '{mesh.name}': a triangle has no area, but a place in the light atlas")
             full = np.concatenate([1 - weights.sum(axis=1, keepdims=True), weights], axis=1)
             normals = full @ mesh.normals[triangle].astype(np.float64)
@@ -275,7 +264,7 @@ class Transport:
         """The triangles of their surfaces."""
         return self.receivers.blockers
 
-    def direct(self, lamps: Sequence[tuple[Array, tuple[float, float, float]]]) -> Array:
+    def direct(self, lamps: Sequence[Light]) -> Array:
         """Return (n, 3) what lamps give each patch, with shadows, as the mean over LOOKED_AT.
 
         lamps: as lamps_at() returns them.
@@ -335,9 +324,7 @@ def nearest_known(values: Array) -> Array:
     return np.asarray(values[rows, columns])
 
 
-def direct_light(
-    blockers: Blockers, points: Array, normals: Array, lamps: Sequence[tuple[Array, tuple[float, float, float]]]
-) -> Array:
+def direct_light(blockers: Blockers, points: Array, normals: Array, lamps: Sequence[Light]) -> Array:
     """Return (n, 3) what lamps give to points with those normals; 0 in shadow."""
     total = np.zeros((len(points), 3))
     for place, colour in lamps:
@@ -362,40 +349,6 @@ def faded(place: Array, ways: Array) -> Array:
     return np.asarray(np.clip(ways @ place[4:7] + place[7], 0, 1) ** 2)
 
 
-def with_lamps_stopped(scene: Scene, time_ns: int = 0) -> Scene:
-    """Return the scene in the light of that instant, whatever moves: what can be baked."""
-    return attrs.evolve(scene, light_ns=time_ns) if scene.lamps else scene
-
-
-def lamps_at(scene: Scene, time_ns: int) -> list[tuple[Array, tuple[float, float, float]]]:
-    """Return (place and fading, colour) of the scene's lamps at an instant, as Lamp has them.
-
-    Places are relative to the scene's origin.
-    """
-    at = scene.lit_ns(time_ns)
-    return [(_seen_from(lamp, scene.origin_m, at), lamp.light(at)) for lamp in scene.lamps]
-
-
-def _seen_from(lamp: Lamp, origin: Array, time_ns: int) -> Array:
-    place = lamp.place(time_ns)
-    place[:3] -= place[3] * origin
-    return np.append(place, lamp.fading(time_ns))
-
-
-def blockers_of(scene: Scene, meshes: Sequence[Mesh], time_ns: int = 0) -> Blockers:
-    """Return what stops light at an instant, of these meshes; what lacks area stops none."""
-    lit = [*lit_meshes(meshes), *moved_meshes(scene, time_ns, meshes)]
-    corners = _corners_of(lit)
-    a, b, c = corners.transpose(1, 0, 2)
-    return Blockers(corners[np.linalg.norm(np.cross(b - a, c - a), axis=1) > _LEAST_AREA])
-
-
-def indirect_atlas(scene: Scene, time_ns: int) -> NDArray[np.float16]:
-    """Return the converged indirect light of an instant as the light atlas, bottom row first."""
-    transport = transport_of(scene, time_ns=time_ns)
-    return transport.atlas(transport.indirect(transport.direct(lamps_at(scene, time_ns))))
-
-
 def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:
     """Return the surfaces that get light at an instant, those that stand still first.
 
@@ -404,24 +357,11 @@ def receivers_of(scene: Scene, time_ns: int = 0) -> Receivers:
     """
     if not scene.lit_moves:
         return _still_receivers(scene.meshes, scene.textures)
-    return _receivers_at(scene, _Moved.of(scene, time_ns))
-
-
-@attrs.frozen
-class _Moved:
-    """An instant, which is another one where something lit is elsewhere."""
-
-    where: bytes
-    time_ns: int = attrs.field(eq=False)
-
-    @classmethod
-    def of(cls, scene: Scene, time_ns: int) -> _Moved:
-        lit_ns, lit = scene.lit_ns(time_ns), {mesh.body for mesh in scene.meshes if mesh.light_uv is not None} - {0}
-        return cls(b"|".join(scene.bodies[number - 1].lit_as(lit_ns) for number in sorted(lit)), lit_ns)
+    return _receivers_at(scene, LitInstant.of(scene, time_ns))
 
 
 @lru_cache(maxsize=4)  # each pass of an instant asks
-def _receivers_at(scene: Scene, moved: _Moved) -> Receivers:
+def _receivers_at(scene: Scene, moved: LitInstant) -> Receivers:
     still = _still_receivers(scene.meshes, scene.textures)
     return _joined(still, _receivers(moved_meshes(scene, moved.time_ns), scene.textures))
 
@@ -443,11 +383,7 @@ def _receivers(meshes: Sequence[Mesh], textures: Sequence[Texture]) -> Receivers
     places = np.concatenate(
         [np.empty((0, 3, 2)), *(mesh.light_uv[mesh.triangles] for mesh in meshes if mesh.light_uv is not None)]
     )
-    return Receivers(patches, Blockers(_corners_of(meshes)), places)
-
-
-def _corners_of(meshes: Sequence[Mesh]) -> Array:
-    return np.concatenate([np.empty((0, 3, 3)), *(mesh.positions[mesh.triangles] for mesh in meshes)])
+    return Receivers(patches, Blockers(corners_of(meshes)), places)
 
 
 def _joined(first: Receivers, other: Receivers) -> Receivers:
@@ -468,7 +404,7 @@ def transport_of(scene: Scene, folder: Path | None = None, rays: int = RAYS, *, 
     """
     if not scene.lit_moves:
         return _still_transport(scene.meshes, scene.textures, scene.background, folder, rays)
-    return _transport_at(scene, _Moved.of(scene, time_ns), folder, rays)
+    return _transport_at(scene, LitInstant.of(scene, time_ns), folder, rays)
 
 
 @lru_cache(maxsize=4)
@@ -480,7 +416,7 @@ def _still_transport(
 
 
 @lru_cache(maxsize=4)  # several ask for the instant that is drawn
-def _transport_at(scene: Scene, moved: _Moved, folder: Path | None, rays: int) -> Transport:
+def _transport_at(scene: Scene, moved: LitInstant, folder: Path | None, rays: int) -> Transport:
     """Return light's ways at an instant: rays of what stands still end where they meet others."""
     every, still = _receivers_at(scene, moved), _still_rays(scene.meshes, scene.textures, folder, rays)
     own, triangles = len(still.patch), len(_still_receivers(scene.meshes, scene.textures).blockers.corners)
@@ -512,22 +448,17 @@ def _near(rays: _Rays, points: Array) -> tuple[NDArray[np.int64], ...]:
 def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder: Path | None, rays: int) -> _Rays:
     """Return the rays from what stands still to what stands still."""
     receivers = _still_receivers(meshes, textures)
-    path = (folder or cache_folder()) / f"light-{_key(receivers, rays)}.npz"
-    stored, shape = read_arrays(path, ("patch", "far")), (len(receivers.patches), rays)
+    patches, digest = receivers.patches, hashlib.sha256(f"{VERSION} {rays}".encode())
+    for array in (patches.texels, patches.centres, patches.normals, patches.steps, receivers.blockers.corners):
+        digest.update(np.ascontiguousarray(array).tobytes())
+    path = (folder or cache_folder()) / f"light-{digest.hexdigest()[:40]}.npz"
+    stored, shape = read_arrays(path, ("patch", "far")), (len(patches), rays)
     if stored is not None and [array.shape for array in stored] == [shape, shape]:
-        return _Rays(*_begun(receivers.patches, slice(None), rays), *stored)
+        return _Rays(*_begun(patches, slice(None), rays), *stored)
     found = _cast(receivers, slice(None), rays)
     with suppress(OSError):
         write_arrays(path, {"patch": found.patch, "far": found.far})
     return found
-
-
-def _key(receivers: Receivers, rays: int) -> str:
-    patches = receivers.patches
-    digest = hashlib.sha256(f"{VERSION} {rays}".encode())
-    for array in (patches.texels, patches.centres, patches.normals, patches.steps, receivers.blockers.corners):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    return digest.hexdigest()[:40]
 
 
 def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:
@@ -535,7 +466,10 @@ def _begun(patches: Patches, which: slice, rays: int) -> tuple[Array, Array]:
 
     All patches use the same rays in their own axes: the error is as smooth as the light.
     """
-    samples = _spread(rays)
+    # Spread evenly in the unit cube. Source: Roberts 2018, The Unreasonable Effectiveness of
+    # Quasirandom Sequences (R4).
+    ratio = 1.1673039782614187  # of x^5 = x + 1
+    samples = (0.5 + np.arange(1, rays + 1)[:, None] * ratio ** -np.arange(1.0, 5.0)) % 1
     steps, normals = patches.steps[which], patches.normals[which]
     right = steps[..., 0] / np.linalg.norm(steps[..., 0], axis=1, keepdims=True)
     axes = np.stack([right, np.cross(normals, right), normals], axis=1)
@@ -556,17 +490,29 @@ def cosine_ways(samples: Array) -> Array:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - samples[:, 0])], axis=1)
 
 
-def _spread(count: int) -> Array:
-    """Return (count, 4) points spread evenly in the unit cube.
-
-    Source: Roberts 2018, The Unreasonable Effectiveness of Quasirandom Sequences (R4).
-    """
-    ratio = 1.1673039782614187  # of x^5 = x + 1
-    return (0.5 + np.arange(1, count + 1)[:, None] * ratio ** -np.arange(1.0, 5.0)) % 1
-
-
 def sky_light(background: Background, ways: Array) -> Array:
     """Return (n, 3) the background in those directions, see Background."""
     share = np.sqrt(np.abs(ways[:, 1:2] / np.linalg.norm(ways, axis=1, keepdims=True)))
     end = np.where(ways[:, 1:2] > 0, background.zenith, background.ground)
     return np.asarray((1 - share) * np.array(background.horizon) + share * end)
+
+
+def of_atlas(atlas: NDArray[np.float16], texels: Array) -> Array:
+    """Return (n, 3) what an atlas holds at places in ATLAS, blended; it may be finer."""
+    from scipy.ndimage import map_coordinates
+
+    at = (texels * (atlas.shape[1] / ATLAS[0]) - 0.5)[:, ::-1].T
+    channels = [map_coordinates(atlas[..., k].astype(np.float64), at, order=1, mode="nearest") for k in range(3)]
+    return np.stack(channels, axis=1)
+
+
+@lights.register
+class Converged(IndirectLight):
+    """Light after any number of bounces, as the truth has it."""
+
+    name = "converged"
+
+    @classmethod
+    def atlas(cls, scene: Scene, time_ns: int) -> NDArray[np.float16]:
+        transport = transport_of(scene, time_ns=time_ns)
+        return transport.atlas(transport.indirect(transport.direct(lamps_at(scene, time_ns))))

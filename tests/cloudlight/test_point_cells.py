@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from lit_rooms import plain
 
+from hmdwarp.cloudlight.points import PointCells
+from hmdwarp.cloudlight.radiosity import direct_light, transport_of
 from hmdwarp.colour import linear_from_srgb
-from hmdwarp.scenes import PointCells, lamps_at, load_scene, transport_of
-from hmdwarp.scenes.radiosity import direct_light
+from hmdwarp.scenes import lamps_at, load_scene
 
 
 @pytest.mark.parametrize("name", ["lantern", "sunroom", "doorway"])
@@ -21,7 +22,7 @@ def test_points_have_the_light_of_the_start(name):
     atlas = transport.indirect(transport.direct(lamps))
     errors = []
     for cell in range(0, cells.count, 7):
-        found = cells.points(cell, 0, 4, 0.01)
+        found = cells.block((cell, 0, 0), 0.01)
         steps = np.stack([found.positions >> (10 * k) & 1023 for k in range(3)], axis=1) / 1023
         places, body = cells.low[cell] + cells.edge[cell] * steps, cells.body[cell]
         facing = np.tile(cells.facing[cell], (len(places), 1))

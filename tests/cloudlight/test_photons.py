@@ -18,16 +18,15 @@ from hmdwarp import warp_image
 from hmdwarp.client import ClientScene as PlainClientScene
 from hmdwarp.client import PassInputs, parse_warp
 from hmdwarp.client.warps import Output
-from hmdwarp.client.warps.photons import KeptPhotons, Splats
+from hmdwarp.cloudlight.photons import CUBE_BYTES, KeptPhotons, PhotonMap, Splats, kernel_factors
+from hmdwarp.cloudlight.radiosity import direct_light, transport_of
 from hmdwarp.errors import PlanError
 from hmdwarp.frames import Needs
-from hmdwarp.frames.layers.photons import CUBE_BYTES, PhotonMap
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import COLOUR, SCALAR, Canvas, allocate
 from hmdwarp.link import LinkOptions
 from hmdwarp.run import set_up_replay
-from hmdwarp.scenes import ATLAS, Lamp, kernel_factors, lamps_at, load_scene, scenes, transport_of, with_lamps_stopped
-from hmdwarp.scenes.radiosity import direct_light
+from hmdwarp.scenes import ATLAS, Lamp, lamps_at, load_scene, scenes, with_lamps_stopped
 from hmdwarp.sources.server import Server
 
 SIZE = (96, 80)

@@ -6,17 +6,17 @@ import math
 from abc import abstractmethod
 from collections import deque
 from collections.abc import Mapping
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ....frames import EyeImage
-from ....geometry import View
-from ....scenes import Scene
-from ..targets import MOST_SETTINGS, LastUsed
-from ..visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
-from . import DrawContext, Drawing, Part
+from ...frames import EyeImage
+from ...geometry import View
+from ...scenes import Scene
+from .parts import DrawContext, Drawing, Part
+from .targets import MOST_SETTINGS, LastUsed
+from .visibility import boxes_of, clip_from_eye, eye_from_scene, side_planes, visible
 
 Array = NDArray[np.float64]
 # From sending to the news of the arrival, until the first news says it.
@@ -27,22 +27,17 @@ FRAMES = 16
 NEAREST_M = 0.1
 
 
-class Book(Protocol):
-    """What is known of the pieces that were sent."""
-
-    def heard(self, update: Any, arrived: bool, heard_ns: int) -> None:
-        """Take note of whether an update arrived."""
-
-
-class Sender(Protocol):
+class Sender:
     """The pieces of one layer for one kind of client."""
 
-    @property
-    def book(self) -> Book:
-        """What was sent."""
+    # What was sent, a frames.layers.Book.
+    book: Any
+    # Whether nothing waits to be sent.
+    complete = False
 
     def has_more(self, now_ns: int) -> bool:
         """Return whether anything waits to be sent."""
+        return not self.complete
 
 
 Wanted = TypeVar("Wanted")

@@ -10,7 +10,7 @@ import pytest
 from lit_rooms import placed
 from worlds import read
 
-from hmdwarp.client import parse_indirect
+from hmdwarp.client import lit_by, parse_indirect
 from hmdwarp.errors import InputError, UnknownNameError
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, RigidState, View
@@ -61,7 +61,7 @@ def room(albedo=WHITE, low=(-1.0, 0.0, -1.0), high=(1.0, 2.0, 1.0)):
 def lit(gpu, scene, view=VIEW, text="voxels:size=32", time_ns=0, size=SIZE, needs=NOTHING, keep=bool):
     """The left eye's colour, bottom row first, and what `keep` makes of the eye."""
     server = Server(gpu, scene)
-    eye = server.draw_frame([view], time_ns, size, needs=needs | Needs(voxels=parse_indirect(text))).eyes[0]
+    eye = server.draw_frame([view], time_ns, size, needs=needs | lit_by(text)).eyes[0]
     found = read(eye.colour)[..., :3].astype(float), keep(eye)
     server.close()
     return found
@@ -189,7 +189,7 @@ def test_peeled_layers_are_lit_as_the_picture(gpu):
     but for the floor under them, since surfaces stop no light that comes from behind."""
     server, time_ns = Server(gpu, load_scene("lantern")), 700_000_000
     shown = []
-    for needs in (Needs(peeled=1), Needs(peeled=1, voxels=parse_indirect("voxels:size=32"))):
+    for needs in (Needs(peeled=1), Needs(peeled=1) | lit_by("voxels:size=32")):
         frame = server.draw_frame([VIEW], time_ns, SIZE, needs=needs)
         shown.append(read(frame.eyes[0]["peeled"][0].colour).astype(float))
         server.recycle(frame)
@@ -206,7 +206,7 @@ def test_the_grid_is_lit_at_its_rate_and_shared_by_all_views(gpu):
     """A second view in the same update finds the grid lit: it changes nothing, not even the light
     of the first. Within an update the light between surfaces stands still while lamps go on."""
     scene = load_scene("lantern")
-    needs = Needs(voxels=parse_indirect("voxels:size=16,updates=10"))
+    needs = lit_by("voxels:size=16,updates=10")
     server = Server(gpu, scene)
     there = View(Pose((-0.4, 1.2, -0.4), (0.0, 0.4, 0.0, 0.9)), FOV)
 
@@ -229,7 +229,7 @@ def test_the_grid_is_lit_at_its_rate_and_shared_by_all_views(gpu):
 
 def test_frames_have_one_light():
     with pytest.raises(InputError, match="a frame has one light"):
-        Needs(voxels=parse_indirect("voxels")) | Needs(voxels=parse_indirect("voxels:size=32"))
+        lit_by("voxels") | lit_by("voxels:size=32")
 
 
 @pytest.mark.parametrize(
@@ -258,7 +258,7 @@ def test_a_door_leaves_no_trace_in_cells_that_it_has_left(gpu):
     """What was drawn before changes nothing, and the light is that of a door that stands there: the
     pieces of a cell are summed in another order, and moved by a matrix in float64 both times, so
     that each half float may round its own way, by 2^-11; few may do so in several bounces."""
-    scene, needs = load_scene("doorway"), Needs(voxels=parse_indirect("voxels:size=32,updates=100"))
+    scene, needs = load_scene("doorway"), lit_by("voxels:size=32,updates=100")
     server = Server(gpu, scene)
     for time_ns in (2_500_000_000, 1_000_000_000):
         got = read(server.draw_frame([VIEW], time_ns, SIZE, needs=needs).eyes[0].colour)

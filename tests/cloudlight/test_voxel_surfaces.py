@@ -6,7 +6,8 @@ import attrs
 import numpy as np
 import pytest
 
-from hmdwarp.scenes import Scene, VoxelGrid, load_scene, voxel_surfaces
+from hmdwarp.cloudlight.voxels import VoxelGrid, voxel_surfaces
+from hmdwarp.scenes import Scene, load_scene
 from hmdwarp.scenes.library._models import box, in_atlas, wall
 
 GREY = (0.6, 0.6, 0.6)

@@ -6,17 +6,17 @@ from collections import Counter
 
 import numpy as np
 
-from hmdwarp.frames.layers.points import (
+from hmdwarp.cloudlight.points import (
     LEAST_BUDGET,
     PAGE,
     Block,
     PointRoom,
     PointSender,
-    PointUpdate,
     block_range,
     packed_sky,
     unpacked,
 )
+from hmdwarp.frames.layers import Update
 
 SKY = np.arange(9.0).reshape(3, 3)
 
@@ -43,14 +43,14 @@ class Client:
         for page in pages:
             del self.pages[page]
 
-    def take(self, update: PointUpdate) -> None:
+    def take(self, update: Update) -> None:
         for block in unpacked(update.content)[2]:
             self.room.take(block)
 
 
-def update_of(sent: list, now_ns: int) -> PointUpdate:
+def update_of(sent: list, now_ns: int) -> Update:
     data = packed_sky(SKY, complete=False) + b"".join(block_of(*block).packed() for block in sent)
-    return PointUpdate(np.frombuffer(data, np.uint8).copy(), tuple(sent), now_ns)
+    return Update(np.frombuffer(data, np.uint8).copy(), tuple(sent), now_ns)
 
 
 def test_blocks_follow_each_other_in_whole_pages():
@@ -100,7 +100,7 @@ def test_ten_minutes_of_loss_and_disorder_stay_within_bounds():
     """At 60 frames a second: a head wanders over 200 cells; the room holds a third."""
     rng, room, cells, frames = np.random.default_rng(0), 64 * 128, 200, 36_000
     book, client = PointSender(cells, room), Client(room)
-    flying: list[tuple[int, PointUpdate]] = []
+    flying: list[tuple[int, Update]] = []
     most = 0
     for now in range(frames):
         book.settle(now)
