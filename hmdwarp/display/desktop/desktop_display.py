@@ -16,7 +16,7 @@ from ...poses.track import LoopedSource
 from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Picture, Tick
 from ..controls import Status
-from .control_panel import column_width
+from .control_panel import WIDTH, installed
 from .pacing import Pacer, ScreenMonitor
 from .window import Window
 from .window_system import SwitchableView, start
@@ -53,7 +53,7 @@ class DesktopDisplay(SwitchableView):
             glfw,
             TITLE,
             self._view.total_size,
-            column_width() if has_panel else 0,
+            WIDTH if has_panel and installed() else 0,
             full_screen=options.full_screen,
             vsync=options.vsync,
         )

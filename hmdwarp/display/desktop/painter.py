@@ -10,7 +10,7 @@ from ...gpu.textures import Canvas
 from .. import Command, Label
 from ..controls import Control, Status, help_closes
 from ..present import Notice, Presenter
-from .control_panel import PANEL_REMEDY, make_control_panel
+from .control_panel import PANEL_REMEDY, installed
 from .window import Window
 from .window_system import Rectangle, Size, WindowView, picture_area, viewports
 
@@ -106,8 +106,14 @@ class StatusViews:
         return self.panel.column if self.panel is not None else 0
 
     def open_panel(self) -> ControlPanel | None:
-        """Open the control panel; None if its package is missing."""
-        self.panel = make_control_panel(self._window.handle, self._window.gl, controls=self._controls)
+        """Open the control panel; None if its packages are missing.
+
+        After the window has set its callbacks: the panel chains them.
+        """
+        if installed():
+            from .control_panel.panel import ControlPanel
+
+            self.panel = ControlPanel(self._window.handle, self._window.gl, self._controls)
         return self.panel
 
     def draw_panel(self) -> list[Command]:
