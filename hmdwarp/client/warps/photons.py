@@ -58,7 +58,7 @@ class KeptPhotons(Store):
         self._surfaces = Surfaces(gpu, scene, *sources, samples=client.server.samples)
         self._factors: moderngl.Texture | None = None
         if lighting := self._surfaces.lighting(Indirect.RECEIVERS):
-            factors = kernel_factors(transport_of(scene.all_shown), wanted.radius)
+            factors = kernel_factors(transport_of(scene), wanted.radius)
             self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
             self._factors.write(factors.tobytes())
         self.photons = gpu.gl.buffer(reserve=PHOTON_BYTES * max(1, most_photons(scene, wanted)))

@@ -14,7 +14,6 @@ from ...frames.layers.points import LEAST_BUDGET, PAGE, Block, Cloud, PointRoom,
 from ...geometry import View
 from ...gpu.raw_gl import clear_buffer
 from ...gpu.textures import Canvas, release_all
-from ...sources.server import NOWHERE
 from ..client_scene import ClientScene, Store, receiver_of
 from ..inputs import PassInputs
 from ..warp_kinds import check_room
@@ -130,10 +129,8 @@ class KeptPoints(Store):
         return np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in self.client.scene.bodies)])
 
     def eye_from(self, view: View, time_ns: int) -> NDArray[np.float64]:
-        """Return (n, 4, 4) as bodies(), to the eye; of what is hidden, to the eye itself."""
-        out = eye_from(self.bodies(time_ns), view)
-        out[[number for number, body in enumerate(self.client.scene.bodies, 1) if not body.is_shown(time_ns)]] = NOWHERE
-        return out
+        """Return (n, 4, 4) as bodies(), to the eye."""
+        return eye_from(self.bodies(time_ns), view)
 
     def weights(self) -> list[dict[str, Any]]:
         """Return what has crossed before packing, in bytes, and what the client holds."""

@@ -55,7 +55,7 @@ class Lighting:
         self.indirect = self._own
         self.splats: Inputs | None = None
         if most_blockers is None:
-            most_blockers = len(receivers_of(scene.all_shown).blockers.corners)
+            most_blockers = len(receivers_of(scene).blockers.corners)
         self._blockers = gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4")
         self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)

@@ -15,6 +15,7 @@ from imgui_bundle.imgui import backends
 from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
 
 from ....gpu.context import drawing_into
+from ....gpu.shaders import VERSION
 from ... import Command
 from ...controls import Control, Status
 from ..window_input import label
@@ -39,7 +40,7 @@ class _Backend(GlfwRenderer):  # type: ignore[misc]  # it has no types
     """
 
     def _create_device_objects(self) -> None:
-        backends.opengl3_init("#version 430")
+        backends.opengl3_init(VERSION)
 
 
 class ControlPanel:

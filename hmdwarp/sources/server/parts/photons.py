@@ -74,7 +74,7 @@ class _Sender:
 
     def _prepare(self) -> None:
         scene = self._scene
-        self._transport = transport_of(scene.all_shown)
+        self._transport = transport_of(scene)
         self._factors = kernel_factors(self._transport, self._wanted.radius)
         for light, _ in light_keys(lamps_at(scene, 0), scene.background):
             bundles = self._wanted.bundles(opened=light is None or not light[0][3])

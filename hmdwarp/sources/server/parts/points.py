@@ -25,7 +25,7 @@ from ....geometry import View
 from ....gpu.textures import download, flip_rows
 from ....scenes import PointCells
 from . import DrawContext, Drawing, parts
-from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen, shown_at
+from ._sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sending, boxes_at, distances, may_be_seen
 
 Array = NDArray[np.float64]
 # What the head does not see yet gets points of this share of the density, with what is left.
@@ -184,7 +184,7 @@ class _Sender:
             np.clip(slack / np.maximum(distance, 1e-9), 0, 1)
         )
         turned = (np.arccos(np.clip(cosine, -1, 1)) - spread > np.pi / 2) & ~cells.double_sided
-        seen &= ~turned & shown_at(cells.scene, cells.body, now_ns)
+        seen &= ~turned
         hidden = np.ones(cells.count, bool)
         for view, one in zip(views, nearest, strict=True):
             hidden &= _hidden(centres - (view.pose.position_m - origin), np.linalg.norm(halves, axis=1), view, one)
