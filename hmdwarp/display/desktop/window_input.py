@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import glfw
 
@@ -13,6 +13,9 @@ from ...poses.walker import Walker
 from .. import Command
 from ..controls import MOVING, Control, and_mouse
 from .window_system import WindowHandle
+
+if TYPE_CHECKING:
+    from .control_panel.panel import ControlPanel
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control
 # everywhere; the help writes what the user's own keyboard has printed there.
@@ -132,16 +135,6 @@ TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so
 Locate = Callable[[float, float], tuple[float, float] | None]
 
 
-class InputConsumer(Protocol):
-    """A control panel that takes part of the input."""
-
-    @property
-    def wants_mouse(self) -> bool: ...
-
-    @property
-    def wants_keys(self) -> bool: ...
-
-
 class WindowInput:
     """Mouse and keyboard of one window, which move `walker`.
 
@@ -158,7 +151,7 @@ class WindowInput:
         self._locate: Locate | None = None
         self._capture_again = False
         self._notches = 0.0  # fraction of a wheel notch not reported yet
-        self.control_panel: InputConsumer | None = None  # takes its part of the input first
+        self.control_panel: ControlPanel | None = None  # takes its part of the input first
         self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
         self.takes_text = False  # whether letters are text, and no keys of controls
         self.commands: list[Command] = []  # requests, oldest first; the caller empties it
