@@ -84,20 +84,15 @@ def _arrived_lamp(lamp: Lamp, arrived: ArrivedState) -> Lamp:
     return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness)
 
 
-def _arrived_body(body: Body, arrived: ArrivedState) -> Body:
-    return Body(body.name, _ArrivedMotion(body.motion, arrived))
-
-
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     """Return the scene in which all that moves is known by the states that have arrived.
 
     States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
-    and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright,
-    and what is hidden stays so.
+    and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright.
     """
     return attrs.evolve(
         scene,
-        bodies=[_arrived_body(body, arrived) for body in scene.bodies],
+        bodies=[Body(body.name, _ArrivedMotion(body.motion, arrived)) for body in scene.bodies],
         lamps=[_arrived_lamp(lamp, arrived) for lamp in scene.lamps],
         meshes=[
             mesh

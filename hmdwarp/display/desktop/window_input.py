@@ -76,7 +76,7 @@ class Keys:
                 return Command(control.name, control.value) if action == glfw.PRESS else None
         return None
 
-    def first_words(self, looks: bool, named: Callable[[str], str] | None = None) -> list[str]:
+    def first_words(self, looks: bool) -> list[str]:
         """Return a line for the first picture, none where nothing may be written over pictures.
 
         looks: whether the mouse turns the head.
@@ -86,18 +86,14 @@ class Keys:
         )
         if help_ is None:
             return []
-        return [f"{'click to look, ' if looks else ''}{(named or label)(help_.key)} for help"]
+        return [f"{'click to look, ' if looks else ''}{label(help_.key)} for help"]
 
-    def help_text(self, named: Callable[[str], str] | None = None) -> str:
-        """Return every way to move and every control, a line each: keys, tab, description.
-
-        named: maps a key to the user's name for it.
-        """
-        named = named or label
+    def help_text(self) -> str:
+        """Return every way to move and every control, a line each: keys, tab, description."""
         rows = [
-            (" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
+            (" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
         ]
-        rows += [(_keys_of(control, named), control.what) for control in self.controls if control.what]
+        rows += [(_keys_of(control), control.what) for control in self.controls if control.what]
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
@@ -119,12 +115,12 @@ def label(name: str) -> str:
     return printed.upper() if printed else name
 
 
-def _keys_of(control: Control, named: Callable[[str], str]) -> str:
+def _keys_of(control: Control) -> str:
     if control.written:
         return control.written
     if control.back:
-        return f"{named(control.back)} {named(control.key)}"
-    key = named(control.key)
+        return f"{label(control.back)} {label(control.key)}"
+    key = label(control.key)
     return f"{key} (shift: back)" if control.kind in STEPS_BACK else f"{key}{and_mouse(control)}"
 
 

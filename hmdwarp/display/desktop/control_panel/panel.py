@@ -179,8 +179,7 @@ class ControlPanel:
 
     def _number(self, control: Control, value: object, _: Status) -> object | None:
         """Draw a slider; only latency follows the drag: other numbers may rebuild the pipeline."""
-        if not isinstance(value, int | float):
-            return imgui.text(str(value))
+        assert isinstance(value, int | float)
         name, clamp = control.name, imgui.SliderFlags_.always_clamp
         shown = self._dragged.get(name, float(value))
         moved, now = imgui.slider_float(f"##{name}", shown, *control.span, FORMAT[name], clamp)
