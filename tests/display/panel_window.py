@@ -28,6 +28,7 @@ from imgui_bundle import imgui  # noqa: E402
 from OpenGL import GL  # noqa: E402
 
 from hmdwarp.display.desktop.control_panel import panel as module  # noqa: E402
+from hmdwarp.display.desktop.window_input import label  # noqa: E402
 
 SIZE = (640, 760)
 
@@ -164,7 +165,7 @@ def main() -> None:
     gl = moderngl.create_context(require=430)
     heard = Heard(window)
     module.imgui = places = Places()
-    heard.panel = panel = module.ControlPanel(window, gl, CONTROLS)
+    heard.panel = panel = module.ControlPanel(window, gl, CONTROLS, label)
     chosen = {"latency": 200.0, "warp": "forward", "fill": "none", "guard": 1.0, "lens": "auto", "view": "both"}
     status = Status(values=chosen, choices={"warp": ("forward", "mesh")}, budget_ms=16.7, stage_ms={"warp": 4.0})
     status.total_ms.extend((5.0, 6.0))

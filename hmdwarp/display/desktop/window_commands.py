@@ -11,7 +11,7 @@ from .control_panel import PANEL_REMEDY, installed
 from .pacing import Pacer
 from .painter import Painter
 from .window import Window
-from .window_input import Keys, WindowInput
+from .window_input import Keys, WindowInput, label
 
 if TYPE_CHECKING:
     from .control_panel.panel import ControlPanel
@@ -109,7 +109,7 @@ class WindowCommands:
             from .control_panel.panel import ControlPanel
 
             # After the window has set its callbacks: the panel chains them.
-            self.panel = ControlPanel(self._window.handle, self._window.gl, self._controls)
+            self.panel = ControlPanel(self._window.handle, self._window.gl, self._controls, label)
             self.input.control_panel = self.panel
         return self.panel is not None
 

@@ -18,17 +18,15 @@ from ....gpu.context import drawing_into
 from ....gpu.shaders import VERSION
 from ... import Command
 from ...controls import Control, Status
-from ..window_input import label
 from ..window_system import WindowHandle
 from . import WIDTH
 
 CALM_HZ = 15.0  # new frames without input; in between the last one is drawn again
 LIVELY_S = 0.4  # a new frame at every refresh after start and input: widgets need a few for their sizes
-FLAGS = sum(imgui.WindowFlags_[f"no_{what}"] for what in ("title_bar", "resize", "move", "nav"))
-FLAGS += imgui.WindowFlags_.always_auto_resize
-BAD, WARN, LIT, PLAIN = (
-    imgui.ImVec4(*rgb, 1) for rgb in ((1, 0.42, 0.36), (1, 0.76, 0.3), (0.2, 0.45, 0.43), (0.9, 0.92, 0.94))
-)
+_Flags = imgui.WindowFlags_
+FLAGS = _Flags.no_title_bar | _Flags.no_resize | _Flags.no_move | _Flags.no_nav | _Flags.always_auto_resize
+BAD, WARN = imgui.ImVec4(1.0, 0.42, 0.36, 1.0), imgui.ImVec4(1.0, 0.76, 0.3, 1.0)
+LIT, PLAIN = imgui.ImVec4(0.2, 0.45, 0.43, 1.0), imgui.ImVec4(0.9, 0.92, 0.94, 1.0)
 STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a typed number (ctrl and click) is taken as it is
 FORMAT = {"latency": "%.0f ms", "guard": "%.2f x"}
 
@@ -44,10 +42,12 @@ class _Backend(GlfwRenderer):  # type: ignore[misc]  # it has no types
 
 
 class ControlPanel:
-    """Controls and plots over the right edge of a window."""
+    """Controls and plots over the right edge of a window. label: what is printed on a key."""
 
-    def __init__(self, window: WindowHandle, gl: moderngl.Context, controls: tuple[Control, ...]) -> None:
-        self._window, self._gl, self._controls = window, gl, controls
+    def __init__(
+        self, window: WindowHandle, gl: moderngl.Context, controls: tuple[Control, ...], label: Callable[[str], str]
+    ) -> None:
+        self._window, self._gl, self._controls, self._label = window, gl, controls, label
         self._context = imgui.create_context()
         imgui.get_io().set_ini_filename("")
         imgui.style_colors_dark()
@@ -167,7 +167,7 @@ class ControlPanel:
             if new is not None and new != value:
                 self._commands.append(Command(control.name, new))
             imgui.table_next_column()
-            imgui.text_disabled(keys_of(control))
+            imgui.text_disabled(self._keys_of(control))
         imgui.end_table()
 
     # --- a widget for each kind of control: each returns the new value, or None ---
@@ -208,9 +208,13 @@ class ControlPanel:
                 imgui.same_line()
             lit = status.values.get(control.name) is True
             imgui.push_style_color(imgui.Col_.button, LIT if lit else imgui.get_style_color_vec4(imgui.Col_.button))
-            if imgui.button(f"{control.name.replace('_', ' ')} ({keys_of(control)})", (width, 0)):
+            if imgui.button(f"{control.name.replace('_', ' ')} ({self._keys_of(control)})", (width, 0)):
                 self._commands.append(Command(control.name))
             imgui.pop_style_color()
+
+    def _keys_of(self, control: Control) -> str:
+        """Return its keys in a few letters, the one for a step back first."""
+        return " ".join({"Escape": "Esc"}.get(key, self._label(key)) for key in (control.back, control.key) if key)
 
     def close(self) -> None:
         """Free it; the window's own callbacks are still called. Safe to call twice."""
@@ -222,11 +226,6 @@ class ControlPanel:
 
 def _acts(control: Control) -> bool:
     return control.of_display or control.kind in ("action", "hold")
-
-
-def keys_of(control: Control) -> str:
-    """Return its keys in a few letters, the one for a step back first."""
-    return " ".join({"Escape": "Esc"}.get(key, label(key)) for key in (control.back, control.key) if key)
 
 
 def _draw_header(status: Status) -> None:
