@@ -17,6 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from eyes import with_eyes
 from replays import run
 
 from hmdwarp.client import Compensator, PassInputs, build_plan
@@ -61,7 +62,7 @@ def quality(gpu: Gpu, side: int, seconds: float) -> None:
     with tempfile.TemporaryDirectory() as folder:
         trace = Path(folder) / "looking.csv"
         with trace.open("w", encoding="utf-8") as file:
-            write_synthetic(synthesise("look-around", seconds=seconds + 2, gaze=True), file)
+            write_synthetic(with_eyes(synthesise("look-around", seconds=seconds + 2)), file)
         known = {**OPTIONS, **rated, "trace": str(trace), "size": (side, side), "seconds": seconds}
         for latency_ms, (name, sets) in itertools.product(LATENCIES_MS, FRAMES.items()):
             summary = run(Path(folder) / "out", gpu=gpu, latency_ms=latency_ms, **known, **sets).summary

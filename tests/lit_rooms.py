@@ -23,7 +23,7 @@ class Fixed:
 
 
 def placed(scene: Scene, time_ns: int) -> Scene:
-    """The scene as it is at an instant, of which nothing moves any more, without what is hidden."""
+    """The scene as it is at an instant, of which nothing moves any more."""
 
     def there(mesh):
         if not mesh.body:
@@ -33,21 +33,7 @@ def placed(scene: Scene, time_ns: int) -> Scene:
         positions = turn.apply(mesh.positions) + (pose.position_m - scene.origin_m)
         return attrs.evolve(mesh, positions=positions, normals=turn.apply(mesh.normals), body=0)
 
-    shown = [mesh for mesh in scene.meshes if not mesh.body or scene.bodies[mesh.body - 1].is_shown(time_ns)]
-    return attrs.evolve(scene, meshes=map(there, shown), bodies=(), light_ns=time_ns)
-
-
-class Early:
-    """There at the start alone."""
-
-    def shows(self, time_ns):
-        return time_ns < 20_000_000
-
-
-def hiding_room() -> Scene:
-    """The room of all that moves fast, in which the box stays for an instant alone."""
-    scene = moving_room()
-    return attrs.evolve(scene, bodies=[attrs.evolve(body, showing=Early()) for body in scene.bodies])
+    return attrs.evolve(scene, meshes=map(there, scene.meshes), bodies=(), light_ns=time_ns)
 
 
 def plain(scene: Scene) -> Scene:

@@ -117,7 +117,6 @@ class SynthOptions(Declared):
         None, "How far these go before they come back (m, by default 0.8), and rotate (degrees, 180)."
     )
     rate_hz: float = option(90.0, "Samples per second.")
-    gaze: bool = option(False, "With where the eyes look: fixations, pursuits, and leaps between them.")
 
 
 @app.command()
@@ -133,13 +132,7 @@ def synth(said: Said) -> None:
         )
     refuse_existing(options.out, force=options.force)
     track = poses.synthesise(
-        options.kind,
-        options.seed,
-        options.seconds,
-        options.rate_hz,
-        speed=options.speed,
-        amplitude=options.amplitude,
-        gaze=options.gaze,
+        options.kind, options.seed, options.seconds, options.rate_hz, speed=options.speed, amplitude=options.amplitude
     )
     write_stream(options.out, lambda stream: poses.write_synthetic(track, stream))
     samples = f"{counted(len(track), 'sample')}, {track.duration_ns / 1e9:.3f} s"

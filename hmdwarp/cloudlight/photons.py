@@ -532,7 +532,7 @@ class PhotonSource(Sender):
         self._tracers: list[PhotonTracer] = []
         self._cube = Cube(np.zeros(3), 1.0)
         if scene.lamps:
-            transport = transport_of(scene.all_shown)
+            transport = transport_of(scene)
             self._factors = kernel_factors(transport, wanted.radius)
             for light, _ in light_keys(lamps_at(scene, 0), scene.background):
                 bundles = wanted.bundles(opened=light is None or not light[0][3])
@@ -632,7 +632,7 @@ class KeptPhotons(Store):
         self.surfaces = Surfaces(gpu, scene, SplatLight, ReceiverLight, samples=client.server.samples)
         self._factors: moderngl.Texture | None = None
         if lighting := self.surfaces.lighting(ReceiverLight):
-            factors = kernel_factors(transport_of(scene.all_shown), wanted.radius)
+            factors = kernel_factors(transport_of(scene), wanted.radius)
             self._factors = lighting.indirect = allocate(gpu.gl, factors.shape[1::-1], COLOUR)
             self._factors.write(factors.tobytes())
         self.photons = gpu.gl.buffer(reserve=PHOTON_BYTES * max(1, most_photons(scene, wanted)))

@@ -26,7 +26,6 @@ from ..geometry import View
 from ..gpu.raw_gl import clear_buffer
 from ..gpu.textures import Canvas, download, flip_rows, release_all
 from ..scenes import Mesh, Scene, Texture, lamps_at, morton
-from ..sources.server import NOWHERE
 from ..sources.server.parts import DrawContext, Drawing, parts
 from ..sources.server.sending import (
     FIRST_ROUND_TRIP_NS,
@@ -37,7 +36,6 @@ from ..sources.server.sending import (
     boxes_at,
     distances,
     may_be_seen,
-    shown_at,
 )
 from .photons import octahedral
 from .radiosity import OFF_M, direct_light, of_atlas, transport_of
@@ -687,7 +685,7 @@ class PointSource(Sender):
             np.clip(slack / np.maximum(distance, 1e-9), 0, 1)
         )
         turned = (np.arccos(np.clip(cosine, -1, 1)) - spread > np.pi / 2) & ~cells.double_sided
-        seen &= ~turned & shown_at(cells.scene, cells.body, now_ns)
+        seen &= ~turned
         hidden = np.ones(cells.count, bool)
         for view, one in zip(views, nearest, strict=True):
             hidden &= _hidden(centres - (view.pose.position_m - origin), np.linalg.norm(halves, axis=1), view, one)
@@ -807,7 +805,7 @@ class KeptPoints(Store):
     def eye_from(self, view: View, time_ns: int) -> NDArray[np.float64]:
         """Return (n, 4, 4): the eye from what stands still, then from each body.
 
-        Of what is hidden, to the eye itself. Positions are subtracted first.
+        Positions are subtracted first.
         """
         scene = self.client.scene
         still = np.eye(4)
@@ -815,7 +813,6 @@ class KeptPoints(Store):
         out = np.array([still, *(body.motion.state(time_ns).pose.matrix() for body in scene.bodies)])
         out[:, :3, 3] -= view.pose.position_m
         out[:, :3] = view.pose.rotation_matrix.T @ out[:, :3]
-        out[[number for number, body in enumerate(scene.bodies, 1) if not body.is_shown(time_ns)]] = NOWHERE
         return out
 
     def weights(self) -> list[dict[str, Any]]:

@@ -124,12 +124,6 @@ class _MovedBody(_Mover):
         self._corners = np.array([(*corner, 1.0) for corner in product(*ends)])
         self._body = body
 
-    def moved_rad(self, places: Sequence[Points], then_ns: int, now_ns: int) -> float:
-        shown = [self._body.is_shown(time_ns) for time_ns in (then_ns, now_ns)]
-        if all(shown):
-            return super().moved_rad(places, then_ns, now_ns)
-        return math.inf if any(shown) else 0.0
-
     def points(self, time_ns: int) -> Points:
         # A rigid motion moves no point of a box farther than one of its corners.
         return (self._corners @ self._body.motion.state(time_ns).pose.matrix().T)[:, :3]

@@ -28,7 +28,6 @@ from ..errors import InputError, unknown_name
 from . import quaternions
 from .formats.native import write_native
 from .glides import BACKWARD, FORWARD, ROTATE, SIDEWAYS, Glide
-from .synth_gaze import with_gaze
 from .track import PoseTrack
 
 Array = NDArray[np.float64]
@@ -86,13 +85,12 @@ def synthesise(
     *,
     speed: float | None = None,
     amplitude: float | None = None,
-    gaze: bool = False,
 ) -> PoseTrack:
     """Return a synthetic head track: standing at (0, 1.6, 0), looking to -z.
 
     kind: one of `KINDS`. seed and seconds: by default those of the shipped recording. rate_hz:
     samples per second. speed, amplitude: of a motion there and back (`glides`), in m/s and m, or in
-    degrees per second and degrees. gaze: with eyes, as synth_gaze makes them.
+    degrees per second and degrees.
     Errors: UnknownNameError; InputError for a number out of range, and for one that the motion does
     not have.
     """
@@ -123,8 +121,7 @@ def synthesise(
     position = motion.place + quaternions.rotate(orientation, motion.neck_to_eyes_m[None])
     how = f"hmdwarp trace synth {kind} {flags} --seconds {seconds:g} --rate {rate_hz:g}"
     made = f"made up by '{how}'; {KINDS[kind].summary}"
-    track = PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
-    return with_gaze(track, seed or 0, minimum_jerk) if gaze else track
+    return PoseTrack(np.rint(t * 1e9).astype(np.int64), position, orientation, name=kind, origin=made)
 
 
 def _glided(glide: Glide, t: Array) -> Motion:

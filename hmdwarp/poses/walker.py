@@ -98,8 +98,7 @@ class Walker:
     backwards: an earlier one counts as the latest known.
     """
 
-    def __init__(self, time_ns: int, position_m: tuple[float, float, float] = (0.0, EYE_HEIGHT_M, 0.0)) -> None:
-        self._begin = position_m
+    def __init__(self, time_ns: int) -> None:
         self._now_ns, self._recentred = time_ns, 0
         self._states: deque[_State] = deque()
         self._place(time_ns)
@@ -177,7 +176,7 @@ class Walker:
 
     def _place(self, time_ns: int) -> None:
         still = (0.0, 0.0, 0.0)
-        self._states.append(_State(time_ns, self._begin, still, 0.0, 0.0, 0.0, 0.0, still))
+        self._states.append(_State(time_ns, (0.0, EYE_HEIGHT_M, 0.0), still, 0.0, 0.0, 0.0, 0.0, still))
 
 
 def _in_world(wish: tuple[float, float, float], yaw: float) -> tuple[float, float, float]:

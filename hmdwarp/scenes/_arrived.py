@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import RigidState
-from ._mesh import Body, Brightness, Deformation, Motion, Opening, Showing
+from ._mesh import Body, Brightness, Deformation, Motion
 from ._scene import Lamp, Scene
 from .motions import swing_m
 
@@ -52,30 +52,8 @@ class _ArrivedBrightness:
     brightness: Brightness
     arrived: ArrivedState
 
-    def share(self, time_ns: int) -> float | NDArray[np.float64]:
+    def share(self, time_ns: int) -> float:
         return self.brightness.share(self.arrived.known(time_ns)[0])
-
-
-@attrs.frozen(eq=False)
-class _ArrivedShowing:
-    """Whether a body is there, by what has arrived of it."""
-
-    showing: Showing
-    arrived: ArrivedState
-
-    def shows(self, time_ns: int) -> bool:
-        return self.showing.shows(self.arrived.known(time_ns)[0])
-
-
-@attrs.frozen(eq=False)
-class _ArrivedOpening:
-    """A spot's cone by what has arrived of it."""
-
-    opening: Opening
-    arrived: ArrivedState
-
-    def cone(self, time_ns: int) -> tuple[float, float]:
-        return self.opening.cone(self.arrived.known(time_ns)[0])
 
 
 @attrs.frozen(eq=False)
@@ -103,25 +81,18 @@ def moves(scene: Scene) -> bool:
 
 def _arrived_lamp(lamp: Lamp, arrived: ArrivedState) -> Lamp:
     brightness = None if lamp.brightness is None else _ArrivedBrightness(lamp.brightness, arrived)
-    opening = None if lamp.opening is None else _ArrivedOpening(lamp.opening, arrived)
-    return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness, opening=opening)
-
-
-def _arrived_body(body: Body, arrived: ArrivedState) -> Body:
-    showing = None if body.showing is None else _ArrivedShowing(body.showing, arrived)
-    return Body(body.name, _ArrivedMotion(body.motion, arrived), showing)
+    return attrs.evolve(lamp, motion=_ArrivedMotion(lamp.motion, arrived), brightness=brightness)
 
 
 def as_arrived(scene: Scene, arrived: ArrivedState) -> Scene:
     """Return the scene in which all that moves is known by the states that have arrived.
 
     States are exact, with speed, of bodies also with acceleration; later than the newest, bodies
-    and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright,
-    and what is hidden stays so.
+    and lamps go on as RigidState.after says, vertices as motions.swing_m, lamps stay as bright.
     """
     return attrs.evolve(
         scene,
-        bodies=[_arrived_body(body, arrived) for body in scene.bodies],
+        bodies=[Body(body.name, _ArrivedMotion(body.motion, arrived)) for body in scene.bodies],
         lamps=[_arrived_lamp(lamp, arrived) for lamp in scene.lamps],
         meshes=[
             mesh

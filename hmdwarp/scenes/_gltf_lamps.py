@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._gltf_file import LIGHTS, GltfFile
-from ._gltf_nodes import COLOUR, CONE, INTENSITY, NodeMotion, Nodes
-from ._mesh import Brightness, Mesh, Texture
+from ._gltf_nodes import NodeMotion, Nodes
+from ._mesh import Mesh, Texture
 from ._notes import Notes
 from ._scene import ATLAS, MOST_LAMPS, Lamp
 from .motions import Still
@@ -42,69 +42,15 @@ def lamps_in(file: GltfFile, nodes: Nodes, shown: Iterable[int]) -> list[Lamp]:
         index = said.get("light")
         if not isinstance(index, int) or not 0 <= index < len(known) or not isinstance(known[index], dict):
             raise file.error(f"node {node} uses light {index!r} of {len(known)}; export it again")
-        found.append(_lamp(file, nodes, node, known[index], index))
+        found.append(_lamp(file, nodes, node, known[index]))
     return [lamp for lamp in found if max(lamp.colour) > 0]
 
 
-@attrs.frozen(eq=False)
-class _Animated:
-    """A light that an animation changes: its colour as a share of the most, and its cone."""
-
-    nodes: Nodes
-    light: int
-    # As the file has what is not animated.
-    intensity: float
-    colour: Array
-    angles: tuple[float, float]
-
-    def _now(self, path: str, still: Array | float, time_ns: int) -> Array:
-        animated = path in self.nodes.lights[self.light]
-        return self.nodes.of_light(self.light, path, time_ns) if animated else np.atleast_1d(still)
-
-    @property
-    def most(self) -> Array:
-        """The most that it sends in each channel at a key of its animation."""
-        curves = self.nodes.lights[self.light]
-        keys = {path: np.array([curve.at(key_s)[0] for key_s in curve.times_s]) for path, curve in curves.items()}
-        intensity = keys[INTENSITY].max() if INTENSITY in keys else self.intensity
-        most: Array = max(0.0, intensity) * (keys[COLOUR].max(axis=0) if COLOUR in keys else self.colour)
-        return most
-
-    def share(self, time_ns: int) -> Array:
-        """Return the share of each channel that it sends."""
-        light = self._now(INTENSITY, self.intensity, time_ns) * self._now(COLOUR, self.colour, time_ns)
-        return np.divide(light, self.most, out=np.zeros(3), where=self.most > 0)
-
-    def cone(self, time_ns: int) -> tuple[float, float]:
-        """Return both angles of a spot, the first one below the second."""
-        inner, outer = (
-            float(self._now(path, still, time_ns)[0]) for path, still in zip(CONE, self.angles, strict=True)
-        )
-        outer = min(outer, np.pi / 2)
-        return min(inner, outer), outer
-
-
-@attrs.frozen(eq=False)
-class _Hiding:
-    """A light whose node is hidden at times."""
-
-    motion: NodeMotion
-    brightness: Brightness | None
-
-    def share(self, time_ns: int) -> float | Array:
-        """Return the share of each channel that it sends."""
-        if not self.motion.shows(time_ns):
-            return 0.0
-        return 1.0 if self.brightness is None else self.brightness.share(time_ns)
-
-
-def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: int) -> Lamp:
+def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any]) -> Lamp:
     kind, spot = said.get("type"), said.get("spot") or {}
     cone = float(spot.get("innerConeAngle", 0.0)), float(spot.get("outerConeAngle", np.pi / 4))
     intensity, colour = float(said.get("intensity", 1.0)), np.array(said.get("color", (1.0, 1.0, 1.0)), np.float64)
-    curves = nodes.lights.get(index, {})
-    animated = _Animated(nodes, index, intensity, colour, cone) if curves else None
-    light = colour * intensity if animated is None or colour.shape != (3,) else animated.most
+    light = colour * intensity
     sound = light.shape == (3,) and np.isfinite(light).all() and (light >= 0).all()
     if kind not in (_DIRECTIONAL, _POINT, _SPOT) or not sound or not 0 <= cone[0] < cone[1] <= np.pi / 2:
         raise file.error(
@@ -116,11 +62,7 @@ def _lamp(file: GltfFile, nodes: Nodes, node: int, said: dict[str, Any], index: 
         raise file.error(f"node {node}: a light in a node of size 0, which has no direction; export it again")
     motion = NodeMotion(nodes, node)
     placed = motion if nodes.moves(node) else Still(motion.state(0).pose)
-    shines: Brightness | None = animated if {INTENSITY, COLOUR} & curves.keys() and light.any() else None
-    if nodes.hides(node):
-        shines = _Hiding(motion, shines)
-    opens = animated if {*CONE} & curves.keys() and kind == _SPOT else None
-    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None, shines, opens)
+    return Lamp(placed, tuple(light.tolist()), kind == _DIRECTIONAL, cone if kind == _SPOT else None)
 
 
 def lit_by(

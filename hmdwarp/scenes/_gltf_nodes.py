@@ -7,7 +7,6 @@ and their interpolation).
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -18,26 +17,20 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ..geometry import Pose, RigidState
-from ._gltf_file import LIGHTS, POINTER, VISIBILITY, GltfFile
+from ._gltf_file import POINTER, VISIBILITY, GltfFile
 from ._notes import Notes
 from .options import NONE, numbered
 
 Array = NDArray[np.float64]
 _WIDTH = {"translation": 3, "rotation": 4, "scale": 3}
-# Of a light, by KHR_animation_pointer (Khronos 2024).
-INTENSITY, COLOUR, CONE = "intensity", "color", ("spot/innerConeAngle", "spot/outerConeAngle")
-_OF_LIGHT = re.compile(rf"/extensions/{LIGHTS}/lights/(\d+)/({'|'.join((INTENSITY, COLOUR, *CONE))})")
-# Of a node. Source: Khronos 2025, KHR_node_visibility.
-_SHOWN = re.compile(rf"/nodes/(\d+)/extensions/{VISIBILITY}/visible")
-_VISIBLE = "visible"
 _REST = {"translation": (0.0, 0.0, 0.0), "rotation": (0.0, 0.0, 0.0, 1.0), "scale": (1.0, 1.0, 1.0)}
 
 
 @attrs.frozen(eq=False)
 class Curve:
-    """Animated values of one property of a node, or of a light."""
+    """Animated values of one property of a node."""
 
-    path: str  # "translation", "rotation" or "scale"; of a light as its file names it
+    path: str  # "translation", "rotation" or "scale"
     kind: str  # Interpolation: "LINEAR", "STEP" or "CUBICSPLINE"
     times_s: Array  # (k,) increasing
     values: Array  # (k, n); for CUBICSPLINE (k, 3, n): tangent in, value, tangent out
@@ -105,15 +98,11 @@ class Nodes:
         self.parents = self._parents_of()
         self._rest = [self._rest_of(index) for index in range(len(self._nodes))]
         self.curves: dict[int, dict[str, Curve]] = {}
-        # Of lights, by their numbers.
-        self.lights: dict[int, dict[str, Curve]] = {}
-        self._showing: dict[int, Curve] = {}  # of nodes whose visibility is animated
         animations = file.items("animations")
         names = [str(one.get("name") or f"number {index}") for index, one in enumerate(animations)]
         for index in self._playing(animations, names, animation, notes):
             self._read_animation(animations[index], f"animation '{names[index]}'", notes)
-        every = [one for of in (self.lights, self.curves) for curves in of.values() for one in curves.values()]
-        ends = [curve.times_s[-1] for curve in (*every, *self._showing.values())]
+        ends = [curve.times_s[-1] for curves in self.curves.values() for curve in curves.values()]
         self.period_s = float(max(ends, default=0.0))
 
     @staticmethod
@@ -127,7 +116,7 @@ class Nodes:
         playing, left = [], []
         for index, animation in enumerate(animations):
             targets = [channel.get("target", {}) for channel in animation.get("channels", [])]
-            things = {(target.get("node"), target.get("path"), _pointer(target)) for target in targets}
+            things = {(target["node"], target.get("path")) for target in targets if "node" in target}
             if moved & things:
                 left.append(names[index])
                 continue
@@ -143,20 +132,10 @@ class Nodes:
         """Return whether the node or an ancestor is animated."""
         return any(parent in self.curves for parent in self.line(node))
 
-    def hides(self, node: int) -> bool:
-        """Return whether the visibility of the node or an ancestor is animated."""
-        return any(parent in self._showing for parent in self.line(node))
-
-    def is_visible(self, node: int, time_ns: int | None) -> bool:
-        """Return whether the node and all above it are; at None, whether they ever may be."""
-        return all(self._is_visible(parent, time_ns) for parent in self.line(node))
-
-    def _is_visible(self, node: int, time_ns: int | None) -> bool:
-        curve = self._showing.get(node)
-        if curve is not None:
-            return bool(curve.values.any() if time_ns is None else curve.at(self._seconds(time_ns))[0][0])
-        said = (self._nodes[node].get("extensions") or {}).get(VISIBILITY) or {}
-        return said.get("visible", True) is not False
+    def is_visible(self, node: int) -> bool:
+        """Return whether the node and all above it are (Khronos 2025, KHR_node_visibility)."""
+        said = ((self._nodes[parent].get("extensions") or {}).get(VISIBILITY) or {} for parent in self.line(node))
+        return all(one.get("visible", True) is not False for one in said)
 
     def line(self, node: int) -> list[int]:
         """Return the node and its ancestors, the topmost first."""
@@ -176,10 +155,6 @@ class Nodes:
 
     def _seconds(self, time_ns: int) -> float:
         return float(np.mod(time_ns * 1e-9, self.period_s)) if self.period_s > 0 else 0.0
-
-    def of_light(self, light: int, path: str, time_ns: int) -> Array:
-        """Return (n,) what is animated of a light, in its unit: 0 or more."""
-        return np.maximum(self.lights[light][path].at(self._seconds(time_ns))[0], 0.0)
 
     def _local(self, node: int, seconds: float) -> tuple[Array, Array]:
         rest, curves = self._rest[node], self.curves.get(node, {})
@@ -238,7 +213,9 @@ class Nodes:
             target = channel.get("target", {})
             path, index = target.get("path"), channel.get("sampler")
             if path == "pointer":
-                self._read_pointer(samplers, index, _pointer(target), name, notes)
+                what = "an animation's pointers are not followed: what they point at stays as the file has it"
+                said = (target.get("extensions") or {}).get(POINTER)
+                notes.add(what, f"{name}, {said.get('pointer') if isinstance(said, dict) else said}")
             if path == "pointer" or "node" not in target:
                 continue
             node = target["node"]
@@ -250,47 +227,20 @@ class Nodes:
                 continue
             if isinstance(self._rest[node], np.ndarray):
                 raise file.error(f"{name} moves node {node}, which has a matrix: expected translation, rotation, scale")
-            sampler = self._sampler(samplers, index, name)
+            if not isinstance(index, int) or not 0 <= index < len(samplers):
+                raise file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
             if path in self.curves.get(node, {}):
                 notes.add("an animation moves something twice; the first is played", f"{name}, {target_name}")
                 continue
-            self.curves.setdefault(node, {})[path] = self._curve(sampler, path, f"{name}, {target_name}")
-
-    def _sampler(self, samplers: list[dict[str, Any]], index: object, name: str) -> dict[str, Any]:
-        if not isinstance(index, int) or not 0 <= index < len(samplers):
-            raise self._file.error(f"{name} uses sampler {index!r} of {len(samplers)}; export it again")
-        return samplers[index]
-
-    def _read_pointer(
-        self, samplers: list[dict[str, Any]], index: object, pointer: str, name: str, notes: Notes
-    ) -> None:
-        """Read what changes something else than a node."""
-        shown = _SHOWN.fullmatch(pointer)
-        if shown is not None and int(shown[1]) not in self._showing:
-            self._file.item("nodes", int(shown[1]), name)
-            sampler = self._sampler(samplers, index, name)
-            self._showing[int(shown[1])] = self._curve(sampler, _VISIBLE, f"{name}, {pointer}")
-            return
-        found = _OF_LIGHT.fullmatch(pointer)
-        if found is None or found[2] in self.lights.get(int(found[1]), {}):
-            what = (
-                "of what an animation points at, intensity, colour and cone of lights and visibility of nodes alone "
-                "are played"
-            )
-            notes.add(what, f"{name}, {pointer}")
-            return
-        curve = self._curve(self._sampler(samplers, index, name), found[2], f"{name}, {pointer}")
-        self.lights.setdefault(int(found[1]), {})[found[2]] = curve
+            self.curves.setdefault(node, {})[path] = self._curve(samplers[index], path, f"{name}, {target_name}")
 
     def _curve(self, sampler: dict[str, Any], path: str, name: str) -> Curve:
         kind, error = sampler.get("interpolation", "LINEAR"), self._file.error
         if kind not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise error(f"{name}: interpolation '{kind}'; expected LINEAR, STEP or CUBICSPLINE")
         times = self._file.numbers(sampler.get("input"), name, 1)[:, 0].astype(np.float64)
-        values = self._file.numbers(sampler.get("output"), name, _WIDTH.get(path, 3 if path == COLOUR else 1))
-        if path == _VISIBLE:
-            kind = "STEP"  # a truth has nothing between
-        elif values.dtype.kind != "f":
+        values = self._file.numbers(sampler.get("output"), name, _WIDTH[path])
+        if values.dtype.kind != "f":
             raise error(f"{name}: its values are integers; expected floats or normalised integers")
         values = values.astype(np.float64)
         each = 3 if kind == "CUBICSPLINE" else 1
@@ -313,12 +263,6 @@ class Nodes:
         if (size < 1e-6).any():
             raise self._file.error(f"{name}: key {int(np.argmin(size))} is no rotation (a quaternion of length 0)")
         return values if each == 3 else values / size
-
-
-def _pointer(target: dict[str, Any]) -> str:
-    """Return where a channel points by KHR_animation_pointer, "" for a channel of a node."""
-    said = (target.get("extensions") or {}).get(POINTER) or {}
-    return str(said.get("pointer", "")) if isinstance(said, dict) else ""
 
 
 def _matrix(parts: dict[str, Array]) -> Array:
@@ -351,10 +295,6 @@ class NodeMotion:
         flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
         return np.linalg.inv(right.T @ flip @ np.diag(sizes) @ right)
 
-    def shows(self, time_ns: int) -> bool:
-        """Return whether the node is visible."""
-        return self.nodes.is_visible(self.node, time_ns)
-
     def state(self, time_ns: int) -> RigidState:
         """Return the pose and its derivatives at `time_ns`."""
         placed, moving = self.nodes.at(self.node, time_ns)
@@ -379,9 +319,6 @@ def is_rigid(nodes: Nodes, node: int) -> bool:
     return True
 
 
-FAR_M = 1e6
-
-
 @attrs.frozen(eq=False)
 class Driven:
     """Vertices driven by nodes: a skin (linear blend skinning), or all by one non-rigid node."""
@@ -393,7 +330,6 @@ class Driven:
     which: NDArray[np.int64]  # (n, k) indices into joints, and their weights
     weights: Array
     origin: Array  # origin of the scene
-    node: int = -1  # hidden while this one is, -1 for never
 
     def _blended(self, time_ns: int, derivative: int) -> Array:
         pairs = zip(self.joints, self.inverse, strict=True)
@@ -402,18 +338,12 @@ class Driven:
         return np.asarray(np.einsum("nij,nj->ni", blended[:, :, :3], self.rest) + blended[:, :, 3])
 
     def positions(self, time_ns: int) -> Array:
-        """Return (n, 3) metres relative to the scene's origin; what is hidden is one far point."""
-        if self.node >= 0 and not self.nodes.is_visible(self.node, time_ns):
-            return np.full_like(self.rest, -FAR_M)
+        """Return (n, 3) metres relative to the scene's origin."""
         return self._blended(time_ns, 0) - self.origin
 
     def velocities(self, time_ns: int) -> Array:
         """Return (n, 3) m/s in world axes."""
         return self._blended(time_ns, 1)
-
-    def hiding(self, node: int) -> Driven:
-        """Return the same where it is hidden whenever that node is."""
-        return attrs.evolve(self, node=node) if self.nodes.hides(node) else self
 
     def seen_from(self, origin: Array) -> Driven:
         """Return the same in a scene with that origin."""

@@ -78,7 +78,7 @@ class GltfContent:
 
     def lamps(self) -> list[Lamp]:
         """Return the lamps that shine, where the scene is put. Errors: as lamps_in."""
-        return lamps_in(self._file, self._nodes, filter(self._may_be_visible, self._shown_nodes()))
+        return lamps_in(self._file, self._nodes, filter(self._nodes.is_visible, self._shown_nodes()))
 
     def move(self, world_from_file: Pose) -> None:
         """Let everything that moves do so where the scene is put."""
@@ -91,7 +91,7 @@ class GltfContent:
             node = self._file.items("nodes")[index]
             if "mesh" not in node:
                 continue
-            if not self._may_be_visible(index):
+            if not self._nodes.is_visible(index):
                 hidden += 1
                 continue
             mesh = self._file.item("meshes", node["mesh"], f"node {index}")
@@ -119,9 +119,6 @@ class GltfContent:
         for root in roots:
             file.item("nodes", root, "a scene")
         return [index for index in range(len(nodes.parents)) if nodes.line(index)[0] in roots]
-
-    def _may_be_visible(self, node: int) -> bool:
-        return self._nodes.is_visible(node, None)
 
     def _draft(self, name: str, node: int, primitive: dict[str, Any]) -> Draft | None:
         """Return a primitive's draft; None if it lacks triangles or is wholly cut away."""
@@ -183,24 +180,20 @@ class GltfContent:
         if skin is not None:
             driven = skinned(self._file, nodes, skin, primitive, rest, self.notes)
             draft = attrs.evolve(draft, positions=driven.positions(0))
-            if any(map(nodes.moves, driven.joints)) or nodes.hides(node):
-                return attrs.evolve(draft, driven=driven.hiding(node))
-            return draft
+            return attrs.evolve(draft, driven=driven) if any(map(nodes.moves, driven.joints)) else draft
         matrix = nodes.at(node, 0)[0]
         draft = attrs.evolve(draft, positions=rest @ matrix[:3, :3].T + matrix[:3, 3])
-        if not nodes.moves(node) and not nodes.hides(node):
+        if not nodes.moves(node):
             return draft
-        is_mirror = draft.look.material.reflectivity and not nodes.moves(node)
-        if draft.panel or draft.look.material.head_locked or is_mirror:
-            what = "a panel" if draft.panel else "a mirror" if is_mirror else "what is fixed to the head"
+        if draft.panel or draft.look.material.head_locked:
+            what = "a panel" if draft.panel else "what is fixed to the head"
             self.notes.add(f"{what} is not animated", f"node {node}")
             return draft
         if not is_rigid(nodes, node):
-            return attrs.evolve(draft, driven=driven_by_node(nodes, node, rest).hiding(node))
+            return attrs.evolve(draft, driven=driven_by_node(nodes, node, rest))
         if node not in self._body_numbers:
             name = self._file.items("nodes")[node].get("name") or f"node {node}"
-            motion = NodeMotion(nodes, node)
-            self.bodies.append(Body(name, motion, motion if nodes.hides(node) else None))
+            self.bodies.append(Body(name, NodeMotion(nodes, node)))
             self._body_numbers[node] = len(self.bodies)
         return attrs.evolve(draft, body=self._body_numbers[node])
 

@@ -66,14 +66,14 @@ def lit_meshes(meshes: Sequence[Mesh]) -> list[Mesh]:
 
 
 def moved_meshes(scene: Scene, time_ns: int, meshes: Sequence[Mesh] | None = None) -> list[Mesh]:
-    """Return the lit meshes of bodies in the scene's axes, of those shown at an instant.
+    """Return the lit meshes of bodies in the scene's axes, at an instant.
 
     meshes: in place of the scene's.
     """
     moved = []
     for mesh in scene.meshes if meshes is None else meshes:
         lit_ns = scene.lit_ns(time_ns)
-        if mesh.light_uv is not None and mesh.body and scene.bodies[mesh.body - 1].is_shown(lit_ns):
+        if mesh.light_uv is not None and mesh.body:
             pose = scene.bodies[mesh.body - 1].motion.state(lit_ns).pose
             positions = pose.transform(mesh.positions.astype(np.float64)) - scene.origin_m
             moved.append(attrs.evolve(mesh, positions=positions, normals=pose.rotation.apply(mesh.normals)))

@@ -72,22 +72,8 @@ class Motion(Protocol):
 class Brightness(Protocol):
     """How bright a lamp is: a function of the scene's clock."""
 
-    def share(self, time_ns: int) -> float | NDArray[np.float64]:
-        """Return the share of its colour that it sends, 0 or more, or (3,) that of each channel."""
-
-
-class Opening(Protocol):
-    """How wide a spot's cone is: a function of the scene's clock."""
-
-    def cone(self, time_ns: int) -> tuple[float, float]:
-        """Return both angles, as of Lamp."""
-
-
-class Showing(Protocol):
-    """Whether something is there: a function of the scene's clock."""
-
-    def shows(self, time_ns: int) -> bool:
-        """Return whether it is drawn, lit and stops light."""
+    def share(self, time_ns: int) -> float:
+        """Return the share of its colour that it sends, 0 or more."""
 
 
 @attrs.frozen(eq=False)
@@ -96,16 +82,10 @@ class Body:
 
     name: str
     motion: Motion
-    # None for one that is always there.
-    showing: Showing | None = None
-
-    def is_shown(self, time_ns: int) -> bool:
-        """Return whether it is there at an instant."""
-        return self.showing is None or self.showing.shows(time_ns)
 
     def lit_as(self, time_ns: int) -> bytes:
         """Return what tells its light and shadow of an instant from those of others."""
-        return self.motion.state(time_ns).pose.matrix().tobytes() if self.is_shown(time_ns) else b""
+        return self.motion.state(time_ns).pose.matrix().tobytes()
 
 
 class Deformation(Protocol):

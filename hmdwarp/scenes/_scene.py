@@ -14,7 +14,7 @@ from ..errors import SceneError
 from ..geometry import Mirror, Pose
 from ..geometry.view import MOST_MIRRORS
 from ..registry import Registry
-from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Opening, Texture
+from ._mesh import ALPHA_TOLERANCE, MOST_EDGES, Body, Brightness, Mesh, Motion, Texture
 from ._panels import MOST_PANELS, Panel
 from .input_events import InputLog
 
@@ -41,8 +41,6 @@ class Lamp:
     cone: tuple[float, float] | None = None
     # The share of its colour that it sends; None for all of it at all times.
     brightness: Brightness | None = None
-    # The cone where it changes; None for the one above at all times.
-    opening: Opening | None = None
 
     def light(self, time_ns: int) -> Rgb:
         """Return the colour that it sends at an instant."""
@@ -65,7 +63,7 @@ class Lamp:
         """
         if self.cone is None:
             return np.array([0.0, 0.0, 0.0, 1.0])
-        inner, outer = np.cos(self.cone if self.opening is None else self.opening.cone(time_ns))
+        inner, outer = np.cos(self.cone)
         scale = 1 / max(1e-3, inner - outer)
         ahead = self.motion.state(time_ns).pose.rotation.apply((0.0, 0.0, -scale))
         return np.append(ahead, -outer * scale)
@@ -263,13 +261,6 @@ class Scene:
     def mirrors(self) -> tuple[SceneMirror, ...]:
         """Mirrors, plane ones first; see mirrors_of for its errors."""
         return mirrors_of(self.name, self.meshes, self.origin_m)
-
-    @cached_property
-    def all_shown(self) -> Scene:
-        """The same where no body is ever hidden; itself where none is."""
-        if all(body.showing is None for body in self.bodies):
-            return self
-        return attrs.evolve(self, bodies=[attrs.evolve(body, showing=None) for body in self.bodies])
 
     def lit_ns(self, time_ns: int) -> int:
         """Return of which instant the light is in which the scene is seen at an instant."""

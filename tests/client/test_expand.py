@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 import pytest
 from costs import costs_of
+from eyes import with_eyes
 from hypothesis import given
 from hypothesis import strategies as st
 from reference import foveated as twin
@@ -270,7 +271,7 @@ def test_an_unmoved_head_sees_the_sharp_part_bit_for_bit(warp):
 
 @pytest.mark.parametrize("how", ["held", "predicted"])
 def test_the_sharp_part_follows_the_gaze_as_late_as_the_head(tmp_path, how):
-    made = synthesise("look-around", seconds=3, gaze=True)
+    made = with_eyes(synthesise("look-around", seconds=3))
     with (tmp_path / "looking.csv").open("w", encoding="utf-8") as file:
         write_synthetic(made, file)
     options = {"trace": str(tmp_path / "looking.csv"), "latency_ms": 50.0, "seconds": 1.5, "fovea_deg": 20.0}

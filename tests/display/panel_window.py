@@ -4,8 +4,9 @@ Python -m display.panel_window.
 
 Prints one JSON object a line: where the window is, what was asked for, what the window itself
 heard, whether the panel wanted the mouse. A line on its standard input: "end", "off", "on",
-"catch", "free" (the mouse), "close" (the panel alone), or "where" for the pixels that the latency
-slider's grab covers, counted from the top left.
+"catch", "free" (the mouse), "close" (the panel alone), "state" for what drawing the panel changed
+of OpenGL, or "where" for the middle of each widget and of the latency slider's grab, counted from
+the top left.
 """
 
 from __future__ import annotations
@@ -19,8 +20,15 @@ import glfw
 import moderngl
 import numpy as np
 
-from hmdwarp.display import Status
-from hmdwarp.display.desktop.control_panel import make_control_panel
+from hmdwarp.display import CONTROLS, Status
+from hmdwarp.display.desktop.control_panel import installed
+
+assert installed()
+from imgui_bundle import imgui  # noqa: E402
+from OpenGL import GL  # noqa: E402
+
+from hmdwarp.display.desktop.control_panel import panel as module  # noqa: E402
+from hmdwarp.display.desktop.window_input import label  # noqa: E402
 
 SIZE = (640, 760)
 
@@ -60,10 +68,11 @@ class Heard:
 
 
 def grab_of(screen: moderngl.Framebuffer, size: tuple[int, int]) -> list[int] | None:
-    """The middle of the topmost thing of the accent's colour, (x, y) from the top left."""
+    """The middle of the topmost thing of a slider grab's colours, (x, y) from the top left."""
     w, h = size
     top = np.frombuffer(screen.read(viewport=(0, 0, w, h), components=3), np.uint8).reshape(h, w, 3)[h - h // 3 :]
-    rows, columns = (np.abs(top.astype(int) - (76, 194, 178)).max(axis=2) < 12).nonzero()
+    blues = [np.abs(top.astype(int) - blue).max(axis=2) < 12 for blue in ((61, 133, 224), (66, 150, 250))]
+    rows, columns = np.logical_or(*blues).nonzero()
     if not len(rows):
         return None
     first = rows.max()  # row 0 is the bottom
@@ -71,20 +80,101 @@ def grab_of(screen: moderngl.Framebuffer, size: tuple[int, int]) -> list[int] | 
     return [int(columns[near].mean()), int(h // 3 - 1 - rows[near].mean())]
 
 
+class Places:
+    """Dear ImGui, which notes the middle of each widget, (x, y) from the top left, by its label."""
+
+    def __init__(self) -> None:
+        self.found: dict[str, tuple[float, float]] = {}
+
+    def __getattr__(self, name: str):
+        real = getattr(imgui, name)
+        if name not in ("button", "checkbox", "combo", "radio_button", "slider_float"):
+            return real
+
+        def noted(text, *others):
+            done = real(text, *others)
+            low, high = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+            self.found[text.split("#")[-1]] = (low.x + high.x) / 2, (low.y + high.y) / 2
+            return done
+
+        return noted
+
+
+class Beside:
+    """What a renderer beside the panel leaves bound, as unlike Dear ImGui's own as can be."""
+
+    NUMBERS = (
+        "ACTIVE_TEXTURE", "ARRAY_BUFFER_BINDING", "BLEND_DST_ALPHA", "BLEND_DST_RGB", "BLEND_EQUATION_ALPHA",
+        "BLEND_EQUATION_RGB", "BLEND_SRC_ALPHA", "BLEND_SRC_RGB", "CURRENT_PROGRAM", "DRAW_FRAMEBUFFER_BINDING",
+        "SCISSOR_BOX", "UNPACK_ALIGNMENT", "UNPACK_ROW_LENGTH", "VERTEX_ARRAY_BINDING", "VIEWPORT",
+    )  # fmt: skip
+    FLAGS = (
+        "BLEND",
+        "CULL_FACE",
+        "DEPTH_TEST",
+        "FRAMEBUFFER_SRGB",
+        "PRIMITIVE_RESTART",
+        "SCISSOR_TEST",
+        "STENCIL_TEST",
+    )
+    UNITS = 4
+
+    def __init__(self, gl: moderngl.Context) -> None:
+        self._gl, self._texture, self._sampler = gl, gl.texture((4, 4), 4), gl.sampler()
+        program = gl.program(
+            vertex_shader="#version 430\nvoid main() { gl_Position = vec4(0.0); }",
+            fragment_shader="#version 430\nout vec4 colour;\nvoid main() { colour = vec4(1.0); }",
+        )
+        self._array = gl.vertex_array(program, [])
+
+    def bind(self) -> None:
+        gl = self._gl
+        gl.screen.use()
+        gl.enable_only(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
+        gl.blend_func = moderngl.ONE, moderngl.ZERO, moderngl.DST_ALPHA, moderngl.ONE
+        gl.blend_equation = moderngl.MAX
+        gl.screen.scissor, gl.screen.viewport = (1, 2, 3, 4), (5, 6, 70, 80)
+        self._array.render(moderngl.POINTS, vertices=1)
+        for unit in range(self.UNITS):
+            self._texture.use(unit)
+            self._sampler.use(unit)
+
+    def state(self) -> dict[str, list[int]]:
+        found = {name: np.ravel(GL.glGetIntegerv(getattr(GL, f"GL_{name}"))).tolist() for name in self.NUMBERS}
+        found |= {name: [int(GL.glIsEnabled(getattr(GL, f"GL_{name}")))] for name in self.FLAGS}
+        for unit in range(self.UNITS):
+            GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
+            for name in ("TEXTURE_BINDING_2D", "SAMPLER_BINDING"):
+                found[f"{name} {unit}"] = [int(GL.glGetIntegerv(getattr(GL, f"GL_{name}")))]
+        GL.glActiveTexture(found["ACTIVE_TEXTURE"][0])
+        return found
+
+    def changed_by(self, draw) -> list[str]:
+        """The names of what is another after a first and after a second drawing."""
+        self.bind()
+        _ = self._gl.error  # of reading the screen; PyOpenGL would raise it
+        before = self.state()
+        draw()
+        after = self.state()
+        self._gl.screen.scissor, self._gl.screen.viewport = None, (0, 0, *SIZE)
+        return [name for name, value in after.items() if value != before[name]]
+
+
 def main() -> None:
     window = opened()
     gl = moderngl.create_context(require=430)
     heard = Heard(window)
-    heard.panel = panel = make_control_panel(window, gl)
-    status = Status(
-        values={"latency": 200.0, "warp": "forward", "guard": 1.0},
-        choices={"warp": ("forward", "mesh")},
-        budget_ms=16.7,
-    )
+    module.imgui = places = Places()
+    heard.panel = panel = module.ControlPanel(window, gl, CONTROLS, label)
+    chosen = {"latency": 200.0, "warp": "forward", "fill": "none", "guard": 1.0, "lens": "auto", "view": "both"}
+    status = Status(values=chosen, choices={"warp": ("forward", "mesh")}, budget_ms=16.7, stage_ms={"warp": 4.0})
+    status.total_ms.extend((5.0, 6.0))
+    status.holes.extend((float("nan"), 0.03))
     inputs = selectors.DefaultSelector()
     inputs.register(sys.stdin, selectors.EVENT_READ)
     os.set_blocking(sys.stdin.fileno(), False)
-    tell(scale=panel._input.scale)
+    panel.draw(status, SIZE)
+    tell(scale=panel._scale)
     while not glfw.window_should_close(window):
         glfw.poll_events()
         size = glfw.get_framebuffer_size(window)
@@ -106,7 +196,9 @@ def main() -> None:
             elif line == "close":
                 panel.close()
                 heard.panel = None
-            tell(done=line, grab=grab_of(gl.screen, size), column=panel._layout.column)
+            elif line == "state":
+                tell(changed=Beside(gl).changed_by(lambda: panel.draw(status, SIZE)))
+            tell(done=line, grab=grab_of(gl.screen, size), column=panel.column, places=places.found)
     panel.close()
     glfw.terminate()
 

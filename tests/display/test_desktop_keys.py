@@ -7,6 +7,7 @@ import pytest
 glfw = pytest.importorskip("glfw", exc_type=ImportError)
 
 from hmdwarp.display import CONTROLS, MOVING, Command, control  # noqa: E402
+from hmdwarp.display.desktop import window_input  # noqa: E402
 from hmdwarp.display.desktop.window_input import BUTTONS, FASTER, MOVES, Keys, direction, token  # noqa: E402
 from hmdwarp.study.dialogs.buttons import CONTROLS as OF_STUDY  # noqa: E402
 
@@ -71,15 +72,17 @@ def test_held_keys_add_up():
     assert direction({glfw.KEY_W, glfw.KEY_S, glfw.KEY_LEFT_SHIFT, glfw.KEY_A}) == (-1, 0, 0)
 
 
-def test_the_help_names_everything():
-    lines = help_text(named=str.upper).splitlines()
+def test_the_help_names_everything(monkeypatch):
+    monkeypatch.setattr(window_input, "label", str.upper)
+    lines = help_text().splitlines()
     assert len(lines) == len(CONTROLS) + len(MOVING)
     for listed in CONTROLS:
         assert any(listed.what in line and listed.key.upper() in line.upper() for line in lines), listed
     assert [line.partition("\t")[0] for line in lines[: len(MOVING)]] == ["mouse", "W A S D", "Q E", "shift"]  # first
 
 
-def test_the_first_picture_says_how_to_look_and_a_study_s_says_nothing():
-    assert Keys(CONTROLS).first_words(looks=True, named=str.upper) == ["click to look, H for help"]
-    assert Keys(CONTROLS).first_words(looks=False, named=str.upper) == ["H for help"]
+def test_the_first_picture_says_how_to_look_and_a_study_s_says_nothing(monkeypatch):
+    monkeypatch.setattr(window_input, "label", str.upper)
+    assert Keys(CONTROLS).first_words(looks=True) == ["click to look, H for help"]
+    assert Keys(CONTROLS).first_words(looks=False) == ["H for help"]
     assert Keys(OF_STUDY).first_words(looks=True) == []

@@ -14,6 +14,7 @@ from pathlib import Path
 import needs
 import pytest
 
+from hmdwarp.display import CONTROLS
 from hmdwarp.display.desktop.control_panel import PANEL_REMEDY, installed
 
 from .virtual_screen import PATIENCE_S, VirtualScreen, needs_a_screen
@@ -91,6 +92,16 @@ class Led:
                 return tuple(at)
             time.sleep(0.05)
         raise AssertionError("no slider is to be seen")
+
+    def places(self) -> dict[str, list[float]]:
+        """The middle of each widget in the window, once the panel has been drawn."""
+        self.grab()
+        return self.say("where")["places"]
+
+    def place(self, label: str) -> tuple[int, int]:
+        """The middle of a widget."""
+        x, y = self.places()[label]
+        return round(x), round(y)
 
     def heard(self, key: str) -> list[dict]:
         """All it said that has that key, since this was asked last."""
@@ -178,6 +189,60 @@ def test_keys_are_the_windows_until_a_number_is_typed(led):
     assert [event["wanted"] for event in led.heard("key")] == [False, False]
 
 
+def test_a_slider_of_the_guard_waits_for_the_hand_to_let_go(led):
+    """It builds the whole pipeline anew: once, not at every pixel."""
+    x, y = led.place("guard")
+    led.hand("mousemove", x - 60, y)
+    led.hand("mousedown", "1")
+    led.hand("mousemove", x - 20, y)
+    led.hand("mousemove", x, y)
+    assert led.heard("control") == []
+    led.hand("mouseup", "1")
+    (asked,) = led.heard("control")
+    assert asked["control"] == "guard"
+    assert asked["value"] == pytest.approx(2.0, abs=0.1)
+    assert asked["value"] == pytest.approx(round(asked["value"] / 0.05) * 0.05)
+
+
+def test_a_choice_is_chosen_from_its_list(led):
+    x, y = led.place("warp")
+    led.hand("mousemove", x, y)
+    led.hand("click", "1")
+    led.hand("mousemove", x, y + 48)  # the second of two
+    assert led.heard("control") == []
+    led.hand("click", "1")
+    assert led.heard("control") == [{"control": "warp", "value": "mesh"}]  # asked for once
+
+
+def test_switches_say_what_they_switch_to(led):
+    for name, control, value in (("lens", "lens", "none"), ("flat", "view", "flat"), ("flat", "", None)):
+        x, y = led.place(name)
+        led.hand("mousemove", x, y)
+        led.hand("click", "1")
+        assert led.heard("control") == ([{"control": control, "value": value}] if control else [])
+
+
+@pytest.mark.parametrize("name", [control.name for control in CONTROLS if control.of_display or control.kind == "hold"])
+def test_buttons_ask_for_what_has_no_value(led, name):
+    (x, y) = next(place for text, place in led.places().items() if text.startswith(name.replace("_", " ") + " ("))
+    led.hand("mousemove", x, y)
+    led.hand("click", "1")
+    assert led.heard("control") == [{"control": name, "value": None}]
+
+
+def test_it_leaves_opengl_as_it_was(led):
+    """Twice: at first glyphs are sent, later only drawn."""
+    for _ in range(2):
+        led.say("state")
+        assert led.heard("changed") == [{"changed": []}]
+
+
+def test_a_run_that_has_not_begun_has_no_row_without_a_value(led):
+    assert {"latency", "warp", "fill", "guard", "lens"} <= led.places().keys()
+    assert not {"scene", "effects"} & led.places().keys()
+    assert {"quit (Esc)", "full screen (F11)", "grab (B)"} <= led.places().keys()
+
+
 def test_closed_it_gives_the_callbacks_back(led):
     led.grab()
     led.say("close")
@@ -194,6 +259,6 @@ def test_a_screen_of_twice_the_density_has_a_panel_of_twice_the_size(screen):
     try:
         with Led(screen) as led:
             assert led.begin().scale == 2.0
-            assert led.say("where")["column"] == 640  # 660 would be wider than the window
+            assert led.say("where")["column"] == 660
     finally:
         subprocess.run(["xrdb", "-remove"], env=environment, check=True, timeout=PATIENCE_S)

@@ -193,7 +193,6 @@ def _present(gpu: Gpu) -> None:
     for hardware_srgb in (False, True):
         presenter.prepare(hardware_srgb=hardware_srgb)
     presenter.close()
-    gpu.shaders.draw("display/panel.vert", "display/panel.frag")  # as control_panel.renderer, whose package is an extra
 
 
 def _draw_every_content(gpu: Gpu) -> None:

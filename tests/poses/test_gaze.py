@@ -1,4 +1,4 @@
-"""Where the eyes look: read, written, held, predicted and made up."""
+"""Where the eyes look: read, written, held and predicted."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from conftest import DEVELOPMENT_TRACES
+from eyes import with_eyes
 from scipy.spatial.transform import Rotation
 
 from hmdwarp.errors import TraceError
@@ -19,10 +20,8 @@ from hmdwarp.poses import (
     load_trace,
     quaternions,
     synthesise,
-    write_synthetic,
 )
 from hmdwarp.poses.formats import formats
-from hmdwarp.poses.synth_gaze import LEAP_BASE_S, LEAP_PER_DEG_S
 from hmdwarp.poses.track import SACCADE_DEG_S
 
 MS = 1_000_000
@@ -116,7 +115,7 @@ def test_nothing_after_now_is_known():
 
 
 def test_a_native_file_has_it_bit_for_bit_and_0_where_it_is_not_known(tmp_path):
-    made = synthesise("look-around", seconds=2, gaze=True)
+    made = with_eyes(synthesise("look-around", seconds=2))
     gaze = made.gaze.copy()
     gaze[40:60] = np.nan
     made, text = made.evolve(gaze=gaze), io.StringIO()
@@ -166,36 +165,3 @@ def test_real_eyes_turn_against_the_head_and_look_a_little_down(name):
         head, eye = turned[:, axis] / seconds, np.diff(angles) / seconds
         slow = (np.abs(eye) < math.radians(SACCADE_DEG_S)) & (np.abs(head) > math.radians(5))
         assert np.corrcoef(head[slow], eye[slow])[0, 1] < -0.1
-
-
-# --- synthetic eyes -----------------------------------------------------------------------------
-
-
-def test_they_rest_in_the_world_follow_and_leap_along_the_main_sequence():
-    made = synthesise("look-around", seconds=30, rate_hz=1000, gaze=True)
-    world = quaternions.rotate(made.orientation_xyzw, made.gaze)
-    speed = np.degrees(np.arccos(np.clip(np.einsum("ij,ij->i", world[1:], world[:-1]), -1, 1))) * 1000
-    assert 0.4 < np.mean(speed < 1) < 0.9, "they rest"
-    assert 0.03 < np.mean((speed >= 4) & (speed <= 31)) < 0.4, "they follow"
-    fast = np.flatnonzero(np.diff(np.concatenate([[0], speed > 40, [0]])))
-    amplitudes = []
-    for first, end in fast.reshape(-1, 2):
-        amplitude = math.degrees(math.acos(min(1.0, world[first] @ world[end])))
-        if amplitude > 4:
-            # The slow ends of a leap are missing, up to a third of its time; a sample on each side.
-            lasts = LEAP_BASE_S + LEAP_PER_DEG_S * amplitude
-            assert 0.6 * lasts <= (end - first) / 1000 <= lasts + 0.003
-        amplitudes.append(amplitude)
-    assert len(amplitudes) > 50 and np.median(amplitudes) < 15
-    aside = np.degrees(np.arccos(-made.gaze[:, 2]))
-    assert aside.max() < 55
-
-
-def test_the_head_is_the_same_with_eyes_and_the_same_seed_makes_the_same_bytes():
-    texts = []
-    for gaze in (True, True, False):
-        made = synthesise("walk", seconds=3, gaze=gaze)
-        write_synthetic(made, text := io.StringIO())
-        texts.append([line for line in text.getvalue().splitlines() if not line.startswith("#")])
-    assert texts[0] == texts[1]
-    assert [line.rsplit(",", 3)[0] for line in texts[0]] == texts[2]

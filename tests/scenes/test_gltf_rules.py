@@ -20,7 +20,6 @@ from hmdwarp.sources.server import Server
 
 from .glb import IN_PLACE, SQUARE, Glb, boxes, cube
 
-VISIBILITY = "KHR_node_visibility"
 BLACK, RED = {"baseColorFactor": [0, 0, 0, 1]}, {"baseColorFactor": [1, 0, 0, 1]}
 # Colours are half floats of at most 4; bytes of textures are exact to half of one in 255.
 HALF, BYTE = 2e-3, 4e-3
@@ -174,29 +173,6 @@ def test_a_hidden_node_hides_what_hangs_from_it(tmp_path, gpu):
     assert not any("KHR_node_visibility" in note for note in scene.notes)
     glb.header["nodes"][1]["extensions"]["KHR_node_visibility"]["visible"] = True
     assert middle(gpu, glb.load(tmp_path, "seen.glb"))[1] == pytest.approx(2)
-
-
-@pytest.mark.parametrize("moves", ["stands", "moves", "grows", "skin"])
-def test_a_node_whose_visibility_is_animated_is_there_at_its_times(tmp_path, gpu, moves):
-    """Whatever its file says it is without the animation, and however it moves beside."""
-    glb = Glb().material(pbrMetallicRoughness=RED)
-    glb.header["nodes"].append({"mesh": 0, "translation": [0, 1, -2], "extensions": {VISIBILITY: {"visible": False}}})
-    glb.header["scenes"][0]["nodes"].append(1)
-    if moves == "skin":
-        glb.skin(weights=np.tile((1, 0, 0, 0), (4, 1)))
-        glb.header["nodes"][0] = {}
-        glb.header["nodes"][1] |= {"skin": 0}
-        glb.header["nodes"][2] = {"translation": [0, 1, -2]}
-    elif moves != "stands":
-        path, ends = (
-            ("translation", [(0, 1, -2), (0, 1.2, -2)]) if moves == "moves" else ("scale", [(1,) * 3, (2,) * 3])
-        )
-        glb.animate(path, [0, 3], ends, node=1)
-    truths = np.array([[0], [7], [0]], np.uint8)
-    glb.animate("", [0, 1, 2], truths, "STEP", pointer=f"/nodes/1/extensions/{VISIBILITY}/visible")
-    glb.animate("translation", [0, 3], [(0, 1, -3)] * 2)
-    scene = glb.load(tmp_path)
-    assert [middle(gpu, scene, time_ns=ms * 10**6)[1] < 2.5 for ms in (0, 990, 1010, 1990, 2010)] == [0, 0, 1, 1, 0]
 
 
 def test_a_file_with_every_node_hidden_says_why_there_is_nothing(tmp_path):

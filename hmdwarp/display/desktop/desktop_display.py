@@ -16,13 +16,14 @@ from ...poses.track import LoopedSource
 from ...poses.walker import Walker
 from .. import Closed, Command, DisplayOptions, Label, Picture, Tick
 from ..controls import Status
-from .control_panel import column_width
+from .control_panel import WIDTH, installed
 from .pacing import Pacer, ScreenMonitor
 from .window import Window
 from .window_system import SwitchableView, start
 
 TITLE = "hmdwarp"
 MINIMISED_S = 0.1
+TITLE_NS = 250_000_000  # a title that changes more often is unreadable, and each change costs a round trip
 
 
 class DesktopDisplay(SwitchableView):
@@ -42,9 +43,9 @@ class DesktopDisplay(SwitchableView):
     def _open(self, options: DisplayOptions, closers: ExitStack) -> None:
         glfw = start()  # before the modules that import glfw: it chooses the library of X11 or Wayland
         from ..present import Presenter
-        from .painter import NO_PANEL, Painter, StatusViews
-        from .window_commands import WindowCommands
-        from .window_input import Keys
+        from .painter import Painter
+        from .window_commands import NO_PANEL, WindowCommands
+        from .window_input import Keys, WalkerSource
 
         has_panel = options.control_panel and any(
             control.name == "panel" and control.of_display for control in options.controls
@@ -53,7 +54,7 @@ class DesktopDisplay(SwitchableView):
             glfw,
             TITLE,
             self._view.total_size,
-            column_width() if has_panel else 0,
+            WIDTH if has_panel and installed() else 0,
             full_screen=options.full_screen,
             vsync=options.vsync,
         )
@@ -65,15 +66,15 @@ class DesktopDisplay(SwitchableView):
         keys = Keys(options.controls)
         self._painter = Painter(self.gpu, presenter, self.now_ns, keys.controls, keys.help_text)
         self._pacer = Pacer(self._window.rate_hz, options.vsync)
-        self._status = StatusViews(self._window, options.controls)
+        self._status, self._titled_ns = Status(), 0
         walker = Walker(self.now_ns())
-        self._commands = WindowCommands(
-            keys, self._window, walker, self._painter, self._pacer, self._status, self.now_ns
-        )
-        self.source: PoseSource = self._source(options, walker)
+        self._commands = WindowCommands(keys, self._window, walker, self._painter, self._pacer, self.now_ns)
+        self.source: PoseSource = WalkerSource(walker, self._commands.read)
+        if options.trace is not None:
+            self.source = LoopedSource(options.trace, self.now_ns)
         lacks_panel = has_panel and not self._commands.open_panel()
         self._painter.say("\n".join([*keys.first_words(options.trace is None), *([NO_PANEL] if lacks_panel else [])]))
-        closers.callback(self._status.close)
+        closers.callback(self._commands.close)
         self._screens = ScreenMonitor(glfw, self._window, self._pacer)
         self._begun_ns = 0
         self.about = {
@@ -82,13 +83,6 @@ class DesktopDisplay(SwitchableView):
             "renderer": self.gpu.renderer,
             **options.about_trace(),
         }
-
-    def _source(self, options: DisplayOptions, walker: Walker) -> PoseSource:
-        from .window_input import WalkerSource
-
-        if options.trace is not None:
-            return LoopedSource(options.trace, self.now_ns)
-        return WalkerSource(walker, self._commands.read)
 
     @property
     def rate_hz(self) -> float:
@@ -128,14 +122,18 @@ class DesktopDisplay(SwitchableView):
     def show(self, refresh: Picture | None, label: Label = "") -> int:
         """Draw the eyes' pictures, the text over them and the control panel, and swap."""
         canvases = () if refresh is None else tuple(eye.panel for eye in refresh.eyes)
-        self._painter.draw(canvases, self._view, self._window.framebuffer_size, self._status.column, label)
+        size, panel = self._window.framebuffer_size, self._commands.panel
+        self._painter.draw(canvases, self._view, size, panel.column if panel else 0, label)
         self._commands.input.takes_text = not isinstance(label, str) and label.takes_text
         self._commands.input.point(self._uv_at if not isinstance(label, str) and label.pointed else None)
-        self._commands.pending += self._status.draw_panel()
+        if panel is not None:
+            self._commands.pending += panel.draw(self._status, size)
         handed_over_ns = self.now_ns()
         self._window.swap()
         self._pacer.swapped(self._begun_ns, self.now_ns())
-        self._status.write_title(self.now_ns())
+        if self.now_ns() - self._titled_ns >= TITLE_NS and self._status.values:
+            self._titled_ns = self.now_ns()
+            self._window.title(self._status.title())
         return handed_over_ns
 
     def _uv_at(self, x: float, y: float) -> tuple[float, float] | None:
@@ -148,7 +146,13 @@ class DesktopDisplay(SwitchableView):
 
     def show_status(self, status: Status) -> None:
         """Show a Status in the title line and the control panel."""
-        self._status.update(status, shows_help=self._painter.help)
+        self._status, panel = status, self._commands.panel
+        status.values.update(
+            full_screen=self._window.fills_screen,
+            vsync=self._window.vsync,
+            panel=panel is not None and panel.on,
+            help=self._painter.help,
+        )
 
     def reopen(self) -> bool:
         """Return False: a window is closed, never lost."""

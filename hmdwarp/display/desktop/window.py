@@ -185,17 +185,12 @@ class Window:
         place, self._place = self._place or (0, 0, *FALLBACK_ROOM), None
         self._glfw.set_window_monitor(self.handle, None, *place, 0)
 
-    def screens_changed(self) -> bool:
-        """Handle a screen that was plugged or unplugged.
-
-        Return whether the screen that the window filled is gone, so that it is a window again.
-        """
+    def screens_changed(self) -> None:
+        """Handle a screen that was plugged or unplugged."""
         # glfw itself has moved the window off a screen that is gone; only its earlier place is left
         # for us to restore.
-        if self._place is None or self.fills_screen:
-            return False
-        self._leave_screen()
-        return True
+        if self._place is not None and not self.fills_screen:
+            self._leave_screen()
 
     def wait_for_screen(self, on: bool) -> None:
         """Set whether swaps wait for the screen. The context must be current."""

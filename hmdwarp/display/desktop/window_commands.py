@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
 from ...poses.walker import Walker
 from .. import Command
+from .control_panel import PANEL_REMEDY, installed
 from .pacing import Pacer
-from .painter import NO_PANEL, Painter, StatusViews
+from .painter import Painter
 from .window import Window
-from .window_input import Keys, WindowInput
+from .window_input import Keys, WindowInput, label
+
+if TYPE_CHECKING:
+    from .control_panel.panel import ControlPanel
+
+NO_PANEL = f"no control panel: {PANEL_REMEDY}"
 
 
 class WindowCommands:
@@ -22,11 +29,11 @@ class WindowCommands:
         walker: Walker,
         painter: Painter,
         pacer: Pacer,
-        views: StatusViews,
         now_ns: Callable[[], int],
     ) -> None:
         self._window, self._walker, self._painter, self._pacer = window, walker, painter, pacer
-        self._views, self._now_ns = views, now_ns
+        self._controls, self._now_ns = keys.controls, now_ns
+        self.panel: ControlPanel | None = None  # None until it is opened, and if its packages are missing
         self.input = WindowInput(window.handle, walker, now_ns, keys)
         self.input.close_help = self._close_help
         self.pending: list[Command] = []  # for the run, oldest first
@@ -81,9 +88,8 @@ class WindowCommands:
         self._pacer.set(self._window.rate_hz, self._window.vsync)
 
     def _control_panel(self, value: object) -> None:
-        panel = self._views.panel
-        if panel is not None:
-            panel.on = not panel.on if value is None else bool(value)
+        if self.panel is not None:
+            self.panel.on = not self.panel.on if value is None else bool(value)
         elif not self.open_panel():
             self._painter.say(NO_PANEL)
 
@@ -98,6 +104,16 @@ class WindowCommands:
         self._window.end()
 
     def open_panel(self) -> bool:
-        """Open the control panel; return whether its package is installed."""
-        self.input.control_panel = self._views.open_panel()
-        return self._views.panel is not None
+        """Open the control panel; return whether its packages are installed."""
+        if installed():
+            from .control_panel.panel import ControlPanel
+
+            # After the window has set its callbacks: the panel chains them.
+            self.panel = ControlPanel(self._window.handle, self._window.gl, self._controls, label)
+            self.input.control_panel = self.panel
+        return self.panel is not None
+
+    def close(self) -> None:
+        """Close the control panel."""
+        if self.panel is not None:
+            self.panel.close()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import glfw
 
@@ -13,6 +13,9 @@ from ...poses.walker import Walker
 from .. import Command
 from ..controls import MOVING, Control, and_mouse
 from .window_system import WindowHandle
+
+if TYPE_CHECKING:
+    from .control_panel.panel import ControlPanel
 
 # A control's key is where a US keyboard has it, so that one finger finds the same control
 # everywhere; the help writes what the user's own keyboard has printed there.
@@ -73,7 +76,7 @@ class Keys:
                 return Command(control.name, control.value) if action == glfw.PRESS else None
         return None
 
-    def first_words(self, looks: bool, named: Callable[[str], str] | None = None) -> list[str]:
+    def first_words(self, looks: bool) -> list[str]:
         """Return a line for the first picture, none where nothing may be written over pictures.
 
         looks: whether the mouse turns the head.
@@ -83,18 +86,14 @@ class Keys:
         )
         if help_ is None:
             return []
-        return [f"{'click to look, ' if looks else ''}{(named or label)(help_.key)} for help"]
+        return [f"{'click to look, ' if looks else ''}{label(help_.key)} for help"]
 
-    def help_text(self, named: Callable[[str], str] | None = None) -> str:
-        """Return every way to move and every control, a line each: keys, tab, description.
-
-        named: maps a key to the user's name for it.
-        """
-        named = named or label
+    def help_text(self) -> str:
+        """Return every way to move and every control, a line each: keys, tab, description."""
         rows = [
-            (" ".join(named(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
+            (" ".join(label(word) if len(word) == 1 else word for word in keys.split()), what) for keys, what in MOVING
         ]
-        rows += [(_keys_of(control, named), control.what) for control in self.controls if control.what]
+        rows += [(_keys_of(control), control.what) for control in self.controls if control.what]
         return "\n".join(f"{keys}\t{what}" for keys, what in rows)
 
 
@@ -116,12 +115,12 @@ def label(name: str) -> str:
     return printed.upper() if printed else name
 
 
-def _keys_of(control: Control, named: Callable[[str], str]) -> str:
+def _keys_of(control: Control) -> str:
     if control.written:
         return control.written
     if control.back:
-        return f"{named(control.back)} {named(control.key)}"
-    key = named(control.key)
+        return f"{label(control.back)} {label(control.key)}"
+    key = label(control.key)
     return f"{key} (shift: back)" if control.kind in STEPS_BACK else f"{key}{and_mouse(control)}"
 
 
@@ -130,16 +129,6 @@ TURN_PER_UNIT = math.radians(0.1)  # of mouse motion: 900 units (of 0.1 mm or so
 # A position in the window's own units, from the top left, to (u, v) of the text panel; None
 # outside.
 Locate = Callable[[float, float], tuple[float, float] | None]
-
-
-class InputConsumer(Protocol):
-    """A control panel that takes part of the input."""
-
-    @property
-    def wants_mouse(self) -> bool: ...
-
-    @property
-    def wants_keys(self) -> bool: ...
 
 
 class WindowInput:
@@ -158,7 +147,7 @@ class WindowInput:
         self._locate: Locate | None = None
         self._capture_again = False
         self._notches = 0.0  # fraction of a wheel notch not reported yet
-        self.control_panel: InputConsumer | None = None  # takes its part of the input first
+        self.control_panel: ControlPanel | None = None  # takes its part of the input first
         self.close_help: Callable[[], bool] = lambda: False  # closes an open help; whether there was one
         self.takes_text = False  # whether letters are text, and no keys of controls
         self.commands: list[Command] = []  # requests, oldest first; the caller empties it

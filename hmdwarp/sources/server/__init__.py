@@ -15,7 +15,6 @@ from .targets import Renderer as Renderer
 from .targets import Target as Target
 from .targets import TargetPool as TargetPool
 from .targets import display_bytes as display_bytes
-from .upload import NOWHERE as NOWHERE
 from .upload import DeformingMesh as DeformingMesh
 from .upload import SceneBuffers as SceneBuffers
 from .upload import SceneTextures as SceneTextures

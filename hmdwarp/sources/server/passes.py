@@ -36,7 +36,7 @@ class Lighting:
     def __init__(self, gpu: Gpu, scene: Scene, most_blockers: int | None = None) -> None:
         self._gl, self._scene = gpu.gl, scene
         if most_blockers is None:
-            most_blockers = len(blocking(scene.all_shown))
+            most_blockers = len(blocking(scene))
         self._blockers = gpu.gl.texture((3, max(1, most_blockers)), 4, dtype="f4")
         self._written = b""
         self._blockers.filter = (moderngl.NEAREST, moderngl.NEAREST)

@@ -135,13 +135,6 @@ def boxes_at(
     return centres, halves
 
 
-def shown_at(scene: Scene, bodies: NDArray[np.int64], time_ns: int) -> NDArray[np.bool_]:
-    """Return (n,) whether what belongs to these bodies, 0 for none, is there at an instant."""
-    shown = np.array([True, *(body.is_shown(time_ns) for body in scene.bodies)])
-    found: NDArray[np.bool_] = shown[bodies]
-    return found
-
-
 def distances(eye: Array, centres: Array, halves: Array) -> Array:
     """Return (n,) metres from a place to the nearest point of each box."""
     away: Array = np.linalg.norm(np.maximum(np.abs(centres - eye) - halves, 0), axis=1)

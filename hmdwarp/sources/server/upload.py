@@ -231,9 +231,7 @@ def _vertex_rows(meshes: Sequence[Mesh]) -> NDArray[np.float32]:
 
 
 STAYS = np.eye(4)
-# Of what is hidden: to the eye itself, where nothing is drawn.
-NOWHERE = np.diag((0.0, 0.0, 0.0, 1.0))
-STAYS.flags.writeable = NOWHERE.flags.writeable = False
+STAYS.flags.writeable = False
 
 
 @attrs.frozen(eq=False)
@@ -283,11 +281,10 @@ class MovingBody(Moving):
 
     def set_time(self, time_ns: int) -> None:
         # Not kept for the next time: what people did by that instant may have come since.
-        self._pose, self._is_shown = self._body.motion.state(time_ns).pose, self._body.is_shown(time_ns)
+        self._pose = self._body.motion.state(time_ns).pose
 
     def place(self, view: View) -> Place:
-        eye_from_here = self._pose.relative_to(view.pose).matrix() if self._is_shown else NOWHERE
-        return Place(eye_from_here, view.pose.relative_to(self._pose).position_m)
+        return Place(self._pose.relative_to(view.pose).matrix(), view.pose.relative_to(self._pose).position_m)
 
     def scene_from_here(self, time_ns: int) -> NDArray[np.float64]:
         matrix = self._body.motion.state(time_ns).pose.matrix()

@@ -15,6 +15,7 @@ from unittest.mock import patch
 import attrs
 import numpy as np
 import pytest
+from eyes import with_eyes
 from replays import CHEAPER, SMALL, scene_for
 from serving import Serving, free_port
 
@@ -136,7 +137,7 @@ def test_it_is_its_replay_bit_for_bit_and_nothing_else_crosses(gpu, serving_of, 
 def looking_around(tmp_path) -> str:
     """Return a recording with made-up eyes, which leap and pursue within its first two seconds."""
     with (tmp_path / "looking.csv").open("w", encoding="utf-8") as file:
-        write_synthetic(synthesise("look-around", seconds=2, gaze=True), file)
+        write_synthetic(with_eyes(synthesise("look-around", seconds=2)), file)
     return str(tmp_path / "looking.csv")
 
 

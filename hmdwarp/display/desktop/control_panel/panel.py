@@ -1,225 +1,265 @@
-"""The control panel: redraw schedule, place in the window, and contents."""
+"""The control panel: controls with their keys, plots and stages, drawn by Dear ImGui."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
+from statistics import fmean
 from typing import Any
 
-import attrs
+import glfw
 import moderngl
-from imgui_bundle import imgui, implot
+import numpy as np
+from imgui_bundle import imgui
+from imgui_bundle.imgui import backends
+from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
 
+from ....gpu.context import drawing_into
+from ....gpu.shaders import VERSION
 from ... import Command
-from ...controls import CONTROLS, Control, Status
-from . import panel_style as style
-from .imgui_input import ImGuiInput, NoInput
-from .renderer import PanelRenderer
-from .widgets import Stages, Widgets, draw_plots, right_aligned
+from ...controls import Control, Status
+from ..window_system import WindowHandle
+from . import WIDTH
 
-CALM_HZ = 15.0  # redraws of the panel without input; in between the last picture is composited again
-LIVELY_S = 0.4  # redrawn at every refresh after start and input: widgets need a few frames for their sizes
-LONGEST_S = 0.25  # between two frames, for Dear ImGui's own blinking and delays
-WINDOW = (
-    imgui.WindowFlags_.no_title_bar
-    | imgui.WindowFlags_.no_resize
-    | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_collapse
-    | imgui.WindowFlags_.no_nav
-    | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.always_auto_resize
-)
+CALM_HZ = 15.0  # new frames without input; in between the last one is drawn again
+LIVELY_S = 0.4  # a new frame at every refresh after start and input: widgets need a few for their sizes
+_Flags = imgui.WindowFlags_
+FLAGS = _Flags.no_title_bar | _Flags.no_resize | _Flags.no_move | _Flags.no_nav | _Flags.always_auto_resize
+BAD, WARN = imgui.ImVec4(1.0, 0.42, 0.36, 1.0), imgui.ImVec4(1.0, 0.76, 0.3, 1.0)
+LIT, PLAIN = imgui.ImVec4(0.2, 0.45, 0.43, 1.0), imgui.ImVec4(0.9, 0.92, 0.94, 1.0)
+STEP = {"latency": 10.0, "guard": 0.05}  # a slider's; a typed number (ctrl and click) is taken as it is
+FORMAT = {"latency": "%.0f ms", "guard": "%.2f x"}
 
 
-@attrs.define
-class _Layout:
-    """The panel's place in the framebuffer, as last drawn."""
+class _Backend(GlfwRenderer):  # type: ignore[misc]  # it has no types
+    """The bundle's GLFW backend, which draws with the bundle's compiled OpenGL backend.
 
-    size: tuple[int, int] = (0, 0)  # (w, h) of the framebuffer in pixels
-    column: int = 0  # width at the right edge
-    height: int = 0  # used rows from the top
-    scale: float = 0.0  # content scale
+    Its own drawing fails in a context of EGL under X11, and leaves blending and a texture changed.
+    """
+
+    def _create_device_objects(self) -> None:
+        backends.opengl3_init(VERSION)
 
 
 class ControlPanel:
-    """Controls and plots, over the right edge of a framebuffer.
-
-    A Dear ImGui display of its own, one column wide, so that nothing open in it reaches over the
-    picture beside it. into: where it is shown. clock: running seconds.
-    """
+    """Controls and plots over the right edge of a window. label: what is printed on a key."""
 
     def __init__(
-        self,
-        gl: moderngl.Context,
-        panel_input: ImGuiInput | NoInput,
-        into: moderngl.Framebuffer,
-        clock: Callable[[], float],
-        controls: tuple[Control, ...] = CONTROLS,
+        self, window: WindowHandle, gl: moderngl.Context, controls: tuple[Control, ...], label: Callable[[str], str]
     ) -> None:
-        self._into, self._input, self._clock = into, panel_input, clock
-        self._contexts = imgui.create_context(), implot.create_context()
-        self._renderer = PanelRenderer(gl)
-        self._widgets, self._stages = Widgets(panel_input.label, controls), Stages()
-        self._layout = _Layout()
-        self._painted_s, self._lively_until_s = -1.0, 0.0
-        self._on, self._closed = True, False
-        self._prepare(gl)
+        self._window, self._gl, self._controls, self._label = window, gl, controls, label
+        self._context = imgui.create_context()
+        imgui.get_io().set_ini_filename("")
+        imgui.style_colors_dark()
+        _ = gl.error  # else PyOpenGL raises in what follows what went wrong before
+        self._backend = _Backend(window, attach_callbacks=False)
+        self.on = True  # whether it is visible; while off, it draws nothing and takes no input
+        self._closed = False
+        self._scale, self._height = 1.0, 0.0
+        self._drawn_s, self._lively_until_s = -math.inf, glfw.get_time() + LIVELY_S
+        self._dragged: dict[str, float] = {}
+        self._commands: list[Command] = []
+        for setter, callback in (
+            (glfw.set_key_callback, self._backend.keyboard_callback),
+            (glfw.set_char_callback, self._backend.char_callback),
+            (glfw.set_cursor_pos_callback, self._backend.mouse_callback),
+            (glfw.set_mouse_button_callback, self._backend.mouse_button_callback),
+            (glfw.set_scroll_callback, self._backend.scroll_callback),
+        ):
+            self._chain(setter, callback)
 
-    def _prepare(self, gl: moderngl.Context) -> None:
-        self._enter()
-        io = imgui.get_io()
-        io.set_ini_filename("")
-        io.set_log_filename("")
-        io.backend_flags |= imgui.BackendFlags_.renderer_has_textures
-        io.config_flags |= imgui.ConfigFlags_.no_mouse_cursor_change
-        most = gl.info["GL_MAX_TEXTURE_SIZE"]
-        imgui.get_platform_io().renderer_texture_max_width = imgui.get_platform_io().renderer_texture_max_height = most
-        style.add_font()
+    def _chain(self, setter: Callable[..., Any], callback: Callable[..., None]) -> None:
+        def both(*arguments: Any) -> None:
+            if self.on and not self._captured:
+                callback(*arguments)
+                if self.wants_mouse or self.wants_keys:
+                    self._lively_until_s = glfw.get_time() + LIVELY_S
+            elif not self._closed:
+                self._backend.io.clear_input_keys()
+                self._backend.io.clear_input_mouse()
+            if before:
+                before(*arguments)
 
-    def _enter(self) -> None:
-        imgui.set_current_context(self._contexts[0])
-        implot.set_current_context(self._contexts[1])
-
-    # --- for the window ---
+        before = setter(self._window, both)
 
     @property
-    def on(self) -> bool:
-        """Whether it is visible.
-
-        While off, it draws nothing, takes no input, and forgets the mouse.
-        """
-        return self._on
-
-    @on.setter
-    def on(self, on: bool) -> None:
-        self._on = self._input.on = on
-        self._input.typing = False
-        self._painted_s = -1.0  # else the old picture would flash up
+    def _captured(self) -> bool:
+        return bool(glfw.get_input_mode(self._window, glfw.CURSOR) == glfw.CURSOR_DISABLED)
 
     @property
     def column(self) -> int:
         """Width in framebuffer pixels at the right edge; 0 while it is off."""
-        return round(style.WIDTH * self._input.scale) if self._on else 0
+        return round(WIDTH * max(glfw.get_window_content_scale(self._window))) if self.on else 0
 
     @property
     def wants_mouse(self) -> bool:
         """Whether the mouse belongs to the panel: it is over it, or held down since it was."""
-        if not self._on or self._input.captured:
+        if not self.on or self._captured:
             return False
-        self._enter()
-        return self._over() or imgui.get_io().want_capture_mouse
+        (x, y), right = glfw.get_cursor_pos(self._window), self._backend.io.display_size.x
+        over = right - WIDTH * self._scale <= x < right and 0 <= y < self._height
+        return over or bool(self._backend.io.want_capture_mouse)
 
     @property
     def wants_keys(self) -> bool:
         """Whether a number is being typed into the panel; otherwise keys go to the window."""
-        return self._on and self._input.typing
-
-    def _over(self) -> bool:
-        place = self._input.cursor
-        return (
-            place is not None
-            and place[0] >= self._layout.size[0] - self._layout.column
-            and 0 <= place[1] < self._layout.height
-        )
-
-    # --- a refresh ---
+        return self.on and bool(self._backend.io.want_text_input)
 
     def draw(self, status: Status, framebuffer_size: tuple[int, int]) -> list[Command]:
-        """Composite the panel over the framebuffer, (w, h) in pixels, and return its commands.
+        """Draw the panel over the window's framebuffer, (w, h) in pixels, and return its commands.
 
         These include the display's own controls.
         """
-        if not self._on or min(framebuffer_size) < 1:
+        if not self.on or min(framebuffer_size) < 1:
             return []
-        now_s = self._clock()
-        events = self._input.take()
-        begins = self._painted_s < 0  # or starts again
-        if begins or events and (self._over() or self.wants_mouse or self.wants_keys or now_s < self._lively_until_s):
-            self._lively_until_s = now_s + LIVELY_S
-        due = (
-            now_s - self._painted_s >= 1 / CALM_HZ
-            or now_s < self._lively_until_s
-            or framebuffer_size != self._layout.size
-        )
-        self._feed(events, framebuffer_size)
-        commands = self._paint(status, framebuffer_size, now_s) if due else []
-        x = self._layout.size[0] - self._layout.column
-        self._renderer.put(
-            self._into, (x, self._layout.size[1] - self._layout.height), (self._layout.column, self._layout.height)
-        )
+        now_s = glfw.get_time()
+        if now_s < self._lively_until_s or now_s - self._drawn_s >= 1 / CALM_HZ:
+            self._drawn_s = now_s
+            self._new_frame(status)
+        with drawing_into(self._gl.screen):
+            backends.opengl3_render_draw_data(imgui.get_draw_data())
+        commands, self._commands = self._commands, []
         return commands
 
-    def _feed(self, events: list[Any], size: tuple[int, int]) -> None:
-        self._enter()
-        self._settle(size)
-        io = imgui.get_io()
-        for event in events:
-            event(io)
-
-    def _settle(self, size: tuple[int, int]) -> None:
-        """Update sizes for the current window."""
-        scale = self._input.scale
-        if scale != self._layout.scale:
-            self._layout.scale = scale
-            style.apply(scale)
-        self._layout.size, self._layout.column = size, min(self.column, size[0])
-        self._input.left = size[0] - self._layout.column
-        imgui.get_io().display_size = imgui.ImVec2(self._layout.column, size[1])
-
-    def _paint(self, status: Status, size: tuple[int, int], now_s: float) -> list[Command]:
-        imgui.get_io().delta_time = min(max(now_s - self._painted_s, 1e-4), LONGEST_S)
-        self._painted_s = now_s
+    def _new_frame(self, status: Status) -> None:
+        backends.opengl3_new_frame()
+        self._backend.process_inputs()
+        io = self._backend.io
+        scale = max(glfw.get_window_content_scale(self._window)) / max(io.display_framebuffer_scale.x, 1.0)
+        if scale != self._scale:
+            imgui.get_style().scale_all_sizes(scale / self._scale)
+            imgui.get_style().font_scale_dpi = self._scale = scale
         imgui.new_frame()
-        commands = self._lay_out(status, now_s)
-        imgui.render()
-        self._input.typing = imgui.get_io().want_text_input
-        self._layout.height = self._renderer.paint(imgui.get_draw_data(), (self._layout.column, size[1]))
-        return commands
-
-    def _lay_out(self, status: Status, now_s: float) -> list[Command]:
-        imgui.set_next_window_pos((0, 0))
-        imgui.set_next_window_size_constraints((self._layout.column, 0), (self._layout.column, self._layout.size[1]))
-        imgui.begin("hmdwarp", None, WINDOW)
-        _header(status, self._layout.scale)
-        commands = self._widgets.draw(status, self._layout.scale, now_s)
-        imgui.separator()
-        draw_plots(status, self._layout.scale)
-        imgui.separator()
-        imgui.text_disabled("stages, in ms")
-        self._stages.draw(status, self._layout.scale)
-        imgui.separator()
-        commands += self._widgets.actions(status.values)
+        width = min(WIDTH * scale, io.display_size.x)
+        imgui.set_next_window_pos((io.display_size.x - width, 0))
+        imgui.set_next_window_size_constraints((width, 0), (width, io.display_size.y))
+        imgui.set_next_window_bg_alpha(0.86)
+        imgui.begin("hmdwarp", None, FLAGS)
+        _draw_header(status)
+        self._draw_controls(status)
+        _draw_plots(status, scale)
+        imgui.text_disabled("stages, in ms" if status.stage_ms else "stages: not measured yet")
+        whole = max(status.budget_ms, sum(status.stage_ms.values())) or 1.0
+        for name, took_ms in status.stage_ms.items():
+            imgui.progress_bar(took_ms / whole, (-1, 0), f"{name} {took_ms:.1f}")
+        self._draw_actions(status)
+        self._height = imgui.get_window_height()
         imgui.end()
-        return commands
+        imgui.render()
+
+    def _draw_controls(self, status: Status) -> None:
+        """Draw a row for each control that changes the run: name, widget, keys."""
+        if not imgui.begin_table("controls", 3, imgui.TableFlags_.sizing_fixed_fit):
+            return
+        imgui.table_setup_column("name")
+        imgui.table_setup_column("value", imgui.TableColumnFlags_.width_stretch)
+        draws = {"choice": self._choice, "number": self._number, "switch": self._switch}
+        for control in self._controls:
+            if _acts(control) or control.name not in status.values:
+                continue
+            imgui.table_next_column()
+            imgui.align_text_to_frame_padding()
+            imgui.text_disabled(control.name)
+            imgui.table_next_column()
+            imgui.set_next_item_width(-1)
+            value = status.values[control.name]
+            new = draws[control.kind](control, value, status)
+            if new is not None and new != value:
+                self._commands.append(Command(control.name, new))
+            imgui.table_next_column()
+            imgui.text_disabled(self._keys_of(control))
+        imgui.end_table()
+
+    # --- a widget for each kind of control: each returns the new value, or None ---
+
+    def _choice(self, control: Control, value: object, status: Status) -> object | None:
+        choices = list(dict.fromkeys([*status.choices.get(control.name, ()), value]))
+        changed, new = imgui.combo(f"##{control.name}", choices.index(value), list(map(str, choices)))
+        return choices[new] if changed else None
+
+    def _number(self, control: Control, value: object, _: Status) -> object | None:
+        """Draw a slider; only latency follows the drag: other numbers may rebuild the pipeline."""
+        assert isinstance(value, int | float)
+        name, clamp = control.name, imgui.SliderFlags_.always_clamp
+        shown = self._dragged.get(name, float(value))
+        moved, now = imgui.slider_float(f"##{name}", shown, *control.span, FORMAT[name], clamp)
+        if moved:
+            self._dragged[name] = now if self.wants_keys else round(now / STEP[name]) * STEP[name]
+        ended = not imgui.is_item_active()
+        new = self._dragged.pop(name, None) if ended else self._dragged.get(name)
+        return round(new, 3) if new is not None and (ended or name == "latency") else None
+
+    def _switch(self, control: Control, value: object, _: Status) -> object | None:
+        if control.name == "view":
+            for state in ("both", "flat"):
+                if imgui.radio_button(state, value == state):
+                    return state
+                imgui.same_line()
+            return None
+        text = value if isinstance(value, str) else "on" if value else "off"
+        changed, on = imgui.checkbox(f"{text}###{control.name}", value not in ("none", False))
+        return (on if isinstance(value, bool) else "auto" if on else "none") if changed else None
+
+    def _draw_actions(self, status: Status) -> None:
+        """Draw buttons for controls without a value and the display's own; what is on is lit."""
+        width = (imgui.get_content_region_avail().x - imgui.get_style().item_spacing.x) / 2
+        for number, control in enumerate(filter(_acts, self._controls)):
+            if number % 2:
+                imgui.same_line()
+            lit = status.values.get(control.name) is True
+            imgui.push_style_color(imgui.Col_.button, LIT if lit else imgui.get_style_color_vec4(imgui.Col_.button))
+            if imgui.button(f"{control.name.replace('_', ' ')} ({self._keys_of(control)})", (width, 0)):
+                self._commands.append(Command(control.name))
+            imgui.pop_style_color()
+
+    def _keys_of(self, control: Control) -> str:
+        """Return its keys in a few letters, the one for a step back first."""
+        return " ".join({"Escape": "Esc"}.get(key, self._label(key)) for key in (control.back, control.key) if key)
 
     def close(self) -> None:
-        """Free it, and restore the window's callbacks. Safe to call twice."""
-        if self._closed:
-            return
-        self._closed = True
-        self._input.close()
-        self._enter()
-        self._renderer.close()
-        implot.destroy_context(self._contexts[1])
-        imgui.destroy_context(self._contexts[0])
+        """Free it; the window's own callbacks are still called. Safe to call twice."""
+        if not self._closed:
+            self._closed, self.on = True, False
+            backends.opengl3_shutdown()
+            imgui.destroy_context(self._context)
 
 
-def _header(status: Status, scale: float) -> None:
+def _acts(control: Control) -> bool:
+    return control.of_display or control.kind in ("action", "hold")
+
+
+def _draw_header(status: Status) -> None:
     """Draw refresh rate, misses, recording, and the notice."""
-    imgui.text(f"{status.rate_hz:.0f} fps")
+    wanted = f" of {1e3 / status.budget_ms:.0f}, {status.budget_ms:.1f} ms each" if status.budget_ms else ""
+    imgui.text(f"{status.rate_hz:.0f} fps{wanted},")
     imgui.same_line()
-    imgui.text_disabled(f"of {1e3 / status.budget_ms:.0f}, {status.budget_ms:.1f} ms each" if status.budget_ms else "")
-    missed = f"{status.missed} missed"
-    right_aligned(missed, style.WARN if status.missed else style.DIM)
+    imgui.text_colored(WARN if status.missed else PLAIN, f"{status.missed} missed")
     if status.recording:
-        at, size = imgui.get_cursor_screen_pos(), imgui.get_font_size()
-        imgui.get_window_draw_list().add_circle_filled(
-            (at.x + 0.35 * size, at.y + 0.5 * size), 0.3 * size, style.u32(style.BAD)
-        )
-        imgui.dummy((0.7 * size, size))
-        imgui.same_line()
-        imgui.text_colored(imgui.ImVec4(*style.BAD), "recording")
+        imgui.text_colored(BAD, "recording")
     if status.notice:
-        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*style.WARN))
         imgui.text_wrapped(status.notice)
+
+
+def plots_of(status: Status) -> list[tuple[str, Iterable[float], str, float, float]]:
+    """Return what is plotted, from the top: name, values, unit, axis at least to, bad above."""
+    budget_ms = status.budget_ms or math.inf
+    holes = [100 * share for share in status.holes]
+    return [
+        ("all passes", status.total_ms, "ms", 1.2 * status.budget_ms or 1.0, budget_ms),
+        # Any two refreshes differ a little; half a refresh late means a missed picture.
+        ("between pictures", status.period_ms, "ms", 2 * status.budget_ms or 1.0, 1.5 * budget_ms),
+        ("frame age at display", status.age_ms, "ms", 20.0, math.inf),
+        ("pose age at hand-over", status.pose_age_ms, "ms", 5.0, math.inf),
+        ("holes before the fill", holes, "%", 5.0, math.inf),
+    ]
+
+
+def _draw_plots(status: Status, scale: float) -> None:
+    for name, values, unit, least, bad in plots_of(status):
+        # Holes are not counted at every refresh.
+        known = np.array([value for value in values if math.isfinite(value)], np.float32)
+        now = fmean(known[-15:]) if len(known) else None  # of a quarter of a second, to be readable
+        text = f"{name}: -" if now is None else f"{name}: {now:.{0 if now >= 100 else 1}f} {unit}"
+        imgui.push_style_color(imgui.Col_.text, BAD if now is not None and now > bad else PLAIN)
+        imgui.plot_lines(f"##{name}", known, 0, text, 0.0, max([least, *known]), (-1, 36 * scale))
         imgui.pop_style_color()
-    imgui.dummy((0, 2 * scale))

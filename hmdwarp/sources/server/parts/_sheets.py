@@ -15,7 +15,6 @@ from ....gpu.context import drawing_into
 from ....gpu.shaders import Draw
 from ....gpu.textures import release_all
 from ....scenes import Mesh
-from ..upload import NOWHERE
 from ..visibility import clip_from_eye
 from . import DrawContext
 
@@ -200,8 +199,6 @@ class Sheets:
         scene, (head_locked, body) = self._context.scene, place
         pose = Pose() if head_locked else Pose(scene.origin_m)
         if body:
-            if not scene.bodies[body - 1].is_shown(time_ns):
-                return NOWHERE
             pose = scene.bodies[body - 1].motion.state(time_ns).pose
         return pose.relative_to(view.head_from_eye if head_locked else view.pose).matrix()
 

@@ -12,7 +12,7 @@ from ....frames.layers import Outbox, Update
 from ....frames.layers.scene_update import Delivery
 from ....geometry import View
 from ....scenes import COARSE, FULL, HALF, Mesh, Scene, pieces_of
-from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sender, Sending, boxes_at, distances, may_be_seen, shown_at
+from ..sending import FIRST_ROUND_TRIP_NS, NEAREST_M, Head, Sender, Sending, boxes_at, distances, may_be_seen
 from . import DrawContext, Drawing, parts
 
 Array = NDArray[np.float64]
@@ -80,7 +80,6 @@ class _Sender(Sender):
         origin = scene.origin_m
         metres, radians = head.reach(self.book.round_trip_ns or FIRST_ROUND_TRIP_NS)
         seen = np.any([may_be_seen(centres, halves, view, origin, metres, radians) for view in views], axis=0)
-        seen &= shown_at(scene, self._bodies, now_ns)
         eye = np.mean([view.pose.position_m for view in views], axis=0) - origin
         away = distances(eye, centres, halves)
         looks = np.minimum(np.linalg.norm(halves, axis=1) / np.maximum(away - metres, NEAREST_M), 1.0)
