@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..client import ClientScene, PassInputs, Store, receiver_of
 from ..client.strategies import Strategy, strategies
 from ..client.warp_kinds import check_room
-from ..client.warps import COLOUR_BYTES, DEPTH_BYTES, KEY_BYTES, Warp, warps
+from ..client.warps import KEY_BYTES, Warp, warps
 from ..colour import linear_from_srgb, srgb8_from_linear
 from ..errors import InputError, PlanError
 from ..frames import Needs
@@ -861,12 +861,6 @@ class PointWarp(Warp):
     @classmethod
     def needs(cls, settings: PointSettings) -> Needs:
         return Needs(points=frozenset({settings.wanted}))
-
-    @classmethod
-    def bytes_moved(cls, rendered_pixels: int, shown_pixels: int, settings: Any) -> int:
-        # One point a pixel, 12 bytes read twice; keys and winners cleared, raised (read, written)
-        # and read; the result.
-        return shown_pixels * (2 * 12 + 4 * (KEY_BYTES + _WINNER_BYTES) + COLOUR_BYTES + DEPTH_BYTES)
 
     def prepare(self) -> None:
         if self.geometry is None:

@@ -7,10 +7,16 @@ Diffuse Surfaces; Cohen and Wallace 1993, Radiosity and Realistic Image Synthesi
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+import os
+import sys
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import suppress
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import attrs
 import numpy as np
@@ -29,15 +35,12 @@ from ..scenes import (
     Mesh,
     Scene,
     Texture,
-    cache_folder,
     corners_of,
     lamps_at,
     lights,
     lit_meshes,
     moved_meshes,
-    read_arrays,
     triangle_axes,
-    write_arrays,
 )
 
 Array = NDArray[np.float64]
@@ -451,13 +454,13 @@ def _still_rays(meshes: tuple[Mesh, ...], textures: tuple[Texture, ...], folder:
     patches, digest = receivers.patches, hashlib.sha256(f"{VERSION} {rays}".encode())
     for array in (patches.texels, patches.centres, patches.normals, patches.steps, receivers.blockers.corners):
         digest.update(np.ascontiguousarray(array).tobytes())
-    path = (folder or cache_folder()) / f"light-{digest.hexdigest()[:40]}.npz"
-    stored, shape = read_arrays(path, ("patch", "far")), (len(patches), rays)
+    path = (folder or _cache_folder()) / f"light-{digest.hexdigest()[:40]}.npz"
+    stored, shape = _read_arrays(path, ("patch", "far")), (len(patches), rays)
     if stored is not None and [array.shape for array in stored] == [shape, shape]:
         return _Rays(*_begun(patches, slice(None), rays), *stored)
     found = _cast(receivers, slice(None), rays)
     with suppress(OSError):
-        write_arrays(path, {"patch": found.patch, "far": found.far})
+        _write_arrays(path, {"patch": found.patch, "far": found.far})
     return found
 
 
@@ -516,3 +519,43 @@ class Converged(IndirectLight):
     def atlas(cls, scene: Scene, time_ns: int) -> NDArray[np.float16]:
         transport = transport_of(scene, time_ns=time_ns)
         return transport.atlas(transport.indirect(transport.direct(lamps_at(scene, time_ns))))
+
+
+def _cache_folder() -> Path:
+    """Return the folder where programs of this user keep what they can make again."""
+    if sys.platform == "win32":
+        base = os.environ.get("LOCALAPPDATA") or "~/AppData/Local"
+    elif sys.platform == "darwin":
+        base = "~/Library/Caches"
+    else:
+        base = os.environ.get("XDG_CACHE_HOME") or "~/.cache"
+    return Path(os.path.expanduser(base)) / "hmdwarp" / "models"  # noqa: PTH111 (a user without a home is no error)
+
+
+def _read_arrays(path: Path, names: Collection[str]) -> list[NDArray[Any]] | None:
+    """Return the named arrays of what _write_arrays stored; None for a file that lacks them.
+
+    One that is missing, damaged or cut off is no error.
+    """
+    try:
+        # Given a path, np.load forgets to close a file that is no archive.
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
+            return [stored[name] for name in names]
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+        return None
+
+
+def _write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write a file that gets its name only when whole: another run may read at the same time.
+
+    Errors: OSError for a folder that cannot be written.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".part")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez_compressed(file, allow_pickle=False, **arrays)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise

@@ -36,13 +36,10 @@ from ._pieces import HALF as HALF
 from ._pieces import Pieces as Pieces
 from ._pieces import partial_scene as partial_scene
 from ._pieces import pieces_of as pieces_of
-from ._reduce import cache_folder as cache_folder
 from ._reduce import only_emission as only_emission
 from ._reduce import only_light as only_light
-from ._reduce import read_arrays as read_arrays
 from ._reduce import reduced as reduced
 from ._reduce import unlit as unlit
-from ._reduce import write_arrays as write_arrays
 from ._scene import ATLAS as ATLAS
 from ._scene import MOST_LAMPS as MOST_LAMPS
 from ._scene import NEAREST_M as NEAREST_M
