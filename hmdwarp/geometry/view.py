@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache
@@ -428,18 +429,13 @@ class WarpMap:
 
         Computed relative to the eyes in float64. Errors: InputError for what is no view or size.
         """
+        if type(frm_size) is tuple is type(to_size) and type(frm) is View is type(to):
+            return _between(frm, frm_size, to, to_size)
         for view in (frm, to):
             if not isinstance(view, View):
                 raise InputError(f"expected a hmdwarp.View, found {in_brief(view)}")
-        frm_size, to_size = (
-            size if isinstance(size, tuple) else tuple(frozen(size, 2).tolist()) for size in (frm_size, to_size)
-        )
-        to_from_frm = frm.pose.relative_to(to.pose)
-        k_to, _ = _cameras(to.fov, to_size)
-        _, k_frm_inverse = _cameras(frm.fov, frm_size)
-        made = cls(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
-        made.H.flags.writeable = made.e.flags.writeable = False
-        return made
+        frm_size, to_size = (tuple(frozen(size, 2).tolist()) for size in (frm_size, to_size))
+        return _between(frm, frm_size, to, to_size)
 
     def apply(
         self, pixels: ArrayLike, inverse_depth: ArrayLike
@@ -467,6 +463,17 @@ class WarpMap:
         # 1e-9 px over the widest picture a GPU takes: what rounding leaves of two equal poses, far
         # below any real motion.
         return bool(max(map(abs, off)) <= 1e-9)
+
+
+# Every pass of a refresh asks for the map of the same pair of views.
+@functools.lru_cache(maxsize=64)
+def _between(frm: View, frm_size: tuple[int, int], to: View, to_size: tuple[int, int]) -> WarpMap:
+    to_from_frm = frm.pose.relative_to(to.pose)
+    k_to, _ = _cameras(to.fov, to_size)
+    _, k_frm_inverse = _cameras(frm.fov, frm_size)
+    made = WarpMap(k_to @ to_from_frm.rotation_matrix @ k_frm_inverse, k_to @ to_from_frm.position_m)
+    made.H.flags.writeable = made.e.flags.writeable = False
+    return made
 
 
 @lru_cache(maxsize=64)  # a few fields of view and sizes, needed at every frame

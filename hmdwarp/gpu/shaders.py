@@ -145,14 +145,42 @@ class Uniforms:
         read-only array as the last time is not written again; a tuple holds numbers.
         Errors: ShaderError for a name the shader's text lacks, and for a value that does not fit.
         """
-        self._set(values, strict=True)
+        # One function, as a refresh sets 130 uniforms: calls within it took longer than the writes.
+        written, last, members = self._written, self._last, self._members
+        for name, value in values.items():
+            if written.get(name, written) is value:
+                continue
+            member = members.get(name)
+            if member is None:
+                if name not in members:
+                    raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
+                continue
+            written.pop(name, None)
+            if self._settled is not None and name in self._settled:
+                self._settled = None
+            try:
+                if isinstance(value, np.ndarray):
+                    constant = not value.flags.writeable and value.base is None
+                    array = np.swapaxes(value, -1, -2) if member.matrix else value  # columns, as GLSL has them
+                    data = np.ascontiguousarray(array, dtype=_DTYPES[member.fmt[-1]]).tobytes()
+                    if last.get(name) != data:
+                        member.write(data)
+                        last[name] = data
+                else:
+                    constant = type(value) in (int, float, tuple)
+                    last.pop(name, None)
+                    member.value = value
+            except (moderngl.Error, struct.error, TypeError, ValueError) as error:
+                raise ShaderError(f"{self._name}: uniform '{name}' cannot take {value!r}: {error}") from error
+            if constant:
+                written[name] = value
 
     def set_declared(self, **values: object) -> None:
         """Set the uniforms that the shader's text declares and ignore the rest.
 
         For shaders that share one set of values.
         """
-        self._set(values, strict=False)
+        self.set(**{name: value for name, value in values.items() if name in self._members})
 
     def settle(self, values: dict[str, object]) -> None:
         """Set constant values like `set_declared`.
@@ -160,63 +188,8 @@ class Uniforms:
         The same, unchanged dict as the last time is skipped.
         """
         if self._settled is not values:
-            self._set(values, strict=False)
+            self.set_declared(**values)
             self._settled = values
-
-    def _set(self, values: Mapping[str, object], *, strict: bool) -> None:
-        written, members = self._written, self._members
-        for name, value in values.items():
-            if written.get(name, written) is value:
-                continue
-            member = members.get(name)
-            if member is not None:
-                self._write(name, member, value)
-            elif strict and name not in members:
-                raise ShaderError(f"{self._name} has no uniform '{name}'; it has {', '.join(sorted(members))}")
-
-    def _write(self, name: str, member: Member, value: object) -> None:
-        self._written.pop(name, None)
-        if self._settled is not None and name in self._settled:
-            self._settled = None
-        try:
-            if isinstance(value, np.ndarray):
-                constant = not value.flags.writeable and value.base is None
-                self._write_array(name, member, value, constant)
-            else:
-                constant = type(value) in (int, float, tuple)
-                self._last.pop(name, None)
-                member.value = value
-        except (moderngl.Error, struct.error, TypeError, ValueError) as error:
-            raise ShaderError(f"{self._name}: uniform '{name}' cannot take {value!r}: {error}") from error
-        if constant:
-            self._written[name] = value
-
-    def _write_array(self, name: str, member: Member, value: np.ndarray, constant: bool) -> None:
-        how = (_DTYPES[member.fmt[-1]], member.matrix)
-        data = _packed(name, value, *how) if constant else _bytes_of(value, *how)
-        if self._last.get(name) != data:
-            member.write(data)
-            self._last[name] = data
-
-
-_last_packed: dict[
-    str, tuple[np.ndarray, type, bool, bytes]
-] = {}  # by name: the same map goes to five programs of a warp
-
-
-def _packed(name: str, value: np.ndarray, dtype: type, matrix: bool) -> bytes:
-    """Return `_bytes_of` a read-only array, so that the same object gives the same bytes."""
-    known, *how, data = _last_packed.get(name, (None, None, None, b""))
-    if known is not value or how != [dtype, matrix]:
-        data = _bytes_of(value, dtype, matrix)
-        _last_packed[name] = value, dtype, matrix, data
-    return data
-
-
-def _bytes_of(value: np.ndarray, dtype: type, matrix: bool) -> bytes:
-    """Return the bytes as GLSL has them: matrices column by column."""
-    array = np.swapaxes(value, -1, -2) if matrix else value
-    return np.ascontiguousarray(array, dtype=dtype).tobytes()
 
 
 class Inputs(Protocol):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import moderngl
@@ -15,9 +15,10 @@ from ...gpu.context import Gpu, drawing_into
 from ...gpu.shaders import Draw, Uniforms
 from ...gpu.textures import COLOUR, allocate, release_all
 from ...scenes import ATLAS, MOST_LAMPS, Mesh, Scene, blocking, indirect_atlas, lamps_at
-from .upload import STAYS, Batch, Moving, Place, SceneBuffers, emits
+from .upload import STAYS, Moving, Place, SceneBuffers, emits
 from .visibility import Draws, Visibility, clip_from_eye, draws_of, eye_from_scene, visible, world_from_ndc
 
+EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
 INDIRECT_UNIT, BLOCKERS_UNIT = 6, 7
 Viewport = tuple[int, int, int, int]  # x, y, w, h in pixels
 
@@ -302,9 +303,8 @@ class ScenePasses:
             draws = draws_of(buffers.chunks, visible(buffers.chunks.boxes, clip), place.eye)
         else:
             draws = visibility.near(view.pose.unit_quaternion, place.eye, view.fov)
-        for batch in draw_chunks(self._gl, vertices, buffers, draws):
-            if self._coloured:
-                batch.use(self._surface.uniforms, emits=self._emits)
+        uniforms = self._surface.uniforms if self._coloured else None
+        draw_chunks(self._gl, vertices, buffers, draws, uniforms, emits=self._emits)
 
     def _seen_from(self, view: View, place: Place) -> Place:
         """Return where surfaces are seen from."""
@@ -326,16 +326,30 @@ class ScenePasses:
 
 
 def draw_chunks(
-    gl: moderngl.Context, vertices: moderngl.VertexArray, buffers: SceneBuffers, draws: Draws
-) -> Iterator[Batch]:
-    """Draw some chunks of some buffers; yield each batch before it is drawn."""
+    gl: moderngl.Context,
+    vertices: moderngl.VertexArray,
+    buffers: SceneBuffers,
+    draws: Draws,
+    uniforms: Uniforms | None,
+    *,
+    emits: bool,
+) -> None:
+    """Draw some chunks of some buffers.
+
+    uniforms: of a program that samples their textures on unit 0; None for one without. emits: it
+    includes lib/emission.glsl.
+    """
     culled = None
     for index, spans in draws:
         batch = buffers.batches[index]
         if batch.double_sided is culled or culled is None:
             culled = not batch.double_sided
             (gl.enable if culled else gl.disable)(moderngl.CULL_FACE)
-        yield batch
+        if uniforms is not None:
+            batch.texture.use(0)
+            if emits:
+                batch.emission.texture.use(EMISSION_UNIT)
+                uniforms.set(emission=EMISSION_UNIT, emission_factor=batch.emission.factor)
         for first, count in spans:
             vertices.render(moderngl.TRIANGLES, vertices=count, first=first)
 
@@ -361,9 +375,8 @@ def draw_moving(
     clip = clip_from_eye(view.fov) @ place.eye_from_here
     draw.uniforms.set(clip_from_scene=clip)
     chunks = one.buffers.chunks
-    for batch in draw_chunks(gl, vertices, one.buffers, draws_of(chunks, visible(chunks.boxes, clip), place.eye)):
-        if textured:
-            batch.use(draw.uniforms, emits=emitting)
+    draws = draws_of(chunks, visible(chunks.boxes, clip), place.eye)
+    draw_chunks(gl, vertices, one.buffers, draws, draw.uniforms if textured else None, emits=emitting)
 
 
 def clear_depth(gl: moderngl.Context, framebuffer: moderngl.Framebuffer) -> None:

@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 from ...errors import SceneError
 from ...geometry import View
 from ...gpu.context import Gpu
-from ...gpu.shaders import Uniforms
 from ...gpu.textures import check_size, flip_rows, release_all
 from ...scenes import Emission, Mesh, Scene, Texture, chunks_of
 from .visibility import Chunks, Visibility, boxes_of, eye_from_scene
 
 SRGB8_ALPHA8 = 0x8C43
-EMISSION_UNIT = 3  # above those of lib/lamps.glsl, which scenes without emission alone have
 
 
 def emits(scene: Scene) -> bool:
@@ -36,13 +34,6 @@ class Batch:
     # Whether both sides of a triangle are visible; else back faces are culled.
     double_sided: bool
     emission: Shine
-
-    def use(self, uniforms: Uniforms, *, emits: bool) -> None:
-        """Bind its texture to unit 0; emits: also what it emits, for lib/emission.glsl."""
-        self.texture.use(0)
-        if emits:
-            self.emission.texture.use(EMISSION_UNIT)
-            uniforms.set(emission=EMISSION_UNIT, emission_factor=self.emission.factor)
 
 
 @attrs.frozen(eq=False)
