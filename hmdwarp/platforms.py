@@ -10,7 +10,6 @@ import importlib
 import math
 import os
 import select
-import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -75,27 +74,6 @@ def lower_priority(steps: int) -> None:
     """Run after others."""
     if hasattr(os, "nice"):
         os.nice(steps)
-
-
-@contextmanager
-def without_interrupts() -> Iterator[None]:
-    """Put Ctrl-C off until the block has ended; a process that is started in it hears none."""
-    if sys.platform == "win32":
-        yield
-        return
-    heard: list[int] = []
-    is_main = threading.current_thread() is threading.main_thread()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    # Another thread may get the signal for this one.
-    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number)) if is_main else None
-    try:
-        yield
-    finally:
-        if is_main:
-            signal.signal(signal.SIGINT, handler or signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
-        if heard:
-            signal.raise_signal(signal.SIGINT)
 
 
 @contextmanager

@@ -13,16 +13,16 @@ import signal
 import sys
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from multiprocessing.context import SpawnContext, SpawnProcess
 from types import ModuleType
 from typing import IO, Any
 
 from ..errors import HmdwarpError, MachineError
-from ..platforms import lower_priority, without_interrupts
+from ..platforms import lower_priority
 
 _NICENESS = 5  # measuring must not slow down the loop whose passes are being timed
 # More than one thread in a worker's BLAS would fight the other workers for the cores.
@@ -49,6 +49,27 @@ class _Context(SpawnContext):
     def Process(self, *args: Any, **how: Any) -> _Process:  # type: ignore[override]  # noqa: N802
         self.started.append(_Process(*args, **how))
         return self.started[-1]
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Put Ctrl-C off until the block has ended; a process that is started in it hears none."""
+    if sys.platform == "win32":
+        yield
+        return
+    heard: list[int] = []
+    is_main = threading.current_thread() is threading.main_thread()
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    # Another thread may get the signal for this one.
+    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number)) if is_main else None
+    try:
+        yield
+    finally:
+        if is_main:
+            signal.signal(signal.SIGINT, handler or signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if heard:
+            signal.raise_signal(signal.SIGINT)
 
 
 def _begin(said: int) -> None:
@@ -93,7 +114,7 @@ class MeasuringProcesses:
             context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
             self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
         try:
-            with without_interrupts():
+            with _without_interrupts():
                 return self._open[0].submit(work, *given)
         except OSError as error:
             raise MachineError(
