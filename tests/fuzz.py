@@ -439,6 +439,7 @@ def _traces() -> Iterator[tuple[str, Target]]:
         ),
         "unity": files.VECTORS["Unity in quotes"],
         "iwer": json.dumps({"schema": [], "frames": files.iwer_frames(track)}),
+        "browser": json.dumps({"session": "a", "heads": [frame[:8] for frame in files.iwer_frames(track)]}),
         "json": json.dumps(files.JSON_FORMS["columns and data"]),
         "motive": "\n".join(files.motive()),
         "qualisys": "\n".join(files.qualisys()),

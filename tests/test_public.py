@@ -31,6 +31,7 @@ PUBLIC = {
     "WarpMap",
     "WarpedImage",
     "Warper",
+    "choose",
     "compare",
     "inverse_depth_from_clip",
     "load_trace",
@@ -39,7 +40,7 @@ PUBLIC = {
     "__version__",
 }
 MODULES = {"bench", "check", "sequences", "study"}
-FUNCTIONS = {"compare", "inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
+FUNCTIONS = {"choose", "compare", "inverse_depth_from_clip", "load_trace", "replay", "warp_image"}
 
 
 def test_these_names_and_no_others():

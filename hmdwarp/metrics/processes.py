@@ -53,23 +53,28 @@ class _Context(SpawnContext):
 
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Put Ctrl-C off until the block has ended; a process that is started in it hears none."""
+    """Put signals that end the program off until the block has ended.
+
+    A process that is started in it hears neither Ctrl-C nor a terminal that closes: what started it
+    ends it. Python's own tracker of semaphores complains where it is ended first.
+    """
     if sys.platform == "win32":
         yield
         return
     heard: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    # Another thread may get the signal for this one.
-    handler = signal.signal(signal.SIGINT, lambda number, _: heard.append(number)) if is_main else None
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
+    # Another thread may get a signal for this one.
+    kept = (signal.SIGINT, signal.SIGHUP, signal.SIGTERM) if is_main else ()
+    handlers = {number: signal.signal(number, lambda which, _: heard.append(which)) for number in kept}
     try:
         yield
     finally:
-        if is_main:
-            signal.signal(signal.SIGINT, handler or signal.SIG_DFL)
+        for number, handler in handlers.items():
+            signal.signal(number, handler or signal.SIG_DFL)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
         if heard:
-            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(heard[0])
 
 
 def _begin(said: int) -> None:
@@ -110,11 +115,11 @@ class MeasuringProcesses:
         """Let a worker run the function. Errors: MachineError where none can be started."""
         if not self.count:
             return _run_here(work, *given)
-        if self._open is None:
-            context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
-            self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
         try:
             with _without_interrupts():
+                if self._open is None:
+                    context, said = _Context(), tempfile.TemporaryFile()  # noqa: SIM115 (closed in close)
+                    self._open = ProcessPoolExecutor(self.count, context, _begin, (said.fileno(),)), context, said
                 return self._open[0].submit(work, *given)
         except OSError as error:
             raise MachineError(

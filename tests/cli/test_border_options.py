@@ -16,10 +16,10 @@ def summary(quick: list[str]) -> dict:
 
 
 def test_guard_auto_is_settled_and_told(command, quick):
-    command("replay", "look-around", *quick, *SMALL, "--guard", "auto").done()
-    found = summary(quick)
-    assert 1 < found["guard"] <= 2
-    assert any("Guard auto" in note for note in found["notes"])
+    told = command("replay", "look-around", *quick, *SMALL, "--guard", "auto").done().out
+    found = summary(quick)["guard"]
+    assert 1 < found <= 2
+    assert f"--guard {found}" in told and "Guard auto: to lose nothing at 95% of the refreshes takes" in told
 
 
 def test_wide_goes_before_the_other_fills_and_closes_the_border(command, quick):

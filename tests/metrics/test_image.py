@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from properties import ONE_FIXTURE_FOR_ALL
 
 from hmdwarp.errors import InputError
 from hmdwarp.metrics import Compared, PairPass, QualityJob, measure, psnr_db
@@ -73,7 +74,7 @@ def ssim_of(gpu, shown, truth) -> float:
     return found
 
 
-@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, suppress_health_check=ONE_FIXTURE_FOR_ALL)
 @given(colours, colours)
 def test_flip_of_flat_colours_is_that_of_the_paper(gpu, reference, test):
     """Swapped channels, or linear values taken for sRGB, change the answer of almost every pair.
