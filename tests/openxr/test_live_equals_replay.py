@@ -218,7 +218,7 @@ def test_the_same_poses_and_pictures(remote_head, no_screen, monkeypatch, tmp_pa
         np.testing.assert_array_equal(replayed(made, rows, were), handed_over)
     with setup() as made:
         hidden = [view.hidden for view in were.views(Pose())]
-        again = replayed(made, rows, HeadsetEyes(made.headset, hidden))
+        again = replayed(made, rows, HeadsetEyes(made.source.headset, hidden))
     # A runtime tells where the eyes sit in the head by float32 sums over the head's own place, so
     # they tremble by 3e-8 m and 3e-8 rad (measured), 2e-6 pixels. That tips over what lies on the
     # edge of two surfaces: 18 pixels of 11,520 at most in 64 pictures.
