@@ -72,7 +72,7 @@ def _costs_of(refreshes: int, options: tuple[tuple[str, object], ...]) -> Costs:
                 if shown == refreshes:
                     break
             assert shown == refreshes
-            layers = frame_bytes(setup.plan.needs, setup.pipeline.sizes, setup.plan.layers)
+            layers = frame_bytes(setup.plans[0].needs, setup.sizes, setup.plans[0].layers)
             return Costs(
                 frozenset(shaders), dict(made), dict(work), layers, setup.channel.transit.size_bytes, dict(textures)
             )

@@ -22,7 +22,7 @@ from hmdwarp.pipeline import Refresh
 from hmdwarp.pipeline.options import DEFAULT_WARP
 from hmdwarp.poses import LoadedTrace, TraceOptions, load_trace
 from hmdwarp.resources import recording_names
-from hmdwarp.run import ReplayResult, ReplaySetup, RunOptions, replay, set_up_replay
+from hmdwarp.run import ReplayResult, ReplayRun, RunOptions, replay, set_up_replay
 from hmdwarp.scenes import load_scene
 
 SMALL = {
@@ -112,7 +112,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
 
 
-def each_refresh(options: RunOptions, look: Callable[[ReplaySetup, int, Refresh], None]) -> None:
+def each_refresh(options: RunOptions, look: Callable[[ReplayRun, int, Refresh], None]) -> None:
     """The loop alone, without measuring and files.
 
     look(setup, number, refresh) at every shown refresh.
@@ -142,14 +142,14 @@ def seen(options: RunOptions, every: int = 1) -> list[Seen]:
     """Both eyes of every n-th refresh in linear light."""
     found: list[Seen] = []
 
-    def look(setup: ReplaySetup, number: int, refresh: Refresh) -> None:
+    def look(setup: ReplayRun, number: int, refresh: Refresh) -> None:
         if number % every:
             return
         for result in refresh.eyes:
-            truth = setup.server.draw(result.view, setup.size)
+            truth = setup.server.draw(result.view, setup.sizes.shown)
             textures = (result.shown.texture, truth.colour, result.warped.texture)
             shown, right, warped = (download(texture).astype(np.float32) for texture in textures)
-            setup.server.pool(setup.size).release(truth.colour)
+            setup.server.pool(setup.sizes.shown).release(truth.colour)
             found.append(Seen(shown, right, warped[..., 3]))
 
     each_refresh(options, look)

@@ -25,7 +25,7 @@ from replays import each_refresh, small
 from hmdwarp.colour import picture_from_linear
 from hmdwarp.gpu import download
 from hmdwarp.pipeline import Refresh
-from hmdwarp.run import ReplaySetup
+from hmdwarp.run import ReplayRun
 
 GOLDEN = Path(__file__).resolve().parent / "golden"
 WRITING = os.environ.get("HMDWARP_GOLDEN") == "write"
@@ -60,7 +60,7 @@ def shown(options: dict[str, object]) -> NDArray[np.uint8]:
     """(h, 2w, 3): both panels."""
     pictures: list[NDArray[np.uint8]] = []
 
-    def look(setup: ReplaySetup, number: int, refresh: Refresh) -> None:
+    def look(setup: ReplayRun, number: int, refresh: Refresh) -> None:
         if number == 12:
             pictures.append(
                 np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1)

@@ -261,6 +261,7 @@ SAME_NAME = {
     "page": "each kind of page",
     "parts": "of a server; of a message of the feed",
     "rows": "of a trace file; of an export",
+    "run": "the package and its class",
     "store": "the package and its class",
     "study": "the package, and its pages in the report",
     "textures": "on the GPU; of the scenes",

@@ -1,4 +1,3 @@
-from .build import build_pipeline as build_pipeline
 from .channel import Changes as Changes
 from .channel import Channel as Channel
 from .channel import ChannelSetup as ChannelSetup

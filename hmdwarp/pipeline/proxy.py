@@ -198,7 +198,7 @@ class ProxySource(Source):
     ) -> Proxy:
         """Return the proxy: a loop like the client's, over frames that the server draws for it.
 
-        Errors: as build_pipeline.
+        Errors: InputError for sizes beyond the GPU's limits, MachineError for too little memory.
         """
         asked, gpu, rate_hz = options.proxy, target.gpu, target.rate_hz
         (first, _), plan = asked.links(options.network), proxy_plan_for(options, server.scene)

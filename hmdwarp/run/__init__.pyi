@@ -40,9 +40,9 @@ from .recorder import origin_of as origin_of
 from .replay_run import ReplayResult as ReplayResult
 from .replay_run import figures as figures
 from .replay_run import replay as replay
-from .replay_setup import ReplaySetup as ReplaySetup
+from .replay_setup import ReplayRun as ReplayRun
 from .replay_setup import set_up_replay as set_up_replay
+from .run import EmulatedScreen as EmulatedScreen
+from .run import Run as Run
 from .serve_run import serve as serve
-from .setup import EmulatedScreen as EmulatedScreen
-from .setup import RunSetup as RunSetup
 from .truth import draw_truth as draw_truth

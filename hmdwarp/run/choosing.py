@@ -37,8 +37,7 @@ from ..poses.prediction import predict
 from ..poses.quaternions import conjugate, rotate
 from .combinations import GPU_BATCH_BYTES, MEMORY_PART, Case, Combination, batches, instants_of
 from .options import RunOptions
-from .replay_setup import ReplaySetup, set_up_replay
-from .setup import Schedule, schedule_of
+from .replay_setup import ReplayRun, Schedule, schedule_of, set_up_replay
 from .side_by_side import Comparison, Measured, refreshes
 
 QUANTILE = 0.95
@@ -320,7 +319,7 @@ def levels_by_short_bench(options: RunOptions, source: Source, say: Say) -> Leve
     return LevelSet(levels, (f"{note}.",))
 
 
-def _frames_for(combinations: Sequence[Combination], options: RunOptions, source: Source) -> ReplaySetup:
+def _frames_for(combinations: Sequence[Combination], options: RunOptions, source: Source) -> ReplayRun:
     """Return a set-up of the run, with the cheapest warp, whose frames suit the combinations.
 
     Its network only delays, so that frames_used knows which frames are shown.
@@ -340,16 +339,16 @@ def _first_times(
                 yield combination.warp, sum(milliseconds for _, milliseconds in stages) / 2
 
 
-def _stages(setup: ReplaySetup, combinations: Sequence[Combination], rounds: int) -> Iterator[list[tuple[str, float]]]:
+def _stages(setup: ReplayRun, combinations: Sequence[Combination], rounds: int) -> Iterator[list[tuple[str, float]]]:
     """Yield the stage times of so many runs of both eyes by each combination, after one warm-up."""
-    (_, refresh), *_ = refreshes(setup, setup.run.needs, set(instants_of(setup.schedule.count, 1)))
+    (_, refresh), *_ = refreshes(setup, setup.needs, set(instants_of(setup.schedule.count, 1)))
     for combination in combinations:
         compensator, inputs = setup.compensator(combination.plan), setup.loop.inputs(refresh, combination.plan.needs)
         found: list[tuple[str, float]] = []
         for round_ in range(rounds + 1):
             for eye_inputs in inputs:
                 compensator.run(eye_inputs)
-            stages = setup.gpu.timer.collect()
+            stages = setup.target.gpu.timer.collect()
             found += stages if round_ else []
         yield found
 

@@ -23,7 +23,7 @@ from ..gpu.context import Gpu
 from ..gpu.textures import Canvas, download, upload
 from ..link import Link, LinkOptions, Pacer
 from ..resources import install_line
-from .setup import Schedule
+from .replay_setup import Schedule
 
 OPENCV = "cv2.warpFrame"
 # By name: the system, as in the baselines of a warp.

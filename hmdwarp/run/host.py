@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 import time
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from typing import Any
 
 import attrs
+import numpy as np
 
-from ..client.plan import Plan, needs_of
+from ..client.plan import needs_of
 from ..client.variants import every_fill, every_warp
 from ..display import MOVED, Command, Display, Lost, control
 from ..errors import InputError, MachineError
 from ..geometry import GuardBand, Pose
 from ..options import AUTO
-from ..pipeline.build import Pipeline
 from ..pipeline.frame_coder import Reads
-from ..pipeline.loop import Loop, Refresh
+from ..pipeline.loop import Refresh
 from ..pipeline.planning import plans_for
 from ..pipeline.proxy import check_names, source_of
 from ..pipeline.sizes import check_held, expected_age_ns, guarded_size, latency_ns
 from ..pipeline.source import Source
-from ..poses import Origin, PoseSample
+from ..poses import Origin, PoseSample, PoseSource, PoseTrack, gaze_of, jumps_between
 from ..poses.track import LoopedSource, Moment
 from ..scenes import ACTIONS, GRAB, PUSH, RELEASE, InputEvent, SceneOptions, scenes
 from .choosing import levels_from_file
 from .options import BOTH, FLAT, OFFSCREEN, LiveOptions
-from .setup import EmulatedScreen, RecentPoses, RunSetup
+from .run import EmulatedScreen, Run
 
 
 def checked_source(options: LiveOptions, source: Source | None = None) -> Source:
@@ -62,16 +63,64 @@ def on_screen(options: LiveOptions, screen: Display | EmulatedScreen) -> LiveOpt
     return attrs.evolve(options, lens=lens)
 
 
+KEPT_NS = 1_000_000_000
+
+
+class RecentPoses:
+    """A pose source that keeps the last second of its answers.
+
+    A recentre, a snap turn or a teleport is a jump of the track, as in a recording.
+    """
+
+    def __init__(self, source: PoseSource) -> None:
+        self._source = source
+        self._kept: list[PoseSample] = []
+
+    def start(self) -> None:
+        """Start the source."""
+        self._source.start()
+
+    def head_at(self, time_ns: int) -> PoseSample:
+        """Return the source's pose, and keep it."""
+        sample = self._source.head_at(time_ns)
+        kept = self._kept
+        # What was foretold before a jump, for the display, is of where the head is no more.
+        while kept and kept[-1].time_ns >= sample.time_ns and jumps_between([sample, kept[-1]]):
+            kept.pop()
+        at = bisect_left(kept, sample.time_ns, key=lambda pose: pose.time_ns)
+        # Within known motion nothing is added; between the sides of a jump it says which is now.
+        if at == len(kept) or (at and kept[at].time_ns > sample.time_ns and jumps_between([kept[at - 1], kept[at]])):
+            kept.insert(at, sample)
+            del kept[: bisect_left(kept, sample.time_ns - KEPT_NS, key=lambda pose: pose.time_ns)]
+        return sample
+
+    def track_until(self, now_ns: int) -> PoseTrack:
+        """Return the last second of motion, including the current pose."""
+        self.head_at(now_ns)
+        kept = self._kept
+        return PoseTrack(
+            time_ns=np.array([pose.time_ns for pose in kept]),
+            position_m=np.array([pose.pose.position_m for pose in kept]),
+            orientation_xyzw=np.array([pose.pose.orientation_xyzw for pose in kept]),
+            jumps=jumps_between(kept),
+            gaze=gaze_of(kept),
+        )
+
+    def close(self) -> None:
+        """Close the source."""
+        self._source.close()
+
+
 class PipelineHost:
-    """The pipeline for `options` on a display, rebuilt only as far as a change requires.
+    """The run for `options` on a display, made anew only as far as a change requires.
 
     A change of latency alone affects the link: frames in transit arrive as scheduled. A change of
-    warp or fill whose frames carry the same exchanges the passes. Any other change builds a new
-    pipeline, which shows nothing until its first frame arrives.
+    warp or fill whose frames carry the same exchanges the passes. Any other change makes a new run,
+    which shows nothing until its first frame arrives.
 
     Where frames come from elsewhere the latency is the measured one, and there is no scene to
     choose. source: if it is open already. say: called with each line about the connection.
-    Errors: InputError and its subclasses for options that cannot run; the old pipeline then stays.
+    Errors: InputError and its subclasses for options that cannot run; the old run then stays.
     MachineError where no server answers.
     """
 
@@ -84,44 +133,30 @@ class PipelineHost:
     ) -> None:
         self._display = display
         self._recent = RecentPoses(display.source)
-        self.source = source or source_of(options)
+        source = source or source_of(options)
         with ExitStack() as unfinished:
-            unfinished.callback(self.source.close)
-            options = self.source.fitted(options)
-            setup = self._set_up(options, self.source)
+            unfinished.callback(source.close)
+            options = source.fitted(options)
+            self.run = self._checked(options, source)
             head = PoseSample(0, Pose((0, 1.6, 0)), Origin.MEASURED)
             # A display whose clock stands still between pictures waits for the server's.
-            setup = setup.measured(head, holds=options.source == OFFSCREEN, say=say)
-            self.options = attrs.evolve(options, latency_ms=setup.options.latency_ms)
-            self.pipeline = self._build(setup)
+            self.run.measure(head, holds=options.source == OFFSCREEN, say=say)
+            # As they were asked for; those of the run are as the display has them.
+            self.options = attrs.evolve(options, latency_ms=self.run.options.latency_ms)
+            self._start(self.run)
             unfinished.pop_all()
-
-    @property
-    def notice(self) -> str:
-        """What is to be shown over the picture about where it comes from, "" for nothing."""
-        return self.source.notice
-
-    @property
-    def loop(self) -> Loop:
-        """The loop over refreshes."""
-        return self.pipeline.loop
-
-    @property
-    def plan(self) -> Plan:
-        """The current plan."""
-        return self.loop.compensator.plan
 
     def change(self, options: LiveOptions) -> None:
         """Continue with these options."""
-        before = self.options
+        before, run = self.options, self.run
         if options == before:
             return
-        self.source.check_change(before, options)
+        run.source.check_change(before, options)
         if attrs.evolve(options, latency_ms=before.latency_ms) == before:
-            made, rate_hz = self.pipeline, options.rate_hz or self._display.rate_hz
-            check_held(made.gpu, options, made.requested.needs, made.sizes, rate_hz)
-            made.channel.retime(options.client_link, latency_ns(options))
-            made.requested.age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
+            rate_hz = options.rate_hz or self._display.rate_hz
+            check_held(run.target.gpu, options, run.requested.needs, run.sizes, rate_hz)
+            run.channel.retime(options.client_link, latency_ns(options))
+            run.requested.age_ns = expected_age_ns(options, latency_ns(options), rate_hz)
         elif not self._exchanged(before, options):
             self._rebuild(options)
         self.options = options
@@ -131,54 +166,49 @@ class PipelineHost:
         same = {name: getattr(before, name) for name in ("warp", "fill", "lens")}
         if AUTO in (before.warp, options.warp) or attrs.evolve(options, **same) != before:
             return False
-        (plan,) = self._set_up(options, self.source).plans
-        carried = self.pipeline.requested
+        (plan,) = self._checked(options, self.run.source).plans
+        carried = self.run.requested
         if not carried.needs.serve(plan.needs) or not Reads.of([plan]).pictures <= carried.pictures:
             return False
-        self.pipeline.exchange(plan)
+        self.run.exchange(plan)
         return True
 
     def _rebuild(self, options: LiveOptions) -> None:
-        same = options.scene_key == self.options.scene_key
-        source = self.source if same else source_of(options)
-        made = self._seen(options, source)
-        self.pipeline.close()
-        self.pipeline, self.source = made, source
-
-    def _seen(self, options: LiveOptions, source: Source) -> Pipeline:
-        """Build for the view of these options; on failure, restore the display's view."""
-        before = self.options.view
-        if options.view == before:
-            return self._build(self._set_up(options, source))
-        self._display.set_view(options.view)
+        """Make a new run, for the view of these options; on failure, restore the display's view."""
+        same, before = options.scene_key == self.options.scene_key, self.options.view
+        source = self.run.source if same else source_of(options)
+        if options.view != before:
+            self._display.set_view(options.view)
         try:
-            return self._build(self._set_up(options, source))
+            made = self._start(self._checked(options, source))
         except BaseException:
-            self._display.set_view(before)
+            if options.view != before:
+                self._display.set_view(before)
             raise
+        self.run.close()
+        self.run = made
 
     def fit(self) -> None:
         """Rebuild if the shown field of view has changed enough to resize the rendered frames."""
-        options, sizes = self.options, self.pipeline.sizes
+        options, sizes = self.options, self.run.sizes
         guard = options.guard_band
-        if guard == GuardBand() or "guard" in self.source.kind.sets:
+        if guard == GuardBand() or "guard" in self.run.source.kind.sets:
             return
         if guarded_size(guard, self._display.eyes, sizes.shown) != sizes.rendered:
             self._rebuild(options)
 
-    def _set_up(self, options: LiveOptions, source: Source) -> RunSetup[LiveOptions]:
-        return RunSetup.of(on_screen(options, self._display), source, self._display)
+    def _checked(self, options: LiveOptions, source: Source) -> Run[LiveOptions]:
+        return Run.of(on_screen(options, self._display), source, self._display)
 
-    def _build(self, setup: RunSetup[LiveOptions]) -> Pipeline:
-        shown, link_ns, poses = self._display, latency_ns(setup.options), self._display.source
+    def _start(self, run: Run[LiveOptions]) -> Run[LiveOptions]:
+        link_ns, poses, recent = latency_ns(run.options), self._display.source, self._recent
         moment_of = poses.moment if isinstance(poses, LoopedSource) else Moment
-        recent = self._recent
-        return setup.build(shown.gpu, recent, recent.track_until, link_ns, link_ns, moment_of=moment_of)
+        return run.start(self._display.gpu, recent, recent.track_until, link_ns, link_ns, moment_of)
 
     def close(self) -> None:
-        """Free the pipeline, and hang up."""
-        self.pipeline.close()
-        self.source.close()
+        """Free the run, and hang up."""
+        self.run.close()
+        self.run.source.close()
 
 
 LATENCY_STEP_MS, GUARD_STEP = 50.0, 0.25
@@ -328,7 +358,7 @@ class Hand:
         if is_held and held is not None and held.ray == asked.ray:
             return held  # no news
         self._last_ns = asked.time_ns
-        done = self.host.source.act(asked)
+        done = self.host.run.source.act(asked)
         if done is not None:
             self.took(done, is_held)
             self._grabbed = done if action == GRAB else held

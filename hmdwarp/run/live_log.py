@@ -122,7 +122,7 @@ class LiveLog:
     def begin(self, display: Display, host: PipelineHost) -> None:
         """Start logging on this display."""
         facts = live_facts_of(attrs.evolve(self._options, latency_ms=host.options.latency_ms), display, host)
-        now = values(host.options, host.pipeline.sizes.shown)
+        now = values(host.options, host.run.sizes.shown)
         seen = DepthSamples(display.gpu), SeenOffset(turned=facts.turns)
         self._running = _Running(facts, host, HoleCounter(display.gpu), now, *seen)
         self.status.budget_ms = facts.budget_ms
@@ -133,7 +133,7 @@ class LiveLog:
         """Log a change of options."""
         if self._running is None:
             return
-        now = values(host.options, host.pipeline.sizes.shown)
+        now = values(host.options, host.run.sizes.shown)
         self._figures.events.changed(self.count - 1, self._last.time_s, self._running.values, now, "")
         self._running.values = now
 
@@ -201,7 +201,7 @@ class LiveLog:
         if self._files is not None and self._files.pictures.wants(self.count):
             self._files.pictures.keep(self.count, refresh)
         last.refresh, last.submitted_ns, last.pending = refresh, submitted_ns, (moment, refresh, period_ms)
-        self._figures.fates.follow(host.pipeline.channel)
+        self._figures.fates.follow(host.run.channel)
         self._notice_auto()
         self.count += 1
 
@@ -241,7 +241,7 @@ class LiveLog:
 
     def _notice_auto(self) -> None:
         running = self._running
-        auto = running.host.pipeline.auto if running is not None else None
+        auto = running.host.run.auto if running is not None else None
         if running is not None and auto is not running.auto:  # the pipeline was built anew
             running.auto, running.auto_changes = auto, 0
         if running is not None and auto is not None and len(auto.changes) > running.auto_changes:

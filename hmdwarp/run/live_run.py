@@ -138,7 +138,7 @@ class Driver:
 
     def _made(self, tick: Tick, handler: FrameHandler) -> Refresh | None:
         self._host.fit()
-        loop = self._host.loop
+        loop = self._host.run.loop
         loop.draw(self._display.now_ns())
         refresh = loop.show(tick.shown_ns)
         if refresh is not None:
@@ -269,7 +269,7 @@ class _UserRun(FrameHandler):
         self._commands = CommandHandler(host, pace.say, hand)
         self._began_ns = ending.now_ns()
         log.status.choices = choices()
-        log.status.values = values(host.options, host.pipeline.sizes.shown)
+        log.status.values = values(host.options, host.run.sizes.shown)
 
     def over(self) -> bool:
         options = self._host.options
@@ -283,12 +283,12 @@ class _UserRun(FrameHandler):
         return self._ending.due(self._log.count)
 
     def label(self) -> str:
-        return self._commands.refusal or self._host.notice
+        return self._commands.refusal or self._host.run.source.notice
 
     def handle(self, commands: Sequence[Command]) -> bool:
         changed = self._commands.handle(commands)
         if changed:
-            self._log.status.values = values(self._host.options, self._host.pipeline.sizes.shown)
+            self._log.status.values = values(self._host.options, self._host.run.sizes.shown)
         return changed
 
     def arrived(self, refresh: Refresh) -> None:

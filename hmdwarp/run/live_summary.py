@@ -110,11 +110,11 @@ def live_facts_of(options: LiveOptions, display: Display, host: PipelineHost) ->
     """Return the facts of a run on this display."""
     headset = display.headset.name if display.headset is not None else display.about.get("headset") or display.name
     named = options.record or options.trace
-    own = display.about.get("trace") if host.source.kind.has_head else ""
+    own = display.about.get("trace") if host.run.source.kind.has_head else ""
     trace, axes = Path(named).stem if named else own or display.name, display.about.get("trace_axes", "")
-    shared = Facts.of(host.pipeline, trace, headset, display.rate_hz, axes)
-    notes = (*host.source.notes, *host.source.scene.notes)
-    return LiveFacts(shared, options, display.name, dict(display.about), host.plan.lens.name, notes)
+    shared = Facts.of(host.run, trace, headset, display.rate_hz, axes)
+    notes = (*host.run.source.notes, *host.run.source.scene.notes)
+    return LiveFacts(shared, options, display.name, dict(display.about), host.run.plans[0].lens.name, notes)
 
 
 def live_summary_of(facts: LiveFacts, frames: int, figures: LiveFigures, pictures: Pictures | None) -> dict[str, Any]:

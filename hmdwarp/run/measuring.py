@@ -23,7 +23,7 @@ from ..pipeline.loop import Refresh
 from ..pipeline.planning import build_plan_for, plan_against
 from ..pipeline.recorded_renderer import RecordedRenderer
 from ..pipeline.remote_source import NoTruth
-from .replay_setup import ReplaySetup
+from .replay_setup import ReplayRun
 from .side_by_side import clips_of
 from .truth import MOST_BANDS, WholePictures, coverage, is_measured, shown_picture, true_picture
 
@@ -89,7 +89,7 @@ class Probe:
     before a measured one too, so that one is drawn and read as well, but not measured.
     """
 
-    def __init__(self, setup: ReplaySetup, pool: QualityPool, keep_every: int | None) -> None:
+    def __init__(self, setup: ReplayRun, pool: QualityPool, keep_every: int | None) -> None:
         self._setup, self._pool, self._keep_every = setup, pool, keep_every
         self._every = setup.options.metrics_every
         self._unfused = self._without_lens()
@@ -112,14 +112,14 @@ class Probe:
 
     def _without_lens(self) -> Compensator | None:
         setup = self._setup
-        if not setup.plan.fused:
+        if not setup.plans[0].fused:
             return None
         setup.notes.append(
             "Warp and lens are one pass: quality was measured on the same warp without the lens, whose time is not "
             "counted."
         )
         alone = attrs.evolve(setup.options, fused=False, lens="none", fill="none")
-        return setup.compensator(build_plan_for(alone, setup.headset, setup.scene))
+        return setup.compensator(build_plan_for(alone, setup.source.headset, setup.source.scene))
 
     def _measures(self, number: int) -> bool:
         return is_measured(number, self._every)
@@ -140,7 +140,7 @@ class Probe:
             # The predecessor of a measured refresh is read for flicker only.
             measured = self._measures(number)
             try:
-                truth = self._setup.truth(refresh.inputs[eye], depth=measured)
+                truth = true_picture(self._setup.server, refresh.inputs[eye], self._setup.sizes.shown, depth=measured)
             except NoTruth:
                 self.without_truth += measured
                 continue
@@ -167,7 +167,7 @@ class Probe:
         result, server = self._before_lens(refresh, eye), self._setup.server
         self.second_eye["hole_share"][number] = _hole_share(coverage(result))
         if isinstance(server, RecordedRenderer) and server.right is not None:
-            truth = true_picture(server.right, refresh.inputs[eye], self._setup.size, depth=False)
+            truth = true_picture(server.right, refresh.inputs[eye], self._setup.sizes.shown, depth=False)
             self.second_eye["psnr_db"][number] = psnr_db(shown_picture(result), truth.picture)
 
     def _read_comparison(
@@ -186,7 +186,7 @@ class Probe:
         number, eye = where
         inputs = self._whole.inputs(self._setup.loop, refresh, against.plan)[eye]
         other = against.run(inputs)
-        self.against_ms[which - 1][where] = tuple(self._setup.gpu.timer.collect())
+        self.against_ms[which - 1][where] = tuple(self._setup.target.gpu.timer.collect())
         job = self._job(number, eye, which, inputs.rendered, other, truth, depth)
         if job is not None:
             self._setup.hand_in(self._pool, (number, eye, which), job)
@@ -211,7 +211,7 @@ class Probe:
         if self._unfused is None:
             return refresh.eyes[eye]
         made = self._unfused.run(refresh.inputs[eye])
-        self._setup.gpu.timer.collect()
+        self._setup.target.gpu.timer.collect()
         return made
 
     def _job(
@@ -257,8 +257,8 @@ def _late_picture(rendered: EyeImage) -> NDArray[np.uint8] | None:
     return picture_from_linear(download(rendered.colour)) if PICTURE[0] not in rendered.left_out else None
 
 
-def _about_scanout(setup: ReplaySetup) -> str:
-    how = "follows it row by row" if setup.plan.scanout else "shows all rows as in its middle"
+def _about_scanout(setup: ReplayRun) -> str:
+    how = "follows it row by row" if setup.plans[0].scanout else "shows all rows as in its middle"
     told = [
         f"The display scans out for {setup.options.scanout_ms:g} ms; warp '{setup.options.warp}' {how}.",
         f"The truth is drawn in up to {MOST_BANDS} bands, each for its own instant; holes and flicker are told as in "

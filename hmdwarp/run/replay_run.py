@@ -29,7 +29,7 @@ from ..sources.server import Server
 from .frame_rows import ReplayLog, Row
 from .measuring import MAIN, Probe, method_name
 from .options import RunOptions
-from .replay_setup import ReplaySetup, set_up_replay
+from .replay_setup import ReplayRun, set_up_replay
 from .run_summary import OWNED, ReplayResult, result_of, write_results
 
 WORST_FRAMES = 6
@@ -82,7 +82,7 @@ def _replay(options: RunOptions, out: OutputFolder, progress: Progress, say: Cal
     return result
 
 
-def _write_delays(setup: ReplaySetup, out: OutputFolder) -> None:
+def _write_delays(setup: ReplayRun, out: OutputFolder) -> None:
     """Write delays.csv: what --delay-trace takes to show the same frames at the same ages again.
 
     That replay begins to draw as long before the first shown refresh as the longest delay; what was
@@ -98,7 +98,7 @@ def _write_delays(setup: ReplaySetup, out: OutputFolder) -> None:
         longest = max(delays)
         delays[:0] = [longest] * (refreshes_of(longest / 1e6, schedule.rate_hz) - ahead)
         out.write_text("delays.csv", "".join(["delay_ms\n", *(f"{delay / 1e6!r}\n" for delay in delays)]))
-    if delays and setup.scene.name != SERVER_SCENE:
+    if delays and setup.source.scene.name != SERVER_SCENE:
         setup.notes.append(
             f"The same frames at the same ages, without the server: --start {start_s!r} --delay-trace delays.csv"
         )
@@ -157,10 +157,10 @@ def measured(
         pool.wait()
         log.measured(_figures(pool, MAIN))
         summary = result_of(setup, log, [], _rated(setup, probe.clips), probe.without_truth).summary
-        return Measured(summary, list(pool.kept), setup.plan, setup.pipeline.sizes, log.rows)
+        return Measured(summary, list(pool.kept), setup.plans[0], setup.sizes, log.rows)
 
 
-def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
+def _run(setup: ReplayRun, probe: Probe, out: OutputFolder | None, progress: Progress) -> ReplayLog:
     log, count = ReplayLog(setup.track), 0
     _leave_unseen_undrawn(setup)
     with _video(setup, out) as video:
@@ -183,15 +183,15 @@ def _run(setup: ReplaySetup, probe: Probe, out: OutputFolder | None, progress: P
             Measured(
                 result_of(setup, log, [], {"nothing": f"no frame arrived in time ({counts})"}).summary,
                 [],
-                setup.plan,
-                setup.pipeline.sizes,
+                setup.plans[0],
+                setup.sizes,
                 [],
             ),
         )
     return log
 
 
-def _leave_unseen_undrawn(setup: ReplaySetup) -> None:
+def _leave_unseen_undrawn(setup: ReplayRun) -> None:
     """Draw no pictures that arrive after the last refresh, in frames that hold nothing else."""
     options, source = setup.options, setup.loop.source
     is_plain = options.client_link.is_plain and options.network.send == ALL and options.network.overload == DROP
@@ -202,16 +202,16 @@ def _leave_unseen_undrawn(setup: ReplaySetup) -> None:
         setup.loop.source = attrs.evolve(source, unseen_from_ns=last_ns - setup.channel.latency_ns + 1)
 
 
-def _fates(setup: ReplaySetup) -> str:
+def _fates(setup: ReplayRun) -> str:
     tally = setup.channel.link.tally.as_dict()
     return ", ".join(f"{name.replace('_', ' ')} {count}" for name, count in tally.items() if count)
 
 
-def _video(setup: ReplaySetup, out: OutputFolder | None) -> AbstractContextManager[VideoWriter | None]:
+def _video(setup: ReplayRun, out: OutputFolder | None) -> AbstractContextManager[VideoWriter | None]:
     if not setup.options.video or out is None:
         return nullcontext()
-    wide, high = setup.size
-    eyes = len(setup.headset.views(Pose()))
+    wide, high = setup.sizes.shown
+    eyes = len(setup.source.headset.views(Pose()))
     return VideoWriter(out.path("replay.mp4"), (eyes * wide, high), setup.schedule.rate_hz)
 
 
@@ -219,7 +219,7 @@ def _panels(refresh: Refresh) -> np.ndarray:
     return np.concatenate([picture_from_linear(download(eye.panel.texture)) for eye in refresh.eyes], axis=1)
 
 
-def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
+def _contest(setup: ReplayRun, key: tuple[int, int, int]) -> int | None:
     """Return the second in which a picture competes for the worst one.
 
     Only the run's own warp competes.
@@ -228,7 +228,7 @@ def _contest(setup: ReplaySetup, key: tuple[int, int, int]) -> int | None:
     return int(number / setup.schedule.rate_hz) if which == MAIN else None
 
 
-def _keep_every(setup: ReplaySetup) -> int | None:
+def _keep_every(setup: ReplayRun) -> int | None:
     """Return n to keep every n-th measured picture, for about options.images of them."""
     if not setup.options.images:
         return None
@@ -236,7 +236,7 @@ def _keep_every(setup: ReplaySetup) -> int | None:
     return max(1, -(-measured // setup.options.images))
 
 
-def _rated(setup: ReplaySetup, clips: Clips | None, others: Sequence[int] = ()) -> dict[str, Any]:
+def _rated(setup: ReplayRun, clips: Clips | None, others: Sequence[int] = ()) -> dict[str, Any]:
     """Return the `jod` of summary.json, or `jod_failure`, which is noted too.
 
     others: the warps that the run is compared with.

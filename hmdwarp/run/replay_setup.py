@@ -1,140 +1,185 @@
-"""Set-up of a replay, in an order that fails early."""
+"""The set-up of a replay, in an order that fails early: its refresh times, and what it runs on."""
 
 from __future__ import annotations
 
 import functools
+import math
 import operator
 from collections import Counter
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from contextlib import ExitStack
 
 import attrs
 import numpy as np
 
-from ..client.compensator import Compensator
-from ..client.inputs import PassInputs
-from ..client.plan import Plan
 from ..errors import InputError, counted
 from ..frames import Needs
 from ..gpu.context import Gpu
-from ..headsets import Headset
 from ..metrics import PairPass, QualityJob, QualityPool
-from ..pipeline.build import Pipeline
-from ..pipeline.channel import Channel
-from ..pipeline.loop import Loop
 from ..pipeline.planning import plan_against
 from ..pipeline.proxy import source_of
 from ..pipeline.proxy_options import SERVER_SCENE
+from ..pipeline.sizes import latency_ns, refreshes_of
 from ..pipeline.source import Source, motion_notes
 from ..poses import LoadedTrace, PoseTrack, RecordedSource, load_trace
 from ..scenes import Scene, take_inputs
-from ..sources.server import Renderer
 from .options import RunOptions
-from .setup import EmulatedScreen, RunSetup, Schedule, schedule_for, schedule_of
-from .truth import TruePicture, true_picture
+from .run import EmulatedScreen, Run
 
 _MANY = 10_000  # refreshes
 # Of a refresh: that of a GPU is a guess; llvmpipe took 0.2 s without metrics and 0.6 s with two
 # methods beside it, on two cores.
 _SECONDS_EACH = 0.05, 0.5
+_DAY_S = 86_400.0
 
 
-@attrs.frozen(eq=False)
-class ReplaySetup:
-    """Everything that one replay runs on.
+@attrs.frozen
+class Schedule:
+    """Refreshes of a display in integer nanoseconds on the trace's clock, mostly evenly spaced."""
 
-    Use as a context manager: it frees the GPU on exit.
+    # Time of the first shown refresh.
+    first_ns: int
+    rate_hz: float
+    # Number of shown refreshes.
+    count: int
+    # Number of refreshes between drawing a frame and showing it.
+    age: int
+    # Number of refreshes before that until a proxy has something to draw it from.
+    ahead: int = 0
+    # Of refreshes that are not evenly spaced, those that only draw included; None for even ones.
+    instants_ns: tuple[int, ...] | None = None
+
+    @property
+    def age_ns(self) -> int:
+        """Time from drawing to showing, within 1 ns."""
+        return round(self.age * 1e9 / self.rate_hz)
+
+    def link_latency_ns(self, options: RunOptions) -> int:
+        """Delay of the link.
+
+        At most the time between any two refreshes `age` apart, which are rounded to whole ns.
+        """
+        return (
+            min(latency_ns(options), max(0, self.age_ns - 2)) if options.client_link.is_plain else latency_ns(options)
+        )
+
+    def numbered(self) -> Iterator[tuple[int, int]]:
+        """Yield (number, time_ns) of every refresh.
+
+        Those with a negative number only draw, so that a frame has arrived by the first shown one.
+        """
+        if self.instants_ns is not None:
+            yield from enumerate(self.instants_ns, -self.age)
+            return
+        for number in range(-self.age - self.ahead, self.count):
+            yield number, self.first_ns + round(number * 1e9 / self.rate_hz)
+
+
+def schedule_for(options: RunOptions, source: Source, trace: LoadedTrace, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run: evenly spaced, or at the instants of recorded frames.
+
+    Errors: InputError if the run would show nothing.
     """
+    if source.instants_ns and not options.trace and options.rate_hz is None:
+        return _at_instants(source.instants_ns, source.headset.refresh_hz, str(trace.path), options)
+    return schedule_of(trace.track, options, rate_hz)
 
-    run: RunSetup[RunOptions]
-    trace: LoadedTrace
+
+def _at_instants(times: Sequence[int], rate_hz: float, place: str, options: RunOptions) -> Schedule:
+    """Return refreshes at the instants of the frames, where the truth is what was recorded.
+
+    The first is at the requested start, or when the first frame can have arrived.
+    """
+    if len(times) < 2:
+        raise InputError(f"{place}: one frame; expected two or more: one that is late, and what is seen then")
+    age, _ = _refreshes_before(options, rate_hz)
+    first = next((i for i, at in enumerate(times) if i >= age and at >= options.start_s * 1e9), len(times))
+    if first == len(times):
+        raise InputError(
+            f"{place}: its {len(times)} frames last {times[-1] * 1e-9:.3f} s: with --latency {options.latency_ms:g} ms "
+            f"and --start {options.start_s:g} s none is left to show; use a shorter latency, an earlier start, or say "
+            "how fast they were taken by --frames-rate"
+        )
+    seconds = math.inf if options.seconds is None else options.seconds
+    end = next((i for i, at in enumerate(times) if at >= times[first] + seconds * 1e9), len(times))
+    instants = tuple(times[first - age : max(end, first + 1)])
+    return Schedule(times[first], rate_hz, max(1, end - first), age, instants_ns=instants)
+
+
+def schedule_of(track: PoseTrack, options: RunOptions, rate_hz: float) -> Schedule:
+    """Return the refreshes of a run.
+
+    The first is at the requested start, or when the first frame can have arrived if that is later.
+    There are as many as fit into the requested seconds and into the trace, at least one.
+    Errors: InputError if the run would show nothing of the trace.
+    """
+    length_s = track.duration_ns * 1e-9
+    if length_s == 0:
+        raise InputError(f"the trace '{track.name}' has a single sample: expected head motion over time")
+    if options.start_s >= length_s:
+        raise InputError(
+            f"--start {options.start_s:g} s: the trace '{track.name}' is {length_s:.3f} s long; start before its end"
+        )
+    age, ahead = _refreshes_before(options, rate_hz)
+    first = (age + ahead) / rate_hz
+    if first > length_s:
+        raise InputError(
+            f"--latency {options.total_latency_ms:g} ms is longer than the trace '{track.name}' ({length_s:.3f} s): no "
+            "frame would arrive; use a shorter latency or a longer trace; if its length is wrong, state the unit of "
+            "its clock by --time-unit"
+        )
+    start_s = max(options.start_s, first)
+    seconds = length_s - start_s if options.seconds is None else min(options.seconds, length_s - start_s)
+    if options.seconds is None and seconds > _DAY_S and rate_hz > 1:
+        raise InputError(
+            f"the trace '{track.name}' has {seconds / _DAY_S:.1f} days to show, {math.floor(seconds * rate_hz)} "
+            "refreshes: expected at most one day unless stated; say how much of it by --seconds"
+        )
+    # Within 1e-6 of a refresh: 1 s at 90 Hz is 90 refreshes despite rounding.
+    count = max(1, math.floor(seconds * rate_hz + 1e-6))
+    return Schedule(track.start_ns + round(start_s * 1e9), rate_hz, count, age, ahead)
+
+
+def first_shown_s(options: RunOptions, rate_hz: float) -> float:
+    """Return the seconds into a trace after which the first frame has arrived for certain."""
+    return sum(_refreshes_before(options, rate_hz)) / rate_hz
+
+
+def _refreshes_before(options: RunOptions, rate_hz: float) -> tuple[int, int]:
+    """Return how many refreshes a frame is under way to the client, and to a proxy before that."""
+    options.client_link.check(latency_ns(options))
+    link_ms = options.client_link.longest_ns(latency_ns(options)) / 1e6
+    return refreshes_of(link_ms, rate_hz), refreshes_of(options.proxy.longest_ms(options.network), rate_hz)
+
+
+@attrs.define(eq=False)
+class ReplayRun(Run[RunOptions]):
+    """Everything that one replay runs on: it frees the GPU too."""
+
+    trace: LoadedTrace = attrs.field(init=False)
     # The trace, moved to where the scene can be walked in.
-    track: PoseTrack
-    schedule: Schedule
-    pipeline: Pipeline
-    notes: list[str]
-    _cleanup: ExitStack
-    _alike: list[PairPass] = attrs.field(factory=list)  # once it is needed
-
-    @property
-    def options(self) -> RunOptions:
-        """The options, with the measured latency where frames come from elsewhere."""
-        return self.run.options
-
-    @property
-    def source(self) -> Source:
-        """What gives the frames."""
-        return self.run.source
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(w, h) of one eye."""
-        return self.run.size
-
-    @property
-    def gpu(self) -> Gpu:
-        """The GPU that all of it is on."""
-        return self.pipeline.gpu
-
-    @property
-    def scene(self) -> Scene:
-        """What the frames show."""
-        return self.source.scene
-
-    @property
-    def headset(self) -> Headset:
-        """The display."""
-        return self.source.headset
-
-    @property
-    def plan(self) -> Plan:
-        """The plan that runs first."""
-        return self.pipeline.plan
-
-    @property
-    def server(self) -> Renderer:
-        """The renderer of the scene."""
-        return self.pipeline.server
-
-    @property
-    def channel(self) -> Channel:
-        """The transport of the frames."""
-        return self.pipeline.channel
-
-    @property
-    def loop(self) -> Loop:
-        """The loop over refreshes."""
-        return self.pipeline.loop
+    track: PoseTrack = attrs.field(init=False)
+    schedule: Schedule = attrs.field(init=False)
+    notes: list[str] = attrs.field(init=False)
 
     @property
     def pixels_per_degree(self) -> float:
         """Resolution of the shown view, for the metrics."""
-        return self.headset.left_fov.pixels_per_degree(self.size)
+        return self.source.headset.left_fov.pixels_per_degree(self.sizes.shown)
 
-    def truth(self, inputs: PassInputs, *, depth: bool = True) -> TruePicture:
-        """Return what an eye should see at a refresh. Errors: NoTruth."""
-        return true_picture(self.server, inputs, self.size, depth=depth)
+    @functools.cached_property
+    def _pairs(self) -> PairPass:
+        made = PairPass(self.target.gpu, self.sizes.shown, self.pixels_per_degree)
+        self.cleanup.callback(made.close)
+        return made
 
     def hand_in(self, pool: QualityPool, key: Hashable, job: QualityJob, *, keep: bool = False) -> None:
         """Submit a picture, with what the GPU finds of it. Errors: as pool.submit."""
-        if not self._alike:
-            self._alike.append(PairPass(self.gpu, self.size, self.pixels_per_degree))
-            self._cleanup.callback(self._alike[0].close)
-        alike = self._alike[0].run(job.now.shown, job.now.truth)
-        if job.previous is not None and (flicker := self._alike[0].flicker(job.now, job.previous)) is not None:
+        alike = self._pairs.run(job.now.shown, job.now.truth)
+        if job.previous is not None and (flicker := self._pairs.flicker(job.now, job.previous)) is not None:
             job = attrs.evolve(job, previous=None)
             alike = attrs.evolve(alike, flicker=flicker)
         pool.submit(key, attrs.evolve(job, alike=alike), keep=keep)
-
-    def compensator(self, plan: Plan) -> Compensator:
-        """Return a compensator for another plan on the same frames, freed with this object."""
-        return self.pipeline.compensator(plan)
-
-    def __enter__(self) -> ReplaySetup:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._cleanup.close()
 
 
 def set_up_replay(
@@ -144,7 +189,7 @@ def set_up_replay(
     *,
     alone: bool = False,
     source: Source | None = None,
-) -> ReplaySetup:
+) -> ReplayRun:
     """Load, check, then start the GPU.
 
     options: nothing in them is "auto". also: layers that frames must carry for plans other
@@ -160,39 +205,51 @@ def set_up_replay(
     of_others = [also or Needs(), *(plan_against(options, *pair).needs for pair in options.compared)]
     trace = source.head(load_trace(options.trace, options.trace_options) if options.trace else None)
     assert trace is not None, "options without a trace have a source with a head"
-    trace = _on_its_own_clock(trace) if options.as_recorded else trace
+    if options.as_recorded:  # on the trace's own clock
+        own = trace.track
+        own = own.evolve(time_ns=own.time_ns + own.epoch_ns, epoch_ns=0, max_gap_ns=own.max_gap_ns)
+        trace = attrs.evolve(trace, track=own)
     rate_hz = options.rate_hz or headset.refresh_hz
     schedule = None if source.is_timed else schedule_for(options, source, trace, rate_hz)
     if options.scene == SERVER_SCENE and not source.is_timed:
         raise InputError(f"--scene {SERVER_SCENE}: it is what the server at --connect draws: name that, or a scene")
-    run = RunSetup.of(options, source, EmulatedScreen(headset, headset), functools.reduce(operator.or_, of_others))
+    run = ReplayRun.of(
+        options,
+        source,
+        EmulatedScreen(headset, headset),
+        functools.reduce(operator.or_, of_others),
+        all_pictures=not alone,
+    )
     track, notes = (trace.track, []) if options.as_recorded else placed(trace.track, source.scene)
-    with ExitStack() as stack:
-        stack.callback(source.close)
+    with ExitStack() as unfinished:
+        unfinished.callback(run.close)
+        run.cleanup.callback(source.close)
         notes += acted(options.input, source, trace.track)
-        run = run.measured(
-            track.at(track.start_ns), holds=True, keeps=True, all_pictures=not alone, say=_both(say, notes.append)
-        )
+
+        def say_and_note(text: str) -> None:
+            say(text)
+            notes.append(text)
+
+        run.measure(track.at(track.start_ns), holds=True, keeps=True, say=say_and_note)
         if options.input:
             source.pass_on(source.inputs)
-        options = run.options
-        schedule = schedule or schedule_of(trace.track, options, rate_hz)
+        schedule = schedule or schedule_of(trace.track, run.options, rate_hz)
+        cost = ""
+        if schedule.count >= _MANY:
+            least, most = (schedule.count * each / 3600 for each in _SECONDS_EACH)
+            cost = f", about {least:.1f} h on a GPU to {most:.1f} h without one; --seconds shows less"
         name = track.name or trace.path.stem
-        say(
-            f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of "
-            f"'{name}'{_cost(schedule.count)}"
-        )
-        gpu = stack.enter_context(Gpu())
+        say(f"preparing {source.title}, OpenGL and metrics; then {schedule.count} refreshes of '{name}'{cost}")
+        gpu = run.cleanup.enter_context(Gpu())
         poses = RecordedSource(track)
         poses.start()
-        stack.callback(poses.close)
-        link_ns = schedule.link_latency_ns(options)
-        pipeline = stack.enter_context(
-            run.build(gpu, poses, lambda now_ns: track, schedule.age_ns, link_ns, all_pictures=not alone)
-        )
+        run.cleanup.callback(poses.close)
+        run.start(gpu, poses, lambda now_ns: track, schedule.age_ns, schedule.link_latency_ns(run.options))
         notes[:0] = [*source.notes, *trace.notes(), *source.scene.notes]
-        notes.extend([*options.notes, *motion_notes(options, source.scene, pipeline.plan)])
-        return ReplaySetup(run, trace, track, schedule, pipeline, notes, stack.pop_all())
+        notes.extend([*run.options.notes, *motion_notes(run.options, source.scene, run.plans[0])])
+        run.trace, run.track, run.schedule, run.notes = trace, track, schedule, notes
+        unfinished.pop_all()
+    return run
 
 
 def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
@@ -214,22 +271,6 @@ def acted(spec: str, source: Source, track: PoseTrack) -> list[str]:
     return [f"Inputs by {spec}: {found}{more}. The server knows each from its own instant on."]
 
 
-def _cost(refreshes: int) -> str:
-    """Return about how long a long run takes, "" for a short one."""
-    if refreshes < _MANY:
-        return ""
-    least, most = (refreshes * each / 3600 for each in _SECONDS_EACH)
-    return f", about {least:.1f} h on a GPU to {most:.1f} h without one; --seconds shows less"
-
-
-def _both(*takers: Callable[[str], None]) -> Callable[[str], None]:
-    def take(text: str) -> None:
-        for taker in takers:
-            taker(text)
-
-    return take
-
-
 def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
     """Return the track moved to where the scene can be walked in, and notes on the move.
 
@@ -247,10 +288,3 @@ def placed(track: PoseTrack, scene: Scene) -> tuple[PoseTrack, list[str]]:
     if beyond > 0:
         notes.append(f"The head still goes up to {beyond:.2f} m outside and may clip through geometry.")
     return moved, notes
-
-
-def _on_its_own_clock(trace: LoadedTrace) -> LoadedTrace:
-    track = trace.track
-    return attrs.evolve(
-        trace, track=track.evolve(time_ns=track.time_ns + track.epoch_ns, epoch_ns=0, max_gap_ns=track.max_gap_ns)
-    )

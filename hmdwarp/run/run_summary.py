@@ -20,7 +20,6 @@ from ..geometry import Pose, View
 from ..gpu.context import Gpu
 from ..link import response_figures
 from ..metrics import QUALITY, Kept, QualityPool, aggregate, difference, metrics_in_order
-from ..pipeline.build import Pipeline
 from ..pipeline.options import PipelineOptions
 from ..pipeline.sizes import rendered_entry
 from ..poses.assumptions import Assumption, assumption_rows
@@ -39,7 +38,8 @@ from ..resources import __version__, made_with
 from ..scenes import InputLog
 from .answers import ANSWER_COLUMNS, Answers
 from .frame_rows import ReplayLog, Row
-from .replay_setup import ReplaySetup
+from .replay_setup import ReplayRun
+from .run import Run
 
 # Files that a run may write; a later run into the same folder removes those it does not write
 # again.
@@ -91,31 +91,31 @@ class Facts:
     @classmethod
     def of(
         cls,
-        pipeline: Pipeline,
+        run: Run[Any],
         trace: str,
         headset: str,
         rate_hz: float,
         trace_axes: str = "",
         assumptions: tuple[Assumption, ...] = (),
     ) -> Facts:
-        """Return the facts of a run through this pipeline.
+        """Return the facts of a run.
 
         rate_hz: of the display. assumptions: of its trace.
         """
-        gpu, shown, source = pipeline.gpu, pipeline.sizes.shown, pipeline.source
-        (view, *_) = pipeline.target.eyes.views(Pose())
+        gpu, source, plan = run.target.gpu, run.source, run.loop.compensator.plan
+        (view, *_) = run.target.eyes.views(Pose())
         return cls(
-            options=pipeline.options,
+            options=run.options,
             trace=trace,
             scene=source.scene.name,
-            effects=list(pipeline.plan.effects),
+            effects=list(plan.effects),
             headset=headset,
-            sizes=pipeline.sizes,
+            sizes=run.sizes,
             rate_hz=rate_hz,
-            pixels_per_degree=view.fov.pixels_per_degree(shown),
+            pixels_per_degree=view.fov.pixels_per_degree(run.sizes.shown),
             machine=machine_of(gpu),
             clock=gpu.timer.clock,
-            needs=pipeline.plan.needs,
+            needs=plan.needs,
             trace_axes=trace_axes,
             recorded=source.entry,
             assumptions=(*assumptions, *source.assumptions),
@@ -188,17 +188,17 @@ class ReplayResult:
         return summary_html(self.summary, *self.against)
 
 
-def summary_of_rows(setup: ReplaySetup, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:
+def summary_of_rows(setup: ReplayRun, passes: tuple[str, str, str], rows: list[Row]) -> dict[str, Any]:
     """Return the keys of summary.json for the named passes on the frames of `setup`.
 
     rows: as of frames.csv; those of one frame may be several.
     """
     name = setup.track.name or setup.trace.path.stem
     rate_hz, trace = setup.schedule.rate_hz, setup.trace
-    facts = Facts.of(setup.pipeline, name, setup.headset.name, rate_hz, setup.track.axes, trace.assumptions)
+    facts = Facts.of(setup, name, setup.source.headset.name, rate_hz, setup.track.axes, trace.assumptions)
     frames = len({row["frame"] for row in rows})
     measured = aggregate(rows)
-    hidden = hidden_entry(setup.headset.views(Pose()), setup.size, measured["quality"])
+    hidden = hidden_entry(setup.source.headset.views(Pose()), setup.sizes.shown, measured["quality"])
     return facts.summary(passes, frames, {**measured, **hidden, "notes": [*setup.notes, *_hidden_notes(hidden)]})
 
 
@@ -230,15 +230,15 @@ def _hidden_notes(entry: Mapping[str, Any]) -> list[str]:
 
 
 def result_of(
-    setup: ReplaySetup, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any], without_truth: int = 0
+    setup: ReplayRun, log: ReplayLog, compared: list[list[Row]], more: dict[str, Any], without_truth: int = 0
 ) -> ReplayResult:
     """Return the summaries of a run and of its comparisons.
 
     more: other measurements, by key. without_truth: pictures that were to be measured.
     """
     options, rows = setup.options, log.rows
-    if setup.scene.inputs:
-        log.answers = answers_of(setup, setup.scene.inputs, log)
+    if setup.source.scene.inputs:
+        log.answers = answers_of(setup, setup.source.scene.inputs, log)
         setup.notes.append(log.answers.note())
         more = {**more, "input": log.answers.entry()}
     summary = summary_of_rows(setup, (options.warp, options.fill, options.lens), rows)
@@ -255,7 +255,7 @@ def result_of(
     if about:
         setup.notes.append(about)
         summary["notes"] = setup.notes
-    if weights := setup.pipeline.geometry.weights():
+    if weights := setup.geometry.weights():
         summary["client_models"] = weights
     result = ReplayResult(options.out, summary, rows, [])
     for pair, its_rows in zip(options.compared, compared, strict=False):
@@ -266,7 +266,7 @@ def result_of(
     return result
 
 
-def answers_of(setup: ReplaySetup, inputs: InputLog, log: ReplayLog) -> Answers:
+def answers_of(setup: ReplayRun, inputs: InputLog, log: ReplayLog) -> Answers:
     """Return when the inputs of a run were answered."""
     answers = Answers(setup.schedule.first_ns - setup.schedule.age_ns, setup.trace.track.epoch_ns)
     for event in inputs:

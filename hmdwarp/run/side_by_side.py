@@ -39,8 +39,8 @@ from ..pipeline.loop import Refresh
 from ..sources.server import Renderer
 from .combinations import ORACLE, Case, Combination, OpenCvWarp, frames_used, instants_of
 from .frame_rows import Row, stage_columns
-from .replay_setup import ReplaySetup
-from .truth import TruePicture, WholePictures, coverage, shown_picture
+from .replay_setup import ReplayRun
+from .truth import TruePicture, WholePictures, coverage, shown_picture, true_picture
 
 
 class Oracle:
@@ -122,7 +122,7 @@ def from_late(
 RUN_IN_S = (4.0, 3.0, 2.0, 1.0, 0.5)
 
 
-def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
+def refreshes(setup: ReplayRun, needs: Needs, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
     """Iterate over the chosen refreshes of a run, counted from 0, in time order.
 
     Negative numbers are passed over.
@@ -140,7 +140,7 @@ def refreshes(setup: ReplaySetup, needs: Needs, numbers: Collection[int]) -> Ite
             yield number, refresh
 
 
-def all_frames(setup: ReplaySetup, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
+def all_frames(setup: ReplayRun, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
     """Iterate as refreshes does, and draw every frame: for those that depend on each other."""
     last = max(numbers)
     for number, instant_ns in setup.schedule.numbered():
@@ -161,7 +161,7 @@ class SideBySide:
     A context: leaving it frees what was allocated here.
     """
 
-    def __init__(self, setup: ReplaySetup, combinations: Sequence[Combination]) -> None:
+    def __init__(self, setup: ReplayRun, combinations: Sequence[Combination]) -> None:
         self._setup, self._combinations = setup, combinations
         self._needs = needs_of(combination.plan for combination in combinations)
         # In the order of the combinations.
@@ -179,9 +179,9 @@ class SideBySide:
 
     def _compensator_of(self, combination: Combination) -> Compensator | OpenCvWarp | Oracle:
         if combination.warp == ORACLE:
-            return Oracle(self._setup.server, combination.plan, self._setup.size)
+            return Oracle(self._setup.server, combination.plan, self._setup.sizes.shown)
         if combination.is_outside:
-            return OpenCvWarp(self._setup.gpu, combination.plan, self._setup.size)
+            return OpenCvWarp(self._setup.target.gpu, combination.plan, self._setup.sizes.shown)
         return self._setup.compensator(combination.plan)
 
     def refreshes(self, numbers: Collection[int]) -> Iterator[tuple[int, Refresh]]:
@@ -203,7 +203,7 @@ class SideBySide:
             if combination.remembers and isinstance(compensator, Compensator):
                 for inputs in self.inputs(compensator, refresh):
                     compensator.learn(inputs)
-        self._setup.gpu.timer.collect()
+        self._setup.target.gpu.timer.collect()
 
     def inputs(self, compensator: Compensator | OpenCvWarp | Oracle, refresh: Refresh) -> tuple[PassInputs, ...]:
         """Return what a compensator reads of a refresh, eye by eye."""
@@ -211,7 +211,7 @@ class SideBySide:
 
     def truth(self, inputs: PassInputs) -> TruePicture:
         """Return what an eye should see in the middle of a refresh."""
-        return self._setup.truth(attrs.evolve(inputs, shown_last=None))
+        return true_picture(self._setup.server, attrs.evolve(inputs, shown_last=None), self._setup.sizes.shown)
 
     def pictures(self, refresh: Refresh, eye: int, truth: TruePicture) -> list[Compared]:
         """Run all for one eye, untimed; return each picture with the truth."""
@@ -219,13 +219,13 @@ class SideBySide:
         for compensator in self.compensators:
             result = compensator.run(self.inputs(compensator, refresh)[eye])
             shown.append(Compared(shown_picture(result), truth.picture, result.view))
-        self._setup.gpu.timer.collect()
+        self._setup.target.gpu.timer.collect()
         return shown
 
 
-def clips_of(setup: ReplaySetup) -> Clips:
+def clips_of(setup: ReplayRun) -> Clips:
     """Return what rates clips of the run's length. Errors: as Clips."""
-    headset = setup.headset
+    headset = setup.source.headset
     given = {"peak_cd_m2": headset.peak_cd_m2, "black_cd_m2": headset.black_cd_m2}
     known = {name: value for name, value in given.items() if value is not None}
     return Clips(setup.options.jod_s, ShownOn(setup.schedule.rate_hz, setup.pixels_per_degree, **known))
@@ -244,7 +244,7 @@ def clips_before(instants: Sequence[int], length: int) -> dict[int, int]:
 
 
 def rate_clips(
-    setup: ReplaySetup, combinations: Sequence[Combination], instants: int, step: Callable[[], None]
+    setup: ReplayRun, combinations: Sequence[Combination], instants: int, step: Callable[[], None]
 ) -> list[dict[str, Any]]:
     """Return the `jod` of each combination, from a clip that ends at each of so many instants.
 
@@ -305,7 +305,7 @@ class Comparison:
     """
 
     def __init__(
-        self, setup: ReplaySetup, case: Case, combinations: Sequence[Combination], pool: QualityPool, rounds: int
+        self, setup: ReplayRun, case: Case, combinations: Sequence[Combination], pool: QualityPool, rounds: int
     ) -> None:
         self._setup, self._case, self._pool, self._rounds = setup, case, pool, rounds
         self.measured = [Measured(combination) for combination in combinations]
@@ -356,7 +356,7 @@ class Comparison:
         compensator.renew()
         for inputs in self._beside.inputs(compensator, refresh):
             self._last[index].append(compensator.run(inputs))
-            stages = self._setup.gpu.timer.collect()
+            stages = self._setup.target.gpu.timer.collect()
             if timed:
                 measured.times.append({"frame": refresh.shown_ns, "eye": inputs.eye, **stage_columns(stages)})
 

@@ -52,11 +52,11 @@ def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, f
     turned = []
 
     def look(setup, number, refresh):
-        assert setup.plan.scanout is follows
+        assert setup.plans[0].scanout is follows
         first, last = (setup.track.at(refresh.shown_ns + ns).pose for ns in (0, 12_000_000))
         for eye, one in enumerate(refresh.inputs):
-            assert one.shown.pose.isclose(setup.headset.views(first)[eye].pose, 1e-12)
-            assert one.shown_last.pose.isclose(setup.headset.views(last)[eye].pose, 1e-12)
+            assert one.shown.pose.isclose(setup.source.headset.views(first)[eye].pose, 1e-12)
+            assert one.shown_last.pose.isclose(setup.source.headset.views(last)[eye].pose, 1e-12)
             assert refresh.eyes[eye].view.pose.isclose(one.middle.pose, 1e-12)
         turned.append((first.rotation.inv() * last.rotation).magnitude())
 
@@ -66,7 +66,7 @@ def test_the_loop_asks_for_the_head_at_both_ends_of_the_scan_out(warp, follow, f
 
 def test_without_scan_out_there_is_one_instant():
     def look(setup, number, refresh):
-        assert not setup.plan.scanout
+        assert not setup.plans[0].scanout
         assert all(inputs.shown_last is None for inputs in refresh.inputs)
         for result, one in zip(refresh.eyes, refresh.inputs, strict=True):
             assert np.array_equal(result.view.pose.position_m, one.shown.pose.position_m)

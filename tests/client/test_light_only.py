@@ -158,7 +158,7 @@ def shown_by(**options):
             shown += refresh is not None
             if shown == 3:
                 view = refresh.inputs[0].shown
-                truth = read(setup.server.draw(view, setup.size).colour)[..., :3]
+                truth = read(setup.server.draw(view, setup.sizes.shown).colour)[..., :3]
                 got = read(refresh.eyes[0].panel.texture)[..., :3]
                 return np.abs(got - truth).mean(), setup.channel.transit.size_bytes
     raise AssertionError("the recording is too short")

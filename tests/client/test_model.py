@@ -260,9 +260,9 @@ def test_other_plans_pay_nothing_for_what_arrives(warp):
             refresh = setup.loop.show(instant_ns) if number >= 0 else None
             if refresh is not None:
                 break
-        assert "scene_update" not in setup.plan.needs and "scene_update" not in refresh.frame.eyes[0]
+        assert "scene_update" not in setup.plans[0].needs and "scene_update" not in refresh.frame.eyes[0]
         assert not setup.server.has_more(instant_ns)
-        assert all("arrived" not in weight for weight in setup.pipeline.geometry.weights())
+        assert all("arrived" not in weight for weight in setup.geometry.weights())
 
 
 def test_the_sender_holds_no_more_however_long_the_network_loses_everything(gpu):

@@ -19,8 +19,9 @@ from hmdwarp.frames.layers import Layer, layers
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import download
 from hmdwarp.link.codec import Coding, pack
-from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_pipeline
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target
 from hmdwarp.poses import Origin, PoseSample
+from hmdwarp.run import Run
 from hmdwarp.scenes import load_scene
 from hmdwarp.sources.server.parts import Part, parts
 
@@ -142,9 +143,8 @@ def test_points_travel_with_frames_and_are_warped(gpu, codec):
     assert plan.layers == ("rendered.dots",)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")
-    with build_pipeline(
-        options, Source(options, scene), Target(gpu, TwoEyes(), 100.0, 20_000_000), [plan], requested
-    ) as made:
+    run = Run(options, Source(options, scene), None, [plan], plan.needs)
+    with run.build(Target(gpu, TwoEyes(), 100.0, 20_000_000), requested) as made:
         for number in range(8):
             made.loop.draw(number * STEP_NS)
             refresh = made.loop.show(number * STEP_NS)
@@ -172,7 +172,8 @@ def test_frames_without_points_have_none(gpu):
     options = PipelineOptions(scene="planes", warp="forward", fill="none", lens="none", size=SIZE)
     requested = PoseRequest(Sliding(), None, SIZE, 1.0, plan.needs)
     scene = load_scene("planes")
-    with build_pipeline(options, Source(options, scene), Target(gpu, TwoEyes(), 100.0, 0), [plan], requested) as made:
+    run = Run(options, Source(options, scene), None, [plan], plan.needs)
+    with run.build(Target(gpu, TwoEyes(), 100.0, 0), requested) as made:
         made.loop.draw(0)
         assert "dots" not in made.loop.show(0).inputs[0].rendered
     assert PointsPart.made == []

@@ -22,7 +22,7 @@ from hmdwarp.gpu import download
 from hmdwarp.headsets import Headset
 from hmdwarp.pipeline import Loop, ServerFrames
 from hmdwarp.poses import angle_between, load_trace
-from hmdwarp.run import ReplaySetup, set_up_replay
+from hmdwarp.run import ReplayRun, set_up_replay
 
 from .live_runs import SMALL, Here, quick
 
@@ -151,7 +151,7 @@ def pictures_of(folder: Path, number: int) -> list[NDArray[np.uint8]]:
 def setup(tmp_path, passes):
     """A replay of what `recording` in tmp_path holds, made when it is asked for."""
 
-    def make() -> ReplaySetup:
+    def make() -> ReplayRun:
         headset = tmp_path / "remote.toml"
         headset.write_text(HEADSET, encoding="utf-8")
         told = {
@@ -166,7 +166,7 @@ def setup(tmp_path, passes):
     return make
 
 
-def replayed(setup: ReplaySetup, rows: list[Shown], eyes: Eyes) -> list[list[NDArray[np.uint8]]]:
+def replayed(setup: ReplayRun, rows: list[Shown], eyes: Eyes) -> list[list[NDArray[np.uint8]]]:
     """Both pictures of each refresh from the replay of the recording, of frames as old as those of
     the live run.
 
@@ -174,7 +174,7 @@ def replayed(setup: ReplaySetup, rows: list[Shown], eyes: Eyes) -> list[list[NDA
     makes that while now longer, now shorter: so here each frame is drawn when the log says it was
     first used, and the link passes it on at once.
     """
-    made, found, last = setup.pipeline, [], None
+    made, found, last = setup, [], None
     frames = ServerFrames(made.server, made.requested, eyes)
     loop = Loop(made.requested, frames, made.channel, made.loop.history, made.loop.compensator, eyes)
     number_of = {tuple(row.head.position_m): number for number, row in enumerate(rows)}
@@ -218,7 +218,7 @@ def test_the_same_poses_and_pictures(remote_head, no_screen, monkeypatch, tmp_pa
         np.testing.assert_array_equal(replayed(made, rows, were), handed_over)
     with setup() as made:
         hidden = [view.hidden for view in were.views(Pose())]
-        again = replayed(made, rows, HeadsetEyes(made.headset, hidden))
+        again = replayed(made, rows, HeadsetEyes(made.source.headset, hidden))
     # A runtime tells where the eyes sit in the head by float32 sums over the head's own place, so
     # they tremble by 3e-8 m and 3e-8 rad (measured), 2e-6 pixels. That tips over what lies on the
     # edge of two surfaces: 18 pixels of 11,520 at most in 64 pictures.

@@ -13,8 +13,9 @@ from hmdwarp.colour import picture_from_linear
 from hmdwarp.frames import Needs
 from hmdwarp.geometry import Fov, Pose, View
 from hmdwarp.gpu import StageTimer, download
-from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_pipeline, plans_for, source_of
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, plans_for, source_of
 from hmdwarp.poses import Origin, PoseSample
+from hmdwarp.run import Run
 from hmdwarp.scenes import load_scene
 
 SIZE = (64, 80)
@@ -67,7 +68,7 @@ def pipeline(gpu, eyes, **changes):
     needs = plans[0].needs
     requested = PoseRequest(Turning(), None, SIZE, options.guard_band, needs)
     target = Target(gpu, eyes, 100.0, round(options.latency_ms * 1e6))
-    return build_pipeline(options, source_of(options), target, plans, requested)
+    return Run(options, source_of(options), None, plans, needs).build(target, requested)
 
 
 def shown_at(made, number: int):
@@ -178,7 +179,7 @@ def test_times_are_read_when_they_are_asked_for(gpu, monkeypatch):
 
 def test_needs_are_those_of_the_plan(gpu):
     with pipeline(gpu, OneEye(), warp="layered") as made:
-        assert made.requested.needs == Needs(peeled=made.plan.needs["peeled"]) == made.plan.needs
+        assert made.requested.needs == Needs(peeled=made.plans[0].needs["peeled"]) == made.plans[0].needs
 
 
 def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
@@ -188,20 +189,15 @@ def test_a_plan_beside_others_gets_only_what_it_needs(gpu):
     needs = plans[0].needs | plans[1].needs
     requested = PoseRequest(Turning(), None, SIZE, 1.0, needs)
     target = Target(gpu, UnequalEyes(), 100.0, 0)
-    with build_pipeline(options, Source(options), target, plans[:1], requested) as made:
+    with Run(options, Source(options), None, plans[:1], needs).build(target, requested) as made:
         made.loop.draw(0)
         refresh = made.loop.show(0)
         beside = made.loop.inputs(refresh, plans[1].needs)
         assert "peeled" in refresh.inputs[0].rendered
         assert "peeled" not in beside[0].rendered
         shown = made.compensator(plans[1]).run(beside[0]).shown
-        with build_pipeline(
-            options.with_pair(*PAIR),
-            Source(options),
-            target,
-            plans[1:],
-            PoseRequest(Turning(), None, SIZE, 1.0, plans[1].needs),
-        ) as alone:
+        other = Run(options.with_pair(*PAIR), Source(options), None, plans[1:], plans[1].needs)
+        with other.build(target, PoseRequest(Turning(), None, SIZE, 1.0, plans[1].needs)) as alone:
             alone.loop.draw(0)
             expected = alone.loop.show(0).eyes[0].shown
             assert np.array_equal(download(shown.texture), download(expected.texture))

@@ -149,7 +149,7 @@ def test_every_layer_is_coded_and_shows_nearly_what_the_server_drew(gpu, kind):
                 break
         shown = [download(eye.shown.texture) for eye in refresh.eyes]
         views = [eye.view for eye in refresh.frame.eyes]
-        again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.size, needs=setup.plan.needs)
+        again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.sizes.shown, needs=setup.plans[0].needs)
         for inputs, eye, after in zip(refresh.inputs, again.eyes, shown, strict=True):
             before = download(setup.loop.compensator.run(attrs.evolve(inputs, rendered=eye)).shown.texture)
             assert ((before[..., 3] > 0) != (after[..., 3] > 0)).mean() < 0.01
@@ -166,7 +166,7 @@ def test_after_lost_frames_no_layer_shows_anything_broken():
     network, lowest = LinkOptions.of({"loss": "0.23", "loss_burst": 2.0, "link_seed": 3}), []
     asked = small(warp="layered", fill="wide", coding=Coding("h264"), latency_ms=50.0, network=network)
     with set_up_replay(asked) as setup:
-        needs, drawn = setup.pipeline.requested.needs, set()
+        needs, drawn = setup.requested.needs, set()
         for number, instant_ns in setup.schedule.numbered():
             setup.loop.draw(instant_ns)
             refresh = setup.loop.show(instant_ns) if number >= 0 else None
@@ -174,7 +174,7 @@ def test_after_lost_frames_no_layer_shows_anything_broken():
                 continue
             drawn.add(refresh.frame.drawn_ns)
             views = [eye.view for eye in refresh.frame.eyes]
-            again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.size, 1.0, needs)
+            again = setup.server.draw_frame(views, refresh.frame.drawn_ns, setup.sizes.shown, 1.0, needs)
             for (layer, before), (_, after) in zip(again.contents(), refresh.frame.contents(), strict=True):
                 for (old, coding), (new, _) in zip(layer.coded(before), layer.coded(after), strict=True):
                     if coding == VIDEO:

@@ -17,7 +17,7 @@ from hmdwarp.errors import InputError
 from hmdwarp.link import Link, LinkOptions
 from hmdwarp.pipeline.sizes import refreshes_of
 from hmdwarp.poses import PoseTrack
-from hmdwarp.run.setup import schedule_of
+from hmdwarp.run.replay_setup import schedule_of
 
 BEGIN_NS = 5_000_000_123  # a trace's clock starts anywhere
 

@@ -246,7 +246,7 @@ def test_every_picture_is_of_its_instant(gpu, name):
             setup.loop.draw(instant_ns)
             if number >= 0 and (refresh := setup.loop.show(instant_ns)) is not None:
                 break
-        eyes, track, late = setup.pipeline.target.eyes, setup.track, pictures_in(refresh.frame)
+        eyes, track, late = setup.target.eyes, setup.track, pictures_in(refresh.frame)
         if name != "proxy":  # it warps to each head: its own pictures are of another instant
             views = eyes.views(track.at(refresh.frame.drawn_ns).pose)
             check_frame(gpu, name, scene, setup, refresh.frame, late, views)
@@ -272,7 +272,7 @@ def update_of(time_ns: int) -> int:
 
 def check_frame(gpu, name, scene, setup, frame, late, views) -> None:
     """Compare what the server drew with the scene as it stood then."""
-    wanted, then_ns = setup.pipeline.requested.needs, frame.drawn_ns
+    wanted, then_ns = setup.requested.needs, frame.drawn_ns
     needs = Needs(**{layer: wanted[layer] for layer in ("cube", "light", "peeled") if layer in wanted})
     still = drawn(gpu, scene, then_ns, views, needs)
     # The light of voxels is of the last update.
@@ -306,7 +306,7 @@ def check_frame(gpu, name, scene, setup, frame, late, views) -> None:
 def simple(gpu, setup, frame, simplified) -> np.ndarray:
     """Return what the client draws of the simplified scene for the late view, (h, w, 4)."""
     target = ShownPicture(Canvas(gpu.gl, SIZE), allocate(gpu.gl, SIZE, SCALAR))
-    setup.pipeline.geometry.store(WholeScene, simplified).draw(frame.eyes[0].view, target, frame.drawn_ns)
+    setup.geometry.store(WholeScene, simplified).draw(frame.eyes[0].view, target, frame.drawn_ns)
     found = download(target.colour.texture).astype(np.float64)
     target.colour.release()
     target.depth.release()

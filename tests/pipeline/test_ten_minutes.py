@@ -13,8 +13,9 @@ from replays import CHEAPER, scene_for
 from hmdwarp.client.strategies import strategies
 from hmdwarp.geometry import Pose
 from hmdwarp.headsets import load_headset
-from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_pipeline, build_plan_for
+from hmdwarp.pipeline import PipelineOptions, PoseRequest, Source, Target, build_plan_for
 from hmdwarp.poses import Origin, PoseSample
+from hmdwarp.run import Run
 from hmdwarp.scenes import load_scene
 
 STEP_NS = 7_000_000_000
@@ -52,9 +53,8 @@ def test_memory_stops_growing_once_the_head_has_been_everywhere(gpu, name):
     scene = load_scene(options.scene)
     plan = build_plan_for(options, headset, scene)
     request = PoseRequest(Wandering(), None, (32, 24), options.guard_band, plan.needs)
-    with build_pipeline(
-        options, Source(options, scene), Target(gpu, headset, 100.0, 20_000_000), [plan], request
-    ) as made:
+    run = Run(options, Source(options, scene), None, [plan], plan.needs)
+    with run.build(Target(gpu, headset, 100.0, 20_000_000), request) as made:
         tracemalloc.start()
         try:
             kept = [_kept_after(made.loop, first, last) for first, last in ((0, MIDDLE), (MIDDLE, LAST))]

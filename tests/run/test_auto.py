@@ -238,7 +238,7 @@ def test_a_live_run_goes_down_when_time_runs_out_and_up_again(gpu, tmp_path, mon
                 working = busy and time.perf_counter() - began < 0.15
             return result
 
-    monkeypatch.setattr("hmdwarp.pipeline.build.Compensator", Busy)
+    monkeypatch.setattr("hmdwarp.run.run.Compensator", Busy)
     rows = [a_row("none", "none", 1.0, 0.3), a_row("forward", "interpolate", 2.0, 0.1)]
     options = {"warp": "auto", "budget_ms": 100.0, "bench": a_bench(tmp_path / "b.json", rows)}
     live = LiveOptions(scene="planes", latency_ms=50.0, pictures=180, **options)
@@ -337,10 +337,10 @@ def test_layers_of_a_compared_warp_are_not_handed_to_the_run(tmp_path, against):
 def test_a_replay_compiles_every_level_at_the_start(tmp_path):
     levels = levels_from_file(a_bench(tmp_path / "b.json"), small(**auto(tmp_path))).levels
     with set_up_replay(small(**auto(tmp_path), levels=levels)) as setup:
-        compiled = setup.gpu.shaders.compiled
+        compiled = setup.target.gpu.shaders.compiled
         for level in levels:
             one = setup.compensator(
-                build_plan(effects.of(setup.scene), level.warp, level.fill, "none", client_geometry=True)
+                build_plan(effects.of(setup.source.scene), level.warp, level.fill, "none", client_geometry=True)
             )
             one.close()
-        assert setup.gpu.shaders.compiled == compiled
+        assert setup.target.gpu.shaders.compiled == compiled

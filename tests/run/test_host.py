@@ -42,9 +42,9 @@ class Running:
         for _ in range(count):
             tick = self.display.wait()
             now_ns = self.display.now_ns()
-            self.host.loop.draw(now_ns)
+            self.host.run.loop.draw(now_ns)
             self.sent.append((now_ns, self.host.options.latency_ms))
-            refresh = self.host.loop.show(tick.shown_ns)
+            refresh = self.host.run.loop.show(tick.shown_ns)
             self.display.show(refresh)
             self.shown.append((tick.shown_ns, refresh.frame.drawn_ns if refresh is not None else None))
         return self
@@ -77,9 +77,9 @@ def test_frames_under_way_arrive_as_they_would_have(gpu, latency_ms):
     Pictures never stop.
     """
     with Running(gpu) as running:
-        pipeline = running.go(12).host.pipeline
+        pipeline = running.go(12).host.run
         running.set(latency_ms=latency_ms).go(20)
-        assert running.host.pipeline is pipeline
+        assert running.host.run is pipeline
         assert running.host.options.latency_ms == latency_ms
         for (shown_ns, drawn_ns), number in zip(running.shown, range(1, 33), strict=True):
             arrived = [sent_ns for sent_ns, latency in running.sent[:number] if sent_ns + latency * MS <= shown_ns]
@@ -94,7 +94,7 @@ def test_the_server_predicts_for_the_new_latency(gpu):
 
     def ahead_ms(running: Running) -> float:
         running.go(40)
-        frame = running.host.loop.show(running.display.wait().shown_ns).frame
+        frame = running.host.run.loop.show(running.display.wait().shown_ns).frame
         return (frame.head.time_ns - frame.drawn_ns) / MS
 
     with Running(gpu, predict="constant_velocity") as running:
@@ -124,12 +124,12 @@ def test_a_latency_that_no_memory_holds_is_refused(gpu, monkeypatch):
 )
 def test_passes_that_read_the_same_are_exchanged_between_two_pictures(gpu, values):
     with Running(gpu) as running:
-        pipeline, before = running.go(8).host.pipeline, running.host.plan
+        pipeline, before = running.go(8).host.run, running.host.run.loop.compensator.plan
         frames = {drawn_ns for drawn_ns, _ in running.sent}
         running.set(**values).go(1)
-        assert running.host.pipeline is pipeline
+        assert running.host.run is pipeline
         assert running.shown[-1][1] in frames  # drawn before the change
-        assert running.host.plan is not before
+        assert running.host.run.loop.compensator.plan is not before
         assert running.go(3).ages_ms[-3:] == [50.0] * 3
 
 
@@ -143,9 +143,9 @@ def test_changes_that_need_other_frames_restart_the_pipeline(gpu, values):
     50 ms, shown 20 ms after it is asked for, every 10 ms.
     """
     with Running(gpu) as running:
-        pipeline = running.go(8).host.pipeline
+        pipeline = running.go(8).host.run
         running.set(**values).go(8)
-        assert running.host.pipeline is not pipeline
+        assert running.host.run is not pipeline
         assert running.ages_ms[8:] == [None] * 3 + [50.0] * 5
 
 
@@ -160,9 +160,9 @@ def test_back_again_is_as_before(gpu):
 
 def test_an_empty_change_keeps_the_pipeline(gpu):
     with Running(gpu) as running:
-        pipeline, plan = running.host.pipeline, running.host.plan
+        pipeline, plan = running.host.run, running.host.run.loop.compensator.plan
         running.set()
-        assert running.host.pipeline is pipeline and running.host.plan is plan
+        assert running.host.run is pipeline and running.host.run.loop.compensator.plan is plan
 
 
 # --- what cannot be
@@ -187,15 +187,22 @@ IMPOSSIBLE = [
 def test_an_impossible_change_leaves_all_as_it_was(gpu, values):
     with Running(gpu) as running:
         host = running.go(8).host
-        before = (host.options, host.pipeline, host.plan, host.source, running.display.eyes, running.display.size)
+        before = (
+            host.options,
+            host.run,
+            host.run.plans,
+            host.run.source,
+            running.display.eyes,
+            running.display.size,
+        )
         objects = living()
         with pytest.raises(InputError):
             running.set(**values)
         assert (
             host.options,
-            host.pipeline,
-            host.plan,
-            host.source,
+            host.run,
+            host.run.plans,
+            host.run.source,
             running.display.eyes,
             running.display.size,
         ) == before

@@ -93,7 +93,7 @@ def test_pictures_of_others_are_late_too(tmp_path):
                     download(refresh.eyes[0].shown.texture),
                     download(
                         setup.server.draw(
-                            refresh.frame.eyes[0].view, setup.size, time_ns=refresh.shown_ns - 100 * MS
+                            refresh.frame.eyes[0].view, setup.sizes.shown, time_ns=refresh.shown_ns - 100 * MS
                         ).colour
                     ),
                 )

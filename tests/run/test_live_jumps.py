@@ -12,7 +12,7 @@ from hmdwarp.geometry import Pose
 from hmdwarp.poses import LoopedSource, Origin, PoseSample, PoseTrack, Walker, predict
 from hmdwarp.poses.predictors import predictors
 from hmdwarp.run import LiveOptions, live
-from hmdwarp.run.setup import RecentPoses
+from hmdwarp.run.host import RecentPoses
 
 MS = 1_000_000
 PERIOD_NS, AT = 11_111_111, 90  # of the samples, and the first one that is elsewhere

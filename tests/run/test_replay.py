@@ -485,7 +485,7 @@ def most_held(options) -> tuple[int, int]:
             if number >= 0:
                 setup.loop.show(instant_ns)
             most = max(most, len(setup.channel.link))
-        return most, setup.server.pool(setup.size).made
+        return most, setup.server.pool(setup.sizes.shown).made
 
 
 def test_failing_in_the_middle_leaves_the_earlier_results(tmp_path, monkeypatch):

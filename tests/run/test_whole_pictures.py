@@ -41,9 +41,9 @@ def test_none_beside_another_warp_is_none_alone(scene):
             pictures = [download(beside.run(eye_inputs).panel.texture) for eye_inputs in inputs]
             # Drawn twice, a GPU may blend with another last bit: 2^-10 of a stored half float.
             off = max(np.abs(a.astype(float) - b).max() for a, b in zip(pictures, alone, strict=True))
-            assert off <= (0 if setup.gpu.is_software else 2.0**-10)
+            assert off <= (0 if setup.target.gpu.is_software else 2.0**-10)
         # The run's own plan gets what was sent.
-        own = whole.inputs(setup.loop, refresh, setup.plan)
+        own = whole.inputs(setup.loop, refresh, setup.plans[0])
         assert all(one.rendered is sent.rendered for one, sent in zip(own, refresh.inputs, strict=True))
         whole.close()
 

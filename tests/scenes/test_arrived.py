@@ -96,8 +96,8 @@ def test_a_client_that_draws_shows_what_has_arrived(gpu, name):
         if number % 7 == 3:
             known_ns = refresh.frame.drawn_ns
             still = stopped(workshop, known_ns, refresh.shown_ns if name == "extrapolated" else known_ns)
-            with closing(Server(setup.gpu, still, samples=setup.options.samples)) as server:
-                image = server.draw(refresh.inputs[0].middle, setup.size)
+            with closing(Server(setup.target.gpu, still, samples=setup.options.samples)) as server:
+                image = server.draw(refresh.inputs[0].middle, setup.sizes.shown)
                 seen.append(np.array_equal(download(image.colour), download(refresh.eyes[0].shown.texture)))
 
     each_refresh(small(scene="workshop", warp="model", client_motion=name, seconds=0.5), look)

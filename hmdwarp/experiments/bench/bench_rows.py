@@ -32,7 +32,7 @@ from ...metrics import (
 from ...report.bench.rows import cases, choice_terms
 from ...resources import __version__, import_extra
 from ...run.combinations import ORACLE, Case, Combination
-from ...run.replay_setup import ReplaySetup
+from ...run.replay_setup import ReplayRun
 from ...run.run_summary import summary_of_rows
 from ...run.side_by_side import Measured
 from .cases import baselines
@@ -67,7 +67,7 @@ WHOLE = ("frames", "width", "height", "cpu_count")
 TYPES: dict[str, type] = {name: str if name in TEXTS else int if name in WHOLE else float for name in COLUMNS}
 
 
-def row_of(setup: ReplaySetup, case: Case, measured: Measured, pool: QualityPool, client: Client) -> dict[str, Any]:
+def row_of(setup: ReplayRun, case: Case, measured: Measured, pool: QualityPool, client: Client) -> dict[str, Any]:
     """Return one row of bench.json.
 
     It has the keys of summary.json, the error by region, the eyes' mismatch, the pictures in few

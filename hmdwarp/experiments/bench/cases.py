@@ -28,7 +28,7 @@ from ...pipeline.source import Source
 from ...poses import LoadedTrace, PoseTrack, load_trace
 from ...run.combinations import OUTSIDE, PLANLESS, Case, Combination, batches, instants_of, missing
 from ...run.options import RunOptions, refuse_traces_of_one_name
-from ...run.setup import first_shown_s, schedule_for, schedule_of
+from ...run.replay_setup import first_shown_s, schedule_for, schedule_of
 from ...scenes import CONVERGED, Scene
 from ...sources.sequences import open as open_sequence
 from ..sweep.options import RecordedOptions

@@ -30,7 +30,7 @@ from ...report import OutputFolder, png_bytes, write_paper
 from ...report.compare_page import compare_page, first_cases
 from ...run.options import RunOptions
 from ...run.replay_run import Measured, NothingShown, measured
-from ...run.setup import first_shown_s, schedule_for
+from ...run.replay_setup import first_shown_s, schedule_for
 from ..sweep import MOST_SHOWN, ExperimentResult, KeptCases, Result, Runner, SweepCase, experiment
 from .cases import heads_of
 from .options import SIZE, CompareOptions

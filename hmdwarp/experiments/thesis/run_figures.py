@@ -34,9 +34,9 @@ from ...poses.synth import write_synthetic
 from ...report import timeline_svg
 from ...run import RunOptions, figures, set_up_replay
 from ...run.combinations import Combination
-from ...run.replay_setup import ReplaySetup
+from ...run.replay_setup import ReplayRun
 from ...run.side_by_side import refreshes
-from ...run.truth import coverage, shown_picture
+from ...run.truth import coverage, shown_picture, true_picture
 from ...scenes import load_scene
 from .run_kinds import LATENCIES_MS, RATE_HZ, TRACE_S, Figures, Motion, PictureRun, StreamRun
 
@@ -229,7 +229,7 @@ def _options(run: PictureRun, how: Thoroughness, trace: Path) -> RunOptions:
     )
 
 
-def _instants(setup: ReplaySetup, motion: Motion, wanted: int) -> list[int]:
+def _instants(setup: ReplayRun, motion: Motion, wanted: int) -> list[int]:
     """Return at most `wanted` refreshes at which the head has moved at full speed for long."""
     eased_s, turn_s = GLIDES[motion.kind].with_(motion.speed, motion.amplitude).steady_s
     first_s = (setup.schedule.first_ns - setup.track.start_ns) * 1e-9
@@ -251,8 +251,8 @@ class _Seen:
     late_inverse_depth: NDArray[np.float32]
 
     @classmethod
-    def of(cls, setup: ReplaySetup, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
-        drawn = setup.truth(refresh.inputs[eye], depth=is_measured)
+    def of(cls, setup: ReplayRun, refresh: Refresh, eye: int, *, is_measured: bool) -> _Seen:
+        drawn = true_picture(setup.server, refresh.inputs[eye], setup.sizes.shown, depth=is_measured)
         frame = refresh.frame.eyes[eye]
         late, depth = picture_from_linear(download(frame.colour)), download(frame.inverse_depth)
         return cls(refresh, eye, drawn.picture, drawn.inverse_depth, late, depth)
@@ -261,7 +261,7 @@ class _Seen:
 class _Watcher:
     """One warp and fill: its compensator, and the figures of its pictures."""
 
-    def __init__(self, setup: ReplaySetup, run: PictureRun, combination: Combination, how: Thoroughness) -> None:
+    def __init__(self, setup: ReplayRun, run: PictureRun, combination: Combination, how: Thoroughness) -> None:
         self._setup, self._run, self._plan = setup, run, combination.plan
         self._rounds = how.rounds if run.timed else 0
         self._compensator = setup.compensator(combination.plan)
@@ -276,7 +276,7 @@ class _Watcher:
         if seen.truth_inverse_depth is None and not self._run.flickers:
             return
         result = self._compensator.run(inputs)
-        self._setup.gpu.timer.collect()
+        self._setup.target.gpu.timer.collect()
         now = Compared(shown_picture(result), seen.truth, result.view)
         if seen.truth_inverse_depth is None:
             self._before = now
@@ -286,7 +286,7 @@ class _Watcher:
         self._first = self._first or (now.shown, seen.truth)
         for _ in range(self._rounds):
             self._compensator.run(inputs)
-            stages = self._setup.gpu.timer.collect()
+            stages = self._setup.target.gpu.timer.collect()
             names = dict.fromkeys(name for name, _ in stages)
             self._times.append({name: sum(ms for other, ms in stages if other == name) for name in names})
 
@@ -325,9 +325,9 @@ class _Watcher:
             figures[name] = fmean(known) if known else None
         for stage in dict.fromkeys(itertools.chain.from_iterable(self._times)):
             found = median(times.get(stage, 0.0) for times in self._times)
-            can_tell = self._setup.gpu.timer.clock == "gpu" or found >= LEAST_WALL_MS
+            can_tell = self._setup.target.gpu.timer.clock == "gpu" or found >= LEAST_WALL_MS
             figures[f"{stage}_ms"] = found if can_tell else None
-        width, height = self._setup.size
+        width, height = self._setup.sizes.shown
         figures["pixels"] = float(width * height)
         figures["instants"] = float(len(self._figures))
         assert self._first is not None

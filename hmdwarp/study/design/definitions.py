@@ -18,7 +18,7 @@ from ...options import DISPLAY as OF_DISPLAY
 from ...options import PICTURE as OF_PICTURE
 from ...options import keep_inside, options_of, quoted
 from ...pipeline import SceneKey, Source, guarded_size
-from ...run import EmulatedScreen, LiveOptions, RunSetup, checked_source, on_screen
+from ...run import EmulatedScreen, LiveOptions, Run, checked_source, on_screen
 from ...scenes import FILE_ENDINGS as SCENE_FILES
 from ..scales import Scale
 
@@ -214,7 +214,7 @@ def check_settings(settings: Mapping[str, object], sources: dict[SceneKey, Sourc
     source = sources[options.scene_key] = checked_source(options, sources.get(options.scene_key))
     eyes = window_view(options.view, source.headset, options.size).eyes
     screen = EmulatedScreen(source.headset, eyes)
-    RunSetup.of(on_screen(source.fitted(options), screen), source, screen)
+    Run.of(on_screen(source.fitted(options), screen), source, screen)
     return options
 
 

@@ -100,7 +100,7 @@ def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monk
         patched.setattr(Remote, "pace", patient)
         options = {"feed": FeedOptions(connect=address, **feed or {}), "network": network or {}}
         with ready(gpu, strategy, scene=scene, **options, **more) as setup:
-            instants, age_ns = list(setup.schedule.numbered()), setup.pipeline.requested.age_ns
+            instants, age_ns = list(setup.schedule.numbered()), setup.requested.age_ns
             there, _ = flown(setup, instants)
             patient(setup.source.remote, 0)
             setup.channel.newest(instants[-1][1])  # the last frame is counted as well
@@ -108,7 +108,7 @@ def compared(gpu, address: str, strategy: str, scene: str, network=None, *, monk
             delays, latency_ms = [delay for _, delay in setup.source.remote.delays_ns], setup.options.latency_ms
     assert told["frames"]["skipped"] == told["feed"]["malformed"] == told["feed"]["undecodable"] == 0, told
     with ready(gpu, strategy, scene=scene, latency_ms=latency_ms, network=network or {}, **more) as setup:
-        setup.pipeline.requested.age_ns = age_ns
+        setup.requested.age_ns = age_ns
         setup.channel.link.delay_by(iter(delays))
         here, alone = flown(setup, instants)
     assert len(there) >= 3 and there.keys() == here.keys()
@@ -262,7 +262,7 @@ def test_frames_that_are_of_no_use_are_told_and_what_they_brought_comes_again(gp
         with ready(gpu, "model:arrives=progressive", seconds=4.0, feed=feed) as setup:
             shown, told = flown(setup, setup.schedule.numbered())
             assert (told["feed"]["malformed"] > 5) == loses
-            (weight,) = setup.pipeline.geometry.weights()
+            (weight,) = setup.geometry.weights()
             assert weight["arrived"] == weight["things"]
             found.append(shown[max(shown)][1])
     here, there = found
