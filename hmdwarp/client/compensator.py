@@ -9,7 +9,7 @@ import moderngl
 
 from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
-from ..gpu.hidden import Strips
+from ..gpu.strips import Grid, SeenView, Strips
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
@@ -18,6 +18,7 @@ from .effect_passes.expand import ExpandPass
 from .effect_passes.panels_pass import HeldPanel, PanelsPass, held_panels
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
+from .lens import SeenPanel
 from .plan import SHOWN_DEPTH, Plan
 from .warps import Output
 
@@ -104,18 +105,26 @@ class Compensator:
         hides: bool = False,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
+        with gpu.shaders.strips.skipping(hides):
+            self._prepare(headset, rendered_size, geometry)
+        self._hides, self._headset = hides, headset
+        self._panels_seen: dict[int, SeenPanel] = {}
+        self._blackened: dict[int, tuple[Hidden, Fov]] = {}
+
+    def _prepare(self, headset: Headset | None, rendered_size: tuple[int, int], geometry: ClientScene | None) -> None:
+        """Make every pass and picture."""
+        gpu, plan, shown_size = self.gpu, self.plan, self.shown_size
         self._geometry = geometry
         self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
         lens = None
         if plan.lens.is_pass:
             assert headset is not None, "a plan with a lens is for a headset"
-            lens = plan.lens(gpu, headset, shown_size, hides=hides)
+            lens = plan.lens(gpu, headset, shown_size)
         self._lens, self._any_lens = None if plan.fused else lens, lens
         output = Output(
             lens if plan.fused else None,
             plan.scanout,
             plan.makes_shown_depth and not plan.warps_twice,
-            hides,
             None if plan.expands else plan.foveated.get("foveated"),
         )
         self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
@@ -125,15 +134,7 @@ class Compensator:
         self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
         self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
         self._fills = [
-            fill.entry(
-                gpu,
-                rendered_size,
-                shown_size,
-                fill.settings,
-                geometry,
-                depth_read=plan.reads_depth_after(fill),
-                hides=hides,
-            )  # fmt: skip
+            fill.entry(gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill))
             for fill in plan.fills
         ]
         tools = Tools(
@@ -141,7 +142,6 @@ class Compensator:
             pictures,
             images_read(plan.needs),
             geometry,
-            hides,
             lens if plan.fused else None,
             plan.hands_panels_on,
         )
@@ -156,7 +156,6 @@ class Compensator:
         self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
         self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
         self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
-        self._blackened: dict[int, tuple[Hidden, Fov]] = {}
 
     def _canvases_of_one_eye(self) -> _Canvases:
         gl, size = self.gpu.gl, self.shown_size
@@ -177,6 +176,7 @@ class Compensator:
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made, inputs = self._eyes[inputs.eye], self._prepared(inputs)
+        self._set_views(inputs)
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
         for effect_pass in self._rendered:
@@ -191,7 +191,7 @@ class Compensator:
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stage("warp"):
             self._run_warp(inputs, made)
-            self._hide(inputs.middle, inputs.eye, made)
+            self._hide(inputs.shown, inputs.eye, made)
         panels = self._panels(inputs) if self.plan.hands_panels_on else ()
         if made.warped is None:
             for shown in self._shown:
@@ -229,7 +229,10 @@ class Compensator:
 
         Later passes leave it as it is, or copy it; a gather only writes up to its outline.
         """
-        if made.warped is None or view.hidden is None:
+        if made.warped is None:
+            self._hide_panel(made.panel)
+            return
+        if view.hidden is None:
             return
         self.gpu.barrier()
         of: Strips = "edge" if self._warp.kind == "gather" else "hidden"
@@ -240,6 +243,25 @@ class Compensator:
             for canvas in made.effects:
                 self.gpu.seen_rows.hide(view, canvas, None)
         self.gpu.seen_rows.hide(view, made.warped.colour, made.warped.inverse_depth, of)
+
+    def _set_views(self, inputs: PassInputs) -> None:
+        """Let the hidden areas of these views count for the passes that follow."""
+        shown = inputs.shown
+        views: dict[Grid, SeenView] = {"rendered": inputs.rendered.view, "shown": shown}
+        if self._hides and self._headset is not None and self._any_lens is not None and shown.hidden is not None:
+            panel = self._panels_seen.get(inputs.eye)
+            if panel is None or (panel.fov, panel.area) != (shown.fov, shown.hidden):
+                self._eyes[inputs.eye].panel.clear()
+                panel = self._panels_seen[inputs.eye] = SeenPanel(self._headset, inputs.eye, shown.fov, shown.hidden)
+            views["panel"] = panel
+        self.gpu.shaders.strips.views = views
+
+    def _hide_panel(self, panel: Canvas) -> None:
+        """Blacken what the lens has written beyond the outline of what is seen."""
+        seen = self.gpu.shaders.strips.view("panel")
+        if seen.hidden is not None:
+            self.gpu.barrier()
+            self.gpu.seen_rows.hide(seen, panel, None, "edge")
 
     def _run_warp(self, inputs: PassInputs, made: _Canvases) -> None:
         warped = made.warped
@@ -269,13 +291,15 @@ class Compensator:
             shown = onto
         if self._lens is not None:
             with self._stage("lens"):
-                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel, inputs.middle.hidden)
+                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
+                self._hide_panel(made.panel)
         names = (fill.entry.name for fill in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth, panels)
 
     def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
         """Warp further pictures as the colour of the same inputs is; see Carry.along."""
+        self._set_views(inputs)
         with self._stage("carry"):
             self._carry.along(inputs, picture_of, into)
 

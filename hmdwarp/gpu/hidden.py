@@ -1,77 +1,32 @@
-"""What a lens hides of a view, for shaders: the seen rows of each column."""
+"""What lenses hide of views, drawn and blackened."""
 
 from __future__ import annotations
 
-from typing import Any, Literal, Protocol
 from weakref import WeakKeyDictionary
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
-from .shaders import Compute, Draw, ShaderLibrary
-from .textures import Canvas, tiles
+from .shaders import Draw, ShaderLibrary
+from .strips import NOTHING, Fov, HiddenArea, SeenView, Size, Strips
+from .textures import Canvas
 
-STRIPS, STRIP = 7, 16  # storage buffer and columns of shaders/lib/rows.glsl
-NO_STRIP = 0xFFFF  # beyond every picture: the last work group may have fewer
 UNIT = 15  # texture unit of seen_rows, see shaders/gpu/hide.comp
 ACROSS = 150  # rectangles of the hidden area, about
-Size = tuple[int, int]
-
-
-Fov = Any
-Strips = Literal["seen", "hidden", "edge"]
-
-
-def hiding(hides: bool) -> dict[str, object]:
-    """Return the defines of a program that SeenRows.run runs, {} where nothing is hidden."""
-    return {"HIDES": 1} if hides else {}
-
-
-class HiddenArea(Protocol):
-    """What is hidden of a view, as geometry.Hidden has it."""
-
-    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]: ...
-
-    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]: ...
-
-
-class SeenView(Protocol):
-    """A geometry.View."""
-
-    @property
-    def fov(self) -> Fov: ...
-
-    @property
-    def hidden(self) -> HiddenArea | None: ...
-
-
-class _Nothing:
-    """Of views without a hidden area."""
-
-    def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
-        return np.array([[0, size[1]]] * size[0], np.int32)
-
-    def seen(self, fov: Fov, size: Size) -> NDArray[np.bool_]:
-        return np.ones(size[::-1], bool)
 
 
 class SeenRows:
     """Textures of the seen rows of views, made once for each field of view and size."""
 
     def __init__(self, gl: moderngl.Context, shaders: ShaderLibrary) -> None:
-        self._gl, self._shaders, self._nothing = gl, shaders, _Nothing()
+        self._gl, self._shaders = gl, shaders
         self._made: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size], moderngl.Texture]] = WeakKeyDictionary()
         self._arrays: WeakKeyDictionary[HiddenArea, dict[tuple[Fov, Size, Draw], moderngl.VertexArray]]
         self._arrays = WeakKeyDictionary()
-        self._strips: WeakKeyDictionary[
-            HiddenArea, dict[tuple[Fov, Size, int, int, Strips], tuple[moderngl.Buffer, int]]
-        ]
-        self._strips = WeakKeyDictionary()
 
     def use(self, view: SeenView, size: Size) -> int:
         """Bind those of a view; return the texture unit."""
-        hidden = view.hidden or self._nothing
+        hidden = view.hidden or NOTHING
         made, key = self._made.setdefault(hidden, {}), (view.fov, size)
         if key not in made:
             rows = hidden.rows(view.fov, size)
@@ -112,46 +67,6 @@ class SeenRows:
             made[key] = self._gl.vertex_array(program.program, [(buffer, "2f", "in_ndc")])
         return made[key]
 
-    def run(self, program: Compute, view: SeenView, size: Size, cell: int = 1) -> None:
-        """Run over the strips that see something of a view; over all without HIDES.
-
-        cell: pixels on each axis for which the program has one invocation, or row of one.
-        """
-        program.program.run(*self.grid(program, view, size, cell))
-
-    def grid(self, program: Compute, view: SeenView, size: Size, cell: int = 1) -> tuple[int, int]:
-        """Return the work groups of such a run; a list of them is bound."""
-        if program.hides:
-            return self.groups(program, view, size, cell=cell), 1
-        return program.groups(*tiles(size, cell))
-
-    def groups(self, program: Compute, view: SeenView, size: Size, of: Strips = "seen", cell: int = 1) -> int:
-        """Bind the list of strips for a program made with HIDES; return its work groups.
-
-        of: strips at a seen pixel, with a hidden one, or with a hidden one near the outline.
-        """
-        hidden = view.hidden or self._nothing
-        rows = program.rows
-        made, key = self._strips.setdefault(hidden, {}), (view.fov, size, cell, rows, of)
-        if key not in made:
-            seen = hidden.seen(view.fov, size)
-            # Passes read beside the pixels that they write.
-            beside = np.pad(seen, 1)
-            beside = beside[:-2, 1:-1] | beside[2:, 1:-1] | beside[1:-1, :-2] | beside[1:-1, 2:] | seen
-            any_seen, any_hidden = (_any_of(part, STRIP * cell, rows * cell) for part in (beside, ~seen))
-            # A pass of other rows writes up to the next of these.
-            written = any_seen | np.roll(any_seen, 1, axis=0) | np.roll(any_seen, -1, axis=0)
-            lists = {"seen": any_seen, "hidden": any_hidden, "edge": written & any_hidden}
-            row, column = np.nonzero(lists[of])
-            each = program.group[0] // STRIP
-            count = -(-len(row) // each)
-            places = np.full(max(1, count * each), NO_STRIP, np.uint32)
-            places[: len(row)] = column | row << 16
-            made[key] = self._gl.buffer(places.tobytes()), count
-        strips, count = made[key]
-        strips.bind_to_storage_buffer(STRIPS)
-        return count
-
     def hide(
         self, view: SeenView, colour: Canvas, inverse_depth: moderngl.Texture | None, of: Strips = "hidden"
     ) -> None:
@@ -159,18 +74,12 @@ class SeenRows:
 
         of: "edge" for those alone beside which a pass over the seen strips has written.
         """
-        program = self._shaders.compute("gpu/hide.comp", WITH_DEPTH=int(inverse_depth is not None), **hiding(True))
+        program = self._shaders.compute("gpu/hide.comp", WITH_DEPTH=int(inverse_depth is not None), HIDES=1)
         colour.bind_for_writing(0)
         if inverse_depth is not None:
             inverse_depth.bind_to_image(1, read=False, write=True)
             program.uniforms.set(depth=1)
         program.uniforms.set(colour=0, size=colour.size, seen_rows=self.use(view, colour.size))
-        if count := self.groups(program, view, colour.size, of):
+        strips = self._shaders.strips
+        if count := strips.bind(view, colour.size, program.group[0], program.rows, of=of):
             program.program.run(count)
-
-
-def _any_of(chosen: NDArray[np.bool_], wide: int, high: int) -> NDArray[np.bool_]:
-    """Return which groups of wide x high pixels have one that is chosen."""
-    rows = np.logical_or.reduceat(chosen, np.arange(0, chosen.shape[0], high), axis=0)
-    found: NDArray[np.bool_] = np.logical_or.reduceat(rows, np.arange(0, chosen.shape[1], wide), axis=1)
-    return found

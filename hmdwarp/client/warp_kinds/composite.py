@@ -12,7 +12,6 @@ import attrs
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warps import KEY_BYTES, Warp
@@ -50,8 +49,8 @@ class CompositeWarp(Warp):
         self._guesses = DepthGuesses(self.gpu, self.shown_size)
         self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
         self._choose, self._first, self._more = (
-            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS, **hiding)
-            for k, hiding in enumerate((self.output.hiding, self.output.hiding, {}))
+            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS, grid=grid)
+            for k, grid in enumerate(("shown", "shown", None))
         )
         self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
@@ -85,18 +84,16 @@ class CompositeWarp(Warp):
         uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
         if is_first:
             self._first.uniforms.set(**uniforms)
-            self._dispatch(self._first, shown)
+            self.gpu.barrier()
+            self._first.run(*self.shown_size)
             return
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._choose.uniforms.set(stamp=self._stamp, **uniforms)
-        self._dispatch(self._choose, shown)
+        self.gpu.barrier()
+        self._choose.run(*self.shown_size)
         self._more.uniforms.set(**uniforms)
         self.gpu.barrier()
         self._more.program.run_indirect(self._pieces)
-
-    def _dispatch(self, program: Compute, shown: View) -> None:
-        self.gpu.barrier()
-        self.gpu.seen_rows.run(program, shown, self.shown_size)
 
     def close(self) -> None:
         self._guesses.close()
