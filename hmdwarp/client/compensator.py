@@ -105,57 +105,55 @@ class Compensator:
         hides: bool = False,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
-        with gpu.shaders.strips.skipping(hides):
-            self._prepare(headset, rendered_size, geometry)
-        self._hides, self._headset = hides, headset
-        self._panels_seen: dict[int, SeenPanel] = {}
         self._blackened: dict[int, tuple[Hidden, Fov]] = {}
-
-    def _prepare(self, headset: Headset | None, rendered_size: tuple[int, int], geometry: ClientScene | None) -> None:
-        """Make every pass and picture."""
-        gpu, plan, shown_size = self.gpu, self.plan, self.shown_size
-        self._geometry = geometry
-        self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
-        lens = None
-        if plan.lens.is_pass:
-            assert headset is not None, "a plan with a lens is for a headset"
-            lens = plan.lens(gpu, headset, shown_size)
-        self._lens, self._any_lens = None if plan.fused else lens, lens
-        output = Output(
-            lens if plan.fused else None,
-            plan.scanout,
-            plan.makes_shown_depth and not plan.warps_twice,
-            None if plan.expands else plan.foveated.get("foveated"),
-        )
-        self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
-        self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
-        pictures = pictures_read(plan.warp_needs)
-        carry = self._carry = Carry(self._warp)
-        self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
-        self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-        self._fills = [
-            fill.entry(gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill))
-            for fill in plan.fills
-        ]
-        tools = Tools(
-            carry,
-            pictures,
-            images_read(plan.needs),
-            geometry,
-            lens if plan.fused else None,
-            plan.hands_panels_on,
-        )
-        self._expand = (
-            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
-        )
-        made = [
-            planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
-            for planned in plan.effect_passes
-        ]
-        self._rendered = [effect_pass for effect_pass in made if isinstance(effect_pass, RenderedPass)]
-        self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
-        self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
-        self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
+        self._panels_seen: dict[int, SeenPanel] = {}
+        with gpu.shaders.strips.skipping(hides):
+            self._geometry = geometry
+            self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
+            lens = None
+            if plan.lens.is_pass:
+                assert headset is not None, "a plan with a lens is for a headset"
+                lens = plan.lens(gpu, headset, shown_size)
+            self._lens, self._any_lens = None if plan.fused else lens, lens
+            output = Output(
+                lens if plan.fused else None,
+                plan.scanout,
+                plan.makes_shown_depth and not plan.warps_twice,
+                None if plan.expands else plan.foveated.get("foveated"),
+            )
+            self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
+            self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
+            pictures = pictures_read(plan.warp_needs)
+            carry = self._carry = Carry(self._warp)
+            self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
+            self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
+            self._fills = [
+                fill.entry(
+                    gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill)
+                )
+                for fill in plan.fills
+            ]
+            tools = Tools(
+                carry,
+                pictures,
+                images_read(plan.needs),
+                geometry,
+                lens if plan.fused else None,
+                plan.hands_panels_on,
+            )
+            self._expand = (
+                ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
+            )
+            made = [
+                planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
+                for planned in plan.effect_passes
+            ]
+            self._rendered = [effect_pass for effect_pass in made if isinstance(effect_pass, RenderedPass)]
+            self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
+            self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
+            self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
+            # Whose lens leaves out a part of the panel.
+            self._hiding = headset if hides and lens is not None else None
 
     def _canvases_of_one_eye(self) -> _Canvases:
         gl, size = self.gpu.gl, self.shown_size
@@ -248,18 +246,17 @@ class Compensator:
         """Let the hidden areas of these views count for the passes that follow."""
         shown = inputs.shown
         views: dict[Grid, SeenView] = {"rendered": inputs.rendered.view, "shown": shown}
-        if self._hides and self._headset is not None and self._any_lens is not None and shown.hidden is not None:
+        if self._hiding is not None and shown.hidden is not None:
             panel = self._panels_seen.get(inputs.eye)
             if panel is None or (panel.fov, panel.area) != (shown.fov, shown.hidden):
                 self._eyes[inputs.eye].panel.clear()
-                panel = self._panels_seen[inputs.eye] = SeenPanel(self._headset, inputs.eye, shown.fov, shown.hidden)
+                panel = self._panels_seen[inputs.eye] = SeenPanel(self._hiding, inputs.eye, shown.fov, shown.hidden)
             views["panel"] = panel
         self.gpu.shaders.strips.views = views
 
     def _hide_panel(self, panel: Canvas) -> None:
         """Blacken what the lens has written beyond the outline of what is seen."""
-        seen = self.gpu.shaders.strips.view("panel")
-        if seen.hidden is not None:
+        if (seen := self.gpu.shaders.strips.views.get("panel")) is not None:
             self.gpu.barrier()
             self.gpu.seen_rows.hide(seen, panel, None, "edge")
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..errors import InputError, ShaderError
 from ..resources import folder
-from .strips import Grid, SeenStrips
+from .strips import WHOLE, Grid, SeenStrips
 
 VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
@@ -225,14 +225,9 @@ class Compute:
         self.group = _group_size(flat.text)
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
-        self._grid, self._strips = grid, strips
+        self._grid, self._strips, self.skips = grid, strips, strips is not None
         self._last: tuple[int, int, int] | None = None
         self._groups = 0, 0
-
-    @property
-    def skips(self) -> bool:
-        """Whether it leaves out what is hidden."""
-        return self._strips is not None
 
     def run(self, width: int, height: int = 1, cell: int = 1) -> None:
         """Dispatch enough work groups for width x height pixels.
@@ -241,8 +236,7 @@ class Compute:
         """
         if self._last != (width, height, cell):
             self._groups = self.groups(width, height, cell)
-            # A list of strips is bound each time.
-            self._last = (width, height, cell) if self._strips is None else None
+            self._last = None if self.skips else (width, height, cell)  # a list is bound each time
         self.program.run(*self._groups)
 
     def groups(self, width: int, height: int = 1, cell: int = 1) -> tuple[int, int]:
@@ -251,7 +245,7 @@ class Compute:
         Errors: InputError beyond the GL limit, where a dispatch would be dropped silently.
         """
         if self._strips is not None and self._grid is not None:
-            view = self._strips.view(self._grid)
+            view = self._strips.views.get(self._grid, WHOLE)
             return self._strips.bind(view, (width, height), self.group[0], self.rows, cell), 1
         across, down = self.group[0] * cell, self.group[1] * self.rows * cell
         groups = -(-width // across), -(-height // down)

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from typing import Any, Literal, Protocol
 from weakref import WeakKeyDictionary
 
-import attrs
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +37,10 @@ class SeenView(Protocol):
     def hidden(self) -> HiddenArea | None: ...
 
 
-class Nothing:
-    """The hidden area of views without one."""
+class Whole:
+    """A view of which nothing is hidden, and its hidden area."""
+
+    fov, hidden = None, None
 
     def rows(self, fov: Fov, size: Size) -> NDArray[np.int32]:
         return np.array([[0, size[1]]] * size[0], np.int32)
@@ -48,15 +49,7 @@ class Nothing:
         return np.ones(size[::-1], bool)
 
 
-NOTHING = Nothing()
-
-
-@attrs.frozen(eq=False)
-class Whole:
-    """A view of which nothing is hidden."""
-
-    fov: Fov = None
-    hidden: HiddenArea | None = None
+WHOLE = Whole()
 
 
 class SeenStrips:
@@ -83,10 +76,6 @@ class SeenStrips:
         finally:
             self.skips = before
 
-    def view(self, grid: Grid) -> SeenView:
-        """Return the view that counts now for such grids."""
-        return self.views.get(grid, Whole())
-
     def bind(self, view: SeenView, size: Size, group: int, rows: int, cell: int = 1, of: Strips = "seen") -> int:
         """Bind the list of strips for a program made with HIDES; return its work groups.
 
@@ -94,7 +83,7 @@ class SeenStrips:
         which it has one invocation, or row of one. of: strips at a seen pixel, with a hidden one,
         or with a hidden one near the outline.
         """
-        hidden = view.hidden or NOTHING
+        hidden = view.hidden or WHOLE
         made, key = self._made.setdefault(hidden, {}), (view.fov, size, group, rows, cell, of)
         if key not in made:
             seen = hidden.seen(view.fov, size)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ..inputs import PassInputs, ShownPicture
@@ -21,10 +23,9 @@ class Constant(Fill):
     complete = True
 
     def prepare(self) -> None:
-        self._sum, self._mean, self._fill = (
-            self.gpu.shaders.compute("fills/constant.comp", PASS=k, grid=grid)
-            for k, grid in enumerate(("shown", None, "shown"))
-        )
+        compute = partial(self.gpu.shaders.compute, "fills/constant.comp")
+        self._sum, self._fill = (compute(grid="shown", PASS=k) for k in (0, 2))
+        self._mean = compute(PASS=1)
         self._columns = self.shown_size[0] * -(-self.shown_size[1] // self._sum.rows)
         self._sums = self.gpu.gl.buffer(bytes(_HEADER_BYTES + 16 * self._columns))
 

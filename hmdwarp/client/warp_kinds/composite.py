@@ -6,6 +6,7 @@ The shown rays are intersected with one picture after the other; the best hit st
 from __future__ import annotations
 
 from abc import abstractmethod
+from functools import partial
 from typing import ClassVar
 
 import attrs
@@ -48,10 +49,9 @@ class CompositeWarp(Warp):
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
         self._guesses = DepthGuesses(self.gpu, self.shown_size)
         self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
-        self._choose, self._first, self._more = (
-            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS, grid=grid)
-            for k, grid in enumerate(("shown", "shown", None))
-        )
+        compute = partial(self.gpu.shaders.compute, f"warps/{self.name}.comp", ROWS=PIECE_ROWS)
+        self._choose, self._first = (compute(grid="shown", PASS=k) for k in (0, 1))
+        self._more = compute(PASS=2)
         self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import moderngl
 
 from ...errors import InputError
@@ -86,11 +88,9 @@ class Seeds:
         self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
         self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
         self._check_size()
-        self._passes = tuple(
-            gpu.shaders.compute("warps/iterative_seed.comp", PASS=k, grid=grid)
-            # The last one visits every cell, whose key may be of the other eye.
-            for k, grid in enumerate(("rendered", "rendered", None))
-        )
+        compute = partial(gpu.shaders.compute, "warps/iterative_seed.comp")
+        # The last one visits every cell, whose key may be of the other eye.
+        self._passes = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
         self._seeds, self._keys = (gpu.gl.buffer(bytes(CELL_BYTES * self.cells[0] * self.cells[1])) for _ in range(2))
         self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
 
@@ -104,9 +104,8 @@ class Seeds:
         back = WarpMap.between(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
         for binding, buffer in enumerate((self._seeds, self._nearest, self._keys)):
             buffer.bind_to_storage_buffer(binding)
-        rendered, shown_cells = (self._rendered_size, self._blocks), (self._shown_size, self.cells)
-        runs = ((*rendered, forward), (*rendered, forward), (*shown_cells, back))
-        for program, (size, grid, warp) in zip(self._passes, runs, strict=True):
+        blocks, cells = (self._rendered_size, self._blocks, forward), (self._shown_size, self.cells, back)
+        for program, (size, grid, warp) in zip(self._passes, (blocks, blocks, cells), strict=True):
             sizes = {"grid": grid, "blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
             program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
             program.run(*size, BLOCK)
