@@ -37,7 +37,7 @@ class SeenView(Protocol):
     def hidden(self) -> HiddenArea | None: ...
 
 
-class Whole:
+class _Whole:
     """A view of which nothing is hidden, and its hidden area."""
 
     fov, hidden = None, None
@@ -49,7 +49,7 @@ class Whole:
         return np.ones(size[::-1], bool)
 
 
-WHOLE = Whole()
+WHOLE = _Whole()
 
 
 class SeenStrips:
