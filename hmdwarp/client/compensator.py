@@ -9,7 +9,7 @@ import moderngl
 
 from ..geometry import Fov, Hidden, View
 from ..gpu.context import Gpu
-from ..gpu.hidden import Strips
+from ..gpu.strips import Grid, SeenView, Strips
 from ..gpu.textures import SCALAR, Canvas, allocate
 from ..headsets import Headset
 from .carry import Carry, PictureOf, ShownDepth, images_read, pictures_read
@@ -18,6 +18,7 @@ from .effect_passes.expand import ExpandPass
 from .effect_passes.panels_pass import HeldPanel, PanelsPass, held_panels
 from .effects import RenderedPass, ShownPass, Tools
 from .inputs import PassInputs, ShownPicture
+from .lens import SeenPanel
 from .plan import SHOWN_DEPTH, Plan
 from .warps import Output
 
@@ -104,59 +105,55 @@ class Compensator:
         hides: bool = False,
     ) -> None:
         self.gpu, self.plan, self.shown_size = gpu, plan, shown_size
-        self._geometry = geometry
-        self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
-        lens = None
-        if plan.lens.is_pass:
-            assert headset is not None, "a plan with a lens is for a headset"
-            lens = plan.lens(gpu, headset, shown_size, hides=hides)
-        self._lens, self._any_lens = None if plan.fused else lens, lens
-        output = Output(
-            lens if plan.fused else None,
-            plan.scanout,
-            plan.makes_shown_depth and not plan.warps_twice,
-            hides,
-            None if plan.expands else plan.foveated.get("foveated"),
-        )
-        self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
-        self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
-        pictures = pictures_read(plan.warp_needs)
-        carry = self._carry = Carry(self._warp)
-        self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
-        self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
-        self._fills = [
-            fill.entry(
-                gpu,
-                rendered_size,
-                shown_size,
-                fill.settings,
-                geometry,
-                depth_read=plan.reads_depth_after(fill),
-                hides=hides,
-            )  # fmt: skip
-            for fill in plan.fills
-        ]
-        tools = Tools(
-            carry,
-            pictures,
-            images_read(plan.needs),
-            geometry,
-            hides,
-            lens if plan.fused else None,
-            plan.hands_panels_on,
-        )
-        self._expand = (
-            ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
-        )
-        made = [
-            planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
-            for planned in plan.effect_passes
-        ]
-        self._rendered = [effect_pass for effect_pass in made if isinstance(effect_pass, RenderedPass)]
-        self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
-        self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
-        self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
         self._blackened: dict[int, tuple[Hidden, Fov]] = {}
+        self._panels_seen: dict[int, SeenPanel] = {}
+        with gpu.shaders.strips.skipping(hides):
+            self._geometry = geometry
+            self._client_depth = allocate(gpu.gl, shown_size, SCALAR) if plan.draws_client_depth else None
+            lens = None
+            if plan.lens.is_pass:
+                assert headset is not None, "a plan with a lens is for a headset"
+                lens = plan.lens(gpu, headset, shown_size)
+            self._lens, self._any_lens = None if plan.fused else lens, lens
+            output = Output(
+                lens if plan.fused else None,
+                plan.scanout,
+                plan.makes_shown_depth and not plan.warps_twice,
+                None if plan.expands else plan.foveated.get("foveated"),
+            )
+            self._warp = plan.warp(gpu, rendered_size, shown_size, plan.choice.settings, output, geometry)
+            self._plan_others, self._warp_others = plan.needs.others, plan.warp_needs.others
+            pictures = pictures_read(plan.warp_needs)
+            carry = self._carry = Carry(self._warp)
+            self._depth = ShownDepth(gpu, carry, pictures, rendered_size, shown_size) if plan.warps_twice else None
+            self._depth_stage = next((step.stage for step in plan.steps if SHOWN_DEPTH in step.writes), "")
+            self._fills = [
+                fill.entry(
+                    gpu, rendered_size, shown_size, fill.settings, geometry, depth_read=plan.reads_depth_after(fill)
+                )
+                for fill in plan.fills
+            ]
+            tools = Tools(
+                carry,
+                pictures,
+                images_read(plan.needs),
+                geometry,
+                lens if plan.fused else None,
+                plan.hands_panels_on,
+            )
+            self._expand = (
+                ExpandPass(gpu, frozenset(plan.foveated), rendered_size, shown_size, tools) if plan.expands else None
+            )
+            made = [
+                planned.made_by(gpu, frozenset(e.name for e in planned.effects), rendered_size, shown_size, tools)
+                for planned in plan.effect_passes
+            ]
+            self._rendered = [effect_pass for effect_pass in made if isinstance(effect_pass, RenderedPass)]
+            self._shown = [effect_pass for effect_pass in made if isinstance(effect_pass, ShownPass)]
+            self._takers = [effect_pass for effect_pass in self._shown if effect_pass.takes_out]
+            self._eyes = [self._canvases_of_one_eye() for _ in range(2)]
+            # Whose lens leaves out a part of the panel.
+            self._hiding = headset if hides and lens is not None else None
 
     def _canvases_of_one_eye(self) -> _Canvases:
         gl, size = self.gpu.gl, self.shown_size
@@ -177,6 +174,7 @@ class Compensator:
     def run(self, inputs: PassInputs) -> EyeResult:
         """Run every pass of the plan for one eye, each timed as a stage of gpu.timer."""
         made, inputs = self._eyes[inputs.eye], self._prepared(inputs)
+        self._set_views(inputs)
         if self._rendered:
             inputs = attrs.evolve(inputs, drawn=inputs.rendered)
         for effect_pass in self._rendered:
@@ -191,7 +189,7 @@ class Compensator:
             inputs = attrs.evolve(inputs, client_inverse_depth=self._client_depth)
         with self._stage("warp"):
             self._run_warp(inputs, made)
-            self._hide(inputs.middle, inputs.eye, made)
+            self._hide(inputs.shown, inputs.eye, made)
         panels = self._panels(inputs) if self.plan.hands_panels_on else ()
         if made.warped is None:
             for shown in self._shown:
@@ -229,7 +227,10 @@ class Compensator:
 
         Later passes leave it as it is, or copy it; a gather only writes up to its outline.
         """
-        if made.warped is None or view.hidden is None:
+        if made.warped is None:
+            self._hide_panel(made.panel)
+            return
+        if view.hidden is None:
             return
         self.gpu.barrier()
         of: Strips = "edge" if self._warp.kind == "gather" else "hidden"
@@ -240,6 +241,24 @@ class Compensator:
             for canvas in made.effects:
                 self.gpu.seen_rows.hide(view, canvas, None)
         self.gpu.seen_rows.hide(view, made.warped.colour, made.warped.inverse_depth, of)
+
+    def _set_views(self, inputs: PassInputs) -> None:
+        """Let the hidden areas of these views count for the passes that follow."""
+        shown = inputs.shown
+        views: dict[Grid, SeenView] = {"rendered": inputs.rendered.view, "shown": shown}
+        if self._hiding is not None and shown.hidden is not None:
+            panel = self._panels_seen.get(inputs.eye)
+            if panel is None or (panel.fov, panel.area) != (shown.fov, shown.hidden):
+                self._eyes[inputs.eye].panel.clear()
+                panel = self._panels_seen[inputs.eye] = SeenPanel(self._hiding, inputs.eye, shown.fov, shown.hidden)
+            views["panel"] = panel
+        self.gpu.shaders.strips.views = views
+
+    def _hide_panel(self, panel: Canvas) -> None:
+        """Blacken what the lens has written beyond the outline of what is seen."""
+        if (seen := self.gpu.shaders.strips.views.get("panel")) is not None:
+            self.gpu.barrier()
+            self.gpu.seen_rows.hide(seen, panel, None, "edge")
 
     def _run_warp(self, inputs: PassInputs, made: _Canvases) -> None:
         warped = made.warped
@@ -269,13 +288,15 @@ class Compensator:
             shown = onto
         if self._lens is not None:
             with self._stage("lens"):
-                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel, inputs.middle.hidden)
+                self._lens.run(shown, inputs.shown.fov, inputs.eye, made.panel)
+                self._hide_panel(made.panel)
         names = (fill.entry.name for fill in self.plan.fills)
         filled = tuple((name, each.colour) for name, each in zip(names, made.filled, strict=True))
         return EyeResult(inputs.middle, warped.colour, shown, made.panel, filled, picture.inverse_depth, panels)
 
     def carry(self, inputs: PassInputs, picture_of: PictureOf, into: Canvas) -> None:
         """Warp further pictures as the colour of the same inputs is; see Carry.along."""
+        self._set_views(inputs)
         with self._stage("carry"):
             self._carry.along(inputs, picture_of, into)
 

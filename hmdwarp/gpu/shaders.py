@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import InputError, ShaderError
 from ..resources import folder
+from .strips import WHOLE, Grid, SeenStrips
 
 VERSION = "#version 430"
 _INCLUDE = re.compile(r'^\s*#include\s+(?:"([^"]+)"|(\w+))\s*$')
@@ -202,10 +203,18 @@ class Inputs(Protocol):
 class Compute:
     """A compute shader with strict uniforms.
 
-    run() covers a grid of pixels, rounding the work groups up.
+    run() covers a grid of pixels, rounding the work groups up. Made with HIDES, for a view's grid
+    and its strips, it leaves out what the lens hides of that view.
     """
 
-    def __init__(self, gl: moderngl.Context, path: str, defines: Mapping[str, object]) -> None:
+    def __init__(
+        self,
+        gl: moderngl.Context,
+        path: str,
+        defines: Mapping[str, object],
+        grid: Grid | None = None,
+        strips: SeenStrips | None = None,
+    ) -> None:
         flat = flatten(path, defines)
         self.path = path
         try:
@@ -216,18 +225,30 @@ class Compute:
         self.group = _group_size(flat.text)
         self._most_groups = tuple(gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][:2])
         self.rows = int((re.findall(r"#define\s+ROWS\s+(\d+)", flat.text) or [1])[0])
-        self.hides = "HIDES" in defines  # runs over listed work groups, see SeenRows.run
+        self._grid, self._strips, self.skips = grid, strips, strips is not None
+        self._last: tuple[int, int, int] | None = None
+        self._groups = 0, 0
 
-    def run(self, width: int, height: int = 1) -> None:
-        """Dispatch enough work groups for width x height invocations."""
-        self.program.run(*self.groups(width, height), 1)
+    def run(self, width: int, height: int = 1, cell: int = 1) -> None:
+        """Dispatch enough work groups for width x height pixels.
 
-    def groups(self, width: int, height: int = 1) -> tuple[int, int]:
-        """Return the work groups that cover width x height pixels; fewer for a shader with ROWS.
+        cell: pixels on each axis for which it has one invocation, or row of one.
+        """
+        if self._last != (width, height, cell):
+            self._groups = self.groups(width, height, cell)
+            self._last = None if self.skips else (width, height, cell)  # a list is bound each time
+        self.program.run(*self._groups)
+
+    def groups(self, width: int, height: int = 1, cell: int = 1) -> tuple[int, int]:
+        """Return the work groups of such a run; fewer for a shader with ROWS. Binds a list of them.
 
         Errors: InputError beyond the GL limit, where a dispatch would be dropped silently.
         """
-        groups = -(-width // self.group[0]), -(-height // (self.group[1] * self.rows))
+        if self._strips is not None and self._grid is not None:
+            view = self._strips.views.get(self._grid, WHOLE)
+            return self._strips.bind(view, (width, height), self.group[0], self.rows, cell), 1
+        across, down = self.group[0] * cell, self.group[1] * self.rows * cell
+        groups = -(-width // across), -(-height // down)
         if groups[0] > self._most_groups[0] or groups[1] > self._most_groups[1]:
             most = " x ".join(map(str, self._most_groups))
             raise InputError(
@@ -275,15 +296,22 @@ class ShaderLibrary:
     def __init__(self, gl: moderngl.Context) -> None:
         self._gl = gl
         self._cache: dict[tuple[object, ...], Any] = {}
+        self.strips = SeenStrips(gl)
 
     @property
     def compiled(self) -> int:
         """How many were compiled, for the tests."""
         return len(self._cache)
 
-    def compute(self, path: str, **defines: object) -> Compute:
-        """Return the compute shader `path`: relative to shaders/, or absolute."""
-        return self._get((path,), defines, lambda: Compute(self._gl, path, defines))
+    def compute(self, path: str, *, grid: Grid | None = None, **defines: object) -> Compute:
+        """Return the compute shader `path`: relative to shaders/, or absolute.
+
+        grid: the view whose pixels it runs over, if it may leave out those that are hidden; inside
+        strips.skipping(True) it does.
+        """
+        strips = self.strips if grid is not None and self.strips.skips else None
+        defines |= {} if strips is None else {"HIDES": 1}
+        return self._get((path,), defines, lambda: Compute(self._gl, path, defines, grid, strips))
 
     def draw(self, vertex: str, fragment: str, **defines: object) -> Draw:
         """Return the vertex and fragment program of the two paths."""

@@ -36,11 +36,10 @@ class Reflections(ShownPass):
     def prepare(self) -> None:
         gpu, shown = self.gpu, self.shown_size
         glossy = GLOSSY in self.parts
-        self._compose = gpu.shaders.compute(
-            "effects/reflect.comp", **({"GLOSSY": 1} if glossy else {}), **self.tools.hiding
-        )
+        self._compose = gpu.shaders.compute("effects/reflect.comp", grid="shown", **({"GLOSSY": 1} if glossy else {}))
         self._nothing = gpu.shaders.compute("effects/reflect_none.comp")
-        self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
+        with gpu.shaders.strips.skipping(False):  # holes are closed from all around them
+            self._warp = Iterative(gpu, self.rendered_size, shown, output=Output(depth=glossy))
         self._seen_depth = allocate(gpu.gl, shown, SCALAR) if glossy else None
         self._closing = Closing(gpu, shown)
         self._seen, self._surface = Canvas(gpu.gl, shown), Canvas(gpu.gl, shown)
@@ -91,7 +90,7 @@ class Reflections(ShownPass):
         )
         pixel = (1 / self.shown_size[0], 1 / self.shown_size[1])
         self._compose.uniforms.set(seen=0, seen_pixel=pixel, written=0, shown_size=self.shown_size, **units, **mirrors)
-        self.gpu.seen_rows.run(self._compose, inputs.middle, self.shown_size)
+        self._compose.run(*self.shown_size)
 
     def close(self) -> None:
         for owner in (self._warp, self._closing):

@@ -11,7 +11,6 @@ import attrs
 from ...errors import InputError, unknown_name
 from ...frames import Needs
 from ...gpu.context import Gpu
-from ...gpu.hidden import hiding
 from ...gpu.textures import Canvas
 from ...registry import Registry
 from ...scenes import Mesh, Scene
@@ -65,17 +64,10 @@ class Tools:
     images: int = 1
     # What the client draws by itself; None for plans that read none of it.
     geometry: ClientScene | None = None
-    # As an Output's.
-    hides: bool = False
     # The lens that the warp looks through; None where pictures are composited before it.
     lens: LensPass | None = None
     # Whether the display composes panels that nothing hides.
     hands_panels_on: bool = False
-
-    @property
-    def hiding(self) -> dict[str, object]:
-        """Defines of programs over the shown pixels, see SeenRows.run."""
-        return hiding(self.hides)
 
 
 class EffectPass(ABC):

@@ -22,7 +22,7 @@ class LightPass(ShownPass):
 
     def prepare(self) -> None:
         geometry = self.tools.geometry
-        self._program = self.gpu.shaders.compute("effects/light.comp", **self.tools.hiding)
+        self._program = self.gpu.shaders.compute("effects/light.comp", grid="shown")
         store = None if geometry is None else geometry.store(ReducedModel, (1.0, 1.0))
         self._model = None if store is None else store.drawn(lit=False)
         self._shining = None if store is None else store.shining()
@@ -44,7 +44,7 @@ class LightPass(ShownPass):
         into.bind_for_writing(3)
         shines = self._shining is not None
         self._program.uniforms.set(light=0, albedo=1, emitted=2, written=3, shines=shines, shown_size=into.size)
-        self.gpu.seen_rows.run(self._program, inputs.middle, into.size)
+        self._program.run(*into.size)
 
     def close(self) -> None:
         for canvas in {self._albedo.colour, self._emitted.colour}:

@@ -16,14 +16,14 @@ class OverlayPass(ShownPass):
     reads = ("shown.colour", "rendered.overlay")
 
     def prepare(self) -> None:
-        self._program = self.gpu.shaders.compute("effects/overlay.comp", **self.tools.hiding)
+        self._program = self.gpu.shaders.compute("effects/overlay.comp", grid="shown")
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         picture.colour.texture.bind_to_image(0, read=True, write=False)
         inputs.rendered["overlay"].bind_to_image(1, read=True, write=False)
         into.bind_for_writing(2)
         self._program.uniforms.set(picture=0, overlay=1, written=2, shown_size=into.size)
-        self.gpu.seen_rows.run(self._program, inputs.middle, into.size)
+        self._program.run(*into.size)
 
 
 effects.register(

@@ -10,7 +10,6 @@ from ...scenes import is_cutout
 from ..carry import as_image
 from ..inputs import PassInputs, ShownPicture
 from ..warp_kinds import GatherWarp, Seeds
-from ..warps import Output
 from ..warps.iterative import IterativeSettings
 from . import effects
 from ._base import Effect, ShownPass
@@ -30,7 +29,8 @@ class _Veil(GatherWarp):
 
     def prepare(self) -> None:
         self._program = self.gather("effects/veil.comp", PLAIN=self.settings.steps - self.settings.slanted)
-        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
+        with self.gpu.shaders.strips.skipping(False):  # one invocation for 16 pixels: little to save
+            self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         """Composite the veil over `behind`.
@@ -70,8 +70,7 @@ class TransparencyPass(ShownPass):
     reads = ("shown.colour", "shown.inverse_depth", "rendered.transparent")
 
     def prepare(self) -> None:
-        output = Output(hides=self.tools.hides)
-        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size, output=output)
+        self._veil = _Veil(self.gpu, self.rendered_size, self.shown_size)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: Canvas) -> None:
         self._veil.behind = picture

@@ -5,8 +5,6 @@ They are listed while the picture is copied; further passes run on them alone, b
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import moderngl
 import numpy as np
 
@@ -27,7 +25,7 @@ class HolePieces:
     """The list of pieces with holes of the newest picture; owns its buffers.
 
     with_depth: copies the inverse depth too. coarse: also lists the pieces of the picture at half
-    the resolution that see a hole. hiding: a fill's.
+    the resolution that see a hole.
     """
 
     def __init__(
@@ -38,11 +36,11 @@ class HolePieces:
         *,
         with_depth: bool = False,
         coarse: bool = False,
-        hiding: Mapping[str, object] | None = None,
     ) -> None:
         self._gpu, self._size, self._stamp, self._with_depth = gpu, size, 0, with_depth
-        parts = {"WITH_DEPTH": int(with_depth), "COARSE": int(coarse), **(hiding or {})}
-        self._program = gpu.shaders.compute("fills/holes.comp", **parts)
+        self._program = gpu.shaders.compute(
+            "fills/holes.comp", grid="shown", WITH_DEPTH=int(with_depth), COARSE=int(coarse)
+        )
         self.count = _pieces_in(size)
         most = gpu.gl.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]
         if self.count * PIECE[0] > 64 * most:
@@ -56,8 +54,8 @@ class HolePieces:
         self._coarse = gpu.gl.buffer(reserve=len(_HEADER) + 4 * at_half) if coarse else None
         self._coarse_stamps = gpu.gl.buffer(bytes(4 * at_half)) if coarse else None
 
-    def find(self, view: View, picture: ShownPicture, into: ShownPicture) -> int:
-        """Copy the picture, which is shown in `view`, and list its pieces with holes.
+    def find(self, picture: ShownPicture, into: ShownPicture) -> int:
+        """Copy the picture, and list its pieces with holes.
 
         Return the stamp that marks its pieces with covered pixels.
         """
@@ -75,7 +73,7 @@ class HolePieces:
             self._coarse.bind_to_storage_buffer(2)
             self._coarse_stamps.bind_to_storage_buffer(3)
         self._program.uniforms.set(**uniforms)
-        self._gpu.seen_rows.run(self._program, view, self._size)
+        self._program.run(*self._size)
         self._gpu.barrier()
         return self._stamp
 
@@ -121,17 +119,15 @@ class HoleFiller:
     overrules the first picture if it is the newest.
 
     cell: side, in shown pixels, of the square that shares a guess: a texel of the guessing picture
-    covers as much. hiding: a fill's.
+    covers as much.
     """
 
-    def __init__(
-        self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1, hiding: Mapping[str, object] | None = None
-    ) -> None:
+    def __init__(self, gpu: Gpu, shown_size: tuple[int, int], cell: int = 1) -> None:
         self._gpu, self._size = gpu, shown_size
         self._cells = tiles(shown_size, cell)
         shaders, gl = gpu.shaders, gpu.gl
         self._start, self._gather = (
-            shaders.compute("fills/memory_start.comp", **(hiding or {})),
+            shaders.compute("fills/memory_start.comp", grid="shown"),
             shaders.compute("fills/memory_gather.comp"),
         )
         self._guesses = DepthGuesses(gpu, self._cells)
@@ -141,8 +137,8 @@ class HoleFiller:
         self._no_depth = [allocate(gl, (1, 1), SCALAR) for _ in range(2)]
         self._stamp = 0
 
-    def start(self, view: View, picture: ShownPicture, into: ShownPicture) -> None:
-        """Copy a picture shown in `view`; pictures added from now on go into its holes."""
+    def start(self, picture: ShownPicture, into: ShownPicture) -> None:
+        """Copy a picture; pictures added from now on go into its holes."""
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._first = True
         self._guesses.empty(self._pieces)
@@ -155,7 +151,7 @@ class HoleFiller:
         }
         self._start.uniforms.set(stamp=self._stamp, shown_size=self._size, **units)
         self._gpu.barrier()
-        self._gpu.seen_rows.run(self._start, view, self._size)
+        self._start.run(*self._size)
         self._picture, self._into = picture, into
 
     def add(

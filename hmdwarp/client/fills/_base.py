@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 
 from ...frames import Needs
 from ...gpu.context import Gpu
-from ...gpu.hidden import hiding
 from ...options import NoSettings
 from ..client_scene import ClientScene
 from ..drawn_scenes import DrawnModel, ReducedModel
@@ -45,23 +44,15 @@ class Fill(ABC):
         geometry: ClientScene | None = None,
         *,
         depth_read: bool = True,
-        hides: bool = False,
     ) -> None:
         """Make the fill for one pair of sizes.
 
-        depth_read: whether anything after it reads the inverse depth of what it fills. hides: as an
-        Output's; pixels that the lens hides are then left as they are.
+        depth_read: whether anything after it reads the inverse depth of what it fills.
         """
-        self.hides = hides
         self.depth_read = depth_read or not self.drops_depth
         self.gpu, self.rendered_size, self.shown_size, self.geometry = gpu, rendered_size, shown_size, geometry
         self.settings = self.Settings() if settings is None else settings
         self.prepare()
-
-    @property
-    def hiding(self) -> dict[str, object]:
-        """As an Output's."""
-        return hiding(self.hides)
 
     @abstractmethod
     def prepare(self) -> None:

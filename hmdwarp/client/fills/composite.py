@@ -84,7 +84,7 @@ class Composite(Fill):
         self._model = self.model(1.0, lit=False)
         self._model.reserve(self.shown_size)
         self._unlit = ShownPicture(Canvas(gl, self.shown_size), allocate(gl, self.shown_size, SCALAR))
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True, hiding=self.hiding)
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
         offsets = random_offsets(chosen.seed, chosen.radius * self.shown_size[0])
         self._offsets = gl.buffer(offsets.tobytes())
         median = chosen.samples if chosen.average == "median" else 0
@@ -100,7 +100,7 @@ class Composite(Fill):
             )
         view, chosen = inputs.middle, self.settings
         self._model.draw(view, self._unlit, inputs.shown_ns)
-        self._pieces.find(inputs.middle, picture, into)
+        self._pieces.find(picture, into)
         picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)
         self._unlit.colour.texture.bind_to_image(_UNLIT, read=True, write=False)
         self._unlit.depth.bind_to_image(_MODEL_DEPTH, read=True, write=False)

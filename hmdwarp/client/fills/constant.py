@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from ..inputs import PassInputs, ShownPicture
@@ -21,25 +23,24 @@ class Constant(Fill):
     complete = True
 
     def prepare(self) -> None:
-        self._sum, self._mean, self._fill = (
-            self.gpu.shaders.compute("fills/constant.comp", PASS=k, **hiding)
-            for k, hiding in enumerate((self.hiding, {}, self.hiding))
-        )
+        compute = partial(self.gpu.shaders.compute, "fills/constant.comp")
+        self._sum, self._fill = (compute(grid="shown", PASS=k) for k in (0, 2))
+        self._mean = compute(PASS=1)
         self._columns = self.shown_size[0] * -(-self.shown_size[1] // self._sum.rows)
         self._sums = self.gpu.gl.buffer(bytes(_HEADER_BYTES + 16 * self._columns))
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         picture.colour.texture.bind_to_image(1, read=True, write=False)
         into.colour.bind_for_writing()
-        if self.hides:
+        if self._sum.skips:
             self._sums.clear()  # both eyes use it, and each hides other pixels
-        groups = self.gpu.seen_rows.grid(self._fill, inputs.middle, self.shown_size)
+        groups = self._fill.groups(*self.shown_size)
         self._sums.write(np.array([*groups, 0, 0], np.uint32).tobytes())
         self._sums.bind_to_storage_buffer(0)
         for program in (self._sum, self._fill):
             program.uniforms.set(warped=1, filled=0, shown_size=self.shown_size)
         self._mean.uniforms.set(columns=self._columns)
-        self.gpu.seen_rows.run(self._sum, inputs.middle, self.shown_size)
+        self._sum.run(*self.shown_size)
         self.gpu.barrier()
         self._mean.run(1)
         self.gpu.barrier()

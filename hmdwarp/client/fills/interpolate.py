@@ -50,16 +50,13 @@ class Interpolate(Fill):
         size, (wide, high) = self.settings.size, self.shown_size
         shaders = self.gpu.shaders
         if size == 3:
-            self._program, self._list, self._holes = (
-                shaders.compute("fills/interpolate.comp", **self.hiding),
-                None,
-                None,
-            )
+            self._program = shaders.compute("fills/interpolate.comp", grid="shown")
+            self._list = self._holes = None
             return
         # Run for every pixel, a large kernel takes llvmpipe three to four times as long after
         # `forward`, where most holes are cracks.
         self._program = shaders.compute("fills/interpolate_listed.comp", SIZE=size)
-        self._list = shaders.compute("fills/hole_list.comp", COPY=1, **self.hiding)
+        self._list = shaders.compute("fills/hole_list.comp", grid="shown", COPY=1)
         self._holes = self.gpu.gl.buffer(reserve=16 + 4 * wide * high)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
@@ -68,12 +65,12 @@ class Interpolate(Fill):
         units, least = {"warped": 1, "filled": 0}, minimum_count(self.settings.size)
         if self._list is None or self._holes is None:
             self._program.uniforms.set(shown_size=self.shown_size, minimum_count=least, **units)
-            self.gpu.seen_rows.run(self._program, inputs.middle, self.shown_size)
+            self._program.run(*self.shown_size)
             return
         self._holes.write(bytes(16))
         self._holes.bind_to_storage_buffer(2)
         self._list.uniforms.set(shown_size=self.shown_size, **units)
-        self.gpu.seen_rows.run(self._list, inputs.middle, self.shown_size)
+        self._list.run(*self.shown_size)
         self.gpu.barrier()
         self._program.uniforms.set(minimum_count=least, **units)
         self._program.run(WORKERS)

@@ -80,7 +80,7 @@ class Memory(Fill):
             wanted = f"one rendered picture of {wide}x{high} takes {each / 1e6:.0f} MB"
             raise InputError(f"fill 'memory:mb={self.settings.mb:g}': {wanted}; give it more, or use smaller pictures")
         self._holes, self._keeper = (
-            HoleFiller(self.gpu, self.shown_size, CELL, self.hiding),
+            HoleFiller(self.gpu, self.shown_size, CELL),
             Keeper(self.gpu, self.rendered_size),
         )
         self._slots = [Slot.of(self.gpu, self.rendered_size) for _ in range(count)]
@@ -94,7 +94,7 @@ class Memory(Fill):
         rendered, shown = inputs.rendered, inputs.middle
         self.learn(inputs)
         self._keeper.seed(rendered.inverse_depth, self._seeds)
-        self._holes.start(shown, picture, into)
+        self._holes.start(picture, into)
         self._holes.add(
             DepthPicture(rendered.colour, rendered.inverse_depth, rendered.view), shown, seeds=self._seeds, newest=True
         )

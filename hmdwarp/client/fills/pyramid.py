@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import moderngl
 
-from ...geometry import View, WarpMap
+from ...geometry import WarpMap
 from ...gpu.context import Gpu
 from ...gpu.shaders import Compute
 from ...gpu.textures import COLOUR, allocate, release_all, tiles
@@ -95,15 +95,13 @@ class Pyramid(Fill):
     def prepare(self) -> None:
         shaders = self.gpu.shaders
         self._first_pull = shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=1)
-        self._pull = shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=0, **self.hiding)
+        self._pull = shaders.compute("fills/pyramid_pull.comp", FROM_PICTURE=0, grid="shown")
         deep = int(self.depth_read)
         self._last_push = shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=1, LISTED=1, WITH_DEPTH=deep)
         self._first_push, self._push = (
             shaders.compute("fills/pyramid_push.comp", INTO_PICTURE=0, LISTED=k) for k in (1, 0)
         )
-        self._pieces = HolePieces(
-            self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True, hiding=self.hiding
-        )
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=self.depth_read, coarse=True)
         size = self.shown_size
         self._levels: list[_Level] = []
         while size != (1, 1) or not self._levels:
@@ -119,12 +117,12 @@ class Pyramid(Fill):
         self._placed = [program for program in placed if program is not None]
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        self._pieces.find(inputs.middle, picture, into)
+        self._pieces.find(picture, into)
         back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         for program in self._placed:
             place = {"back_H": back.H, "back_e": back.e, "rendered_size": self.rendered_size}
             program.uniforms.set(least_beyond=LEAST_BEYOND, **place)
-        self._pull_all(inputs.middle, picture)
+        self._pull_all(picture)
         for below, above in reversed(list(zip(self._levels, self._levels[1:], strict=False))):
             self._push_one(below, above)
         picture.colour.texture.bind_to_image(_SECOND[0], read=True, write=False)
@@ -137,7 +135,7 @@ class Pyramid(Fill):
         self._last_push.uniforms.set(**uniforms)
         self._pieces.run(self._last_push)
 
-    def _pull_all(self, view: View, picture: ShownPicture) -> None:
+    def _pull_all(self, picture: ShownPicture) -> None:
         first = self._levels[0]
         for level in self._levels[: -1 if self._top is not None else None]:
             level.framebuffer.clear()  # texels not stored below have no hole and no weight
@@ -153,7 +151,7 @@ class Pyramid(Fill):
             else:
                 self._write_level(self._pull, below.size, level)
                 self._pull.uniforms.set(crack_border=CRACK_BORDER if below is first else 1.0)
-                self.gpu.seen_rows.run(self._pull, view, self.shown_size, round(self._texel_pixels(level)))
+                self._pull.run(*self.shown_size, round(self._texel_pixels(level)))
             self.gpu.barrier()
 
     def _run_top(self, program: Compute, start: _Level, level: _Level) -> None:

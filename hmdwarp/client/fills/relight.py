@@ -77,7 +77,7 @@ class Relight(Fill):
         self._lights = BlockLights(self.gpu, self.shown_size, chosen.samples, chosen.reach)
         self._holes = gl.buffer(reserve=16 + 4 * wide * high)
         self._apply = self.gpu.shaders.compute("fills/relight.comp")
-        self._list = self.gpu.shaders.compute("fills/hole_list.comp", COPY=0, **self.hiding)
+        self._list = self.gpu.shaders.compute("fills/hole_list.comp", grid="shown", COPY=0)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         view = inputs.middle
@@ -91,7 +91,7 @@ class Relight(Fill):
         self._holes.write(bytes(16))
         self._holes.bind_to_storage_buffer(2)
         self._list.uniforms.set(warped=0, shown_size=self.shown_size)
-        self.gpu.seen_rows.run(self._list, view, self.shown_size)
+        self._list.run(*self.shown_size)
         self.gpu.barrier()
         self._apply.uniforms.set(
             albedo=2, model_inverse_depth=3, lights=5, filled=4, **tangents_of_pixels(view, self.shown_size),

@@ -52,11 +52,11 @@ class Stretch(Fill):
 
     def prepare(self) -> None:
         self._draw, self._smooth = (self.gpu.shaders.compute("fills/stretch.comp", PASS=k) for k in range(2))
-        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True, hiding=self.hiding)
+        self._pieces = HolePieces(self.gpu, self.name, self.shown_size, with_depth=True)
         self._streaks = allocate(self.gpu.gl, self.shown_size, COLOUR)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
-        stamp = self._pieces.find(inputs.middle, picture, into)
+        stamp = self._pieces.find(picture, into)
         forward = WarpMap.between(inputs.rendered.view, self.rendered_size, inputs.middle, self.shown_size)
         back = WarpMap.between(inputs.middle, self.shown_size, inputs.rendered.view, self.rendered_size)
         picture.colour.texture.bind_to_image(_WARPED, read=True, write=False)

@@ -27,11 +27,11 @@ class Wide(Fill):
     source = "this project's; the gather of Bowles et al. 2012"
 
     def prepare(self) -> None:
-        self._holes = HoleFiller(self.gpu, self.shown_size, COARSER, self.hiding)
+        self._holes = HoleFiller(self.gpu, self.shown_size, COARSER)
 
     def run(self, inputs: PassInputs, picture: ShownPicture, into: ShownPicture) -> None:
         wide = inputs.rendered["wide"]
-        self._holes.start(inputs.middle, picture, into)
+        self._holes.start(picture, into)
         self._holes.add(DepthPicture(wide.colour, wide.inverse_depth, wide.view), inputs.middle)
 
     def close(self) -> None:

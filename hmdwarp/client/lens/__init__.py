@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry import Fov, Hidden, Pose, View
+from ...geometry import Fov, Hidden
 from ...gpu.context import Gpu
-from ...gpu.hidden import hiding
 from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas
 from ...headsets import COLOURS, Headset, Lens
@@ -40,7 +39,7 @@ def bind_texels(program: Compute, picture: moderngl.Texture) -> None:
 
 @attrs.frozen(eq=False)
 class SeenPanel:
-    """The pixels of an eye's panel that show something seen of its view, for SeenRows."""
+    """The pixels of an eye's panel that show something seen of its view, as a view."""
 
     headset: Headset
     eye: int
@@ -83,10 +82,8 @@ class LensPass(ABC):
     # gather warp that is fused with the lens includes it too. "" if there is none.
     library: ClassVar[str] = ""
 
-    def __init__(self, gpu: Gpu, headset: Headset, panel_size: tuple[int, int], *, hides: bool = False) -> None:
-        """Make the pass for a size. hides: whether what shows nothing seen is left out."""
-        self.gpu, self.headset, self.panel_size, self.hides = gpu, headset, panel_size, hides
-        self._seen: dict[int, tuple[Canvas, SeenPanel]] = {}
+    def __init__(self, gpu: Gpu, headset: Headset, panel_size: tuple[int, int]) -> None:
+        self.gpu, self.headset, self.panel_size = gpu, headset, panel_size
         self.prepare()
 
     @abstractmethod
@@ -97,11 +94,8 @@ class LensPass(ABC):
         """
 
     @abstractmethod
-    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None = None) -> None:
-        """Write the panel picture of eye 0 (left) or 1 (right) into `into`.
-
-        hidden: what of the shown view is hidden.
-        """
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
+        """Write the panel picture of eye 0 (left) or 1 (right) into `into`."""
 
     def library_defines(self) -> dict[str, object]:
         """Return the defines of a program that includes `library`, for this lens and device."""
@@ -109,22 +103,9 @@ class LensPass(ABC):
 
     @property
     def panel_defines(self) -> dict[str, object]:
-        """The defines of such a program that run_over_panel runs."""
-        return {"LENS": self.library, **self.library_defines(), **({**hiding(True), "ROWS": 8} if self.hides else {})}
-
-    def run_over_panel(self, program: Compute, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None) -> None:
-        """Run a program for every pixel of a panel; what it hides is black."""
-        if hidden is None or not self.hides:
-            self.gpu.seen_rows.run(program, View(Pose(), fov), into.size)
-            return
-        canvas, seen = self._seen.get(eye, (None, None))
-        if canvas is not into or seen is None or (seen.fov, seen.area) != (fov, hidden):
-            into.clear()
-            seen = SeenPanel(self.headset, eye, fov, hidden)
-            self._seen[eye] = into, seen
-        self.gpu.seen_rows.run(program, seen, into.size)
-        self.gpu.barrier()
-        self.gpu.seen_rows.hide(seen, into, None, "edge")
+        """The defines of such a program, whose grid is the panel."""
+        rows = {"ROWS": 8} if self.gpu.shaders.strips.skips else {}  # those of shaders/gpu/hide.comp
+        return {"LENS": self.library, **self.library_defines(), **rows}
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         """Return the uniforms of `library` for one eye."""
@@ -150,13 +131,13 @@ class ResampledLens(LensPass):
                 f"use --lens {self.eye_lenses[0].model} or none"
             )
         self._uniforms_by_eye: dict[int, tuple[Fov, dict[str, object]]] = {}
-        self._program = self.gpu.shaders.compute("lens/resample.comp", **self.panel_defines)
+        self._program = self.gpu.shaders.compute("lens/resample.comp", grid="panel", **self.panel_defines)
 
     @abstractmethod
     def of_lens(self, lens: Lens) -> dict[str, object]:
         """Return the uniforms of the library that depend on the lens alone."""
 
-    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None = None) -> None:
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         shown.texture.use(0)
         bind_texels(self._program, shown.texture)
         into.bind_for_writing()
@@ -165,7 +146,7 @@ class ResampledLens(LensPass):
         self._program.uniforms.set(
             rendered_colour=0, written=0, panel_size=self.panel_size, **sizes, **self.library_uniforms(fov, eye)
         )
-        self.run_over_panel(self._program, fov, eye, into, hidden)
+        self._program.run(*into.size)
 
     def library_uniforms(self, fov: Fov, eye: int) -> dict[str, object]:
         known, uniforms = self._uniforms_by_eye.get(eye, (None, {}))

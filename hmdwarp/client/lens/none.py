@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...geometry import Fov, Hidden
+from ...geometry import Fov
 from ...gpu.textures import Canvas
 from . import LensPass, lenses
 
@@ -19,5 +19,5 @@ class NoLens(LensPass):
     def prepare(self) -> None:
         """Do nothing."""
 
-    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas, hidden: Hidden | None = None) -> None:
+    def run(self, shown: Canvas, fov: Fov, eye: int, into: Canvas) -> None:
         raise AssertionError("the plan leaves this lens out")

@@ -6,13 +6,13 @@ The shown rays are intersected with one picture after the other; the best hit st
 from __future__ import annotations
 
 from abc import abstractmethod
+from functools import partial
 from typing import ClassVar
 
 import attrs
 import moderngl
 
 from ...geometry import View, WarpMap
-from ...gpu.shaders import Compute
 from ...gpu.textures import Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warps import KEY_BYTES, Warp
@@ -49,10 +49,9 @@ class CompositeWarp(Warp):
         check_room(self.gpu, self.name, self.shown_size, KEY_BYTES)
         self._guesses = DepthGuesses(self.gpu, self.shown_size)
         self._pieces = piece_list(self.gpu, f"warp '{self.name}'", self.shown_size)
-        self._choose, self._first, self._more = (
-            self.gpu.shaders.compute(f"warps/{self.name}.comp", PASS=k, ROWS=PIECE_ROWS, **hiding)
-            for k, hiding in enumerate((self.output.hiding, self.output.hiding, {}))
-        )
+        compute = partial(self.gpu.shaders.compute, f"warps/{self.name}.comp", ROWS=PIECE_ROWS)
+        self._choose, self._first = (compute(grid="shown", PASS=k) for k in (0, 1))
+        self._more = compute(PASS=2)
         self._stamp = 0
         self._best = allocate(self.gpu.gl, self.shown_size, self.best)
 
@@ -85,18 +84,16 @@ class CompositeWarp(Warp):
         uniforms = {"H": back.H, "e": back.e, "guesses": _GUESSES, **units, **sizes, **limits, **own}
         if is_first:
             self._first.uniforms.set(**uniforms)
-            self._dispatch(self._first, shown)
+            self.gpu.barrier()
+            self._first.run(*self.shown_size)
             return
         self._stamp = self._stamp % 0xFFFFFFFF + 1
         self._choose.uniforms.set(stamp=self._stamp, **uniforms)
-        self._dispatch(self._choose, shown)
+        self.gpu.barrier()
+        self._choose.run(*self.shown_size)
         self._more.uniforms.set(**uniforms)
         self.gpu.barrier()
         self._more.program.run_indirect(self._pieces)
-
-    def _dispatch(self, program: Compute, shown: View) -> None:
-        self.gpu.barrier()
-        self.gpu.seen_rows.run(program, shown, self.shown_size)
 
     def close(self) -> None:
         self._guesses.close()

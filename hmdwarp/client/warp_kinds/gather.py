@@ -16,6 +16,7 @@ from ...frames import EyeImage
 from ...frames.layers.foveated import FoveatedPicture
 from ...geometry import FoveaGrid, View, WarpMap
 from ...gpu.shaders import Compute
+from ...gpu.strips import Grid
 from ...gpu.textures import Canvas
 from ..inputs import PassInputs
 from ..lens import bind_texels
@@ -59,7 +60,7 @@ class GatherWarp(Warp):
         """Return the program of `path` for this warp's output."""
         lens = self.output.lens
         if lens is None:
-            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows, **self.output.hiding}
+            defines |= {"ROWS": (self.output.depth and self.rows_with_depth) or self.rows}
         else:
             defines |= lens.panel_defines
         if self.output.scanout:
@@ -72,8 +73,8 @@ class GatherWarp(Warp):
         if self.output.foveated is not None:
             # A sampler is not exact at centres.
             defines |= {"FOVEATED": 1, "TEXELS": 1}
-        output = "lib/to_shown.glsl" if lens is None else "lib/to_panel.glsl"
-        return self.gpu.shaders.compute(path, OUTPUT=output, **defines)
+        grid: Grid = "shown" if lens is None else "panel"
+        return self.gpu.shaders.compute(path, grid=grid, OUTPUT=f"lib/to_{grid}.glsl", **defines)
 
     def map_between(self, shown: View, rendered: View) -> WarpMap:
         """Return the map from shown to rendered pixels."""
@@ -95,12 +96,9 @@ class GatherWarp(Warp):
             # What came whole is as sharp everywhere.
             grid = FoveaGrid(inputs.rendered.size, 2, (0, 0), (0, 0)) if found is None else found.grid
             program.uniforms.set(**grid.uniforms)
-        lens, fov = self.output.lens, inputs.shown.fov
-        if lens is None:
-            self.gpu.seen_rows.run(program, inputs.middle, into.size)
-            return
-        program.uniforms.set(panel_size=into.size, **lens.library_uniforms(fov, inputs.eye))
-        lens.run_over_panel(program, fov, inputs.eye, into, inputs.middle.hidden)
+        if (lens := self.output.lens) is not None:
+            program.uniforms.set(panel_size=into.size, **lens.library_uniforms(inputs.shown.fov, inputs.eye))
+        program.run(*into.size)
 
     def bind_beside(self, program: Compute, inputs: PassInputs) -> None:
         """Bind what lib/depth_beside.glsl reads, if the shown depth is written."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import partial
 
 import moderngl
 
@@ -83,22 +83,14 @@ MOST_INDEX_BITS = 27  # of a key's 32; five are the exponent of the depth
 class Seeds:
     """The rendered inverse depths that the rays of each cell of 4x4 shown pixels meet first."""
 
-    def __init__(
-        self,
-        gpu: Gpu,
-        rendered_size: tuple[int, int],
-        shown_size: tuple[int, int],
-        hiding: Mapping[str, object] | None = None,
-    ) -> None:
-        """Make it for one pair of sizes. hiding: that of an Output."""
+    def __init__(self, gpu: Gpu, rendered_size: tuple[int, int], shown_size: tuple[int, int]) -> None:
         self._gpu, self._rendered_size, self._shown_size = gpu, rendered_size, shown_size
         self._index_bits = tuple((n - 1).bit_length() for n in rendered_size)
         self._blocks, self.cells = (tiles(size, BLOCK) for size in (rendered_size, shown_size))
         self._check_size()
-        self._passes = tuple(
-            gpu.shaders.compute("warps/iterative_seed.comp", PASS=k, **each)
-            for k, each in enumerate((hiding or {}, hiding or {}, {}))
-        )
+        compute = partial(gpu.shaders.compute, "warps/iterative_seed.comp")
+        # The last one visits every cell, whose key may be of the other eye.
+        self._passes = compute(grid="rendered", PASS=0), compute(grid="rendered", PASS=1), compute(PASS=2)
         self._seeds, self._keys = (gpu.gl.buffer(bytes(CELL_BYTES * self.cells[0] * self.cells[1])) for _ in range(2))
         self._nearest = gpu.gl.buffer(reserve=BLOCK_BYTES * self._blocks[0] * self._blocks[1])
 
@@ -112,14 +104,11 @@ class Seeds:
         back = WarpMap.between(shown, self._shown_size, inputs.rendered.view, self._rendered_size)
         for binding, buffer in enumerate((self._seeds, self._nearest, self._keys)):
             buffer.bind_to_storage_buffer(binding)
-        grids = (self._blocks, self._blocks, self.cells)
-        for program, grid, warp in zip(self._passes, grids, (forward, forward, back), strict=True):
+        blocks, cells = (self._rendered_size, self._blocks, forward), (self._shown_size, self.cells, back)
+        for program, (size, grid, warp) in zip(self._passes, (blocks, blocks, cells), strict=True):
             sizes = {"grid": grid, "blocks": self._blocks, "cells": self.cells, "index_bits": self._index_bits}
             program.uniforms.set(H=warp.H, e=warp.e, **sizes, **surface)
-            if program is self._passes[2]:  # every cell, whose key may be of the other eye
-                program.run(*grid)
-            else:
-                self._gpu.seen_rows.run(program, inputs.rendered.view, self._rendered_size, BLOCK)
+            program.run(*size, BLOCK)
             self._gpu.barrier()
 
     def _check_size(self) -> None:

@@ -85,7 +85,7 @@ class OrderedScatter(ScatterWarp):
                 f"a rendered picture of {wide}x{high}: '{self.name}' takes at most {LONGEST_SIDE} pixels a side"
             )
         path, defines, shaders = f"warps/{self.name}.comp", self.defines(), self.gpu.shaders
-        self._scatter = shaders.compute(path, PASS=0, **defines, **self.output.hiding)
+        self._scatter = shaders.compute(path, grid="rendered", PASS=0, **defines)
         self._resolve = shaders.compute(path, PASS=1, **defines, **self.depth_defines)
         self._keys = self.empty_keys()
 
@@ -104,7 +104,7 @@ class OrderedScatter(ScatterWarp):
         for program, size in ((self._scatter, self.rendered_size), (self._resolve, self.shown_size)):
             self.gpu.barrier()
             self.set(program, H=forward.H, e=forward.e, **order)
-            self.gpu.seen_rows.run(program, inputs.rendered.view, size)
+            program.run(*size)
 
     def close(self) -> None:
         super().close()

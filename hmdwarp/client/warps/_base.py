@@ -12,7 +12,6 @@ import moderngl
 from ...frames import Needs
 from ...geometry import Fovea
 from ...gpu.context import Gpu
-from ...gpu.hidden import hiding
 from ...gpu.shaders import Compute
 from ...gpu.textures import SCALAR, Canvas, allocate
 from ...options import NoSettings
@@ -36,15 +35,8 @@ class Output:
     scanout: bool = False
     # Whether run_with_depth() will be called: the inverse depth is written along with the colour.
     depth: bool = False
-    # Whether lenses hide a part of the views.
-    hides: bool = False
     # Of foveated pictures that the warp samples through their grid, see Warp.samples_grid.
     foveated: Fovea | None = None
-
-    @property
-    def hiding(self) -> dict[str, object]:
-        """Defines of programs that skip it, which SeenRows.run runs."""
-        return hiding(self.hides)
 
 
 class Warp(ABC):

@@ -55,12 +55,13 @@ class Forward(ScatterWarp):
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         self.bind(inputs, into)
-        self._path.run(self.forward_map(inputs), into, inputs)
+        self._path.run(self.forward_map(inputs), into)
 
     def depth_pass(self, words: int) -> Compute | None:
         """Return the pass that reads the shown depth out of keys, if it is needed."""
-        defines = {"WORDS": words, **self.output.hiding}
-        return self.gpu.shaders.compute("warps/forward_depth.comp", **defines) if self.output.depth else None
+        if not self.output.depth:
+            return None
+        return self.gpu.shaders.compute("warps/forward_depth.comp", grid="shown", WORDS=words)
 
     def close(self) -> None:
         super().close()
@@ -84,7 +85,7 @@ class _Portable:
         self._warp = warp
         self._clear = shaders.compute("warps/forward_clear.comp")
         self._nearest, self._colour, *self._settle = (
-            shaders.compute("warps/forward.comp", PASS=k, **warp.output.hiding) for k in range(5)
+            shaders.compute("warps/forward.comp", grid="rendered", PASS=k) for k in range(5)
         )
         check_room(warp.gpu, warp.name, warp.shown_size, KEY_BYTES, _TIE_HEADER)
         self._quads = -(-warp.shown_size[0] * warp.shown_size[1] // 4)
@@ -92,11 +93,11 @@ class _Portable:
         self._depth = warp.depth_pass(1)
         self._ties = gl.buffer(bytes(_TIE_HEADER) + b"\xff" * (16 * self._quads))
 
-    def run(self, forward: WarpMap, into: Canvas, inputs: PassInputs) -> None:
+    def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
         self._ties.bind_to_storage_buffer(1)
         into.clear()
-        groups = self._warp.gpu.seen_rows.grid(self._nearest, inputs.rendered.view, self._warp.rendered_size)
+        groups = self._nearest.groups(*self._warp.rendered_size)
         self._clear.uniforms.set(quads=self._quads, tie_dispatch=groups)
         self._clear.run(self._quads)
         for program in (self._nearest, self._colour, *self._settle):
@@ -108,7 +109,7 @@ class _Portable:
                 program.program.run(*groups)
         if self._depth is not None:
             self._warp.set(self._depth)
-            self._warp.gpu.seen_rows.run(self._depth, inputs.middle, self._warp.shown_size)
+            self._depth.run(*self._warp.shown_size)
 
     def close(self) -> None:
         self._keys.release()
@@ -121,20 +122,20 @@ class _OnePass:
     def __init__(self, warp: Forward) -> None:
         self._warp = warp
         shaders = warp.gpu.shaders
-        self._nearest = shaders.compute("warps/forward_atomic64.comp", PASS=0, **warp.output.hiding)
+        self._nearest = shaders.compute("warps/forward_atomic64.comp", grid="rendered", PASS=0)
         self._resolve = shaders.compute("warps/forward_atomic64.comp", PASS=1)
         self._keys, self._depth = warp.empty_keys(words=2), warp.depth_pass(2)
 
-    def run(self, forward: WarpMap, into: Canvas, inputs: PassInputs) -> None:
+    def run(self, forward: WarpMap, into: Canvas) -> None:
         self._keys.bind_to_storage_buffer(0)
-        warp, seen = self._warp, inputs.middle
-        passes = [(self._nearest, inputs.rendered.view, warp.rendered_size), (self._resolve, seen, warp.shown_size)]
+        warp = self._warp
+        passes = [(self._nearest, warp.rendered_size), (self._resolve, warp.shown_size)]
         if self._depth is not None:
-            passes.insert(1, (self._depth, seen, warp.shown_size))
-        for program, view, size in passes:
+            passes.insert(1, (self._depth, warp.shown_size))
+        for program, size in passes:
             warp.gpu.barrier()
             warp.set(program, H=forward.H, e=forward.e)
-            warp.gpu.seen_rows.run(program, view, size)
+            program.run(*size)
 
     def close(self) -> None:
         self._keys.release()

@@ -7,6 +7,7 @@ from typing import Literal
 import attrs
 
 from ...geometry import Fov, Hidden
+from ...gpu.strips import Grid
 from ...gpu.textures import SCALAR, Canvas, allocate, release_all
 from ..inputs import PassInputs
 from ..warp_kinds import DEPTH_FLOOR, DEPTH_TOLERANCE, GatherSettings, GatherWarp, Seeds, depth_limits
@@ -80,14 +81,12 @@ class Iterative(GatherWarp):
         samples = {"PLAIN": chosen.steps - chosen.slanted, "SLANTED": chosen.slanted}
         self._program = self.gather("warps/iterative.comp", **samples, **({"SEEDED": 1} if seeded else {}))
         fringed = chosen.fringe == "front"
-        hiding = self.output.hiding
-        self._fringe = self.gpu.shaders.compute("warps/iterative_fringe.comp", **hiding) if fringed else None
-        # One for each eye where lenses hide a part, which stays as the first frame left it.
-        self._fringed = [
-            allocate(self.gpu.gl, self.rendered_size, SCALAR) for _ in range(fringed * (2 if hiding else 1))
-        ]
+        # At first it runs over all; what lenses hide then stays, with a picture for each eye.
+        grids: tuple[Grid | None, ...] = (None, "rendered") if fringed else ()
+        self._fringes = [self.gpu.shaders.compute("warps/iterative_fringe.comp", grid=grid) for grid in grids]
+        self._fringed = [allocate(self.gpu.gl, self.rendered_size, SCALAR) for _ in set(self._fringes)]
         self._whole: dict[int, tuple[Hidden | None, Fov]] = {}
-        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size, hiding) if seeded else None
+        self._seeds = Seeds(self.gpu, self.rendered_size, self.shown_size) if seeded else None
 
     def run(self, inputs: PassInputs, into: Canvas) -> None:
         wide, high = self.rendered_size
@@ -104,15 +103,14 @@ class Iterative(GatherWarp):
     def _bind_depth(self, inputs: PassInputs, surface: dict[str, object]) -> None:
         """Bind the depth that the gather reads: the rendered one, or with its fringes moved."""
         inputs.rendered.inverse_depth.bind_to_image(1, read=True, write=False)
-        if self._fringe is None:
+        if not self._fringed:
             return
         fringed, view = self._fringed[inputs.eye % len(self._fringed)], inputs.rendered.view
         fringed.bind_to_image(2, read=False, write=True)
-        self._fringe.uniforms.set(fringed_inverse_depth=2, rendered_size=self.rendered_size, **surface)
-        is_known = self._whole.get(inputs.eye) == (view.hidden, view.fov)
+        program = self._fringes[self._whole.get(inputs.eye) == (view.hidden, view.fov)]
         self._whole[inputs.eye] = view.hidden, view.fov
-        part = view if is_known else attrs.evolve(view, hidden=None)
-        self.gpu.seen_rows.run(self._fringe, part, self.rendered_size)
+        program.uniforms.set(fringed_inverse_depth=2, rendered_size=self.rendered_size, **surface)
+        program.run(*self.rendered_size)
         self.gpu.barrier()
         fringed.bind_to_image(1, read=True, write=False)
 

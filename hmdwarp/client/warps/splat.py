@@ -50,7 +50,7 @@ class Splat(ScatterWarp):
     Settings = SplatSettings
 
     def prepare(self) -> None:
-        self._cover = self.gpu.shaders.compute("warps/splat.comp", PASS=0, **self.output.hiding)
+        self._cover = self.gpu.shaders.compute("warps/splat.comp", grid="rendered", PASS=0)
         self._fetch = self.gpu.shaders.compute("warps/splat.comp", PASS=1, **self.depth_defines)
         self._keys = self.empty_keys()
 
@@ -65,7 +65,7 @@ class Splat(ScatterWarp):
             self.gpu.barrier()
             H, e = _exact(warp_map)
             self.set(program, H=H, e=e, **limits)
-            self.gpu.seen_rows.run(program, inputs.rendered.view, size)
+            program.run(*size)
 
     def close(self) -> None:
         super().close()

@@ -234,15 +234,11 @@ class ScenePasses:
     ) -> None:
         """Draw the whole picture at that instant over the previous content."""
         clear_depth(self._gl, framebuffer)
-        if view.hidden is not None:
-            self._hide(view, framebuffer)
+        if view.hidden is not None:  # in front of everything
+            framebuffer.viewport = (0, 0, *framebuffer.size)
+            with drawing_into(framebuffer, moderngl.DEPTH_TEST):
+                self._gpu.seen_rows.cover(view, framebuffer.size, -1.0, **({"COLOUR": 1} if self._colour else {}))
         self.draw_into(view, framebuffer, None, time_ns, **uniforms)
-
-    def _hide(self, view: View, framebuffer: moderngl.Framebuffer) -> None:
-        """Draw the hidden area in front of everything."""
-        framebuffer.viewport = (0, 0, *framebuffer.size)
-        with drawing_into(framebuffer, moderngl.DEPTH_TEST):
-            self._gpu.seen_rows.cover(view, framebuffer.size, -1.0, **({"COLOUR": 1} if self._colour else {}))
 
     def draw_into(
         self,
