@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from scipy import stats
+from together import together
 
-from hmdwarp.errors import InputError
 from hmdwarp.report.study import render_study_report
 from hmdwarp.study.analysis.findings import condition_rows
 from hmdwarp.study.analysis.full_analysis import analyse
@@ -18,6 +18,7 @@ from hmdwarp.study.respondents.response_model import model_from_text
 from hmdwarp.study.store import COMPLETE, SIMULATED, Store
 
 from ..made_up import simulate_study
+from ..refusals import check_refused, table
 
 STUDY = """schema = 1
 name = "impaired"
@@ -71,19 +72,17 @@ def test_a_trial_shows_the_reference_and_then_the_condition():
     assert trials.seconds == 3 * (2 * 2 + 6)
 
 
-@pytest.mark.parametrize(
-    ("found", "put", "says"),
-    [
-        ("reference = true", "", r'trial.shows is "reference first", and no \[\[condition\]\] has reference = true'),
-        ('"dcr"', '"acr"', "has 'acr', which asks nothing about the reference: expected dcr"),
-        ('shows = "reference first"', "", r'has \'dcr\', .*: it needs shows = "reference first"'),
-        ('"dcr"', '"preference"', "has 'preference', a preference"),
-    ],
-)
-def test_incompatible_settings_are_refused(found, put, says):
-    assert found in STUDY
-    with pytest.raises(InputError, match=says):
-        design_from_text(STUDY.replace(found, put), "impaired.toml", checked=False)
+WRONG = r"""
+reference = true ->  => trial.shows is "reference first", and no [[condition]] has reference = true @ shows
+"dcr" -> "acr" => has 'acr', which asks nothing about the reference: expected dcr
+shows = "reference first" ->  => shown right before: it needs shows = "reference first" @ scales
+"dcr" -> "preference" => has 'preference', a preference
+"""
+
+
+@together("entry", table(WRONG))
+def test_incompatible_settings_are_refused(entry):
+    check_refused(entry, STUDY, lambda wrong: design_from_text(wrong, "impaired.toml", checked=False), "impaired.toml")
 
 
 def test_from_the_store_to_the_page(tmp_path):
