@@ -156,8 +156,7 @@ def test_any_ratings_give_json_without_nan(a, b, c):
     json.dumps(analyse(ratings), allow_nan=False)
 
 
-# --- order --------------------------------------------------------------------------------------
-# ------------------------
+# --- order
 
 
 def test_a_drift_is_found_with_its_size():
@@ -242,8 +241,7 @@ def test_one_order_for_all_is_confounded_with_the_conditions():
     assert "all participants saw them in the same order" in found["previous"]["why_not"]
 
 
-# --- doubles ------------------------------------------------------------------------------------
-# ------------------------
+# --- doubles
 
 
 def joined(*made: Ratings) -> Ratings:
@@ -288,8 +286,7 @@ def test_equal_rows_on_a_coarse_scale_are_called_likely():
     assert "no sign of copying" in sentence_of_copied(found) and "most likely" not in sentence_of_copied(found)
 
 
-# --- claims -------------------------------------------------------------------------------------
-# ------------------------
+# --- claims
 
 
 def test_a_claim_without_a_step_is_rounded_to_its_last_digit(tmp_path):

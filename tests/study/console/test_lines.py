@@ -51,11 +51,6 @@ def test_a_last_line_without_an_end_counts_and_the_end_of_stdin_ends_nothing(tmp
     assert asked == [("pause", None)]
 
 
-def test_no_console_is_silent(tmp_path):
-    asked, said = told(tmp_path, "stop\n", "--console", "none", "--seconds", "0.2")
-    assert asked == [] and said == ""
-
-
 def test_news_are_what_an_experimenter_should_know():
     assert news(ConsoleState(), SHOWING) == [SHOWING.heading, "trial 3 of 12: showing"]
     assert news(SHOWING, attrs.evolve(SHOWING, elapsed_s=999.0, rate_hz=1.0, missed=9)) == []

@@ -7,7 +7,6 @@ from together import together
 from hmdwarp.study.design import Design, design_from_text
 
 from ..refusals import check_refused, table
-from .test_plan_command import run
 
 PLAN = """schema = 1
 name = "s"
@@ -65,13 +64,6 @@ def test_a_condition_s_own_name_comes_first_and_values_become_plain_words():
         ('latency = [200, 400]\nwarp = ["forward", "none"]', factors), ("latency200-none", a), ("latency200-forward", b)
     )
     assert names(design) == [a, b, "reference"]
-
-
-def test_the_plan_prints_them(tmp_path):
-    path = tmp_path / "s.toml"
-    path.write_text(PLAN, encoding="utf-8")
-    told = run(path)
-    assert all(name in told for name in NAMES)
 
 
 WRONG = r"""

@@ -150,16 +150,11 @@ def test_a_long_text_is_agreed_to_on_its_last_page_alone():
     assert reading.agreed
 
 
-def test_the_experimenter_agrees_for_the_participant():
+@pytest.mark.parametrize(("command", "agrees"), [("agree", True), ("decline", False)])
+def test_the_experimenter_agrees_or_declines_for_the_participant(command, agrees):
     reading = ConsentDialog(LONG)
-    reading.handle(said("agree"))
-    assert reading.agreed and not reading.refused
-
-
-def test_the_console_declines_for_the_participant():
-    reading = ConsentDialog(LONG)
-    reading.handle(said("decline"))
-    assert reading.refused and not reading.agreed
+    reading.handle(said(command))
+    assert (reading.agreed, reading.refused) == (agrees, not agrees)
 
 
 @given(commands)

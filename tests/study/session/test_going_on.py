@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -262,6 +263,15 @@ def test_refusals_come_before_the_display_opens(monkeypatch, gpu, tmp_path):
         assert told in str(ran.error), ran.error
         assert ran.display.labels == []
     assert len(contents(path).sessions) == 1
+
+
+def test_a_session_beside_another_is_refused_before_the_display_opens(monkeypatch, gpu, tmp_path):
+    path = study(tmp_path)
+    with Store(path.with_name("small-data"), create=True) as other:
+        other.begin(load_design(str(path)), None, "P0", "person")
+        ran = run(monkeypatch, gpu, path)
+    assert isinstance(ran.error, MachineError) and f", process {os.getpid()} on " in str(ran.error)
+    assert ran.display.labels == []
 
 
 def test_a_further_session_and_a_pilot_are_sessions_of_their_own(monkeypatch, gpu, tmp_path):

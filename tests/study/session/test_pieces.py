@@ -95,21 +95,6 @@ def test_missing_figures_are_none_and_never_nan():
     assert not any(isinstance(value, float) and math.isnan(value) for value in actual_of(summary(), columns()).values())
 
 
-@pytest.mark.parametrize(
-    ("options", "told"),
-    [
-        ({"resume": True, "new_session": True}, "leave one of the two out"),
-        ({"resume": True, "participant": "new"}, "needs the code"),
-        ({"source": "auto", "trace": "walk"}, "a headset has a head of its own"),
-        ({"source": "offscreen", "trace": "walk"}, "--pilot or --simulate"),
-        ({"console": "chair"}, "expected lines or none"),
-    ],
-)
-def test_options_that_cannot_be_meant(options, told):
-    with pytest.raises(InputError, match=told):
-        SessionOptions(**{"study": "quick", "participant": "P1", **options})
-
-
 def test_a_simulated_pilot_is_a_pilot():
     assert SessionOptions(study="quick", participant="P1", pilot=True, simulate="quick").origin == "pilot"
     assert SessionOptions(study="quick", participant="P1", simulate="quick").origin == "simulated"
@@ -117,10 +102,10 @@ def test_a_simulated_pilot_is_a_pilot():
 
 
 def test_the_resuming_command_is_quoted_for_a_shell():
-    options = SessionOptions(study="my study.toml", participant="new", store="data here", new_session=True)
+    options = SessionOptions(study="my study.toml", participant="new", store="data here", new_session=True, lsl=True)
     assert (
         options.command("P7", "main", several=False)
-        == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here'"
+        == "hmdwarp study run 'my study.toml' --participant P7 --resume --store 'data here' --lsl"
     )
     assert "--part main" in options.command("P7", "main", several=True)
 

@@ -52,12 +52,9 @@ def test_answers_after_all_trials_end_nothing():
     assert why_sick(rule, [*answers(16), afterwards])
 
 
-def test_a_scale_that_counts_downwards_is_turned():
-    rule = Sickness(WORSE_BELOW, stop_at=5, rise=4)
-    assert why_sick(rule, answers(5))
-    assert not why_sick(rule, answers(6))
-    assert why_sick(rule, answers(18, 14))
-    assert not why_sick(rule, answers(14, 18))
+@pytest.mark.parametrize(("values", "is_sick"), [((5,), True), ((6,), False), ((18, 14), True), ((14, 18), False)])
+def test_a_scale_that_counts_downwards_is_turned(values, is_sick):
+    assert bool(why_sick(Sickness(WORSE_BELOW, stop_at=5, rise=4), answers(*values))) is is_sick
 
 
 def test_no_rule_and_other_scales_end_nothing():

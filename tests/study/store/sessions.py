@@ -82,13 +82,14 @@ def begun(store: Store, code: str = "P01", part: str = "one", origin: str = PERS
     return store.begin(design(), part, code, origin, **more)
 
 
-def go_through(store: Store, session: Session, value: float = 2.25, trace: str = "") -> None:
+def go_through(store: Store, session: Session, value=2.25, trace: str = "", of: Design | None = None) -> None:
     """Every step of it that is not done.
 
-    trace: what is written as each head's recording, "" for none.
+    value: of every answer, or a function of the step. trace: what is written as each head's
+    recording, "" for none.
     """
     showing: Showing | None = None
-    for step in steps(session):
+    for step in steps(session, of):
         if step.key in store.done(session):
             continue
         if isinstance(step, Show):
@@ -97,7 +98,7 @@ def go_through(store: Store, session: Session, value: float = 2.25, trace: str =
                 (store.traces / showing.trace).write_text(trace, encoding="utf-8")
             showing = store.end_showing(session, showing, {"seconds": step.seconds, "missed": 3}, complete=True)
         elif isinstance(step, Ask):
-            store.answer(session, step, value, 1.5, "participant", showing)
+            store.answer(session, step, value(step) if callable(value) else value, 1.5, "participant", showing)
         else:
             store.finish_step(session, step.key)
 
